@@ -84,10 +84,10 @@ class Simulation {
 
     /// Milliseconds between the stream's word that it begins and its word that the frame is done. On an idle stream the
     /// host's launch is in them, some 10 us; not on one that was kept busy until then. `answer` is the detector's.
-    double frame(Detector& detector, const DeviceCollisions*& answer, bool busy) {
+    double frame(Detector& detector, const DeviceIntersections*& answer, bool busy) {
         if (busy) keep_busy(stream_);
         check(cudaEventRecord(begin_, stream_));
-        detector.launch_self(view_);
+        detector.launch(view_);
         check(cudaEventRecord(end_, stream_));
         answer = &detector.wait();
         check(cudaEventSynchronize(end_));
@@ -103,7 +103,7 @@ class Simulation {
     cudaEvent_t begin_ = nullptr, end_ = nullptr;
 };
 
-std::string difference(const Collisions& cuda, const Collisions& cpu) {
+std::string difference(const Intersections& cuda, const Intersections& cpu) {
     return array_difference("pairs", cuda.pairs, cpu.pairs) + array_difference("offsets", cuda.offsets, cpu.offsets) +
            array_difference("hit flags", cuda.hit, cpu.hit);
 }
@@ -112,7 +112,7 @@ std::string difference(const Collisions& cuda, const Collisions& cpu) {
 std::array<Summary, stage_count> stages(const Settings& settings, Detector& detector, const MeshView& view) {
     std::array<std::vector<double>, stage_count> times;
     for (int i = 0; i < settings.frames; ++i) {
-        const Statistics& s = detector.find_self(view).statistics;
+        const Statistics& s = detector.find(view).statistics;
         for (std::size_t k = 0; k < times.size(); ++k) times[k].push_back(s.stage_milliseconds[k]);
     }
     std::array<Summary, stage_count> result;
@@ -174,7 +174,7 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
     Simulation simulation(workload.a);
     Detector detector(settings.options()), other(settings.options()), cpu({.backend = Backend::cpu});
 
-    const DeviceCollisions* answer = nullptr;
+    const DeviceIntersections* answer = nullptr;
     const double first = milliseconds_of([&] { simulation.frame(detector, answer, false); });
     for (int i = 0; i < 5; ++i) simulation.frame(detector, answer, true);
     std::vector<double> device, idle, clock;
@@ -182,17 +182,17 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
         device.push_back(simulation.frame(detector, answer, true));
         clock.push_back(milliseconds_of([&] { idle.push_back(simulation.frame(detector, answer, false)); }));
     }
-    std::string wrong = difference(detector.download(), cpu.find_self(host));
+    std::string wrong = difference(detector.download(), cpu.find(host));
 
     const std::array<Summary, stage_count> by_stage = stages(settings, other, simulation.view());
     nlohmann::json of_stages;
     for (std::size_t k = 0; k < by_stage.size(); ++k)
         of_stages[std::string(stage_name(static_cast<Stage>(k)))] = to_json(by_stage[k]);
-    const Statistics statistics = other.find_self(simulation.view()).statistics;
+    const Statistics statistics = other.find(simulation.view()).statistics;
     const nlohmann::json counted = counts(statistics);
-    wrong += difference(other.find_self(host), cpu.find_self(host));
-    const Summary brought = repeated(settings.host_frames(), [&] { other.find_self(host); });
-    const Summary on_cpu = repeated(settings.host_frames(), [&] { cpu.find_self(host); });
+    wrong += difference(other.find(host), cpu.find(host));
+    const Summary brought = repeated(settings.host_frames(), [&] { other.find(host); });
+    const Summary on_cpu = repeated(settings.host_frames(), [&] { cpu.find(host); });
     const Summary graph = summarise(std::move(device)), waited = summarise(std::move(clock));
     const Summary from_idle = summarise(std::move(idle));
     table.row({scene, std::to_string(workload.triangle_count()), counted["pairs"].dump(), number(graph.median),
@@ -248,9 +248,9 @@ void play(const Settings& settings) {
         const Workload workload = load(scene);
         Simulation simulation(workload.a);
         Detector detector(settings.options());
-        for (int i = 1; i < settings.frames; ++i) detector.find_self(simulation.view());
+        for (int i = 1; i < settings.frames; ++i) detector.find(simulation.view());
         check(cudaProfilerStart());
-        detector.find_self(simulation.view());
+        detector.find(simulation.view());
         check(cudaProfilerStop());
     }
 }
@@ -263,7 +263,7 @@ void write(const std::string& path, std::span<const T> values) {
 }
 
 /// The mesh and crumple's pairs, for peers.
-nlohmann::json dump(const Workload& workload, const Collisions& found, const std::string& folder) {
+nlohmann::json dump(const Workload& workload, const Intersections& found, const std::string& folder) {
     std::visit([&](const auto& values) { write(folder + "/vertices", std::span(values)); }, workload.a.vertices);
     write(folder + "/triangles", std::span(workload.a.triangles));
     write(folder + "/pairs", std::span(found.pairs.begin(), found.pairs.end()));
@@ -280,7 +280,7 @@ void serve(const Settings& settings) {
     const Workload workload = load(settings.scenes.at(0));
     Simulation simulation(workload.a);
     Detector detector(settings.options());
-    const DeviceCollisions* answer = nullptr;
+    const DeviceIntersections* answer = nullptr;
     const Contestant contestant{"crumple", "", "", [&] { simulation.frame(detector, answer, false); }, nullptr};
     for (std::string line; std::getline(std::cin, line);) {
         std::istringstream words(line);
@@ -290,7 +290,7 @@ void serve(const Settings& settings) {
         words >> request;
         nlohmann::json reply;
         if (request == "dump" && words >> folder)
-            reply = dump(workload, detector.find_self(simulation.view()), folder);
+            reply = dump(workload, detector.find(simulation.view()), folder);
         else if (request == "processors")
             reply = processors_at_hand();
         else if (request == "run" && words >> threads >> seconds)

@@ -75,7 +75,7 @@ bool same(const T* device, const Array<T>& host) {
 bool same_list(const DeviceImpactList& there, const ImpactList& here) {
     return same(there.pairs, here.pairs) && same(there.toi, here.toi);
 }
-bool same_list(const DeviceNearList& there, const NearList& here) {
+bool same_list(const DeviceProximityList& there, const ProximityList& here) {
     return same(there.pairs, here.pairs) && same(there.squared_distance, here.squared_distance);
 }
 bool same_list(const DeviceCandidateList& there, const CandidateList& here) { return same(there.pairs, here.pairs); }
@@ -131,23 +131,23 @@ void measure_step(const std::string& name, const Options& options, int frames, T
         set_right(row, name + ", " + question, wrong);
         add(std::move(row));
     };
-    const Motion earliest{.wants = MotionWants::earliest};
-    const Near near{.radius = step.radius};
-    const auto impacts = [](Detector& d) -> const DeviceImpacts& { return d.wait_impacts(); };
+    const ImpactQuery earliest{.output = Output::first};
+    const ProximityQuery near{.radius = step.radius};
+    const auto impacts = [](Detector& d) -> const DeviceImpacts& { return d.wait<ImpactQuery>(); };
     measure(
-        "impacts", [&](Detector& d) { d.launch_impacts(there.view(), there.end()); }, impacts,
-        [&]() -> const Impacts& { return cpu.find_impacts(here, end_here); });
+        "impacts", [&](Detector& d) { d.launch(there.view().moving_to(there.end()), ImpactQuery()); }, impacts,
+        [&]() -> const Impacts& { return cpu.find(here.moving_to(end_here), ImpactQuery()); });
     measure(
-        "first impact", [&](Detector& d) { d.launch_impacts(there.view(), there.end(), earliest); }, impacts,
-        [&]() -> const Impacts& { return cpu.find_impacts(here, end_here, earliest); });
+        "first impact", [&](Detector& d) { d.launch(there.view().moving_to(there.end()), earliest); }, impacts,
+        [&]() -> const Impacts& { return cpu.find(here.moving_to(end_here), earliest); });
     measure(
-        "near", [&](Detector& d) { d.launch_near(there.view(), near); },
-        [](Detector& d) -> const DeviceNearby& { return d.wait_near(); },
-        [&]() -> const Nearby& { return cpu.find_near(here, near); });
+        "near", [&](Detector& d) { d.launch(there.view(), near); },
+        [](Detector& d) -> const DeviceProximities& { return d.wait<ProximityQuery>(); },
+        [&]() -> const Proximities& { return cpu.find(here, near); });
     measure(
-        "candidates", [&](Detector& d) { d.launch_candidates(there.view(), there.end()); },
-        [](Detector& d) -> const DeviceCandidates& { return d.wait_candidates(); },
-        [&]() -> const CandidateLists& { return cpu.find_candidates(here, end_here); });
+        "candidates", [&](Detector& d) { d.launch(there.view().moving_to(there.end()), CandidateQuery()); },
+        [](Detector& d) -> const DeviceCandidates& { return d.wait<CandidateQuery>(); },
+        [&]() -> const Candidates& { return cpu.find(here.moving_to(end_here), CandidateQuery()); });
 }
 
 }  // namespace crumple::benchmark

@@ -16,8 +16,8 @@ namespace crumple::benchmark {
 namespace {
 
 /// Times steps; sets `differs` if any of them has another result than expected.
-Summary steps_on_device(const Options& options, int frames, const World& world, const Intersect& question,
-                        const WorldCollisions& expected, bool& differs) {
+Summary steps_on_device(const Options& options, int frames, const World& world, const IntersectionQuery& question,
+                        const Intersections& expected, bool& differs) {
     const DeviceArray poses(world.poses.data(), world.poses.size_bytes());
     World there = world;
     there.poses = {};
@@ -25,7 +25,7 @@ Summary steps_on_device(const Options& options, int frames, const World& world, 
     Detector detector(options);
     const auto step = [&] {
         detector.launch(there, question);
-        differs |= detector.wait_worlds().any != expected.any;
+        differs |= detector.wait().any != expected.any;
     };
     for (int warm_up = 0; warm_up < 4; ++warm_up) step();
     return repeated(frames, step);
@@ -56,13 +56,13 @@ void measure_worlds(int count, const Options& options, int frames, Table& table,
         poses[bodies.size() - 1].rows[3] = 4 * reach * w / count;
     }
     const World world{shapes, bodies, poses};
-    for (const auto& [name, wants] : {std::pair{"flags", Wants::any_by_world}, std::pair{"pairs", Wants::pairs}}) {
-        const Intersect question{.wants = wants};
+    for (const auto& [name, wants] : {std::pair{"flags", Output::any_by_world}, std::pair{"pairs", Output::pairs}}) {
+        const IntersectionQuery question{.output = wants};
         Detector detector(options), cpu({.backend = Backend::cpu});
         const double first = milliseconds_of([&] { detector.find(world, question); });
-        const WorldCollisions* expected = nullptr;
+        const Intersections* expected = nullptr;
         const double on_cpu = milliseconds_of([&] { expected = &cpu.find(world, question); });
-        const WorldCollisions& found = detector.find(world, question);
+        const Intersections& found = detector.find(world, question);
         std::string wrong = array_difference("world flags", found.world_hit, expected->world_hit) +
                             array_difference("pairs", found.pairs, expected->pairs);
         const auto hits = std::count(found.world_hit.begin(), found.world_hit.end(), 1);
@@ -75,7 +75,7 @@ void measure_worlds(int count, const Options& options, int frames, Table& table,
         if (differs) wrong += "steps on the device differ. ";
         table.row({name, std::to_string(count), std::to_string(triangles), std::to_string(hits), std::to_string(pairs),
                    number(steps.median), number(times.median), range(times),
-                   wants == Wants::pairs ? number(stages) : "", number(on_cpu), number(first)});
+                   wants == Output::pairs ? number(stages) : "", number(on_cpu), number(first)});
         nlohmann::json row{{"wants", name},
                            {"worlds", count},
                            {"triangles", triangles},

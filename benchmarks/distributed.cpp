@@ -102,17 +102,17 @@ nlohmann::json race_ranks(const std::string& scene, const Settings& settings, in
         std::int64_t pairs = 0;
         if (rank == 0) {
             const auto begin = Clock::now();
-            pairs = static_cast<std::int64_t>(one.find_self(sequence.frames[f].view()).pairs.size());
+            pairs = static_cast<std::int64_t>(one.find(sequence.frames[f].view()).pairs.size());
             time_of_one = milliseconds_since(begin);
         }
         meet_asleep();
         MPI_Barrier(MPI_COMM_WORLD);
         const auto begin = Clock::now();
-        const DistributedCollisions& found = many.find_self(frames[f].share());
+        const DistributedIntersections& found = many.find(frames[f].share());
         double time_of_many = milliseconds_since(begin);
         MPI_Allreduce(MPI_IN_PLACE, &time_of_many, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
-        if (rank == 0) agree = agree && found.total == pairs;
-        total = found.total;
+        if (rank == 0) agree = agree && found.count == pairs;
+        total = found.count;
         if (round == -2) first_many = time_of_many, first_one = time_of_one;
         if (round < 0) {
             if (round == -1) {
@@ -198,9 +198,9 @@ Growth grow_on_ranks(const scenes::Parameters& parameters, const Settings& setti
     for (double& time : growth.milliseconds) {
         MPI_Barrier(MPI_COMM_WORLD);
         const auto begin = Clock::now();
-        const DistributedCollisions& found = many.find_self({block.mesh.view(), {}, vertex_ids});
+        const DistributedIntersections& found = many.find(MeshShare{block.mesh.view(), {}, vertex_ids});
         time = milliseconds_since(begin);
-        growth.pairs = found.total;
+        growth.pairs = found.count;
         growth.mebibytes = Resident::measure().peak - empty;
         growth.hash = hash_of_all(found.pairs, rank, ranks);
     }
@@ -220,7 +220,7 @@ Growth grow_alone(const scenes::Parameters& parameters) {
     Detector one({.backend = Backend::cpu, .threads = 1});
     for (double& time : growth.milliseconds) {
         const auto begin = Clock::now();
-        const Collisions& found = one.find_self(mesh.view());
+        const Intersections& found = one.find(mesh.view());
         time = milliseconds_since(begin);
         growth.pairs = static_cast<std::int64_t>(found.pairs.size());
         growth.mebibytes = Resident::measure().peak - empty;

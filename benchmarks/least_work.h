@@ -14,7 +14,7 @@
 #include <array>
 #include <cstdint>
 
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 
 namespace crumple::benchmark {
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 
 namespace crumple::benchmark {
 

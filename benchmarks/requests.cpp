@@ -55,7 +55,7 @@ void serve(const Workload& workload) {
         }
         if (int count = 0; request == "parts" && words >> count >> folder) {
             std::vector<std::uint64_t> masks(static_cast<std::size_t>(workload.a.triangle_count()));
-            for (const Part& part : Detector().partition(workload.a.view(), count))
+            for (const Part& part : Detector().partition(workload.a.view(), {}, count))
                 for (const std::int32_t t : part.mesh.ids)
                     masks[static_cast<std::size_t>(t)] |= std::uint64_t{1} << part.index;
             write(folder + "/parts", masks);

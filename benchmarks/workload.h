@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 #include "crumple/io.h"
 #include "scenes/scenes.h"
 

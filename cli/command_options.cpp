@@ -128,8 +128,8 @@ void add_answer_options(CLI::App& app, AnswerOptions& options) {
     add_choice<Neighbours, Neighbours>(
         app, "--neighbours", options.neighbours, {{"geometric", Neighbours::geometric}, {"skip", Neighbours::skip}},
         "Triangles that share a vertex collide if they meet elsewhere too (geometric, the default), or never (skip)");
-    add_choice<Intersections, Intersections>(
-        app, "--intersections", options.intersections, {{"all", Intersections::all}, {"proper", Intersections::proper}},
+    add_choice<IntersectionKind, IntersectionKind>(
+        app, "--intersections", options.kind, {{"all", IntersectionKind::all}, {"proper", IntersectionKind::proper}},
         "Touching counts (all, the default), or only edges that strictly cross the inside of a triangle (proper). The "
         "latter leaves out triangles that cross only at edges and vertices: two boxes, one shifted along all axes, "
         "have "
@@ -151,16 +151,16 @@ void add_group_options(CLI::App& app, AnswerOptions& options) {
            "that collide "
            "are listed")
         ->type_name("components|bodies|FILE|PROPERTY");
-    add_choice<std::optional<Wanted>, Wanted>(
+    add_choice<std::optional<PairScope>, PairScope>(
         app, "--wanted", options.wanted,
-        {{"between", Wanted::between}, {"within", Wanted::within}, {"both", Wanted::both}},
+        {{"between", PairScope::between}, {"within", PairScope::within}, {"both", PairScope::both}},
         "Pairs between different groups, within one group, or both");
 }
 
 void AnswerOptions::check() const {
     if (polygons && part) fail("--part is of triangles: polygons of several parts would be listed in each of them");
     if (polygons && contacts) fail("--contacts belong to triangles, and --polygons lists none");
-    if (groups.empty() && wanted && *wanted != Wanted::both) fail("--wanted between and within need --groups");
+    if (groups.empty() && wanted && *wanted != PairScope::both) fail("--wanted between and within need --groups");
     if (!groups.empty() && !wanted && !of_bodies()) fail("--groups changes nothing without --wanted");
     if (!of_bodies()) return;
     if (part) fail("--part is of triangles, and --groups bodies lists bodies");

@@ -34,9 +34,9 @@ struct ReadingOptions {
 /// What changes the answer.
 struct AnswerOptions : ReadingOptions {
     Neighbours neighbours = Neighbours::geometric;
-    Intersections intersections = Intersections::all;
-    std::string groups;            ///< "components", "bodies", a file, a PLY property; empty: none
-    std::optional<Wanted> wanted;  ///< absent: both
+    IntersectionKind kind = IntersectionKind::all;
+    std::string groups;               ///< "components", "bodies", a file, a PLY property; empty: none
+    std::optional<PairScope> wanted;  ///< absent: both
     std::optional<PartOfMany> part;
     bool contacts = false;
     bool polygons = false;  ///< ids are those of polygons

@@ -10,35 +10,35 @@
 
 namespace crumple::cli {
 
-Motion MotionOptions::question(const AnswerOptions& answer, MotionWants wants) const {
-    Motion question;
-    question.wants = wants;
-    question.separation = separation;
-    question.separation_share = share;
+ImpactQuery MotionOptions::question(const AnswerOptions& answer, Output wants) const {
+    ImpactQuery question;
+    question.output = wants;
+    question.min_distance = min_distance;
+    question.min_distance_share = share;
     question.weld = answer.weld.value_or(false);
-    question.rules.groups = answer.wanted.value_or(Wanted::both);
+    question.filter.groups = answer.wanted.value_or(PairScope::both);
     return question;
 }
 
 void add_motion_options(CLI::App& app, MotionOptions& options) {
     add_number_option(
-        app, "--separation", [&options](double value) { options.separation = value; }, any_distance,
+        app, "--min-distance", [&options](double value) { options.min_distance = value; }, any_distance,
         "What comes as near as this touches, in the units of the coordinates")
         ->type_name("D");
     add_number_option(
-        app, "--separation-share", [&options](double value) { options.share = value; },
+        app, "--min-distance-share", [&options](double value) { options.share = value; },
         {1, "share of 0 or more and below 1"},
         "What comes as near as this share of its own distance at the start touches; of both the larger one counts")
         ->type_name("S");
 }
 
-Near NearOptions::question(const AnswerOptions& answer, NearWants wants) const {
-    Near question;
-    question.wants = wants;
+ProximityQuery NearOptions::question(const AnswerOptions& answer, Output wants) const {
+    ProximityQuery question;
+    question.output = wants;
     question.radius = radius.value_or(0);
     question.strict = below;
     question.weld = answer.weld.value_or(false);
-    question.rules.groups = answer.wanted.value_or(Wanted::both);
+    question.filter.groups = answer.wanted.value_or(PairScope::both);
     return question;
 }
 
@@ -52,7 +52,7 @@ void refuse_beside_features(const char* question, const AnswerOptions& answer) {
     };
     const AnswerOptions usual;
     refuse_with("--neighbours", answer.neighbours != usual.neighbours);
-    refuse_with("--intersections", answer.intersections != usual.intersections);
+    refuse_with("--intersections", answer.kind != usual.kind);
     refuse_with("--part", answer.part.has_value());
     refuse_with("--polygons", answer.polygons);
     refuse_with("--contacts", answer.contacts);
@@ -162,7 +162,7 @@ std::string summary_of_impacts(const Tally& tally, const FirstImpact& first, boo
     return summary_of(tally, kinds_of(tally), "impact", "nothing touches", triangles, ", the first at " + time);
 }
 
-std::string kinds_of(const CandidateLists& answer) {
+std::string kinds_of(const Candidates& answer) {
     std::string text;
     for (const CandidateKind kind : io::all_kinds) {
         if (!answer.listed[static_cast<std::size_t>(kind)]) continue;

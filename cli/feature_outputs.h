@@ -17,10 +17,10 @@
 namespace crumple::cli {
 
 struct MotionOptions {
-    double separation = 0, share = 0;
+    double min_distance = 0, share = 0;
 
-    bool any() const { return separation > 0 || share > 0; }
-    Motion question(const AnswerOptions& answer, MotionWants wants) const;
+    bool any() const { return min_distance > 0 || share > 0; }
+    ImpactQuery question(const AnswerOptions& answer, Output wants) const;
 };
 void add_motion_options(CLI::App& app, MotionOptions& options);
 
@@ -28,7 +28,7 @@ struct NearOptions {
     std::optional<double> radius;
     bool below = false;  ///< the radius itself is too far
 
-    Near question(const AnswerOptions& answer, NearWants wants) const;
+    ProximityQuery question(const AnswerOptions& answer, Output wants) const;
 };
 /// `--below`.
 void add_below_option(CLI::App& app, NearOptions& options);
@@ -135,7 +135,7 @@ Tally tally_of(const Answer& answer) {
 /// "27 vertex-face, 107 edge-edge"
 std::string kinds_of(const Tally& tally);
 /// The same of those that are listed.
-std::string kinds_of(const CandidateLists& answer);
+std::string kinds_of(const Candidates& answer);
 
 /// "134 impacts (27 vertex-face, 107 edge-edge), 3.1 ms", or "nothing touches: 28 triangles, 3.1 ms". `one`: "impact";
 /// `kinds`: as kinds_of says them; `more`: what follows them.

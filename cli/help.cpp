@@ -21,7 +21,7 @@ const std::vector<Group>& groups() {
     static const std::vector<Group> all{
         {"Options", {"output", "check", "contacts", "radius", "kind", "groups", "wanted", "help"}},
         {"What counts",
-         {"neighbours", "intersections", "polygons", "part", "separation", "separation-share", "inflation", "kinds",
+         {"neighbours", "intersections", "polygons", "part", "min-distance", "min-distance-share", "inflation", "kinds",
           "below", "radii", "rings", "rest", "rest-radius"}},
         {"Bodies (with --groups bodies)", {"exclude", "exclude-from", "poses", "any"}},
         {"Reading files", {"unit", "weld", "no-weld", "precision", "triangulation", "strict"}},

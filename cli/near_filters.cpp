@@ -64,7 +64,7 @@ NearFilters::NearFilters(const NearFilterOptions& options, Input& input, const A
     check_same_faces(input, options.rest, rest_);
 }
 
-void NearFilters::tell(Near& question) const {
+void NearFilters::tell(ProximityQuery& question) const {
     question.radii = radii_;
     question.rings = options_.rings;
     if (options_.rest.empty()) return;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cli/search.h"
-#include "crumple/near.h"
+#include "crumple/proximities.h"
 
 namespace crumple::cli {
 
@@ -28,7 +28,7 @@ class NearFilters {
     /// the options.
     NearFilters(const NearFilterOptions& options, Input& input, const AnswerOptions& answer);
 
-    void tell(Near& question) const;
+    void tell(ProximityQuery& question) const;
 
    private:
     const NearFilterOptions& options_;

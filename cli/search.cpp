@@ -202,17 +202,17 @@ Search::Search(const AnswerOptions& answer, const Options& options)
 
 Search::~Search() = default;
 
-Query query_of(const AnswerOptions& answer) {
-    Query query;
+IntersectionQuery query_of(const AnswerOptions& answer) {
+    IntersectionQuery query;
     query.neighbours = answer.neighbours;
-    query.intersections = answer.intersections;
+    query.kind = answer.kind;
     query.weld = answer.weld.value_or(false);
-    query.contacts = answer.contacts;
-    query.wanted = answer.wanted.value_or(Wanted::both);
+    query.output = answer.contacts ? Output::contacts : Output::pairs;
+    query.filter.groups = answer.wanted.value_or(PairScope::both);
     return query;
 }
 
-Query Search::query() const { return query_of(answer_); }
+IntersectionQuery Search::query() const { return query_of(answer_); }
 
 Error with_name(const std::string& name, const Error& error) {
     Error named(error.code, name + ": " + error.what(), error.element, error.index, error.bytes_needed,
@@ -234,7 +234,7 @@ decltype(auto) named(const std::string& name, Work work) {
 }
 
 /// Offsets and hit flags of the whole meshes, where a part has its own.
-void index_by_mesh(const Input& input, Collisions& collisions) {
+void index_by_mesh(const Input& input, Intersections& collisions) {
     const auto first = static_cast<std::size_t>(input.first.triangle_count());
     collisions.offsets.assign(first + 1, 0);
     collisions.hit.assign(first, 0);
@@ -246,33 +246,6 @@ void index_by_mesh(const Input& input, Collisions& collisions) {
     }
     for (std::size_t i = 0; i < first; ++i) collisions.offsets[i + 1] += collisions.offsets[i];
 }
-
-}  // namespace
-
-const Collisions& Search::find(const Input& input) {
-    const MeshView a = input.first.view();
-    const MeshView b = input.second ? input.second->view() : MeshView();
-    return named(input.name, [&]() -> const Collisions& {
-        if (!answer_.part)
-            return input.second ? detector_.find_between(a, b, query()) : detector_.find_self(a, query());
-        const auto [index, count] = *answer_.part;
-        const auto parts = input.second ? detector_.partition(a, b, count) : detector_.partition(a, count);
-        detector_.find(parts[static_cast<std::size_t>(index) - 1], query());
-        detector_.swap_result(of_part_);
-        index_by_mesh(input, of_part_);
-        return of_part_;
-    });
-}
-
-Statistics Search::stream(const Input& input, Detector::TakeBlock take) {
-    const MeshView a = input.first.view();
-    return named(input.name, [&] {
-        return input.second ? detector_.stream_between(a, input.second->view(), take, query())
-                            : detector_.stream_self(a, take, query());
-    });
-}
-
-namespace {
 
 /// A mesh with its lines and points, if it has any, beside edges and vertices of its faces.
 class ListedView {
@@ -290,60 +263,58 @@ class ListedView {
     MeshView view_;
 };
 
-}  // namespace
-
-const Impacts& Search::find(const Input& start, const io::TriangleMesh& end, const Motion& question) {
-    return named(start.name, [&]() -> const Impacts& {
-        const ListedView listed(start.first);
-        return detector_.find_impacts(listed.view(), end.view().vertices, question);
-    });
-}
-
-const CandidateLists& Search::find(const Input& start, const io::TriangleMesh* end, const CandidateQuestion& question) {
-    return named(start.name, [&]() -> const CandidateLists& {
-        const ListedView listed(start.first);
-        return end ? detector_.find_candidates(listed.view(), end->view().vertices, question)
-                   : detector_.find_candidates(listed.view(), question);
-    });
-}
-
-// ask(mesh), or ask(world) of two bodies.
-template <class Ask>
-decltype(auto) Search::between(const Input& input, Ask ask) {
+/// Calls work(scene); an Error names the input. `end`: of one mesh, where it moves to, or null.
+template <class Work>
+decltype(auto) on_scene(const Input& input, const io::TriangleMesh* end, Work work) {
     return named(input.name, [&]() -> decltype(auto) {
         const ListedView first(input.first);
-        if (!input.second) return ask(first.view());
+        if (!input.second) return work(Scene(end ? first.view().moving_to(end->view().vertices) : first.view()));
         const ListedView second(*input.second);
-        const Shape shapes[] = {Shape(first.view()), Shape(second.view())};
-        const Body bodies[] = {{.shape = 0}, {.shape = 1}};
-        return ask(World{shapes, bodies, {}});
+        return work(Scene(first.view(), second.view()));
     });
 }
 
-const Nearby& Search::find(const Input& input, const Near& question) {
-    return between(input, [&](const auto& scene) -> const Nearby& { return detector_.find_near(scene, question); });
-}
+}  // namespace
 
-Statistics Search::stream(const Input& start, const io::TriangleMesh& end, const Motion& question,
-                          Detector::TakeImpacts take) {
-    return named(start.name, [&] {
-        const ListedView listed(start.first);
-        return detector_.stream_impacts(listed.view(), end.view().vertices, take, question);
+const Intersections& Search::find(const Input& input) {
+    if (!answer_.part) return find(input, query());
+    return on_scene(input, nullptr, [&](const Scene& scene) -> const Intersections& {
+        const auto [index, count] = *answer_.part;
+        detector_.find(detector_.partition(scene, query(), count)[static_cast<std::size_t>(index) - 1], query());
+        detector_.swap_result(of_part_);
+        index_by_mesh(input, of_part_);
+        return of_part_;
     });
 }
 
-Statistics Search::stream(const Input& start, const io::TriangleMesh* end, const CandidateQuestion& question,
-                          Detector::TakeCandidates take) {
-    return named(start.name, [&] {
-        const ListedView listed(start.first);
-        return end ? detector_.stream_candidates(listed.view(), end->view().vertices, take, question)
-                   : detector_.stream_candidates(listed.view(), take, question);
-    });
+bool Search::any(const Input& input) {
+    if (answer_.part) return find(input).any;
+    return on_scene(input, nullptr, [&](const Scene& scene) { return detector_.any(scene, query()); });
 }
 
-Statistics Search::stream(const Input& input, const Near& question, Detector::TakeNearby take) {
-    return between(input, [&](const auto& scene) { return detector_.stream_near(scene, take, question); });
+template <class Query>
+const typename Query::Result& Search::find(const Input& input, const Query& query, const io::TriangleMesh* end) {
+    return on_scene(
+        input, end, [&](const Scene& scene) -> auto& { return detector_.find(scene, query); });
 }
+
+template <class Query>
+Statistics Search::stream(const Input& input, const Query& query, FunctionRef<void(const typename Query::Result&)> take,
+                          const io::TriangleMesh* end) {
+    return on_scene(input, end, [&](const Scene& scene) { return detector_.stream(scene, query, take); });
+}
+
+template const Impacts& Search::find(const Input&, const ImpactQuery&, const io::TriangleMesh*);
+template const Proximities& Search::find(const Input&, const ProximityQuery&, const io::TriangleMesh*);
+template const Candidates& Search::find(const Input&, const CandidateQuery&, const io::TriangleMesh*);
+template Statistics Search::stream(const Input&, const IntersectionQuery&, FunctionRef<void(const Intersections&)>,
+                                   const io::TriangleMesh*);
+template Statistics Search::stream(const Input&, const ImpactQuery&, FunctionRef<void(const Impacts&)>,
+                                   const io::TriangleMesh*);
+template Statistics Search::stream(const Input&, const ProximityQuery&, FunctionRef<void(const Proximities&)>,
+                                   const io::TriangleMesh*);
+template Statistics Search::stream(const Input&, const CandidateQuery&, FunctionRef<void(const Candidates&)>,
+                                   const io::TriangleMesh*);
 
 namespace {
 
@@ -363,24 +334,16 @@ std::string with_name_of_body(const std::string& message, const std::vector<std:
 
 }  // namespace
 
-const WorldCollisions& Search::find(const std::string& files, const std::vector<std::string>& names,
-                                    std::int64_t first_configuration, const World& world, const Intersect& question) {
-    return named(files, [&]() -> const WorldCollisions& {
+const Intersections& Search::find(const std::string& files, const std::vector<std::string>& names,
+                                  std::int64_t first_configuration, const World& world,
+                                  const IntersectionQuery& question) {
+    return named(files, [&]() -> const Intersections& {
         try {
             return detector_.find(world, question);
         } catch (const Error& error) {
             throw Error(error.code, with_name_of_body(error.what(), names, first_configuration), error.element,
                         error.index, error.bytes_needed, error.system_error);
         }
-    });
-}
-
-bool Search::any(const Input& input) {
-    if (answer_.part) return !find(input).pairs.empty();
-    return named(input.name, [&] {
-        const MeshView a = input.first.view();
-        return input.second ? detector_.has_collision(a, input.second->view(), query())
-                            : detector_.has_collision(a, query());
     });
 }
 

@@ -24,7 +24,7 @@ struct Input {
 };
 
 /// What is asked of a search for triangles.
-Query query_of(const AnswerOptions& answer);
+IntersectionQuery query_of(const AnswerOptions& answer);
 
 /// The error of a search, with what it is about and which option helps.
 Error with_name(const std::string& name, const Error& error);
@@ -89,38 +89,32 @@ class Search {
     ~Search();
 
     /// Valid until the next call. Throws Error that names the input.
-    const Collisions& find(const Input& input);
-    /// The same in blocks, in order. Throws as find does, and what `take` throws.
-    Statistics stream(const Input& input, Detector::TakeBlock take);
+    const Intersections& find(const Input& input);
     /// Whether there is any pair. Ends at the first that is found, unless only a part is wanted. Throws as find does.
     bool any(const Input& input);
-    /// What touches between a start and an end that check_same_faces has seen. Valid until the next call. Throws Error
-    /// that names the input.
-    const Impacts& find(const Input& start, const io::TriangleMesh& end, const Motion& question);
-    /// Which features have boxes that overlap, on the way to `end`, or where that is null at rest.
-    const CandidateLists& find(const Input& start, const io::TriangleMesh* end, const CandidateQuestion& question);
-    /// What is near in one mesh, or between two: then these are bodies 0 and 1.
-    const Nearby& find(const Input& input, const Near& question);
-    /// These in blocks, in order. Throw as find does, and what `take` throws.
-    Statistics stream(const Input& start, const io::TriangleMesh& end, const Motion& question,
-                      Detector::TakeImpacts take);
-    Statistics stream(const Input& start, const io::TriangleMesh* end, const CandidateQuestion& question,
-                      Detector::TakeCandidates take);
-    Statistics stream(const Input& input, const Near& question, Detector::TakeNearby take);
+    /// The result of a query about features: of one mesh, on its way to `end` (which check_same_faces has seen) if that
+    /// is given, or of two. Valid until the next call. Throws Error that names the input.
+    template <class Query>
+    const typename Query::Result& find(const Input& input, const Query& query, const io::TriangleMesh* end = nullptr);
+    /// Results in blocks, in order. Throw as find does, and what `take` throws.
+    template <class Query>
+    Statistics stream(const Input& input, const Query& query, FunctionRef<void(const typename Query::Result&)> take,
+                      const io::TriangleMesh* end = nullptr);
+    Statistics stream(const Input& input, FunctionRef<void(const Intersections&)> take) {
+        return stream(input, query(), take);
+    }
     /// The answer for bodies that have these names, again and again in each of several configurations, whose first one
     /// has this number; -1: there is but one. Valid until the next call. Throws Error that names `files`, and the
     /// configuration and body it is about.
-    const WorldCollisions& find(const std::string& files, const std::vector<std::string>& names,
-                                std::int64_t first_configuration, const World& world, const Intersect& question);
+    const Intersections& find(const std::string& files, const std::vector<std::string>& names,
+                              std::int64_t first_configuration, const World& world, const IntersectionQuery& question);
 
    private:
-    template <class Ask>
-    static decltype(auto) between(const Input& input, Ask ask);
-    Query query() const;
+    IntersectionQuery query() const;
     AnswerOptions answer_;
     std::unique_ptr<AllowedThreads> threads_;
     Detector detector_;
-    Collisions of_part_;
+    Intersections of_part_;
 };
 
 }  // namespace crumple::cli

@@ -21,7 +21,7 @@ double ratio(std::int64_t part, std::int64_t whole) {
 
 }  // namespace
 
-std::int64_t count_hits(const Collisions& collisions) {
+std::int64_t count_hits(const Intersections& collisions) {
     const auto count = [](const Array<std::uint8_t>& hit) { return std::count(hit.begin(), hit.end(), 1); };
     return count(collisions.hit) + count(collisions.hit_second);
 }

@@ -60,13 +60,14 @@ int main() {
         }
 
     crumple::Detector detector;
-    const crumple::WorldCollisions& any =
-        detector.find({shapes, bodies, poses}, {.wants = crumple::Wants::any_by_world});
+    const crumple::Intersections& any =
+        detector.find(crumple::World{shapes, bodies, poses}, {.output = crumple::Output::any_by_world});
     int collide = 0;
     for (const std::uint8_t hit : any.world_hit) collide += hit;
     std::printf("%zu bodies in %d worlds: something collides in %d of them\n", bodies.size(), worlds, collide);
 
-    const crumple::WorldCollisions& met = detector.find({shapes, bodies, poses}, {.wants = crumple::Wants::body_pairs});
+    const crumple::Intersections& met =
+        detector.find(crumple::World{shapes, bodies, poses}, {.output = crumple::Output::body_pairs});
     std::vector<int> pairs(worlds, 0);
     for (const crumple::BodyPair& pair : met.bodies)
         ++pairs[static_cast<std::size_t>(bodies[static_cast<std::size_t>(pair.first)].world)];

@@ -146,12 +146,12 @@ std::size_t run(int cells, int frames, const std::string& output) {
     for (int frame = 1; frame <= frames; ++frame) {
         drape.advance(frame, [&](const scenes::StepTaken& step) {
             // The answer belongs to the detector and is good until its next call.
-            const Collisions& found = detector.find_self(drape.view());
+            const Intersections& found = detector.find(drape.view());
             std::printf("%5d  %8zu  %10.4f  %9zu  %15zu  %7.2f\n", frame, step.contacts, step.toi, step.held_back,
                         found.pairs.size(), found.statistics.milliseconds);
             intersecting += found.pairs.size();
         });
-        if (animation) animation->add(drape.mesh(), nullptr, detector.find_self(drape.view()));
+        if (animation) animation->add(drape.mesh(), nullptr, detector.find(drape.view()));
     }
     if (animation) animation->write(output);
     return intersecting;

@@ -21,7 +21,8 @@ int main() {
 
     try {
         crumple::Detector detector;
-        const crumple::Collisions& found = detector.find_self({vertices, triangles}, {.contacts = true});
+        const crumple::Intersections& found =
+            detector.find({vertices, triangles}, {.output = crumple::Output::contacts});
         for (std::size_t i = 0; i < found.pairs.size(); ++i) {
             std::printf("triangles %d and %d meet in", found.pairs[i].a, found.pairs[i].b);
             for (auto k = found.contacts.offsets[i]; k < found.contacts.offsets[i + 1]; ++k) {

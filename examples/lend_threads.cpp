@@ -97,7 +97,7 @@ int main() {
     options.backend = crumple::Backend::cpu;
     options.executor = std::make_shared<Pool>(4);
     crumple::Detector detector(options);
-    const crumple::Collisions& found = detector.find_self({vertices, triangles});
+    const crumple::Intersections& found = detector.find({vertices, triangles});
     std::printf("%zu pairs, on %d workers\n", found.pairs.size(), found.statistics.threads);
     return found.pairs.empty();
 }

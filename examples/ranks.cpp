@@ -51,10 +51,10 @@ bool run() {
     bool any = false;
     for (int frame = 0; frame < 4; ++frame) {
         block.move(frame);
-        const crumple::DistributedCollisions& found = detector.find_self(share);
+        const crumple::DistributedIntersections& found = detector.find(share);
         std::printf("frame %d, rank %d: %zu of %lld pairs\n", frame, detector.rank(), found.pairs.size(),
-                    static_cast<long long>(found.total));
-        any = found.total > 0;
+                    static_cast<long long>(found.count));
+        any = found.count > 0;
     }
     detector.close();
     return any;

@@ -71,7 +71,7 @@ int main() {
 
     std::vector<crumple::Body> bodies;
     std::vector<crumple::Pose> poses;
-    crumple::Intersect question{.wants = crumple::Wants::any_by_world};
+    crumple::IntersectionQuery question{.output = crumple::Output::any_by_world};
     std::mt19937 random(1);
     const auto angle = [&](double most) { return most * (static_cast<double>(random()) / 0x8000'0000 - 1); };
     for (std::int32_t c = 0; c < configurations; ++c) {
@@ -80,7 +80,7 @@ int main() {
         for (std::int32_t i = 0; i < links; ++i) {
             const auto body = static_cast<std::int32_t>(bodies.size());
             // A link begins where the last one ends: these two may touch.
-            if (i > 0) question.rules.excluded_bodies.push_back({body - 1, body});
+            if (i > 0) question.filter.excluded_bodies.push_back({body - 1, body});
             bodies.push_back({.shape = 0, .world = c});
             poses.push_back(pose);
             pose = joint(pose, 0, angle(1.5), length);
@@ -91,17 +91,17 @@ int main() {
         bodies.push_back({.shape = 1, .group = 1, .world = -1});
         poses.push_back({{1, 0, 0, 1.5 * std::cos(around), 0, 1, 0, 1.5 * std::sin(around), 0, 0, 1, -0.5}});
     }
-    question.rules.excluded_groups = {{1, 1}};  // posts among themselves
+    question.filter.excluded_groups = {{1, 1}};  // posts among themselves
 
     try {
         crumple::Detector detector;
-        const crumple::WorldCollisions& found = detector.find({shapes, bodies, poses}, question);
+        const crumple::Intersections& found = detector.find(crumple::World{shapes, bodies, poses}, question);
         int free = 0;
         for (const std::uint8_t hit : found.world_hit) free += hit == 0;
         std::printf("%d of %d configurations are free\n", free, configurations);
 
-        question.wants = crumple::Wants::body_pairs;
-        const auto& [first, second] = detector.find({shapes, bodies, poses}, question).bodies[0];
+        question.output = crumple::Output::body_pairs;
+        const auto& [first, second] = detector.find(crumple::World{shapes, bodies, poses}, question).bodies[0];
         std::printf("in configuration %d, link %d hits ", first / links, first % links);
         if (second < links * configurations)
             std::printf("link %d\n", second % links);

@@ -68,7 +68,7 @@ Soup<Scalar> wavy_sheet(int n, double amplitude = 0.3) {
     return soup;
 }
 
-inline std::vector<Pair> pairs_of(const Collisions& collisions) {
+inline std::vector<Pair> pairs_of(const Intersections& collisions) {
     return {collisions.pairs.begin(), collisions.pairs.end()};
 }
 

@@ -11,15 +11,15 @@ std::vector<Contestant> crumple_contestants(const Workload& workload) {
         Options options;
         options.threads = threads;
         const auto detector = std::make_shared<Detector>(options);
-        const auto answer = std::make_shared<const Collisions*>(nullptr);
+        const auto answer = std::make_shared<const Intersections*>(nullptr);
         const MeshView a = workload.a.view(), b = workload.b.view();
         Contestant contestant{"crumple", threads == 1 ? "1 thread" : "all threads", "exact pairs, sorted", {}, {}};
         if (workload.question == Question::any) {
             contestant.computes = "exact yes or no";
-            contestant.call = [=] { detector->has_collision(a); };
+            contestant.call = [=] { detector->any(a); };
         } else {
             const bool self = workload.question == Question::self;
-            contestant.call = [=] { *answer = self ? &detector->find_self(a) : &detector->find_between(a, b); };
+            contestant.call = [=] { *answer = self ? &detector->find(a) : &detector->find({a, b}); };
             contestant.pairs = [=] { return std::vector<Pair>((*answer)->pairs.begin(), (*answer)->pairs.end()); };
         }
         contestants.push_back(std::move(contestant));

@@ -123,7 +123,7 @@ nlohmann::json compare_axes(const Workload& workload, int parts, const Effort& e
     const std::vector<Primitive> primitives = primitives_of(mesh);
     std::vector<std::vector<const Primitive*>> members;
     std::vector<std::uint64_t> masks(primitives.size());
-    for (const Part& part : detector.partition(mesh.view(), parts)) {
+    for (const Part& part : detector.partition(mesh.view(), {}, parts)) {
         std::vector<const Primitive*>& list = members.emplace_back();
         for (const std::int32_t t : part.mesh.ids) {
             list.push_back(&primitives[static_cast<std::size_t>(t)]);
@@ -131,7 +131,7 @@ nlohmann::json compare_axes(const Workload& workload, int parts, const Effort& e
         }
     }
     std::int64_t colliding = 0;  // as often as candidates are counted: once in each part that holds both
-    for (const Pair& pair : detector.find_self(mesh.view()).pairs)
+    for (const Pair& pair : detector.find(mesh.view()).pairs)
         colliding += std::popcount(masks[static_cast<std::size_t>(pair.a)] & masks[static_cast<std::size_t>(pair.b)]);
 
     std::array<Counts, ways.size()> counts;

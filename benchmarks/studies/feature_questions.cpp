@@ -6,11 +6,11 @@ namespace crumple::benchmark {
 namespace {
 
 const Impacts& impacts(Detector& detector, const Step& step) {
-    return detector.find_impacts(step.start.view(), step.end_view());
+    return detector.find(step.start.view().moving_to(step.end_view()), ImpactQuery());
 }
 
-const Nearby& nearby(Detector& detector, const Step& step) {
-    return detector.find_near(step.start.view(), {.radius = step.radius});
+const Proximities& nearby(Detector& detector, const Step& step) {
+    return detector.find(step.start.view(), ProximityQuery{.radius = step.radius});
 }
 
 template <class T>
@@ -18,7 +18,7 @@ std::int64_t bytes(const Array<T>& array) {
     return static_cast<std::int64_t>(array.capacity() * sizeof(T));
 }
 std::int64_t bytes(const ImpactList& l) { return bytes(l.pairs) + bytes(l.toi) + bytes(l.start); }
-std::int64_t bytes(const NearList& l) { return bytes(l.pairs) + bytes(l.squared_distance) + bytes(l.touching); }
+std::int64_t bytes(const ProximityList& l) { return bytes(l.pairs) + bytes(l.squared_distance) + bytes(l.touching); }
 
 template <class Answer>
 FeatureMemory memory_of(const Answer& answer) {

@@ -9,7 +9,7 @@
 namespace crumple::benchmark {
 namespace {
 
-std::int64_t output_bytes(const Collisions& c) {
+std::int64_t output_bytes(const Intersections& c) {
     return static_cast<std::int64_t>(c.pairs.capacity() * sizeof(Pair) + c.offsets.capacity() * sizeof(std::int64_t) +
                                      c.hit.capacity() + c.hit_second.capacity());
 }
@@ -35,7 +35,7 @@ nlohmann::json study_growth(const StudySettings& settings) {
         const Summary slow = times[0].summary(), fast = times[1].summary();
 
         Detector detector;
-        const Collisions& result = detector.find_self(workload.a.view());
+        const Intersections& result = detector.find(workload.a.view());
         const auto n = static_cast<double>(workload.triangle_count());
         const double memory = static_cast<double>(result.statistics.peak_memory_bytes - output_bytes(result)) / n;
         triangles.push_back(n);

@@ -51,7 +51,7 @@ double length(Vec3d v) { return std::sqrt(dot(v, v)); }
 std::vector<Vec3d> centres_of(const io::TriangleMesh& mesh, int parts) {
     ParallelFor serial;
     SceneBuffers buffers;
-    const crumple::Scene scene = prepare_scene(mesh.view(), nullptr, false, serial, buffers);
+    const crumple::PreparedScene scene = prepare_scene(mesh.view(), nullptr, false, serial, buffers);
     const PartCentres placed = place_parts(scene, parts, serial);
     const PartTree tree = placed.tree();
     std::vector<Vec3d> centres;
@@ -142,14 +142,13 @@ struct Parts {
         }
     }
     void answer() {
-        for (Part& part : parts) part.detector.find_self(part.mesh.view());
+        for (Part& part : parts) part.detector.find(part.mesh.view());
     }
     std::vector<Pair> pairs() {
         std::vector<Pair> all;
         for (Part& part : parts) {
             const auto id = [&](std::int32_t t) { return part.triangles[static_cast<std::size_t>(t)]; };
-            for (const Pair& pair : part.detector.find_self(part.mesh.view()).pairs)
-                all.push_back({id(pair.a), id(pair.b)});
+            for (const Pair& pair : part.detector.find(part.mesh.view()).pairs) all.push_back({id(pair.a), id(pair.b)});
         }
         normalise(all, Question::self);
         return all;
@@ -159,7 +158,7 @@ struct Parts {
 nlohmann::json compare_rules(const Workload& workload, int clusters, const Effort& effort) {
     Detector detector;
     const Scene scene = place(workload.a, centres_of(workload.a, clusters));
-    const Array<Pair> whole = detector.find_self(workload.a.view()).pairs;
+    const Array<Pair> whole = detector.find(workload.a.view()).pairs;
 
     std::vector<std::unique_ptr<Parts>> answers;
     std::vector<Contestant> contestants;

@@ -105,7 +105,7 @@ MakeContestant moving(const std::string& scene) {
         const auto call = [=] {
             const int phase = (*calls)++ % (2 * frames - 2);
             const int frame = std::min(phase, 2 * frames - 2 - phase);
-            detector->find_self((*sequence)[static_cast<std::size_t>(frame)].view());
+            detector->find((*sequence)[static_cast<std::size_t>(frame)].view());
         };
         return Contestant{std::move(label), "", "", call, {}};
     };

@@ -23,7 +23,7 @@ nlohmann::json share_out(const Workload& workload, int count, const Effort& effo
     const Options options{.threads = 1};
     const MeshView mesh = workload.a.view();
     Detector whole(options);
-    const std::vector<Part> parts = whole.partition(mesh, count);
+    const std::vector<Part> parts = whole.partition(mesh, {}, count);
     const auto n = static_cast<std::size_t>(count);
     std::vector<io::TriangleMesh> meshes;
     std::vector<Detector> alone, owning;
@@ -41,11 +41,11 @@ nlohmann::json share_out(const Workload& workload, int count, const Effort& effo
     int rounds = effort.rounds;
     for (int round = 0; round <= rounds; ++round) {
         const auto begin = std::chrono::steady_clock::now();
-        const double whole_time = whole.find_self(mesh).statistics.milliseconds;
-        const Contestant cutting{"", "", "", [&] { whole.partition(mesh, count); }, {}};
+        const double whole_time = whole.find(mesh).statistics.milliseconds;
+        const Contestant cutting{"", "", "", [&] { whole.partition(mesh, {}, count); }, {}};
         const double partition_time = time_slice(cutting, 0).front();
         for (std::size_t k = 0; k < n; ++k) {
-            const double own = alone[k].find_self(meshes[k].view()).statistics.milliseconds;
+            const double own = alone[k].find(meshes[k].view()).statistics.milliseconds;
             const double owned = owning[k].find(parts[k]).statistics.milliseconds;
             if (round > 0) alone_times[k].push_back(own), owning_times[k].push_back(owned);
         }

@@ -45,7 +45,7 @@ nlohmann::json share_scene(const Workload& workload, int ranks, int parts, doubl
             distribute::RankDetector detector(transport, options);
             detector.set_clock(time_of_thread);
             for (int frame = 0; frame < frames; ++frame) {
-                detector.find_self(block.share(), {});
+                detector.find(block.share());
                 told[static_cast<std::size_t>(r)].push_back(detector.statistics());
             }
         });
@@ -90,7 +90,7 @@ nlohmann::json study_ranks(const StudySettings& settings) {
         std::vector<double> times;  // by the same clock
         for (int frame = 0; frame < frames; ++frame) {
             const double begin = time_of_thread();
-            one.find_self(workload.a.view());
+            one.find(workload.a.view());
             times.push_back(time_of_thread() - begin);
         }
         const double alone = median_of(times);

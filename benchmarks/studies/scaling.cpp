@@ -164,7 +164,7 @@ nlohmann::json frames_of(const scenes::Parameters& parameters, int ranks) {
             std::vector<Told> told;
             for (int frame = 0; frame < frames; ++frame) {
                 const double begin = time_of_thread();
-                const std::int64_t total = detector.find_self(block.share(frame), {}).total;
+                const std::int64_t total = detector.find(block.share(frame)).count;
                 told.push_back(transport.end(time_of_thread() - begin, detector.statistics()));
                 if (r == 0) pairs = total;
             }

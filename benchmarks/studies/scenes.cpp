@@ -51,7 +51,7 @@ std::int64_t peak_memory(const Options& options, const Workload& workload) {
     Detector detector(options);
     const MeshView a = workload.a.view(), b = workload.b.view();
     if (workload.question == Question::any) return 0;  // has_collision tells no statistics
-    return (workload.question == Question::between ? detector.find_between(a, b) : detector.find_self(a))
+    return (workload.question == Question::between ? detector.find({a, b}) : detector.find(a))
         .statistics.peak_memory_bytes;
 }
 

@@ -115,15 +115,15 @@ nlohmann::json follow(const Sequence& sequence, int most, double budget) {
         for (std::size_t k = 0; k < kinds.size(); ++k) {
             for (std::size_t f = 0; f < frames; ++f) {
                 const MeshView mesh = sequence.frames[f].view();
-                if (kinds[k].forgets) detectors[k].find_self(one.view()), detectors[k].find_self(many.view());
+                if (kinds[k].forgets) detectors[k].find(one.view()), detectors[k].find(many.view());
                 if (kinds[k].anew) {
                     Statistics s;
                     const Contestant call{
-                        "", "", "", [&] { s = Detector(kinds[k].options).find_self(mesh).statistics; }, {}};
+                        "", "", "", [&] { s = Detector(kinds[k].options).find(mesh).statistics; }, {}};
                     s.milliseconds = time_slice(call, 0).front();  // with construction and destruction
                     if (pass > 0) runs[k].add(f, s);
                 } else {
-                    const Statistics& s = detectors[k].find_self(mesh).statistics;
+                    const Statistics& s = detectors[k].find(mesh).statistics;
                     if (pass > 0) runs[k].add(f, s);
                 }
             }

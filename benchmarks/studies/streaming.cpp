@@ -23,7 +23,7 @@ nlohmann::json stream(const Workload& workload, const Effort& effort) {
     const MeshView a = workload.a.view(), b = workload.b.view();
     const bool between = workload.question == Question::between;
     Detector whole;
-    const auto find = [&]() -> const Collisions& { return between ? whole.find_between(a, b) : whole.find_self(a); };
+    const auto find = [&]() -> const Intersections& { return between ? whole.find({a, b}) : whole.find(a); };
     const std::int64_t pairs = find().statistics.pairs, at_once = find().statistics.peak_memory_bytes;
     std::vector<Way> ways;
     for (const int share : {1, 4, 16, 64})
@@ -37,9 +37,9 @@ nlohmann::json stream(const Workload& workload, const Effort& effort) {
                                "",
                                [&] {
                                    way.blocks = 0;
-                                   const auto take = [&](const Collisions&) { ++way.blocks; };
-                                   way.last = between ? way.detector.stream_between(a, b, take, {}, way.how)
-                                                      : way.detector.stream_self(a, take, {}, way.how);
+                                   const auto take = [&](const Intersections&) { ++way.blocks; };
+                                   way.last = between ? way.detector.stream({a, b}, {}, take, way.how)
+                                                      : way.detector.stream(a, {}, take, way.how);
                                },
                                {}});
     const std::vector<Times> times = race(contestants, effort);

@@ -56,9 +56,9 @@ Contestant crumple_with(const Options& options, const Workload& workload, std::s
     const Question question = workload.question;
     Contestant contestant{std::move(name), "", "", {}, {}};
     contestant.call = [=] {
-        if (question == Question::self) detector->find_self(a);
-        if (question == Question::between) detector->find_between(a, b);
-        if (question == Question::any) detector->has_collision(a);
+        if (question == Question::self) detector->find(a);
+        if (question == Question::between) detector->find({a, b});
+        if (question == Question::any) detector->any(a);
     };
     return contestant;
 }

@@ -36,7 +36,7 @@ nlohmann::json compare_cuts(const Workload& workload, const Effort& effort) {
     nlohmann::json rows = nlohmann::json::array();
     for (std::size_t i = 0; i < cuts.size(); ++i) {
         Detector detector(cuts[i].options);
-        const Statistics s = detector.find_self(workload.a.view()).statistics;
+        const Statistics s = detector.find(workload.a.view()).statistics;
         const Summary one = times[2 * i].summary(), all = times[2 * i + 1].summary();
         const double predicted = static_cast<double>(s.interval_tests) * sizeof(Pair);
         table.row({cuts[i].name, number(one.median), number(all.median), std::to_string(s.interval_tests),

@@ -83,7 +83,7 @@ struct Cost {
     std::int64_t overlaps = 0, members = 0;
 };
 
-Cost cost_of(const io::TriangleMesh& mesh, const Query& query, const Effort& effort) {
+Cost cost_of(const io::TriangleMesh& mesh, const IntersectionQuery& query, const Effort& effort) {
     Detector detector({.threads = 1});
     std::vector<double> until_sweep;
     Cost cost;
@@ -92,7 +92,7 @@ Cost cost_of(const io::TriangleMesh& mesh, const Query& query, const Effort& eff
         "",
         "",
         [&] {
-            const Statistics& s = detector.find_self(mesh.view(), query).statistics;
+            const Statistics& s = detector.find(mesh.view(), query).statistics;
             double sum = 0;
             for (const Stage stage : {Stage::bounds, Stage::subdivide, Stage::align, Stage::sort, Stage::sweep})
                 sum += s[stage];
@@ -131,7 +131,8 @@ nlohmann::json study_virtual_subdivision(const StudySettings& settings) {
         };
         add("uncut", workload.triangle_count(), cost_of(workload.a, {}, settings.effort));
         // Welded, so that pieces know their neighbours, and without those: `narrow` is not what is measured.
-        const Query apart{.neighbours = Neighbours::skip, .weld = true, .wanted = Wanted::between};
+        const IntersectionQuery apart{
+            .neighbours = Neighbours::skip, .weld = true, .filter = {.groups = PairScope::between}};
         for (int halvings = 1; halvings <= (settings.quick ? 3 : 12); ++halvings) {
             const io::TriangleMesh pieces = cut(triangles, std::ldexp(longest, -halvings));
             if (pieces.triangles.empty()) break;

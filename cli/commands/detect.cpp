@@ -61,7 +61,7 @@ struct Detect {
         if (check) fail("--contacts are not printed with --check, unless by -o");
     }
 
-    void write(const std::string& path, const Input& input, const Collisions& found) const {
+    void write(const std::string& path, const Input& input, const Intersections& found) const {
         const std::string extension = extension_of(path, format);
         const auto list = list_format(extension);
         if (!is_standard(path)) {
@@ -74,7 +74,7 @@ struct Detect {
         });
     }
 
-    std::string summary(std::int64_t pairs, const Collisions& found) const {
+    std::string summary(std::int64_t pairs, const Intersections& found) const {
         const auto all = static_cast<std::int64_t>(found.hit.size() + found.hit_second.size());
         return summary_of_pairs(pairs, count_hits(found), all, answer.polygons ? "polygons" : "triangles",
                                 found.statistics.milliseconds);
@@ -92,11 +92,11 @@ struct Detect {
         steps.begin("read");
         const Input input = read_input(files, answer);
         steps.begin("search and write");
-        Collisions all;  // of which only the flags are kept
+        Intersections all;  // of which only the flags are kept
         all.hit.assign(static_cast<std::size_t>(input.first.triangle_count()), 0);
         if (input.second) all.hit_second.assign(static_cast<std::size_t>(input.second->triangle_count()), 0);
         const auto write_to = [&](io::PairWriter writer) {
-            all.statistics = search.stream(input, [&](const Collisions& block) {
+            all.statistics = search.stream(input, [&](const Intersections& block) {
                 for (const Pair& pair : block.pairs)
                     all.hit[pair.a] = (input.second ? all.hit_second : all.hit)[pair.b] = 1;
                 writer.add(block);
@@ -133,14 +133,14 @@ struct Detect {
         const Input input = read_input(files, answer);
         steps.begin("search");
         if (check && outputs.empty() && !stats) return report(search.any(input));
-        const Collisions& of_triangles = search.find(input);
+        const Intersections& of_triangles = search.find(input);
         if (stats) print_statistics(of_triangles.statistics, count_hits(of_triangles));
         if (check && outputs.empty()) return report(!of_triangles.pairs.empty());
 
         steps.begin("write");
-        Collisions of_polygons;
+        Intersections of_polygons;
         if (answer.polygons) of_polygons = io::by_polygon(input.first, input.second_or_null(), of_triangles);
-        const Collisions& found = answer.polygons ? of_polygons : of_triangles;
+        const Intersections& found = answer.polygons ? of_polygons : of_triangles;
         for (const std::string& path : outputs) write(path, input, found);
         if (outputs.empty()) to_standard_output([&](std::ostream& out) { io::write_pairs(out, found); });
         if (!stats && (found.pairs.empty() || !std::all_of(outputs.begin(), outputs.end(), is_standard)))

@@ -78,18 +78,18 @@ struct Scene {
                 result[c * mesh.bodies.size() + static_cast<std::size_t>(pair.first)].self = false;
         return result;
     }
-    Intersect question(const AnswerOptions& answer, Wants wants, std::size_t count) const {
-        Intersect question;
-        question.wants = wants;
+    IntersectionQuery question(const AnswerOptions& answer, Output wants, std::size_t count) const {
+        IntersectionQuery question;
+        question.output = wants;
         question.neighbours = answer.neighbours;
-        question.intersections = answer.intersections;
+        question.kind = answer.kind;
         question.weld = answer.weld.value_or(false);
-        question.rules.bodies = answer.wanted.value_or(Wanted::between);
+        question.filter.bodies = answer.wanted.value_or(PairScope::between);
         const auto n = static_cast<std::int32_t>(mesh.bodies.size());
         for (std::int32_t c = 0; c < static_cast<std::int32_t>(count); ++c)
             for (const BodyPair& pair : excluded)
                 if (pair.first != pair.second)
-                    question.rules.excluded_bodies.push_back({c * n + pair.first, c * n + pair.second});
+                    question.filter.excluded_bodies.push_back({c * n + pair.first, c * n + pair.second});
         return question;
     }
 };
@@ -135,14 +135,14 @@ int find_once(const BodyTask& task, Search& search, const Scene& scene, const St
     const std::vector<Body> bodies = scene.bodies(1);
     const World world{view.shapes, bodies, view.poses};
     const bool only_status = task.check && task.outputs.empty(), pictures = wants_pictures(task);
-    Intersect question = scene.question(task.answer,
-                                        only_status ? Wants::any
-                                        : pictures  ? Wants::pairs
-                                                    : Wants::body_pairs,
-                                        1);
+    IntersectionQuery question = scene.question(task.answer,
+                                                only_status ? Output::any
+                                                : pictures  ? Output::pairs
+                                                            : Output::body_pairs,
+                                                1);
     question.index = pictures;
     steps.begin("search");
-    const WorldCollisions& found = search.find(scene.files, scene.names.list(), -1, world, question);
+    const Intersections& found = search.find(scene.files, scene.names.list(), -1, world, question);
     if (only_status) return report(found.any);
 
     steps.begin("write");
@@ -170,7 +170,7 @@ std::vector<Pose> read_poses(const std::string& path, const std::vector<std::str
 }
 
 /// Adds a batch of configurations. Bodies of the batch are those of the list, over and over.
-void add(const WorldCollisions& found, std::size_t count, ConfigurationList& list) {
+void add(const Intersections& found, std::size_t count, ConfigurationList& list) {
     const auto n = static_cast<std::int32_t>(list.names.size());
     std::size_t i = 0;
     for (std::size_t c = 0; c < count; ++c) {
@@ -192,10 +192,10 @@ int find_configurations(const BodyTask& task, Search& search, const Scene& scene
     const io::WorldView view = scene.mesh.view(1);
     const std::size_t n = view.bodies.size(), count = n ? poses.size() / n : 0;
     const bool only_status = task.check && task.outputs.empty();
-    const Wants wants = only_status ? Wants::any : task.bodies.any ? Wants::any_by_world : Wants::body_pairs;
+    const Output wants = only_status ? Output::any : task.bodies.any ? Output::any_by_world : Output::body_pairs;
     ConfigurationList list{scene.names.list(), !task.bodies.any};
     std::vector<Body> bodies;
-    Intersect question;
+    IntersectionQuery question;
     steps.begin("search");
     Progress progress(count);
     for (std::size_t first = 0, size; first < count; first += size) {
@@ -207,9 +207,8 @@ int find_configurations(const BodyTask& task, Search& search, const Scene& scene
         }
         const std::span<const Pose> batch(&poses[first * n], size * n);
         try {
-            const WorldCollisions& found =
-                search.find(scene.files, scene.names.list(), static_cast<std::int64_t>(first),
-                            {view.shapes, bodies, batch}, question);
+            const Intersections& found = search.find(scene.files, scene.names.list(), static_cast<std::int64_t>(first),
+                                                     {view.shapes, bodies, batch}, question);
             if (only_status && found.any) return progress.clear(), report(true);
             if (!only_status) add(found, size, list);
         } catch (...) {

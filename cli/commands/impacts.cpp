@@ -62,9 +62,7 @@ struct ImpactsCommand : FeatureCommand {
         if (end.empty()) refuse("impacts: END is required; see crumple impacts --help");
         check_stream();
     }
-    MotionWants wants() const {
-        return only_status() && !stats ? MotionWants::any : earliest ? MotionWants::earliest : MotionWants::impacts;
-    }
+    Output wants() const { return only_status() && !stats ? Output::any : earliest ? Output::first : Output::pairs; }
 
     int list_impacts() const {
         check_impacts();
@@ -75,9 +73,9 @@ struct ImpactsCommand : FeatureCommand {
         const MovingInput input = read_moving_input(start, end, answer);
         steps.begin(stream ? "search and write" : "search");
         if (stream) return stream_impacts(search, input);
-        Motion question = motion.question(answer, wants());
+        ImpactQuery question = motion.question(answer, wants());
         question.triangle_pairs = kind == Kind::pairs;
-        const Impacts& all = search.find(input.start, input.end, question);
+        const Impacts& all = search.find(input.start, question, &input.end);
         if (stats) print_statistics(all.statistics, earliest ? only_first_remark : found_in(all));
         if (only_status()) return report(all.any, "something touches", "nothing touches");
 
@@ -93,7 +91,7 @@ struct ImpactsCommand : FeatureCommand {
 
     int stream_impacts(Search& search, const MovingInput& input) const {
         const auto find = [&](auto take) {
-            return search.stream(input.start, input.end, motion.question(answer, MotionWants::impacts), take);
+            return search.stream(input.start, motion.question(answer, Output::pairs), take, &input.end);
         };
         return write_stream<Impacts>(io::ListKind::impacts, find, "impact", "nothing touches",
                                      input.start.triangle_count());
@@ -126,16 +124,15 @@ struct ImpactsCommand : FeatureCommand {
         steps.begin("read");
         const StepOrRest input = read_step_or_rest(start, end, answer);
         steps.begin(stream ? "search and write" : "search");
-        const CandidateQuestion question = candidates.question(answer);
+        const CandidateQuery question = candidates.question(answer);
         const std::int64_t triangles = input.start.triangle_count();
         if (stream) {
             const auto find = [&](auto take) {
-                return search.stream(input.start, input.end_or_null(), question, take);
+                return search.stream(input.start, question, take, input.end_or_null());
             };
-            return write_stream<CandidateLists>(io::ListKind::candidates, find, "candidate", "no candidates",
-                                                triangles);
+            return write_stream<Candidates>(io::ListKind::candidates, find, "candidate", "no candidates", triangles);
         }
-        const CandidateLists& found = search.find(input.start, input.end_or_null(), question);
+        const Candidates& found = search.find(input.start, question, input.end_or_null());
         if (stats) print_statistics(found.statistics, kinds_of(found));
         steps.begin("write");
         outputs.write([&](auto& to, io::PairFormat format) { io::write_candidates(to, found, format); });
@@ -174,7 +171,7 @@ Command add_impacts(CLI::App& app) {
         command, *impacts,
         "Exit with status 1 if anything touches. Without -o that is all that is searched for, and one line is printed");
     impacts->of_features.push_back(command.get_option("--earliest"));
-    for (const char* const name : {"--separation", "--separation-share", "--check"})
+    for (const char* const name : {"--min-distance", "--min-distance-share", "--check"})
         impacts->of_motion.push_back(command.get_option(name));
     command.footer(
         "A line `vf V F T S`: vertex V touches face F at time T, from 0 to 1 and rounded down; S is 1 if they touch\n"

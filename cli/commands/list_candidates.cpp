@@ -18,12 +18,12 @@ Choices<CandidateKind> kinds_by_name() {
 
 }  // namespace
 
-CandidateQuestion CandidateOptions::question(const AnswerOptions& answer) const {
-    CandidateQuestion question;
+CandidateQuery CandidateOptions::question(const AnswerOptions& answer) const {
+    CandidateQuery question;
     if (!kinds.empty()) question.kinds = kinds;
     question.inflation = inflation;
     question.weld = answer.weld.value_or(false);
-    question.rules.groups = answer.wanted.value_or(Wanted::both);
+    question.filter.groups = answer.wanted.value_or(PairScope::both);
     return question;
 }
 

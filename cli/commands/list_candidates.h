@@ -13,7 +13,7 @@ struct CandidateOptions {
     std::vector<CandidateKind> kinds;  ///< empty: those of CCD
     double inflation = 0;
 
-    CandidateQuestion question(const AnswerOptions& answer) const;
+    CandidateQuery question(const AnswerOptions& answer) const;
 };
 /// `--inflation` and `--kinds`. `with`: the option that they go with.
 std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOptions& options,

@@ -22,7 +22,7 @@ struct NearCommand : FeatureCommand {
     NearOptions near;
     NearFilterOptions filters;
 
-    NearWants wants() const { return only_status() && !stats ? NearWants::any : NearWants::pairs; }
+    Output wants() const { return only_status() && !stats ? Output::any : Output::pairs; }
 
     int list_on_ranks() const {
         if (files.size() > 1) refuse_on_ranks("a second mesh");
@@ -47,15 +47,15 @@ struct NearCommand : FeatureCommand {
         const AnswerOptions reading = with_lines_and_points(filters.rest.empty() ? answer : reading_of_motion(answer));
         Input input = read_input(files, reading);
         const NearFilters given(filters, input, reading);
-        Near question = near.question(answer, wants());
+        ProximityQuery question = near.question(answer, wants());
         given.tell(question);
         steps.begin(stream ? "search and write" : "search");
         if (stream) {
             const auto find = [&](auto take) { return search.stream(input, question, take); };
-            return write_stream<Nearby>(io::ListKind::near, find, "near pair", "nothing is near",
-                                        input.triangle_count());
+            return write_stream<Proximities>(io::ListKind::near, find, "near pair", "nothing is near",
+                                             input.triangle_count());
         }
-        const Nearby& found = search.find(input, question);
+        const Proximities& found = search.find(input, question);
         if (stats) print_statistics(found.statistics, kinds_of(tally_of(found)));
         if (only_status()) return report(found.any, "something is near", "nothing is near");
         steps.begin("write");

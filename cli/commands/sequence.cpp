@@ -39,7 +39,7 @@ struct Sequence {
     bool json = false, check = false, stats = false, impacts = false;
 
     void check_impacts() const {
-        if (motion.any() && !impacts) fail("--separation and --separation-share need --impacts");
+        if (motion.any() && !impacts) fail("--min-distance and --min-distance-share need --impacts");
         if (impacts) refuse_beside_features("--impacts", answer);
     }
 
@@ -101,7 +101,7 @@ struct Sequence {
     const Impacts& find_step(Search& search, Input& start, Input&& end) const {
         check_same_faces(start, end.name, end.first);
         start.name += " to " + end.name;
-        const Impacts& found = search.find(start, end.first, motion.question(answer, MotionWants::impacts));
+        const Impacts& found = search.find(start, motion.question(answer, Output::pairs), &end.first);
         start = std::move(end);
         return found;
     }
@@ -131,7 +131,7 @@ struct Sequence {
                     continue;
                 }
                 const Input input = frames.load(i, answer);
-                const Collisions& found = search.find(input);
+                const Intersections& found = search.find(input);
                 add_row(found.statistics);
                 pictures.add(input, found);
                 hits += count_hits(found);

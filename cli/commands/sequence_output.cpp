@@ -85,7 +85,7 @@ Pictures::Pictures(const std::vector<std::string>& outputs, std::ostream* stream
     if (!animated_.empty() || stream) animation_.emplace();
 }
 
-void Pictures::add(const Input& input, const Collisions& found) {
+void Pictures::add(const Input& input, const Intersections& found) {
     for (const std::string& path : numbered_) {
         io::write_coloured(numbered(path, count_, frames_), input.first, input.second_or_null(), found);
     }

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "cli/search.h"
+#include "crumple/impacts.h"
 #include "crumple/io.h"
-#include "crumple/motion.h"
 #include "io/bytes/atomic_file.h"
 
 namespace crumple::cli {
@@ -50,7 +50,7 @@ class Pictures {
     /// Files, and an animation to a stream, which may be null and must outlive the pictures.
     Pictures(const std::vector<std::string>& outputs, std::ostream* stream, std::size_t frames);
 
-    void add(const Input& input, const Collisions& found);
+    void add(const Input& input, const Intersections& found);
     /// Writes what has been added, unless that is nothing.
     void finish();
 

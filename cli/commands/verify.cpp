@@ -57,8 +57,8 @@ struct Verify {
                                      ? io::read_pairs(std::cin, "standard input" + (format.empty() ? "" : "." + format))
                                      : io::read_pairs(files.back());
         const Input input = read_input({files.begin(), files.end() - 1}, answer);
-        Collisions of_polygons;
-        const Collisions& found = search.find(input);
+        Intersections of_polygons;
+        const Intersections& found = search.find(input);
         if (answer.polygons) of_polygons = io::by_polygon(input.first, input.second_or_null(), found);
         const Array<Pair>& pairs = answer.polygons ? of_polygons.pairs : found.pairs;
         const Comparison comparison = compare(std::move(list), pairs, !input.second);

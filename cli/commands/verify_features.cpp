@@ -138,9 +138,9 @@ int verify_impacts(const FeatureCheck& check, const std::vector<std::string>& fi
     const auto is_of_triangles = [](const FeatureRow& row) { return row.kind == CandidateKind::face_face; };
     const bool of_triangles = std::any_of(list.rows.begin(), list.rows.end(), is_of_triangles);
     const bool of_features = !of_triangles || !std::all_of(list.rows.begin(), list.rows.end(), is_of_triangles);
-    Motion question = check.motion.question(answer, MotionWants::impacts);
+    ImpactQuery question = check.motion.question(answer, Output::pairs);
     question.triangle_pairs = of_triangles;
-    io::FeatureList right = io::list_of(search.find(input.start, input.end, question));
+    io::FeatureList right = io::list_of(search.find(input.start, question, &input.end));
     if (!of_features) std::erase_if(right.rows, [&](const FeatureRow& row) { return !is_of_triangles(row); });
     return print_verdict(list, right, of_features ? of_impacts : of_triangle_pairs, false);
 }
@@ -151,8 +151,7 @@ int verify_candidates(const FeatureCheck& check, const std::vector<std::string>&
         files.back(), format, false, [](const auto& path) { return io::read_candidates(path); },
         [](auto& in, const auto& name) { return io::read_candidates(in, name); });
     const StepOrRest input = read_step_or_rest(files[0], files.size() == 3 ? files[1] : "", answer);
-    const CandidateLists& found =
-        search.find(input.start, input.end_or_null(), check.candidate_options.question(answer));
+    const Candidates& found = search.find(input.start, check.candidate_options.question(answer), input.end_or_null());
     return print_verdict(list, io::list_of(found));
 }
 
@@ -163,14 +162,14 @@ int verify_near(const FeatureCheck& check, const std::vector<std::string>& files
         files.back(), format, two_files, [](const auto& path) { return io::read_near(path); },
         [](auto& in, const auto& name) { return io::read_near(in, name); });
     const Input input = read_input({files.begin(), files.end() - 1}, with_lines_and_points(answer));
-    const Nearby& found = search.find(input, check.near.question(answer, NearWants::pairs));
+    const Proximities& found = search.find(input, check.near.question(answer, Output::pairs));
     return print_verdict(list, io::list_of(found), of_near, two_files);
 }
 
 }  // namespace
 
 bool FeatureCheck::wanted(const AnswerOptions& answer) const {
-    if (motion.any() && !impacts) refuse("--separation and --separation-share need --impacts");
+    if (motion.any() && !impacts) refuse("--min-distance and --min-distance-share need --impacts");
     if (near.below && !near.radius) refuse("--below needs --near");
     for (const CLI::Option* const option : of_candidates)
         if (*option && !candidates) refuse(option->get_name() + " needs --candidates");

@@ -23,17 +23,18 @@ void check_is_shared(const RanksDetection& asked) {
     check_shared_outputs(asked.outputs, asked.format);
 }
 
-void write(RankLink& link, const RanksDetection& asked, const DistributedCollisions& found, io::Blocks triangles,
+void write(RankLink& link, const RanksDetection& asked, const DistributedIntersections& found, io::Blocks triangles,
            const Statistics& statistics) {
     const auto text = [&](io::PairFormat format) { return text_of(link, found, asked.answer.contacts, format); };
     const auto all = [&] {
-        Collisions collected = collect(link, found, triangles);
+        Intersections collected = collect(link, found, triangles);
         collected.statistics = statistics;
         return collected;
     };
-    write_list(
-        link, asked.outputs, asked.format, text, all,
-        [](auto& to, const Collisions& collected, io::PairFormat format) { io::write_pairs(to, collected, format); });
+    write_list(link, asked.outputs, asked.format, text, all,
+               [](auto& to, const Intersections& collected, io::PairFormat format) {
+                   io::write_pairs(to, collected, format);
+               });
 }
 
 int detect(RankLink& link, const RanksDetection& asked) {
@@ -45,7 +46,7 @@ int detect(RankLink& link, const RanksDetection& asked) {
     const Steps steps(asked.progress);
     steps.begin("read");
     const RankInput input = read_on_ranks(link, file, asked.answer);
-    Query query = query_of(asked.answer);
+    IntersectionQuery query = query_of(asked.answer);
     query.weld = query.weld || input.weld;
     DistributedOptions options;
     options.detector = asked.options;
@@ -53,19 +54,19 @@ int detect(RankLink& link, const RanksDetection& asked) {
     tell_phases(detector, steps);
     const auto report = [&](bool any) { return report_on_ranks(link, any, "something collides", "nothing collides"); };
     if (asked.check && asked.outputs.empty() && !asked.stats)
-        return report(about_input(file, [&] { return detector.has_collision(input.share(), query); }));
-    const DistributedCollisions& found =
-        about_input(file, [&]() -> const DistributedCollisions& { return detector.find_self(input.share(), query); });
+        return report(about_input(file, [&] { return detector.any(input.share(), query); }));
+    const DistributedIntersections& found =
+        about_input(file, [&]() -> const DistributedIntersections& { return detector.find(input.share(), query); });
     const std::int64_t hits = count_hits(link, found, input.triangles);
     const RankTotals totals =
-        total(link, found.statistics, input.triangles.rows, found.total, detector.options().detector.threads);
+        total(link, found.statistics, input.triangles.rows, found.count, detector.options().detector.threads);
     if (asked.stats) print_statistics(link, totals, fmt::format("{} triangles collide", grouped(hits)));
-    if (asked.check && asked.outputs.empty()) return report(found.total > 0);
+    if (asked.check && asked.outputs.empty()) return report(found.count > 0);
     steps.begin("write");
     write(link, asked, found, input.triangles, totals.statistics.search);
-    if (!asked.stats && (found.total == 0 || !std::all_of(asked.outputs.begin(), asked.outputs.end(), is_standard)))
-        say(summary_of_pairs(found.total, hits, input.triangles.rows, "triangles", totals.statistics.milliseconds));
-    return asked.check && found.total > 0 ? collided : done;
+    if (!asked.stats && (found.count == 0 || !std::all_of(asked.outputs.begin(), asked.outputs.end(), is_standard)))
+        say(summary_of_pairs(found.count, hits, input.triangles.rows, "triangles", totals.statistics.milliseconds));
+    return asked.check && found.count > 0 ? collided : done;
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ void check_is_shared(const FeatureCommand& command) {
 /// Collective. Of all ranks, whose rows are counted here.
 template <class Answer>
 Tally tally_of_all(RankLink& link, const Answer& found, double milliseconds) {
-    Tally tally{found.total, {}, milliseconds};
+    Tally tally{found.count, {}, milliseconds};
     for (std::size_t kind = 0; kind < tally.by_kind.size(); ++kind)
         tally.by_kind[kind] = link.sum(static_cast<std::int64_t>(found.lists[kind].pairs.size()));
     return tally;
@@ -30,8 +30,10 @@ Tally tally_of_all(RankLink& link, const Answer& found, double milliseconds) {
 
 void write(std::ostream& out, const Impacts& all, io::PairFormat format) { io::write_impacts(out, all, format); }
 void write(const std::string& path, const Impacts& all, io::PairFormat format) { io::write_impacts(path, all, format); }
-void write(std::ostream& out, const Nearby& all, io::PairFormat format) { io::write_near(out, all, format); }
-void write(const std::string& path, const Nearby& all, io::PairFormat format) { io::write_near(path, all, format); }
+void write(std::ostream& out, const Proximities& all, io::PairFormat format) { io::write_near(out, all, format); }
+void write(const std::string& path, const Proximities& all, io::PairFormat format) {
+    io::write_near(path, all, format);
+}
 
 /// Collective. complete(all) adds what the lists leave open.
 template <class All, class Found, class Complete>
@@ -84,7 +86,7 @@ class FeaturesOnRanks {
     template <class Found>
     void take(const mpi::Detector& detector, const Found& found, std::int64_t triangles, const char* remark = nullptr) {
         const RankTotals totals =
-            total(link_, found.statistics, triangles, found.total, detector.options().detector.threads);
+            total(link_, found.statistics, triangles, found.count, detector.options().detector.threads);
         statistics_ = totals.statistics.search;
         tally_ = tally_of_all(link_, found, totals.statistics.milliseconds);
         if (command_.stats) print_statistics(link_, totals, remark ? remark : kinds_of(tally_));
@@ -102,16 +104,16 @@ class FeaturesOnRanks {
 };
 
 int impacts(RankLink& link, const FeatureCommand& command, const std::string& start, const std::string& end,
-            const Motion& question, bool earliest) {
+            const ImpactQuery& question, bool earliest) {
     FeaturesOnRanks ranks(link, command, {start, end});
     const auto threads = allowed_threads(command.options);
     ranks.steps().begin("read");
     const RankInput input = read_step_on_ranks(link, start, end, command.answer);
     mpi::Detector detector = ranks.detector();
     const DistributedImpacts& found = about_input(start + " to " + end, [&]() -> const DistributedImpacts& {
-        return detector.find_impacts(input.share(), input.end.view().vertices, question);
+        return detector.find(input.share().moving_to(input.end.view().vertices), question);
     });
-    if (question.wants != MotionWants::any)
+    if (question.output != Output::any)
         ranks.take(detector, found, input.triangles.rows, earliest ? only_first_remark : nullptr);
     if (command.only_status()) return report_on_ranks(link, found.any, "something touches", "nothing touches");
     const auto complete = [&](Impacts& all) {
@@ -127,18 +129,18 @@ int impacts(RankLink& link, const FeatureCommand& command, const std::string& st
     return command.finish(found.any, summary_of_impacts(ranks.tally(), found.first, earliest, input.triangles.rows));
 }
 
-int near(RankLink& link, const FeatureCommand& command, const std::string& file, const Near& question) {
+int near(RankLink& link, const FeatureCommand& command, const std::string& file, const ProximityQuery& question) {
     FeaturesOnRanks ranks(link, command, {file});
     const auto threads = allowed_threads(command.options);
     ranks.steps().begin("read");
     const RankInput input = read_features_on_ranks(link, file, command.answer);
     mpi::Detector detector = ranks.detector();
-    const DistributedNearby& found =
-        about_input(file, [&]() -> const DistributedNearby& { return detector.find_near(input.share(), question); });
-    if (question.wants != NearWants::any) ranks.take(detector, found, input.triangles.rows);
+    const DistributedProximities& found =
+        about_input(file, [&]() -> const DistributedProximities& { return detector.find(input.share(), question); });
+    if (question.output != Output::any) ranks.take(detector, found, input.triangles.rows);
     if (command.only_status()) return report_on_ranks(link, found.any, "something is near", "nothing is near");
     ranks.steps().begin("write");
-    write_lists<Nearby>(link, command.outputs, input, found, io::ListKind::near, [&](Nearby& all) {
+    write_lists<Proximities>(link, command.outputs, input, found, io::ListKind::near, [&](Proximities& all) {
         all.any = found.any;
         all.statistics = ranks.statistics();
     });
@@ -148,12 +150,12 @@ int near(RankLink& link, const FeatureCommand& command, const std::string& file,
 }  // namespace
 
 int impacts_on_ranks(const FeatureCommand& command, const std::string& start, const std::string& end,
-                     const Motion& question, bool earliest) {
+                     const ImpactQuery& question, bool earliest) {
     check_is_shared(command);
     return run_on_ranks([&](RankLink& link) { return impacts(link, command, start, end, question, earliest); });
 }
 
-int near_on_ranks(const FeatureCommand& command, const std::string& file, const Near& question) {
+int near_on_ranks(const FeatureCommand& command, const std::string& file, const ProximityQuery& question) {
     check_is_shared(command);
     return run_on_ranks([&](RankLink& link) { return near(link, command, file, question); });
 }

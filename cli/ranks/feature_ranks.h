@@ -6,15 +6,15 @@
 #include <string>
 
 #include "cli/feature_outputs.h"
-#include "crumple/motion.h"
-#include "crumple/near.h"
+#include "crumple/impacts.h"
+#include "crumple/proximities.h"
 
 namespace crumple::cli {
 
 /// Called by all ranks (ranks.h), return the same status on all. Throw Error, the same on all ranks: invalid_argument
 /// for what is not shared among ranks, else as the search of one process does.
 int impacts_on_ranks(const FeatureCommand& command, const std::string& start, const std::string& end,
-                     const Motion& question, bool earliest);
-int near_on_ranks(const FeatureCommand& command, const std::string& file, const Near& question);
+                     const ImpactQuery& question, bool earliest);
+int near_on_ranks(const FeatureCommand& command, const std::string& file, const ProximityQuery& question);
 
 }  // namespace crumple::cli

@@ -15,13 +15,13 @@ namespace {
 constexpr auto edge_edge = static_cast<std::size_t>(FeatureKind::edge_edge);
 
 std::span<const double> values_of(const ImpactList& list) { return list.toi.span(); }
-std::span<const double> values_of(const NearList& list) { return list.squared_distance.span(); }
+std::span<const double> values_of(const ProximityList& list) { return list.squared_distance.span(); }
 std::span<const std::uint8_t> flags_of(const ImpactList& list) { return list.start.span(); }
-std::span<const std::uint8_t> flags_of(const NearList& list) { return list.touching.span(); }
+std::span<const std::uint8_t> flags_of(const ProximityList& list) { return list.touching.span(); }
 Array<double>& values_of(ImpactList& list) { return list.toi; }
-Array<double>& values_of(NearList& list) { return list.squared_distance; }
+Array<double>& values_of(ProximityList& list) { return list.squared_distance; }
 Array<std::uint8_t>& flags_of(ImpactList& list) { return list.start; }
-Array<std::uint8_t>& flags_of(NearList& list) { return list.touching; }
+Array<std::uint8_t>& flags_of(ProximityList& list) { return list.touching; }
 
 /// Numbers of first features, in as many blocks as there are ranks.
 class Ranges {
@@ -163,7 +163,7 @@ OrderedRows ordered(RankLink& link, const Answer& found) {
 }  // namespace
 
 OrderedRows in_order(RankLink& link, const DistributedImpacts& found) { return ordered(link, found); }
-OrderedRows in_order(RankLink& link, const DistributedNearby& found) { return ordered(link, found); }
+OrderedRows in_order(RankLink& link, const DistributedProximities& found) { return ordered(link, found); }
 
 RankText text_of(const RankLink& link, const OrderedRows& rows, io::ListKind of, io::PairFormat format) {
     const bool impacts = of == io::ListKind::impacts;
@@ -173,7 +173,7 @@ RankText text_of(const RankLink& link, const OrderedRows& rows, io::ListKind of,
                                                 : impacts                    ? &io::impact_words
                                                                              : &io::near_words;
         text.push_back(impacts ? section<Impacts>(rows, kind, format, heading)
-                               : section<Nearby>(rows, kind, format, heading));
+                               : section<Proximities>(rows, kind, format, heading));
     }
     return text;
 }
@@ -193,7 +193,7 @@ Array<Edge> collect_edges(RankLink& link, const RankInput& input) {
 void collect(RankLink& link, const OrderedRows& rows, const RankInput& input, Impacts& all) {
     collect_rows(link, rows, input, all);
 }
-void collect(RankLink& link, const OrderedRows& rows, const RankInput& input, Nearby& all) {
+void collect(RankLink& link, const OrderedRows& rows, const RankInput& input, Proximities& all) {
     collect_rows(link, rows, input, all);
 }
 

@@ -29,7 +29,7 @@ using OrderedRows = std::array<std::vector<TravellingRow>, feature_kinds>;
 
 /// Collective.
 OrderedRows in_order(RankLink& link, const DistributedImpacts& found);
-OrderedRows in_order(RankLink& link, const DistributedNearby& found);
+OrderedRows in_order(RankLink& link, const DistributedProximities& found);
 
 /// This rank's piece of each list as .txt or .csv; rank 0 begins with what stands before all rows. `rows`: kept by
 /// reference.
@@ -40,6 +40,6 @@ Array<Edge> collect_edges(RankLink& link, const RankInput& input);
 
 /// Collective. On rank 0 the lists, with all edges.
 void collect(RankLink& link, const OrderedRows& rows, const RankInput& input, Impacts& all);
-void collect(RankLink& link, const OrderedRows& rows, const RankInput& input, Nearby& all);
+void collect(RankLink& link, const OrderedRows& rows, const RankInput& input, Proximities& all);
 
 }  // namespace crumple::cli

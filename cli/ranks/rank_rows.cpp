@@ -16,9 +16,9 @@ using distribute::Traffic;
 std::size_t place(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 // In blocks: rows are text as they are made, and are never copied as a whole.
-void write_rows(std::ostream& out, const DistributedCollisions& found, bool contacts, io::PairFormat format) {
+void write_rows(std::ostream& out, const DistributedIntersections& found, bool contacts, io::PairFormat format) {
     constexpr std::size_t most = std::size_t{1} << 14;
-    Collisions block;
+    Intersections block;
     for (std::size_t begin = 0; begin < found.pairs.size(); begin += most) {
         const std::size_t n = std::min(most, found.pairs.size() - begin);
         std::copy_n(found.pairs.data() + begin, n, block.pairs.resize_discard(n));
@@ -36,7 +36,7 @@ void write_rows(std::ostream& out, const DistributedCollisions& found, bool cont
 }
 
 /// Offsets by first triangle and hit flags, as a detector makes them.
-void index(Collisions& found, std::int64_t triangles) {
+void index(Intersections& found, std::int64_t triangles) {
     found.offsets.resize_discard(place(triangles + 1));
     found.hit.resize_discard(place(triangles));
     std::fill(found.offsets.begin(), found.offsets.end(), 0);
@@ -50,7 +50,7 @@ void index(Collisions& found, std::int64_t triangles) {
 
 }  // namespace
 
-std::int64_t count_hits(RankLink& link, const DistributedCollisions& found, io::Blocks triangles) {
+std::int64_t count_hits(RankLink& link, const DistributedIntersections& found, io::Blocks triangles) {
     const std::int64_t begin = triangles.begin(link.rank()), end = triangles.end(link.rank());
     std::vector<std::uint8_t> hit;
     std::vector<std::int32_t> others;  // second triangles of other ranks, each once, in order
@@ -82,15 +82,15 @@ std::int64_t count_hits(RankLink& link, const DistributedCollisions& found, io::
     return link.sum(std::count(hit.begin(), hit.end(), std::uint8_t{1}));
 }
 
-RankText text_of(const RankLink& link, const DistributedCollisions& found, bool contacts, io::PairFormat format) {
+RankText text_of(const RankLink& link, const DistributedIntersections& found, bool contacts, io::PairFormat format) {
     return {[&found, contacts, format, first = link.is_first()](std::ostream& out) {
         if (first) io::write_heading_of_pairs(out, contacts, format);
         write_rows(out, found, contacts, format);
     }};
 }
 
-Collisions collect(RankLink& link, const DistributedCollisions& found, io::Blocks triangles) {
-    Collisions all;
+Intersections collect(RankLink& link, const DistributedIntersections& found, io::Blocks triangles) {
+    Intersections all;
     gather(link, found.pairs.span(), all.pairs);
     if (link.largest(!found.contacts.offsets.empty())) {
         const Contacts& mine = found.contacts;

@@ -12,12 +12,12 @@
 namespace crumple::cli {
 
 /// Collective. How many triangles of all ranks are in some pair. `triangles`: whose rows are whose.
-std::int64_t count_hits(RankLink& link, const DistributedCollisions& found, io::Blocks triangles);
+std::int64_t count_hits(RankLink& link, const DistributedIntersections& found, io::Blocks triangles);
 
 /// The rows of this rank as .txt or .csv; rank 0 begins with what stands before all rows. `found`: kept by reference.
-RankText text_of(const RankLink& link, const DistributedCollisions& found, bool contacts, io::PairFormat format);
+RankText text_of(const RankLink& link, const DistributedIntersections& found, bool contacts, io::PairFormat format);
 
 /// Collective. On rank 0 the answer as one process has it, but for its statistics; on the others nothing.
-Collisions collect(RankLink& link, const DistributedCollisions& found, io::Blocks triangles);
+Intersections collect(RankLink& link, const DistributedIntersections& found, io::Blocks triangles);
 
 }  // namespace crumple::cli

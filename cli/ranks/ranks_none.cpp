@@ -21,9 +21,9 @@ namespace {
 
 void refuse_on_ranks(const std::string&) { nobody_is_there(); }
 int detect_on_ranks(const RanksDetection&) { nobody_is_there(); }
-int impacts_on_ranks(const FeatureCommand&, const std::string&, const std::string&, const Motion&, bool) {
+int impacts_on_ranks(const FeatureCommand&, const std::string&, const std::string&, const ImpactQuery&, bool) {
     nobody_is_there();
 }
-int near_on_ranks(const FeatureCommand&, const std::string&, const Near&) { nobody_is_there(); }
+int near_on_ranks(const FeatureCommand&, const std::string&, const ProximityQuery&) { nobody_is_there(); }
 
 }  // namespace crumple::cli

@@ -159,7 +159,7 @@ class Simulation:
     def without_impacts(self, start, target):
         """Positions to which the way is free: vertices that would hit something go half the way there."""
         for _ in range(10):
-            impacts = self.detector.find_impacts(start, target, self.faces, separation_share=0.1, **self.rules)
+            impacts = self.detector.find_impacts(start, target, self.faces, min_distance_share=0.1, **self.rules)
             if not impacts:
                 break
             self.held += len(impacts)

@@ -4,13 +4,13 @@
 #include <cstdint>
 
 #include "crumple/candidates.h"
-#include "crumple/collisions.h"
 #include "crumple/features.h"
-#include "crumple/motion.h"
+#include "crumple/impacts.h"
+#include "crumple/intersections.h"
 
 namespace crumple {
 
-// Answers about features that lie in device memory (Detector::launch_impacts and its like). Lists have the order, and
+// Results about features that lie in device memory (Detector::launch). Lists have the order, and
 // the numbers, of those in host memory: what pairs, edges and points are is said there.
 
 /// Impacts of one kind. Null where there are none.
@@ -22,10 +22,10 @@ struct DeviceImpactList {
 };
 
 /// Near pairs of one kind.
-struct DeviceNearList {
+struct DeviceProximityList {
     std::int64_t count = 0;
     const Pair* pairs = nullptr;               ///< count
-    const double* squared_distance = nullptr;  ///< count; see NearList
+    const double* squared_distance = nullptr;  ///< count; see ProximityList
     const std::uint8_t* touching = nullptr;    ///< count
 };
 
@@ -51,15 +51,15 @@ struct DeviceFeatures {
 
 struct DeviceImpacts : DeviceFeatures {
     bool any = false;   ///< whether anything touches
-    FirstImpact first;  ///< from MotionWants::earliest on
+    FirstImpact first;  ///< from Output::first on
     std::array<DeviceImpactList, feature_kinds> lists;
     const DeviceImpactList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
 };
 
-struct DeviceNearby : DeviceFeatures {
+struct DeviceProximities : DeviceFeatures {
     bool any = false;  ///< whether anything is near
-    std::array<DeviceNearList, feature_kinds> lists;
-    const DeviceNearList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
+    std::array<DeviceProximityList, feature_kinds> lists;
+    const DeviceProximityList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
 };
 
 struct DeviceCandidates : DeviceFeatures {

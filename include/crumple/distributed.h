@@ -8,11 +8,11 @@
 #include <span>
 #include <string_view>
 
-#include "crumple/collisions.h"
+#include "crumple/impacts.h"
+#include "crumple/intersections.h"
 #include "crumple/mesh.h"
-#include "crumple/motion.h"
-#include "crumple/near.h"
 #include "crumple/options.h"
+#include "crumple/proximities.h"
 #include "crumple/world.h"
 
 namespace crumple {
@@ -29,6 +29,9 @@ struct MeshShare {
     std::span<const std::int64_t> triangle_ids;
     /// The same of the vertices. Empty on all ranks: no rank has a copy of another's.
     std::span<const std::int64_t> vertex_ids;
+
+    /// The same share, on its way to `end`: where each of its vertices is at the end of a step.
+    MeshShare moving_to(const VertexView& end) const { return {mesh.moving_to(end), triangle_ids, vertex_ids}; }
 };
 
 /// The bodies that one rank brings, whole, and the shapes that these need. Views, as in MeshShare. All ranks share one
@@ -91,23 +94,15 @@ struct DistributedStatistics {
     double operator[](Phase phase) const { return phase_milliseconds[static_cast<std::size_t>(phase)]; }
 };
 
-/// A rank's rows of the answer: those whose first triangle it has brought, in order. Triangles have the numbers that
-/// they have over all ranks. The rows of all ranks, merged, are the answer of one machine, byte for byte.
-struct DistributedCollisions {
-    Array<Pair> pairs;
-    Contacts contacts;       ///< of these; empty unless asked for
-    std::int64_t total = 0;  ///< pairs over all ranks
-    DistributedStatistics statistics;
-};
-
-/// The same of bodies: a rank's rows are those whose first body it has brought, in the order of WorldCollisions. Merged
-/// by first body, the rows of all ranks are those of one machine, byte for byte.
-struct DistributedWorldCollisions {
+/// A rank's rows of the intersections. Of triangles: those whose first triangle it has brought, in order, with the
+/// numbers that triangles have over all ranks. Of bodies: those whose first body it has brought, in the order of
+/// Intersections. Merged by first triangle or body, the rows of all ranks are those of one machine, byte for byte.
+struct DistributedIntersections {
     bool any = false;        ///< over all ranks
     std::int64_t count = 0;  ///< pairs of triangles over all ranks, where they are counted or listed; else 0
-    Array<BodyPair> bodies;  ///< for each pair its bodies; for Wants::body_pairs the colliding ones, each once
-    Array<Pair> pairs;       ///< triangles, as they count within their bodies
-    Contacts contacts;
+    Array<BodyPair> bodies;  ///< of bodies: for each pair its bodies; for Output::body_pairs each pair once; else empty
+    Array<Pair> pairs;       ///< of bodies as they count within these
+    Contacts contacts;       ///< of these; empty unless asked for
     DistributedStatistics statistics;
 };
 
@@ -117,9 +112,9 @@ struct DistributedWorldCollisions {
 /// rows of all ranks are those of one machine, byte for byte.
 struct DistributedImpacts {
     bool any = false;                             ///< over all ranks
-    FirstImpact first;                            ///< over all ranks (from MotionWants::earliest on)
+    FirstImpact first;                            ///< over all ranks (from Output::first on)
     std::array<ImpactList, feature_kinds> lists;  ///< by FeatureKind
-    std::int64_t total = 0;                       ///< impacts over all ranks, where they are listed
+    std::int64_t count = 0;                       ///< impacts over all ranks, where they are listed
     /// The edges that this rank's rows name: their numbers, ascending, and the numbers of their vertices.
     Array<std::int32_t> edge_ids;
     Array<Edge> edges;
@@ -130,17 +125,17 @@ struct DistributedImpacts {
 };
 
 /// The same of what is near.
-struct DistributedNearby {
+struct DistributedProximities {
     bool any = false;
-    std::array<NearList, feature_kinds> lists;
-    std::int64_t total = 0;
+    std::array<ProximityList, feature_kinds> lists;
+    std::int64_t count = 0;
     Array<std::int32_t> edge_ids;
     Array<Edge> edges;
     Array<std::int32_t> edge_bodies;
-    bool closest = false;  ///< Near::closest was asked for
+    bool closest = false;  ///< ProximityQuery::closest was asked for
     DistributedStatistics statistics;
 
-    const NearList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
+    const ProximityList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
 };
 
 }  // namespace crumple

@@ -11,7 +11,7 @@
 namespace crumple {
 
 // Exact decisions about pairs of features that are given, for those who have a broad phase of their own
-// (docs/given_pairs.md). The decisions are those of Detector::find_impacts and find_near, pair by pair. Nothing is
+// (docs/given_pairs.md). The decisions are those of Detector::find, pair by pair. Nothing is
 // known of meshes, so nothing is left out as a neighbour.
 //
 // Points lie in rows, pair after pair, float32 or float64, in host memory: the vertex, then the face's three corners;
@@ -24,9 +24,9 @@ namespace crumple {
 
 /// When two features count as touching, and how many threads decide it.
 struct PairMotion {
-    double separation = 0;        ///< as Motion::separation
-    double separation_share = 0;  ///< as Motion::separation_share
-    int threads = 0;              ///< 0: as many as the machine has
+    double min_distance = 0;        ///< as ImpactQuery::min_distance
+    double min_distance_share = 0;  ///< as ImpactQuery::min_distance_share
+    int threads = 0;                ///< 0: as many as the machine has
 };
 
 /// One element a pair.

@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "crumple/collisions.h"
 #include "crumple/export.h"
+#include "crumple/intersections.h"
 #include "crumple/mesh.h"
 #include "crumple/world.h"
 
@@ -206,31 +206,32 @@ CRUMPLE_API void write_world(std::ostream& out, const WorldMesh& world, MeshForm
 /// float64 mesh far from the origin is moved there, by its node's translation. .html is a page that shows the meshes
 /// and contacts in WebGL, to turn and zoom, without a network; about 100 bytes a triangle.
 CRUMPLE_API void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
-                                const Collisions& collisions);
+                                const Intersections& collisions);
 
 /// The same to a stream, as ply, glb, 3mf or html.
 CRUMPLE_API void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
-                                const Collisions& collisions, MeshFormat format);
+                                const Intersections& collisions, MeshFormat format);
 
 /// A world with its colliding triangles coloured. .glb and .3mf keep bodies, with names and poses, and shapes that
 /// they share; the other formats hold the mesh that posed_mesh makes. The collisions are those of the world's view,
-/// with Intersect::index. Throws as write_coloured does, also for collisions of another world.
+/// with IntersectionQuery::index. Throws as write_coloured does, also for collisions of another world.
 CRUMPLE_API void write_coloured(const std::filesystem::path& path, const WorldMesh& world,
-                                const WorldCollisions& collisions);
+                                const Intersections& collisions);
 
 /// The same to a stream, as ply, glb, 3mf or html.
-CRUMPLE_API void write_coloured(std::ostream& out, const WorldMesh& world, const WorldCollisions& collisions,
+CRUMPLE_API void write_coloured(std::ostream& out, const WorldMesh& world, const Intersections& collisions,
                                 MeshFormat format);
 
 /// A piece of HTML as high as this many pixels, of which a page may hold several; otherwise as write_coloured makes it.
-CRUMPLE_API std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions,
+CRUMPLE_API std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions,
                                 int height = 480);
 
 /// What collides, by polygons of the files instead of triangles: ids, offsets and hits are those of polygons, each pair
 /// once. (p, p) is a polygon of which two triangles collide. The collisions are those of all triangles of the meshes;
 /// `second` may be null. Contacts are left out: they belong to triangles. O(pairs log pairs). Throws crumple::Error
 /// (invalid_argument) unless the collisions are of these meshes.
-CRUMPLE_API Collisions by_polygon(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions);
+CRUMPLE_API Intersections by_polygon(const TriangleMesh& mesh, const TriangleMesh* second,
+                                     const Intersections& collisions);
 
 /// Writes bytes into a file, which appears whole or stays as it was. Throws crumple::Error (file).
 CRUMPLE_API void write_bytes(const std::filesystem::path& path, std::string_view bytes);
@@ -247,7 +248,7 @@ class CRUMPLE_API ColouredAnimation {
 
     /// One more frame, as for write_coloured. Throws as it does, also if the file would exceed the 4 GiB that .glb
     /// holds; the frames before are kept.
-    void add(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions);
+    void add(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions);
 
     /// Writes the frames so far; others may follow. Throws crumple::Error (file, invalid_argument).
     void write(const std::filesystem::path& path);
@@ -268,14 +269,14 @@ enum class PairFormat : std::uint8_t {
 
 /// Writes the pairs, and contacts if there are any. Numbers are the shortest decimals that give the same float64 back.
 /// Throws crumple::Error (file, invalid_argument); the file then stays as it was.
-CRUMPLE_API void write_pairs(const std::filesystem::path& path, const Collisions& collisions,
+CRUMPLE_API void write_pairs(const std::filesystem::path& path, const Intersections& collisions,
                              PairFormat format = PairFormat::automatic);
 
 /// The same to a stream; `automatic` is txt.
-CRUMPLE_API void write_pairs(std::ostream& out, const Collisions& collisions,
+CRUMPLE_API void write_pairs(std::ostream& out, const Intersections& collisions,
                              PairFormat format = PairFormat::automatic);
 
-/// Pairs written block by block (Detector::stream_self), as .txt or .csv; together they are what write_pairs writes.
+/// Pairs written block by block (Detector::stream), as .txt or .csv; together they are what write_pairs writes.
 class CRUMPLE_API PairWriter {
    public:
     /// `contacts`: whether the blocks have them. Throws crumple::Error (file; invalid_argument for other formats).
@@ -287,7 +288,7 @@ class CRUMPLE_API PairWriter {
     PairWriter& operator=(PairWriter&&) noexcept;
 
     /// Throws crumple::Error (file), also at commit().
-    void add(const Collisions& block);
+    void add(const Intersections& block);
     /// After the last block: the file is there. Without it, what was at the path stays as it was.
     void commit();
 

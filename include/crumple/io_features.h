@@ -11,9 +11,9 @@
 #include "crumple/candidates.h"
 #include "crumple/export.h"
 #include "crumple/features.h"
+#include "crumple/impacts.h"
 #include "crumple/io.h"
-#include "crumple/motion.h"
-#include "crumple/near.h"
+#include "crumple/proximities.h"
 
 namespace crumple::io {
 
@@ -47,8 +47,8 @@ struct CandidateRows {
 
 /// The answer as a list, in its order. Throws Error (invalid_argument) unless its arrays fit together.
 CRUMPLE_API FeatureList list_of(const Impacts& impacts);
-CRUMPLE_API FeatureList list_of(const Nearby& nearby);
-CRUMPLE_API CandidateRows list_of(const CandidateLists& candidates);
+CRUMPLE_API FeatureList list_of(const Proximities& nearby);
+CRUMPLE_API CandidateRows list_of(const Candidates& candidates);
 
 /// Writes impacts in the order of the answer, as txt, csv, json or npz.
 ///
@@ -79,11 +79,11 @@ CRUMPLE_API void write_triangle_pairs(std::ostream& out, const Impacts& impacts,
 
 /// The same of near pairs: a squared distance in place of the time, and `touching` in place of `start`, which txt does
 /// without. A squared distance beyond float64 is `inf`, in json null.
-CRUMPLE_API void write_near(const std::filesystem::path& path, const Nearby& nearby,
+CRUMPLE_API void write_near(const std::filesystem::path& path, const Proximities& nearby,
                             PairFormat format = PairFormat::automatic);
 
 /// The same to a stream; `automatic` is txt.
-CRUMPLE_API void write_near(std::ostream& out, const Nearby& nearby, PairFormat format = PairFormat::automatic);
+CRUMPLE_API void write_near(std::ostream& out, const Proximities& nearby, PairFormat format = PairFormat::automatic);
 
 /// The same of candidates, which have neither a number nor a flag; of those kinds that are listed.
 ///
@@ -91,17 +91,17 @@ CRUMPLE_API void write_near(std::ostream& out, const Nearby& nearby, PairFormat 
 ///     csv   kind,vertex,face,a,b,c,d
 ///     json  vertex_faces, edge_edges, edge_faces, face_faces, vertex_edges, vertex_vertices; edges; statistics
 ///     npz   the same arrays, without statistics
-CRUMPLE_API void write_candidates(const std::filesystem::path& path, const CandidateLists& candidates,
+CRUMPLE_API void write_candidates(const std::filesystem::path& path, const Candidates& candidates,
                                   PairFormat format = PairFormat::automatic);
 
 /// The same to a stream; `automatic` is txt.
-CRUMPLE_API void write_candidates(std::ostream& out, const CandidateLists& candidates,
+CRUMPLE_API void write_candidates(std::ostream& out, const Candidates& candidates,
                                   PairFormat format = PairFormat::automatic);
 
 /// Which answers a FeatureWriter writes.
 enum class ListKind : std::uint8_t { impacts, near, candidates };
 
-/// Answers written block by block (Detector::stream_impacts and its like, in order, of a single mesh or of one world),
+/// Results written block by block (Detector::stream, in order, of a single mesh or of one world),
 /// as .txt or .csv; together they are what write_impacts, write_near or write_candidates writes.
 class CRUMPLE_API FeatureWriter {
    public:
@@ -115,8 +115,8 @@ class CRUMPLE_API FeatureWriter {
 
     /// Throws crumple::Error (file, also at commit(); invalid_argument for a block of another answer).
     void add(const Impacts& block);
-    void add(const Nearby& block);
-    void add(const CandidateLists& block);
+    void add(const Proximities& block);
+    void add(const Candidates& block);
     /// After the last block: the file is there. Without it, what was at the path stays as it was.
     void commit();
 
@@ -156,10 +156,10 @@ CRUMPLE_API void write_coloured(std::ostream& out, const TriangleMesh& start, co
 
 /// The same by the least distance, from 0 to the largest one listed. `second`, which may be null, is body 1.
 CRUMPLE_API void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
-                                const Nearby& nearby);
+                                const Proximities& nearby);
 
 /// The same to a stream.
 CRUMPLE_API void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
-                                const Nearby& nearby);
+                                const Proximities& nearby);
 
 }  // namespace crumple::io

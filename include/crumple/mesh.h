@@ -67,6 +67,16 @@ struct MeshView {
     MemorySpace memory = MemorySpace::host;
     void* stream = nullptr;  ///< CUDA stream on which device arrays become ready
 
+    /// Where the vertices are at the end of a step, for queries about motion: (n, 3), in the same memory. Queries about
+    /// one time are about the start. Without data, nothing moves.
+    VertexView end = {};
+    /// The same mesh, on its way to `end`.
+    MeshView moving_to(const VertexView& end) const {
+        MeshView moving = *this;
+        moving.end = end;
+        return moving;
+    }
+
     /// What is meant by edges and by points where motion and nearness are asked about, instead of the triangles' edges
     /// and the vertices that a triangle or an edge names: rods, hair, particles, or a mesh's own lists. Answers name
     /// them by their place in the list; what is listed twice is answered twice. An edge has two different vertices.

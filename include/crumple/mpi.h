@@ -21,12 +21,12 @@
 
 namespace crumple::mpi {
 
-/// Finds all pairs of triangles that intersect, of a scene of which each rank brings a share. The rows of all ranks,
-/// merged, are the bytes of crumple::Detector::find_self, for any number of ranks and any distribution. Keeps parts and
+/// Searches a scene of which each rank brings a share. The rows of all ranks, merged, are the bytes of
+/// crumple::Detector::find, for any number of ranks and any distribution. Keeps parts and
 /// centres between calls: where only vertices have moved, little more than their coordinates travels.
 ///
 /// Every call but the destructor is collective: all ranks of the communicator make the same calls, in the same order,
-/// with the same question and options. A call throws the same crumple::Error on all ranks, if it throws on one
+/// with the same query and options. A call throws the same crumple::Error on all ranks, if it throws on one
 /// (Error::rank), and leaves the detectors usable. A stop that is requested on one rank ends the call on all. A process
 /// that dies ends the job, as MPI does. One thread makes the calls; if MPI was initialised with less than
 /// MPI_THREAD_SERIALIZED, the one that initialised it, and with MPI_THREAD_SINGLE only a detector of one thread works.
@@ -42,34 +42,25 @@ class CRUMPLE_API Detector {
     /// Frees the communicator and all memory. No call may follow.
     void close();
 
-    /// All colliding pairs: on each rank those whose first triangle it has brought, in order. Valid until the next
-    /// call.
-    const DistributedCollisions& find_self(const MeshShare& share, const Query& query = {}, std::stop_token stop = {});
-    /// How many pairs there are over all ranks; no rows travel. The time of find_self, less that of rows.
-    std::int64_t count(const MeshShare& share, const Query& query = {}, std::stop_token stop = {});
-    /// Whether there is any pair over all ranks. Each rank stops at its first.
-    bool has_collision(const MeshShare& share, const Query& query = {}, std::stop_token stop = {});
+    /// Finds everything that the query describes, as crumple::Detector::find does. On each rank those rows whose first
+    /// triangle, or first feature, or first body, it has brought, in order. Valid until the next call. A share is a
+    /// MeshShare or a WorldShare, a query one of intersections, impacts or proximities.
+    ///
+    /// For less output than pairs no rows travel; Output::any_by_world is as Output::any. A mesh that moves says where
+    /// to (MeshView::moving_to); listed edges and points are not read. Parts are made for one query: another minimum
+    /// distance, or a query of another kind, begins them anew. A filter of bodies speaks of these (Body::self, too) or
+    /// of groups, not of both. Throws Error (invalid_argument) for what ranks have not: `index`, `triangle_pairs`,
+    /// `radii`, `rest`, `rings`, `least`; of triangles, excluded bodies; of bodies, Body::world other than 0, poses on
+    /// a device, and shapes with listed edges or points, radii, or a rest shape. An Error about a body has its number
+    /// over all ranks (Element::body); where there are no ids, and it is not about coordinates or triangles, the rank's
+    /// own.
+    template <class Query = IntersectionQuery, class Share>
+    const typename Query::DistributedResult& find(const Share& share, const Query& query = {},
+                                                  std::stop_token stop = {});
+    /// Whether there is anything to find, over all ranks. Each rank stops at its first.
+    template <class Query = IntersectionQuery, class Share>
+    bool any(const Share& share, const Query& query = {}, std::stop_token stop = {});
 
-    /// What touches what on the way to `end`, where each of the rank's vertices is at the end of the step; as
-    /// crumple::Detector::find_impacts. For Motion::wants `earliest` and `any` no rows travel. Throws Error
-    /// (invalid_argument) for what ranks have not: `triangle_pairs`, `index`, excluded bodies. Listed edges and points
-    /// (MeshView::edges) are not read. Parts are made for one question: another separation, or a question of another
-    /// kind, begins them anew.
-    const DistributedImpacts& find_impacts(const MeshShare& share, const VertexView& end, const Motion& question = {},
-                                           std::stop_token stop = {});
-    /// What is near what; as crumple::Detector::find_near, but for `radii`, `rest`, `rings`, `least` and `index`.
-    const DistributedNearby& find_near(const MeshShare& share, const Near& question, std::stop_token stop = {});
-    /// Of bodies that each rank brings, as crumple::Detector answers for a world; pairs, impacts and near pairs lie
-    /// with the rank of their first body. Rules speak of bodies (Body::self, too) or of groups, not of both. Throws
-    /// Error (invalid_argument), beside what calls on triangles have not, for `index`, Body::world other than 0, poses
-    /// on a device, and shapes with listed edges or points, radii, or a shape at rest. Wants::any_by_world is as
-    /// Wants::any. An Error about a body has its number over all ranks (Element::body); where there are no ids, and it
-    /// is not about coordinates or triangles, the rank's own.
-    const DistributedWorldCollisions& find(const WorldShare& share, const Intersect& question = {},
-                                           std::stop_token stop = {});
-    const DistributedImpacts& find_impacts(const WorldShare& share, const Motion& question = {},
-                                           std::stop_token stop = {});
-    const DistributedNearby& find_near(const WorldShare& share, const Near& question, std::stop_token stop = {});
     /// Has `poll` called at the beginning of each phase, and about every 20 ms while this rank searches, in the thread
     /// that made the call. What it throws ends the call on all ranks: an Error is thrown on all of them, anything else
     /// as it is here, and as an Error (cancelled) elsewhere. Not collective; it must not call this detector.

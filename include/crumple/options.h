@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "crumple/executor.h"
@@ -62,21 +61,6 @@ struct Options {
     std::shared_ptr<Executor> executor = {};
 };
 
-/// Pairs of triangles that share a vertex.
-enum class Neighbours : std::uint8_t {
-    geometric,  ///< collide only if they meet outside the hull of what they share: a fold counts, a hinge does not
-    skip,       ///< never reported
-};
-
-enum class Intersections : std::uint8_t {
-    all,     ///< closed sets: touching counts
-    proper,  ///< only if an edge of one strictly crosses the relative interior of the other
-};
-
-/// Which pairs of triangles are wanted, by their groups: any, those of different groups, those of one group. Without
-/// group ids nothing can lie between groups, so `between` is an error then.
-enum class Wanted : std::uint8_t { both, between, within };
-
 /// How an answer is handed over in blocks, for answers that exceed memory.
 struct Streaming {
     std::int64_t block_pairs = std::int64_t{1} << 18;  ///< most pairs of a block, 1 to 2^40
@@ -84,21 +68,6 @@ struct Streaming {
     /// blocks come from any thread of the detector, one at a time. That takes no longer than the answer at once, while
     /// blocks in order search the scene anew for each, less what lies out of reach.
     bool ordered = true;
-};
-
-/// Two group ids whose triangles shall not be tested against each other; the order does not matter.
-struct GroupPair {
-    std::int32_t first, second;
-};
-
-/// What is asked of one call.
-struct Query {
-    Neighbours neighbours = Neighbours::geometric;
-    Intersections intersections = Intersections::all;
-    bool weld = false;      ///< vertices at equal positions count as one (-0 equals +0)
-    bool contacts = false;  ///< also compute where each pair meets
-    Wanted wanted = Wanted::both;
-    std::span<const GroupPair> excluded_groups = {};  ///< "allowed collision matrix" of robotics
 };
 
 }  // namespace crumple

@@ -37,12 +37,14 @@ struct PartLevel {
 /// features belong to the part that owns the pair of their owners. Everything here counts within the part, but for the
 /// ids, which ascend: so a part's order is that of the mesh.
 struct PartFeatures {
-    bool moving = false;             ///< asked about motion, else about nearness
-    double distance = 0, share = 0;  ///< the most that may be asked for: Motion::separation and its share, Near::radius
+    bool moving = false;  ///< asked about motion, else about nearness
+    double distance = 0,
+           share =
+               0;  ///< the most that may be asked for: ImpactQuery::min_distance and its share, ProximityQuery::radius
     bool weld = false;
     std::variant<std::vector<float>, std::vector<double>> end;  ///< 3 a vertex, of motion: where it goes
-    std::vector<double> radii;                                  ///< 1 a vertex, or none: Near::radii
-    std::vector<double> rest;                                   ///< 3 a vertex, or none: Near::rest
+    std::vector<double> radii;                                  ///< 1 a vertex, or none: ProximityQuery::radii
+    std::vector<double> rest;                                   ///< 3 a vertex, or none: ProximityQuery::rest
 
     std::int64_t faces = 0;  ///< the first so many triangles; the others carry an edge or a point of the lists
     std::vector<std::int32_t> vertices;  ///< ids of the part's vertices
@@ -59,7 +61,7 @@ struct PartFeatures {
     std::vector<std::uint8_t> of_no_face;             ///< 1 for each of the other triangles that no face is behind
     std::vector<std::array<std::int32_t, 3>> joined;  ///< see SceneFeatures: of each vertex, or none
 
-    std::int32_t rings = 0;                ///< Near::rings
+    std::int32_t rings = 0;                ///< ProximityQuery::rings
     std::vector<std::int64_t> first_ring;  ///< of each vertex, in `ring`; and the end
     std::vector<std::int32_t> ring;        ///< the others within so many edges of it
 };

@@ -23,7 +23,6 @@ from ._launches import (
     wait_candidates,
     wait_impacts,
     wait_near,
-    wait_worlds,
 )
 from ._mesh import Mesh, as_mesh, soup_of
 from ._motion import find_free_step, find_impacts, is_free, time_of_first_impact
@@ -410,7 +409,6 @@ class Detector(_core.Detector):
     launch_near = launch_near
     launch_candidates = launch_candidates
     wait = wait
-    wait_worlds = wait_worlds
     wait_impacts = wait_impacts
     wait_near = wait_near
     wait_candidates = wait_candidates

@@ -67,7 +67,7 @@ def _impacts(decide: Any, points: int, start: Any, end: Any, options: dict[str, 
 
 @suggesting
 def vertex_face_impacts(
-    start: Any, end: Any, *, separation: float = 0.0, separation_share: float = 0.0, threads: int = 0
+    start: Any, end: Any, *, min_distance: float = 0.0, min_distance_share: float = 0.0, threads: int = 0
 ) -> PairImpacts:
     """Whether and when vertices touch faces while all points go straight from their start to their end: exactly.
 
@@ -76,40 +76,40 @@ def vertex_face_impacts(
 
     Args:
         start, end: (k, 4, 3) float64 or float32, on the host: the vertex, then the face's three corners.
-        separation, separation_share: as of Detector.find_impacts.
+        min_distance, min_distance_share: as of Detector.find_impacts.
         threads: 0: as many as the machine has.
 
     Raises InvalidInput, which names the argument, the pair and the point. Ctrl-C waits for the answer. Cost: some
     0.3 us for a pair that is apart, 2 us for one that touches, 5 to 200 us where only rational arithmetic can tell.
     """
-    options = {"separation": separation, "separation_share": separation_share, "threads": threads}
+    options = {"min_distance": min_distance, "min_distance_share": min_distance_share, "threads": threads}
     return _impacts(_core.vertex_face_impacts, 4, start, end, options)
 
 
 @suggesting
 def edge_edge_impacts(
-    start: Any, end: Any, *, separation: float = 0.0, separation_share: float = 0.0, threads: int = 0
+    start: Any, end: Any, *, min_distance: float = 0.0, min_distance_share: float = 0.0, threads: int = 0
 ) -> PairImpacts:
     """The same of two edges: (k, 4, 3), the ends of the one, then those of the other. See vertex_face_impacts."""
-    options = {"separation": separation, "separation_share": separation_share, "threads": threads}
+    options = {"min_distance": min_distance, "min_distance_share": min_distance_share, "threads": threads}
     return _impacts(_core.edge_edge_impacts, 4, start, end, options)
 
 
 @suggesting
 def vertex_edge_impacts(
-    start: Any, end: Any, *, separation: float = 0.0, separation_share: float = 0.0, threads: int = 0
+    start: Any, end: Any, *, min_distance: float = 0.0, min_distance_share: float = 0.0, threads: int = 0
 ) -> PairImpacts:
     """The same of a vertex and an edge: (k, 3, 3), the vertex, then the edge's ends. See vertex_face_impacts."""
-    options = {"separation": separation, "separation_share": separation_share, "threads": threads}
+    options = {"min_distance": min_distance, "min_distance_share": min_distance_share, "threads": threads}
     return _impacts(_core.vertex_edge_impacts, 3, start, end, options)
 
 
 @suggesting
 def vertex_vertex_impacts(
-    start: Any, end: Any, *, separation: float = 0.0, separation_share: float = 0.0, threads: int = 0
+    start: Any, end: Any, *, min_distance: float = 0.0, min_distance_share: float = 0.0, threads: int = 0
 ) -> PairImpacts:
     """The same of two vertices: (k, 2, 3). See vertex_face_impacts."""
-    options = {"separation": separation, "separation_share": separation_share, "threads": threads}
+    options = {"min_distance": min_distance, "min_distance_share": min_distance_share, "threads": threads}
     return _impacts(_core.vertex_vertex_impacts, 2, start, end, options)
 
 

@@ -27,8 +27,8 @@ def _impacts_in_world(
     *,
     block_pairs: int = 1 << 18,
     ordered: bool = True,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     bodies: Wanted = "both",
     groups: Wanted = "both",
@@ -38,7 +38,7 @@ def _impacts_in_world(
     end_poses: Any = None,
 ) -> Statistics:
     rules = _core.rules_of_world(bodies, groups, excluded_groups)
-    question = _core.Motion("impacts", separation, separation_share, weld, rules, False, False)
+    question = _core.Motion("impacts", min_distance, min_distance_share, weld, rules, False, False)
     poses = world.poses if poses is None else poses
     end_poses = world.end_poses if end_poses is None else end_poses
     given = (taker(take, Impacts), world, poses, end_poses, question, excluded_in(world, excluded))
@@ -55,8 +55,8 @@ def stream_impacts(
     *,
     block_pairs: int = 1 << 18,
     ordered: bool = True,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
     edges: Any = None,
@@ -75,8 +75,8 @@ def stream_impacts(
     *,
     block_pairs: int = 1 << 18,
     ordered: bool = True,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     bodies: Wanted = "both",
     groups: Wanted = "both",
@@ -97,8 +97,8 @@ def stream_impacts(
     *,
     block_pairs: int = 1 << 18,
     ordered: bool = True,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
     edges: Any = None,
@@ -125,7 +125,7 @@ def stream_impacts(
     bytes for each row of a block; each block that you keep has its own copy of the edges.
     """
     rules = _core.rules_of_mesh(wanted, excluded_groups)
-    question = _core.Motion("impacts", separation, separation_share, weld, rules, False, False)
+    question = _core.Motion("impacts", min_distance, min_distance_share, weld, rules, False, False)
     mesh = listing_of(vertices, faces, groups, edges, points)
     give = taker(take, Impacts)
     return self._stream_impacts(give, mesh, end, question, (edges, points), block_pairs, ordered)

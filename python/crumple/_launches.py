@@ -244,7 +244,7 @@ def launch(
     excluded_groups: GroupPairs | None = None,
     stream: Any = None,
 ) -> None:
-    """Starts find on a world whose poses lie in device memory and returns at once; wait_worlds() tells of the answer.
+    """Starts find on a world whose poses lie in device memory and returns at once; wait() returns its result.
 
     A step of thousands of worlds, say, whose poses a simulator has on the device: flags by world stay there.
 
@@ -271,8 +271,8 @@ def launch_impacts(
     faces: Any = None,
     *,
     wants: MotionWants = "impacts",
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     groups: Any = None,
     edges: Any = None,
     points: Any = None,
@@ -287,7 +287,7 @@ def launch_impacts(
     the host has to see which edges there are. Rules about groups beside `edges` or `points` are for find_impacts.
     """
     rules = _core.rules_of_mesh(wanted, excluded_groups)
-    question = _core.Motion(wants, separation, separation_share, False, rules, False, False)
+    question = _core.Motion(wants, min_distance, min_distance_share, False, rules, False, False)
     mesh = listing_of(vertices, faces, groups, edges, points)
     self._launch_impacts(mesh, end, question, (edges, points), _stream(stream))
 
@@ -350,8 +350,9 @@ def launch_candidates(
 
 
 @suggesting
-def wait(self: Detector) -> DeviceResult:
-    """Waits for the oldest launch, of launch_self or launch_between, and tells where its answer lies on the device.
+def wait(self: Detector) -> DeviceResult | DeviceWorldResult:
+    """Waits for the oldest launch, of launch_self, launch_between or launch, and returns where its result lies on the
+    device: a DeviceWorldResult of a launch of worlds.
 
     The answer is complete: lists that were too short are made longer and the work is done again, and what only the host
     can decide is decided. After a launch that was captured it tells of the last replay, whose stream the caller has
@@ -359,13 +360,9 @@ def wait(self: Detector) -> DeviceResult:
 
     Raises InvalidInput if the arrays are not what a mesh can be, or there is nothing to wait for; MemoryLimit.
     """
-    return DeviceResult(self, *self._wait())
-
-
-@suggesting
-def wait_worlds(self: Detector) -> DeviceWorldResult:
-    """Waits for the oldest launch, of launch, as wait() does."""
-    return DeviceWorldResult(self, *self._wait_worlds())
+    told, arrays, statistics = self._wait()
+    kind = DeviceResult if len(told) == 3 else DeviceWorldResult
+    return kind(self, told, arrays, statistics)
 
 
 @suggesting
@@ -395,7 +392,6 @@ for _method in (
     launch_near,
     launch_candidates,
     wait,
-    wait_worlds,
     wait_impacts,
     wait_near,
     wait_candidates,

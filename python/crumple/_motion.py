@@ -25,8 +25,8 @@ def _impacts_in_world(
     world: World,
     *,
     wants: MotionWants = "impacts",
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     bodies: Wanted = "both",
     groups: Wanted = "both",
@@ -38,7 +38,7 @@ def _impacts_in_world(
     copy: bool = False,
 ) -> Impacts:
     rules = _core.rules_of_world(bodies, groups, excluded_groups)
-    question = _core.Motion(wants, separation, separation_share, weld, rules, False, triangle_pairs)
+    question = _core.Motion(wants, min_distance, min_distance_share, weld, rules, False, triangle_pairs)
     poses = world.poses if poses is None else poses
     end_poses = world.end_poses if end_poses is None else end_poses
     excluded = excluded_in(world, excluded)
@@ -53,8 +53,8 @@ def find_impacts(
     faces: Any = None,
     *,
     wants: MotionWants = "impacts",
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
     edges: Any = None,
@@ -74,8 +74,8 @@ def find_impacts(
     /,
     *,
     wants: MotionWants = "impacts",
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     bodies: Wanted = "both",
     groups: Wanted = "both",
@@ -95,8 +95,8 @@ def find_impacts(
     /,
     *,
     wants: MotionWants = "impacts",
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
@@ -113,8 +113,8 @@ def find_impacts(
     faces: Any = None,
     *,
     wants: MotionWants = "impacts",
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
     edges: Any = None,
@@ -138,8 +138,8 @@ def find_impacts(
         faces: (m, 3) integers, or flat: three a triangle.
         wants: how much is made; all but the last end as soon as they may. "any": whether anything touches;
             "any_by_world": in which worlds; "earliest": the first impact; "impacts": all of them.
-        separation: features touch where their distance is at most this, in the units of the coordinates.
-        separation_share: or at most this share, in [0, 1), of the pair's own distance at the start, if that is more.
+        min_distance: features touch where their distance is at most this, in the units of the coordinates.
+        min_distance_share: or at most this share, in [0, 1), of the pair's own distance at the start, if that is more.
         weld: vertices at equal positions at the start and at the end count as one: their features are neighbours.
         groups: (m,) integers that fit int32, one a triangle; a vertex or edge is in the group of its lowest triangle.
         wanted: which pairs, by their groups: "both", "between" different groups, "within" one.
@@ -164,7 +164,7 @@ def find_impacts(
     What an impact is: docs/motion.md.
     """
     rules = _core.rules_of_mesh(wanted, excluded_groups)
-    question = _core.Motion(wants, separation, separation_share, weld, rules, index, triangle_pairs)
+    question = _core.Motion(wants, min_distance, min_distance_share, weld, rules, index, triangle_pairs)
     mesh = listing_of(vertices, faces, groups, edges, points)
     return Impacts(self._find_impacts(mesh, end, question, copy, (edges, points)))
 
@@ -181,8 +181,8 @@ def time_of_first_impact(
     end: Any,
     faces: Any = None,
     *,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
     edges: Any = None,
@@ -198,8 +198,8 @@ def time_of_first_impact(
     world: World,
     /,
     *,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     bodies: Wanted = "both",
     groups: Wanted = "both",
@@ -217,8 +217,8 @@ def time_of_first_impact(
     end: Any,
     faces: Any = None,
     *,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
     edges: Any = None,
@@ -237,8 +237,8 @@ def time_of_first_impact(
         end,
         faces,
         wants="earliest",
-        separation=separation,
-        separation_share=separation_share,
+        min_distance=min_distance,
+        min_distance_share=min_distance_share,
         weld=weld,
         groups=groups,
         edges=edges,
@@ -260,8 +260,8 @@ def is_free(
     end: Any,
     faces: Any = None,
     *,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
     edges: Any = None,
@@ -278,8 +278,8 @@ def is_free(
     world: World,
     /,
     *,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     bodies: Wanted = "both",
     groups: Wanted = "both",
@@ -298,8 +298,8 @@ def is_free(
     end: Any,
     faces: Any = None,
     *,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
     edges: Any = None,
@@ -319,8 +319,8 @@ def is_free(
         end,
         faces,
         wants="any",
-        separation=separation,
-        separation_share=separation_share,
+        min_distance=min_distance,
+        min_distance_share=min_distance_share,
         weld=weld,
         groups=groups,
         edges=edges,
@@ -337,8 +337,8 @@ def find_free_step(
     end: Any,
     faces: Any = None,
     *,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
     edges: Any = None,
@@ -351,7 +351,7 @@ def find_free_step(
 
     vertices + toi * (end - vertices), computed in floating point, is another motion than the one whose toi that is. The
     share is somewhat less than the first time of contact, by 2**-16 of it if that does; 0 where contact is at the start
-    or too near. With `separation` features keep that distance, with `triangle_pairs` the share is 0 where triangles
+    or too near. With `min_distance` features keep that distance, with `triangle_pairs` the share is 0 where triangles
     intersect at the start. Of one mesh; arguments and errors as of find_impacts.
 
     Cost: two or three calls of is_free.
@@ -359,7 +359,7 @@ def find_free_step(
     if isinstance(vertices, World):
         raise InvalidType("find_free_step takes a mesh, not a crumple.World")
     rules = _core.rules_of_mesh(wanted, excluded_groups)
-    question = _core.Motion("any", separation, separation_share, weld, rules, False, triangle_pairs)
+    question = _core.Motion("any", min_distance, min_distance_share, weld, rules, False, triangle_pairs)
     mesh = listing_of(vertices, faces, groups, edges, points)
     return FreeStep(*self._find_free_step(mesh, end, question, (edges, points)))
 

@@ -23,8 +23,8 @@ def partition_motion(
     faces: Any = None,
     *,
     count: int,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
     edges: Any = None,
@@ -34,14 +34,14 @@ def partition_motion(
 
     Each part is answered by find_impacts(part), anywhere and without the mesh. The answers together have the rows of
     the whole answer, with its ids; no row is in two of them. Parts can be pickled, and depend only on the arguments.
-    A part answers for what it was made: a separation that is no larger, the same `weld`. Groups come along; which of
+    A part answers for what it was made: a minimum distance that is no larger, the same `weld`. Groups come along; which of
     them are wanted is asked of each part. Arguments and errors otherwise as of find_impacts.
 
     Cost: a look at each triangle, and copies; a part is about twice as large as one of `partition`. Source:
     Mainzer and Zachmann, sec. 1.1, for parts on several machines, and sec. 4, eqs. 2-4, for their centres.
     """
     rules = _core.rules_of_mesh("both", None)
-    question = _core.Motion("impacts", separation, separation_share, weld, rules, False, False)
+    question = _core.Motion("impacts", min_distance, min_distance_share, weld, rules, False, False)
     mesh = listing_of(vertices, faces, groups, edges, points)
     return self._partition_motion(mesh, end, question, count, (edges, points))
 
@@ -82,8 +82,8 @@ def impacts_in_part(
     part: _core.Part,
     *,
     wants: MotionWants = "impacts",
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
@@ -91,7 +91,7 @@ def impacts_in_part(
     copy: bool = False,
 ) -> Impacts:
     rules = _core.rules_of_mesh(wanted, excluded_groups)
-    question = _core.Motion(wants, separation, separation_share, weld, rules, index, False)
+    question = _core.Motion(wants, min_distance, min_distance_share, weld, rules, index, False)
     return Impacts(self._find_impacts_in_part(part, question, copy))
 
 

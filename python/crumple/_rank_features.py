@@ -29,8 +29,8 @@ def find_impacts(
     triangle_ids: Any = None,
     vertex_ids: Any = None,
     wants: Literal["any", "earliest", "impacts"] = "impacts",
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
@@ -43,14 +43,14 @@ def find_impacts(
             too. Or find_impacts(mesh, end).
         wants: how much is made: "any", whether anything touches; "earliest", the first impact; "impacts", all of them.
             For the first two no rows travel.
-        separation, separation_share, weld, wanted, excluded_groups: the question, as of crumple.Detector.find_impacts,
+        min_distance, min_distance_share, weld, wanted, excluded_groups: the question, as of crumple.Detector.find_impacts,
             and the same on all ranks. Pairs of triangles, listed edges and points, and offsets are for one process.
 
     Of bodies: find_impacts(world), with a crumple.World of this rank's and poses at the end of the step; body_ids,
         bodies, groups, excluded, excluded_groups, poses: as `find` has them; end_poses: instead of world.end_poses.
 
     Returns crumple.mpi.Impacts: each impact on one rank, the one whose triangle owns its first feature. Parts of the
-    scene are made for one question: another separation, or a question of another kind, begins them anew.
+    scene are made for one question: another minimum distance, or a question of another kind, begins them anew.
 
     Raises InvalidInput, which names the argument and the place, and MemoryLimit, on all ranks; see Detector.
     Cost: see Detector. What an impact is: docs/motion.md.
@@ -59,7 +59,7 @@ def find_impacts(
     def question() -> Any:
         _check_wants(wants)
         rules = _core.rules_of_mesh(wanted, excluded_groups)
-        return _core.Motion(wants, separation, separation_share, weld, rules, False, False)
+        return _core.Motion(wants, min_distance, min_distance_share, weld, rules, False, False)
 
     return Impacts(self._ask("find_impacts", (vertices, faces, groups, triangle_ids, vertex_ids), question, end=(end,)))
 
@@ -73,8 +73,8 @@ def time_of_first_impact(
     *,
     triangle_ids: Any = None,
     vertex_ids: Any = None,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
@@ -92,8 +92,8 @@ def time_of_first_impact(
         triangle_ids=triangle_ids,
         vertex_ids=vertex_ids,
         wants="earliest",
-        separation=separation,
-        separation_share=separation_share,
+        min_distance=min_distance,
+        min_distance_share=min_distance_share,
         weld=weld,
         wanted=wanted,
         excluded_groups=excluded_groups,
@@ -110,8 +110,8 @@ def is_free(
     *,
     triangle_ids: Any = None,
     vertex_ids: Any = None,
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
@@ -129,8 +129,8 @@ def is_free(
         triangle_ids=triangle_ids,
         vertex_ids=vertex_ids,
         wants="any",
-        separation=separation,
-        separation_share=separation_share,
+        min_distance=min_distance,
+        min_distance_share=min_distance_share,
         weld=weld,
         wanted=wanted,
         excluded_groups=excluded_groups,

@@ -92,8 +92,8 @@ def find_impacts(
     *,
     body_ids: Any = None,
     wants: Literal["any", "any_by_world", "earliest", "impacts"] = "impacts",
-    separation: float = 0.0,
-    separation_share: float = 0.0,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
     weld: bool = False,
     bodies: Wanted = "both",
     groups: Wanted = "both",
@@ -106,7 +106,7 @@ def find_impacts(
 
     def question() -> Any:
         rules = _core.rules_of_world(bodies, groups, excluded_groups)
-        return _core.Motion(wants, separation, separation_share, weld, rules, False, False)
+        return _core.Motion(wants, min_distance, min_distance_share, weld, rules, False, False)
 
     if end_poses is None:
         end_poses = getattr(world, "end_poses", None)

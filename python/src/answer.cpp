@@ -79,7 +79,7 @@ void bind_answer(nb::module_& module) {
         .def("__len__", [](const Answer& a) { return a.collisions().pairs.size(); })
         .def("deep_copy",
              [](const Answer& a) {
-                 return Answer{std::make_shared<Collisions>(a.collisions()), a.has_contacts, a.copy};
+                 return Answer{std::make_shared<Intersections>(a.collisions()), a.has_contacts, a.copy};
              })
         .def_prop_ro(
             "pairs", [](const Answer& a) { return view<std::int32_t>(a.collisions().pairs, 2U); }, owner)

@@ -19,8 +19,10 @@
 #include <span>
 #include <vector>
 
+#include "crumple/intersections.h"
 #include "crumple/mesh.h"
 #include "crumple/options.h"
+#include "crumple/scene.h"
 
 namespace crumple::python {
 
@@ -126,7 +128,7 @@ class BorrowedIds {
 /// The meshes of one call, in place; without a second one, one soup.
 struct BorrowedMeshes {
     BorrowedMeshes(const nanobind::tuple& first, const std::optional<nanobind::tuple>& second, void* stream = nullptr);
-    const MeshView* second_or_null() const { return second ? &second->view() : nullptr; }
+    Scene scene() const { return second ? Scene(first.view(), second->view()) : Scene(first.view()); }
 
     BorrowedMesh first;
     std::optional<BorrowedMesh> second;

@@ -20,48 +20,43 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-void make_question(CandidateQuestion* place, const nb::tuple& kinds, nb::handle inflation, nb::handle weld,
-                   const Rules& rules) {
-    CandidateQuestion question;
+void make_question(CandidateQuery* place, const nb::tuple& kinds, nb::handle inflation, nb::handle weld,
+                   const PairFilter& rules) {
+    CandidateQuery question;
     question.kinds.clear();
     for (const nb::handle kind : kinds) question.kinds.push_back(named(candidate_kind_names, "kinds", kind));
     question.inflation = real("inflation", inflation);
     question.weld = flag("weld", weld);
-    question.rules = rules;
-    new (place) CandidateQuestion(std::move(question));
+    question.filter = rules;
+    new (place) CandidateQuery(std::move(question));
 }
 
 }  // namespace
 
-CandidatesAnswer find_candidates(nb::handle self, const nb::tuple& mesh, nb::handle end,
-                                 const CandidateQuestion& question, nb::handle copy, const nb::tuple& lists) {
+CandidatesAnswer find_candidates(nb::handle self, const nb::tuple& mesh, nb::handle end, const CandidateQuery& question,
+                                 nb::handle copy, const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
     const AskedOfMesh start(detector, mesh, lists);
     std::optional<BorrowedEnd> at_end;
     if (!end.is_none()) at_end.emplace(end, start.mesh);
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
-    CandidatesAnswer answer{detector.storage<CandidateLists>(), question.kinds, false, copied};
-    const auto find = [&] {
-        if (at_end)
-            detector.find(start.view, at_end->view(), question, *answer.storage);
-        else
-            detector.find(start.view, question, *answer.storage);
-    };
-    without_gil(find, detector.stop());
+    CandidatesAnswer answer{detector.storage<Candidates>(), question.kinds, false, copied};
+    const MeshView view = at_end ? start.view.moving_to(at_end->view()) : start.view;
+    without_gil([&] { detector.find(view, question, *answer.storage); }, detector.stop());
     return answer;
 }
 
 CandidatesAnswer find_candidates_in_world(nb::handle self, nb::handle world, nb::handle poses, nb::handle end_poses,
-                                          const CandidateQuestion& question, nb::handle excluded, nb::handle copy) {
+                                          const CandidateQuery& question, nb::handle excluded, nb::handle copy) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfWorld<CandidateQuestion> asked(world, question, excluded);
+    const AskedOfWorld<CandidateQuery> asked(world, question, excluded);
     const Bodies& bodies = *asked.bodies;
     const BorrowedPoses start(poses, bodies), end(end_poses, bodies, BorrowedPoses::When::end);
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
     const World view = moving_world(bodies, start, end, detector);
-    CandidatesAnswer answer{detector.storage<CandidateLists>(), question.kinds, true, copied};
+    CandidatesAnswer answer{detector.storage<Candidates>(), question.kinds, true, copied};
     without_gil([&] { detector.find(view, asked.question, *answer.storage); }, detector.stop());
     return answer;
 }
@@ -69,7 +64,7 @@ CandidatesAnswer find_candidates_in_world(nb::handle self, nb::handle world, nb:
 void bind_candidates(nb::module_& module) {
     constexpr auto owner = nb::rv_policy::reference_internal;
     using A = CandidatesAnswer;
-    nb::class_<CandidateQuestion>(module, "CandidateQuestion", "What is asked about candidates.")
+    nb::class_<CandidateQuery>(module, "CandidateQuestion", "What is asked about candidates.")
         .def("__init__", make_question, "kinds"_a, "inflation"_a.none(), "weld"_a.none(), "rules"_a);
     nb::class_<A> type(module, "CandidatesAnswer",
                        "The library's answer about candidates; crumple.Candidates gives access to it.");

@@ -82,87 +82,6 @@ void SharedDetector::wait_for_another_turn() {
     handle_signals();
 }
 
-void SharedDetector::find(const MeshView& first, const MeshView* second, const Query& query, Collisions& answer) {
-    answer_into(answer, [&](std::stop_token stop) {
-        if (second)
-            detector_.find_between(first, *second, query, std::move(stop));
-        else
-            detector_.find_self(first, query, std::move(stop));
-    });
-}
-
-void SharedDetector::find(const Part& part, const Query& query, Collisions& answer) {
-    answer_into(answer, [&](std::stop_token stop) { detector_.find(part, query, std::move(stop)); });
-}
-
-void SharedDetector::find(const Part& part, const Motion& question, Impacts& answer) {
-    answer_into(answer, [&](std::stop_token stop) { detector_.find_impacts(part, question, std::move(stop)); });
-}
-
-void SharedDetector::find(const Part& part, const Near& question, Nearby& answer) {
-    answer_into(answer, [&](std::stop_token stop) { detector_.find_near(part, question, std::move(stop)); });
-}
-
-void SharedDetector::find(const World& world, const Intersect& question, WorldCollisions& answer) {
-    answer_into(answer, [&](std::stop_token stop) { detector_.find(world, question, std::move(stop)); });
-}
-
-void SharedDetector::find(const World& world, const Motion& question, Impacts& answer) {
-    answer_into(answer, [&](std::stop_token stop) { detector_.find(world, question, std::move(stop)); });
-}
-
-void SharedDetector::find(const World& world, const Near& question, Nearby& answer) {
-    answer_into(answer, [&](std::stop_token stop) { detector_.find(world, question, std::move(stop)); });
-}
-
-void SharedDetector::find(const MeshView& mesh, const VertexView& end, const Motion& question, Impacts& answer) {
-    answer_into(answer, [&](std::stop_token stop) { detector_.find_impacts(mesh, end, question, std::move(stop)); });
-}
-
-void SharedDetector::find(const MeshView& mesh, const Near& question, Nearby& answer) {
-    answer_into(answer, [&](std::stop_token stop) { detector_.find_near(mesh, question, std::move(stop)); });
-}
-
-void SharedDetector::find(const World& world, const CandidateQuestion& question, CandidateLists& answer) {
-    answer_into(answer, [&](std::stop_token stop) { detector_.find(world, question, std::move(stop)); });
-}
-
-void SharedDetector::find(const MeshView& mesh, const CandidateQuestion& question, CandidateLists& answer) {
-    answer_into(answer, [&](std::stop_token stop) { detector_.find_candidates(mesh, question, std::move(stop)); });
-}
-
-void SharedDetector::find(const MeshView& mesh, const VertexView& end, const CandidateQuestion& question,
-                          CandidateLists& answer) {
-    answer_into(answer, [&](std::stop_token stop) { detector_.find_candidates(mesh, end, question, std::move(stop)); });
-}
-
-void SharedDetector::find(const World& world, const Nearest& question, NearestBodies& answer) {
-    answer_into(answer, [&](std::stop_token stop) { detector_.find_nearest(world, question, std::move(stop)); });
-}
-
-FreeStep SharedDetector::find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question) {
-    return detector_.find_free_step(mesh, end, question, stop_->get_token());
-}
-
-bool SharedDetector::any(const MeshView& first, const MeshView* second, const Query& query) {
-    return second ? detector_.has_collision(first, *second, query, stop_->get_token())
-                  : detector_.has_collision(first, query, stop_->get_token());
-}
-
-std::vector<Part> SharedDetector::partition(const MeshView& first, const MeshView* second, int count) {
-    return second ? detector_.partition(first, *second, count, stop_->get_token())
-                  : detector_.partition(first, count, stop_->get_token());
-}
-
-std::vector<Part> SharedDetector::partition(const MeshView& mesh, const VertexView& end, const Motion& question,
-                                            int count) {
-    return detector_.partition(mesh, end, question, count, stop_->get_token());
-}
-
-std::vector<Part> SharedDetector::partition(const MeshView& mesh, const Near& question, int count) {
-    return detector_.partition(mesh, question, count, stop_->get_token());
-}
-
 namespace {
 
 void check_self(nb::handle self) {
@@ -193,53 +112,49 @@ void make(nb::handle self, const nb::dict& given) {
     nb::inst_mark_ready(self);
 }
 
-Answer find(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second, const OwningQuery& given,
-            nb::handle copy) {
+Answer find(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second,
+            const IntersectionQuery& query, nb::handle copy) {
     SharedDetector& detector = detector_of(self);
     const BorrowedMeshes meshes(first, second);
     check_devices(detector, meshes);
-    const Query& query = given.query;
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
-    Answer answer{detector.storage<Collisions>(), query.contacts, copied};
-    without_gil([&] { detector.find(meshes.first.view(), meshes.second_or_null(), query, *answer.storage); },
-                detector.stop());
+    Answer answer{detector.storage<Intersections>(), query.contacts(), copied};
+    without_gil([&] { detector.find(meshes.scene(), query, *answer.storage); }, detector.stop());
     return answer;
 }
 
-Answer find_part(nb::handle self, nb::handle part, const OwningQuery& given, nb::handle copy) {
+Answer find_part(nb::handle self, nb::handle part, const IntersectionQuery& query, nb::handle copy) {
     SharedDetector& detector = detector_of(self);
     const Part& of = given_part(part);
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
-    Answer answer{detector.storage<Collisions>(), given.query.contacts, copied};
-    without_gil([&] { detector.find(of, given.query, *answer.storage); }, detector.stop());
+    Answer answer{detector.storage<Intersections>(), query.contacts(), copied};
+    without_gil([&] { detector.find(of, query, *answer.storage); }, detector.stop());
     return answer;
 }
 
-bool any(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second, const OwningQuery& given) {
+bool any(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second,
+         const IntersectionQuery& query) {
     SharedDetector& detector = detector_of(self);
     const BorrowedMeshes meshes(first, second);
     check_devices(detector, meshes);
     const SharedDetector::Turn turn(detector);
-    return without_gil([&] { return detector.any(meshes.first.view(), meshes.second_or_null(), given.query); },
-                       detector.stop());
+    return without_gil([&] { return detector.any(meshes.scene(), query); }, detector.stop());
 }
 
 Statistics stream(nb::handle self, nb::handle take, const nb::tuple& first, const std::optional<nb::tuple>& second,
-                  const OwningQuery& given, nb::handle block_pairs, nb::handle ordered) {
+                  const IntersectionQuery& query, nb::handle block_pairs, nb::handle ordered) {
     SharedDetector& detector = detector_of(self);
     const BorrowedMeshes meshes(first, second);
     check_devices(detector, meshes);
     const Streaming how = streaming(block_pairs, ordered);
     const SharedDetector::Turn turn(detector);
-    const auto make = [&](std::shared_ptr<Collisions> block) {
-        return Answer{std::move(block), given.query.contacts, false};
+    const auto make = [&](std::shared_ptr<Intersections> block) {
+        return Answer{std::move(block), query.contacts(), false};
     };
-    return hand_over_blocks<Collisions>(detector, take, make, [&](Detector& by, auto& sink, std::stop_token stop) {
-        const MeshView* const other = meshes.second_or_null();
-        return other ? by.stream_between(meshes.first.view(), *other, sink, given.query, how, std::move(stop))
-                     : by.stream_self(meshes.first.view(), sink, given.query, how, std::move(stop));
+    return hand_over_blocks<Intersections>(detector, take, make, [&](Detector& by, auto& sink, std::stop_token stop) {
+        return by.stream(meshes.scene(), query, sink, how, std::move(stop));
     });
 }
 
@@ -250,8 +165,7 @@ std::vector<Part> partition(nb::handle self, const nb::tuple& first, const std::
     check_devices(detector, meshes);
     const int parts = integer<int>("count", count);
     const SharedDetector::Turn turn(detector);
-    return without_gil([&] { return detector.partition(meshes.first.view(), meshes.second_or_null(), parts); },
-                       detector.stop());
+    return without_gil([&] { return detector.partition(meshes.scene(), IntersectionQuery(), parts); }, detector.stop());
 }
 
 nb::tuple listed_devices() {
@@ -265,11 +179,9 @@ nb::tuple listed_devices() {
 }  // namespace
 
 void bind_detector(nb::module_& module) {
-    nb::class_<OwningQuery>(module, "Query", "The arguments that all searches share.")
-        .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle>(), "neighbours"_a.none(),
-             "intersections"_a.none(), "weld"_a.none(), "contacts"_a.none(), "wanted"_a.none(),
-             "excluded_groups"_a.none());
     bind_question(module);
+    module.def("Query", make_query, "neighbours"_a.none(), "intersections"_a.none(), "weld"_a.none(),
+               "contacts"_a.none(), "wanted"_a.none(), "excluded_groups"_a.none());
     bind_feature_questions(module);
     nb::class_<SharedDetector> detector(module, "Detector", "The library's detector; crumple.Detector is one.");
     bind_launches(detector);

@@ -38,24 +38,25 @@ class SharedDetector {
         SharedDetector& detector_;
     };
 
-    /// `second` null: one soup. Call in a turn of one's own, without the GIL. In the main thread, signals are handled
-    /// while a call runs or waits for its turn; what their handlers raise ends the call. `answer` is storage, as
-    /// `storage` gives it.
-    void find(const MeshView& first, const MeshView* second, const Query& query, Collisions& answer);
-    void find(const Part& part, const Query& query, Collisions& answer);
-    void find(const Part& part, const Motion& question, Impacts& answer);
-    void find(const Part& part, const Near& question, Nearby& answer);
-    void find(const World& world, const Intersect& question, WorldCollisions& answer);
-    void find(const World& world, const Motion& question, Impacts& answer);
-    void find(const World& world, const Near& question, Nearby& answer);
-    void find(const MeshView& mesh, const VertexView& end, const Motion& question, Impacts& answer);
-    void find(const MeshView& mesh, const Near& question, Nearby& answer);
-    void find(const World& world, const CandidateQuestion& question, CandidateLists& answer);
-    void find(const MeshView& mesh, const CandidateQuestion& question, CandidateLists& answer);
-    void find(const MeshView& mesh, const VertexView& end, const CandidateQuestion& question, CandidateLists& answer);
-    void find(const World& world, const Nearest& question, NearestBodies& answer);
-    FreeStep find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question);
-    bool any(const MeshView& first, const MeshView* second, const Query& query);
+    /// Call in a turn of one's own, without the GIL. In the main thread, signals are handled while a call runs or waits
+    /// for its turn; what their handlers raise ends the call. `result` is storage, as `storage` gives it: it moves in
+    /// and comes back, and outlives the detector and its next call.
+    template <class Query>
+    void find(const Scene& scene, const Query& query, typename Query::Result& result) {
+        detector_.swap_result(result);
+        detector_.find(scene, query, stop_->get_token());
+        detector_.swap_result(result);
+    }
+    FreeStep find(const Scene& scene, const FreeStepQuery& query) {
+        return detector_.find(scene, query, stop_->get_token());
+    }
+    bool any(const Scene& scene, const IntersectionQuery& query) {
+        return detector_.any(scene, query, stop_->get_token());
+    }
+    template <class Query>
+    std::vector<Part> partition(const Scene& scene, const Query& query, int count) {
+        return detector_.partition(scene, query, count, stop_->get_token());
+    }
     /// What stream(detector, sink, stop) gives, whose sink takes each block by `take`, with the GIL, in any thread of
     /// the library. That may be another thread than the one whose turn it is; it is refused a call all the same.
     template <class Block, class Stream>
@@ -82,9 +83,6 @@ class SharedDetector {
         std::swap(launched_[0], launched_[1]);
         launched_[0] = std::move(given);
     }
-    std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
-    std::vector<Part> partition(const MeshView& mesh, const VertexView& end, const Motion& question, int count);
-    std::vector<Part> partition(const MeshView& mesh, const Near& question, int count);
     /// Storage for an answer: that of one of the last two, if nobody holds it any more. So frames of a simulation go
     /// back and forth between two and allocate nothing. Under a memory limit none is kept. Call with the GIL, under
     /// which results come and go.
@@ -121,19 +119,10 @@ class SharedDetector {
         std::shared_ptr<Answer> last_, before_;
     };
 
-    // Storage moves in and comes back as the result, which outlives the detector and its next call.
-    template <class Answer, class Search>
-    void answer_into(Answer& answer, Search search) {
-        detector_.swap_result(answer);
-        search(stop_->get_token());
-        detector_.swap_result(answer);
-    }
     void wait_for_another_turn();
 
     Detector detector_;
-    std::tuple<Two<Collisions>, Two<WorldCollisions>, Two<Impacts>, Two<Nearby>, Two<CandidateLists>,
-               Two<NearestBodies>>
-        answers_;
+    std::tuple<Two<Intersections>, Two<Impacts>, Two<Proximities>, Two<Candidates>, Two<Distances>> answers_;
     std::vector<Pose> poses_, end_poses_;
     std::shared_ptr<void> launched_[2];
     std::optional<std::stop_source> stop_;  ///< of the turn; each has its own

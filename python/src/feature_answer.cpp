@@ -20,9 +20,9 @@ struct ListNames {
 };
 
 const Array<double>& values(const ImpactList& list) { return list.toi; }
-const Array<double>& values(const NearList& list) { return list.squared_distance; }
+const Array<double>& values(const ProximityList& list) { return list.squared_distance; }
 const Array<std::uint8_t>& flags(const ImpactList& list) { return list.start; }
-const Array<std::uint8_t>& flags(const NearList& list) { return list.touching; }
+const Array<std::uint8_t>& flags(const ProximityList& list) { return list.touching; }
 
 // `list_of`: of the answer.
 template <class A, class ListOf>
@@ -109,7 +109,7 @@ void bind_feature_answers(nb::module_& module) {
                          for (const FirstImpact& first : a.found().world_first) result.append(told(first, a.of_world));
                          return result;
                      })
-        .def_prop_ro("wants", [](const I& a) { return name_of(motion_wants_names, a.wants); });
+        .def_prop_ro("wants", [](const I& a) { return name_of(motion_wants_names, a.output); });
 
     using N = NearbyAnswer;
     nb::class_<N> nearby(module, "NearbyAnswer",
@@ -131,20 +131,20 @@ void bind_feature_answers(nb::module_& module) {
         nearby.def_prop_ro(
             name, [as_numpy](const N& a) { return as_numpy(a.found()); }, owner);
     };
-    show("vertex_face_type", [](const Nearby& n) { return view<std::uint8_t>(n.vertex_faces().type); });
-    show("vertex_face_at", [](const Nearby& n) { return view<double>(n.vertex_faces().at, 2U); });
-    show("edge_edge_type", [](const Nearby& n) { return view<std::uint8_t>(n.edge_edges().type); });
-    show("edge_edge_at", [](const Nearby& n) { return view<double>(n.edge_edges().at, 2U); });
-    show("vertex_edge_type", [](const Nearby& n) { return view<std::uint8_t>(n.vertex_edges().type); });
-    show("vertex_edge_at", [](const Nearby& n) { return view<double>(n.vertex_edges().at, 2U); });
-    show("vertex_vertex_type", [](const Nearby& n) { return view<std::uint8_t>(n.vertex_vertices().type); });
-    show("vertex_vertex_at", [](const Nearby& n) { return view<double>(n.vertex_vertices().at, 2U); });
-    show("vertex_distance", [](const Nearby& n) { return view<double>(n.vertex_distance); });
-    show("face_distance", [](const Nearby& n) { return view<double>(n.face_distance); });
-    show("edge_distance", [](const Nearby& n) { return view<double>(n.edge_distance); });
+    show("vertex_face_type", [](const Proximities& n) { return view<std::uint8_t>(n.vertex_faces().type); });
+    show("vertex_face_at", [](const Proximities& n) { return view<double>(n.vertex_faces().at, 2U); });
+    show("edge_edge_type", [](const Proximities& n) { return view<std::uint8_t>(n.edge_edges().type); });
+    show("edge_edge_at", [](const Proximities& n) { return view<double>(n.edge_edges().at, 2U); });
+    show("vertex_edge_type", [](const Proximities& n) { return view<std::uint8_t>(n.vertex_edges().type); });
+    show("vertex_edge_at", [](const Proximities& n) { return view<double>(n.vertex_edges().at, 2U); });
+    show("vertex_vertex_type", [](const Proximities& n) { return view<std::uint8_t>(n.vertex_vertices().type); });
+    show("vertex_vertex_at", [](const Proximities& n) { return view<double>(n.vertex_vertices().at, 2U); });
+    show("vertex_distance", [](const Proximities& n) { return view<double>(n.vertex_distance); });
+    show("face_distance", [](const Proximities& n) { return view<double>(n.face_distance); });
+    show("edge_distance", [](const Proximities& n) { return view<double>(n.edge_distance); });
     nearby.def_ro("has_closest", &N::has_closest)
         .def_ro("has_least", &N::has_least)
-        .def_prop_ro("wants", [](const N& a) { return name_of(near_wants_names, a.wants); });
+        .def_prop_ro("wants", [](const N& a) { return name_of(near_wants_names, a.output); });
 }
 
 }  // namespace crumple::python

@@ -7,16 +7,16 @@
 
 #include <nanobind/nanobind.h>
 
-#include "crumple/motion.h"
-#include "crumple/near.h"
+#include "crumple/impacts.h"
+#include "crumple/proximities.h"
 
 namespace crumple::python {
 
 /// What a crumple.Impacts or crumple.Nearby shows. Its arrays hold it, but not the result, which holds them.
-template <class Storage, class Wants>
+template <class Storage, class Output>
 struct FeatureAnswer {
     std::shared_ptr<Storage> storage;
-    Wants wants{};
+    Output output{};
     bool of_world = false;  ///< else of one mesh, which has no bodies
     bool has_index = false;
     bool has_closest = false, has_least = false;  ///< of nearness
@@ -27,8 +27,8 @@ struct FeatureAnswer {
 
     const Storage& found() const { return *storage; }
 };
-using ImpactsAnswer = FeatureAnswer<Impacts, MotionWants>;
-using NearbyAnswer = FeatureAnswer<Nearby, NearWants>;
+using ImpactsAnswer = FeatureAnswer<Impacts, Output>;
+using NearbyAnswer = FeatureAnswer<Proximities, Output>;
 
 void bind_feature_answers(nanobind::module_& module);
 

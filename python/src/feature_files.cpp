@@ -53,8 +53,11 @@ void take_list(nb::handle answer, FeatureKind kind, Array<double>& values, const
 // What all answers have.
 template <class Storage>
 void take_rest(nb::handle answer, Storage& storage) {
-    if constexpr (requires { storage.any; }) storage.any = nb::cast<bool>(answer.attr("any"));
     storage.count = nb::cast<std::int64_t>(answer.attr("count"));
+    if constexpr (std::is_same_v<Storage, Candidates>)  // whose count is that of the rows
+        storage.any = storage.count > 0;
+    else
+        storage.any = nb::cast<bool>(answer.attr("any"));
     take<std::int32_t>(answer, "edges", storage.edges);
     take<std::int64_t>(answer, "first_edge", storage.first_edge);
     take<std::int32_t>(answer, "points", storage.points);
@@ -95,20 +98,20 @@ std::shared_ptr<const Impacts> impacts_of(nb::handle answer) {
     return made;
 }
 
-std::shared_ptr<const Nearby> nearby_of(nb::handle answer) {
+std::shared_ptr<const Proximities> nearby_of(nb::handle answer) {
     if (nb::isinstance<NearbyAnswer>(answer)) return nb::cast<const NearbyAnswer&>(answer).storage;
-    const auto made = std::make_shared<Nearby>();
+    const auto made = std::make_shared<Proximities>();
     take_rest(answer, *made);
     for (const FeatureKind kind : all_kinds) {
-        NearList& list = (*made)[kind];
+        ProximityList& list = (*made)[kind];
         take_list(answer, kind, list.squared_distance, "squared_distance", list.touching, "touching", list);
     }
     return made;
 }
 
-std::shared_ptr<const CandidateLists> candidates_of(nb::handle answer) {
+std::shared_ptr<const Candidates> candidates_of(nb::handle answer) {
     if (nb::isinstance<CandidatesAnswer>(answer)) return nb::cast<const CandidatesAnswer&>(answer).storage;
-    const auto made = std::make_shared<CandidateLists>();
+    const auto made = std::make_shared<Candidates>();
     take_rest(answer, *made);
     for (const auto& [name, kind] : candidate_kind_names) {
         CandidateList& list = (*made)[kind];
@@ -142,7 +145,7 @@ void bind_feature_files(nb::module_& module) {
         "write_near",
         [](nb::handle path, nb::handle answer, const std::optional<nb::tuple>& mesh) {
             const std::filesystem::path to = python::path("path", path);
-            const std::shared_ptr<const Nearby> nearby = nearby_of(answer);
+            const std::shared_ptr<const Proximities> nearby = nearby_of(answer);
             std::optional<BorrowedMesh> borrowed;
             if (mesh) borrowed.emplace(*mesh);
             const WithoutGil released(at_exit(to));
@@ -156,7 +159,7 @@ void bind_feature_files(nb::module_& module) {
         "write_candidates",
         [](nb::handle path, nb::handle answer) {
             const std::filesystem::path to = python::path("path", path);
-            const std::shared_ptr<const CandidateLists> candidates = candidates_of(answer);
+            const std::shared_ptr<const Candidates> candidates = candidates_of(answer);
             const WithoutGil released(at_exit(to));
             io::write_candidates(to, *candidates);
         },

@@ -34,9 +34,9 @@ nb::object give(Array<Element> array, Columns... columns) {
 }
 
 template <FindImpacts find>
-nb::tuple impacts(const Rows& start, const Rows& end, nb::handle separation, nb::handle separation_share,
+nb::tuple impacts(const Rows& start, const Rows& end, nb::handle min_distance, nb::handle min_distance_share,
                   nb::handle threads) {
-    const PairMotion question{real("separation", separation), real("separation_share", separation_share),
+    const PairMotion question{real("min_distance", min_distance), real("min_distance_share", min_distance_share),
                               integer<int>("threads", threads)};
     PairImpacts answer = without_gil([&] { return find(view_of(start), view_of(end), question, {}); });
     return nb::make_tuple(give<bool>(std::move(answer.hit)), give<double>(std::move(answer.toi)),
@@ -55,7 +55,7 @@ nb::tuple distances(const Rows& points, nb::handle threads) {
 
 void bind_feature_pairs(nb::module_& module) {
     const auto bind_impacts = [&](const char* name, auto function) {
-        module.def(name, function, "start"_a, "end"_a, "separation"_a.none(), "separation_share"_a.none(),
+        module.def(name, function, "start"_a, "end"_a, "min_distance"_a.none(), "min_distance_share"_a.none(),
                    "threads"_a.none());
     };
     bind_impacts("vertex_face_impacts", impacts<vertex_face_impacts>);

@@ -27,8 +27,9 @@ struct AskedOfMesh {
 
 /// What is asked, with the radii and the shape at rest of the vertices, each of which may be None.
 struct AskedOfVertices {
-    AskedOfVertices(const Near& asked, const BorrowedMesh& mesh, nanobind::handle radii, nanobind::handle rest);
-    Near question;
+    AskedOfVertices(const ProximityQuery& asked, const BorrowedMesh& mesh, nanobind::handle radii,
+                    nanobind::handle rest);
+    ProximityQuery question;
     std::optional<BorrowedRadii> of_vertices;
     std::optional<BorrowedEnd> at_rest;
 };
@@ -38,7 +39,7 @@ template <class Question>
 struct AskedOfWorld {
     AskedOfWorld(nanobind::handle world, const Question& given, nanobind::handle excluded)
         : bodies(given_world(world).bodies), question(given) {
-        question.rules.excluded_bodies = excluded_bodies(*bodies, excluded);
+        question.filter.excluded_bodies = excluded_bodies(*bodies, excluded);
     }
     std::shared_ptr<const Bodies> bodies;
     Question question;
@@ -49,27 +50,28 @@ World moving_world(const Bodies& bodies, const BorrowedPoses& start, const Borro
                    SharedDetector& detector);
 
 ImpactsAnswer find_impacts(nanobind::handle self, const nanobind::tuple& mesh, nanobind::handle end,
-                           const Motion& question, nanobind::handle copy, const nanobind::tuple& lists);
+                           const ImpactQuery& question, nanobind::handle copy, const nanobind::tuple& lists);
 ImpactsAnswer find_impacts_in_world(nanobind::handle self, nanobind::handle world, nanobind::handle poses,
-                                    nanobind::handle end_poses, const Motion& question, nanobind::handle excluded,
+                                    nanobind::handle end_poses, const ImpactQuery& question, nanobind::handle excluded,
                                     nanobind::handle copy);
 /// (share, positions)
 nanobind::tuple find_free_step(nanobind::handle self, const nanobind::tuple& mesh, nanobind::handle end,
-                               const Motion& question, const nanobind::tuple& lists);
+                               const ImpactQuery& question, const nanobind::tuple& lists);
 /// `radii` and `rest` may be None.
-NearbyAnswer find_near(nanobind::handle self, const nanobind::tuple& mesh, const Near& question, nanobind::handle radii,
-                       nanobind::handle rest, nanobind::handle copy, const nanobind::tuple& lists);
+NearbyAnswer find_near(nanobind::handle self, const nanobind::tuple& mesh, const ProximityQuery& question,
+                       nanobind::handle radii, nanobind::handle rest, nanobind::handle copy,
+                       const nanobind::tuple& lists);
 NearbyAnswer find_near_in_world(nanobind::handle self, nanobind::handle world, nanobind::handle poses,
-                                const Near& question, nanobind::handle excluded, nanobind::handle copy);
+                                const ProximityQuery& question, nanobind::handle excluded, nanobind::handle copy);
 
 /// What a part owns of an answer; and the parts of a mesh that is asked this.
-ImpactsAnswer find_impacts_in_part(nanobind::handle self, nanobind::handle part, const Motion& question,
+ImpactsAnswer find_impacts_in_part(nanobind::handle self, nanobind::handle part, const ImpactQuery& question,
                                    nanobind::handle copy);
-NearbyAnswer find_near_in_part(nanobind::handle self, nanobind::handle part, const Near& question,
+NearbyAnswer find_near_in_part(nanobind::handle self, nanobind::handle part, const ProximityQuery& question,
                                nanobind::handle copy);
 std::vector<Part> partition_motion(nanobind::handle self, const nanobind::tuple& mesh, nanobind::handle end,
-                                   const Motion& question, nanobind::handle count, const nanobind::tuple& lists);
-std::vector<Part> partition_near(nanobind::handle self, const nanobind::tuple& mesh, const Near& question,
+                                   const ImpactQuery& question, nanobind::handle count, const nanobind::tuple& lists);
+std::vector<Part> partition_near(nanobind::handle self, const nanobind::tuple& mesh, const ProximityQuery& question,
                                  nanobind::handle radii, nanobind::handle rest, nanobind::handle count,
                                  const nanobind::tuple& lists);
 

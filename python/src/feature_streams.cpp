@@ -24,18 +24,18 @@ std::shared_ptr<Block> counted(std::shared_ptr<Block> block) {
     return block;
 }
 
-ImpactsAnswer answer_of(std::shared_ptr<Impacts> block, const Motion& question, bool of_world) {
-    ImpactsAnswer answer{counted(std::move(block)), question.wants, of_world};
+ImpactsAnswer answer_of(std::shared_ptr<Impacts> block, const ImpactQuery& question, bool of_world) {
+    ImpactsAnswer answer{counted(std::move(block)), question.output, of_world};
     answer.is_block = true;
     return answer;
 }
-NearbyAnswer answer_of(std::shared_ptr<Nearby> block, const Near& question, bool of_world) {
-    NearbyAnswer answer{counted(std::move(block)), question.wants, of_world};
+NearbyAnswer answer_of(std::shared_ptr<Proximities> block, const ProximityQuery& question, bool of_world) {
+    NearbyAnswer answer{counted(std::move(block)), question.output, of_world};
     answer.has_closest = question.closest;
     answer.is_block = true;
     return answer;
 }
-CandidatesAnswer answer_of(std::shared_ptr<CandidateLists> block, const CandidateQuestion& question, bool of_world) {
+CandidatesAnswer answer_of(std::shared_ptr<Candidates> block, const CandidateQuery& question, bool of_world) {
     return {counted(std::move(block)), question.kinds, of_world, false};
 }
 
@@ -50,60 +50,65 @@ Statistics take_blocks(SharedDetector& detector, nb::handle take, const Question
 }  // namespace
 
 Statistics stream_impacts(nb::handle self, nb::handle take, const nb::tuple& mesh, nb::handle end,
-                          const Motion& question, const nb::tuple& lists, nb::handle block_pairs, nb::handle ordered) {
+                          const ImpactQuery& question, const nb::tuple& lists, nb::handle block_pairs,
+                          nb::handle ordered) {
     SharedDetector& detector = detector_of(self);
     const AskedOfMesh start(detector, mesh, lists);
     const BorrowedEnd at_end(end, start.mesh);
     const Streaming how = streaming(block_pairs, ordered);
     const SharedDetector::Turn turn(detector);
     return take_blocks<Impacts>(detector, take, question, false, [&](Detector& by, auto& sink, std::stop_token stop) {
-        return by.stream_impacts(start.view, at_end.view(), sink, question, how, std::move(stop));
+        return by.stream(start.view.moving_to(at_end.view()), question, sink, how, std::move(stop));
     });
 }
 
 Statistics stream_impacts_in_world(nb::handle self, nb::handle take, nb::handle world, nb::handle poses,
-                                   nb::handle end_poses, const Motion& question, nb::handle excluded,
+                                   nb::handle end_poses, const ImpactQuery& question, nb::handle excluded,
                                    nb::handle block_pairs, nb::handle ordered) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfWorld<Motion> asked(world, question, excluded);
+    const AskedOfWorld<ImpactQuery> asked(world, question, excluded);
     const Bodies& bodies = *asked.bodies;
     const BorrowedPoses start(poses, bodies), end(end_poses, bodies, BorrowedPoses::When::end);
     const Streaming how = streaming(block_pairs, ordered);
     const SharedDetector::Turn turn(detector);
     const World view = moving_world(bodies, start, end, detector);
     return take_blocks<Impacts>(detector, take, question, true, [&](Detector& by, auto& sink, std::stop_token stop) {
-        return by.stream_impacts(view, sink, asked.question, how, std::move(stop));
+        return by.stream(view, asked.question, sink, how, std::move(stop));
     });
 }
 
-Statistics stream_near(nb::handle self, nb::handle take, const nb::tuple& mesh, const Near& asked, nb::handle radii,
-                       nb::handle rest, const nb::tuple& lists, nb::handle block_pairs, nb::handle ordered) {
+Statistics stream_near(nb::handle self, nb::handle take, const nb::tuple& mesh, const ProximityQuery& asked,
+                       nb::handle radii, nb::handle rest, const nb::tuple& lists, nb::handle block_pairs,
+                       nb::handle ordered) {
     SharedDetector& detector = detector_of(self);
     const AskedOfMesh given(detector, mesh, lists);
     const AskedOfVertices vertices(asked, given.mesh, radii, rest);
-    const Near& question = vertices.question;
+    const ProximityQuery& question = vertices.question;
     const Streaming how = streaming(block_pairs, ordered);
     const SharedDetector::Turn turn(detector);
-    return take_blocks<Nearby>(detector, take, question, false, [&](Detector& by, auto& sink, std::stop_token stop) {
-        return by.stream_near(given.view, sink, question, how, std::move(stop));
-    });
+    return take_blocks<Proximities>(detector, take, question, false,
+                                    [&](Detector& by, auto& sink, std::stop_token stop) {
+                                        return by.stream(given.view, question, sink, how, std::move(stop));
+                                    });
 }
 
 Statistics stream_near_in_world(nb::handle self, nb::handle take, nb::handle world, nb::handle poses,
-                                const Near& question, nb::handle excluded, nb::handle block_pairs, nb::handle ordered) {
+                                const ProximityQuery& question, nb::handle excluded, nb::handle block_pairs,
+                                nb::handle ordered) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfWorld<Near> asked(world, question, excluded);
+    const AskedOfWorld<ProximityQuery> asked(world, question, excluded);
     const BorrowedPoses at(poses, *asked.bodies);
     const Streaming how = streaming(block_pairs, ordered);
     const SharedDetector::Turn turn(detector);
     const World view = posed_world(*asked.bodies, at, detector);
-    return take_blocks<Nearby>(detector, take, question, true, [&](Detector& by, auto& sink, std::stop_token stop) {
-        return by.stream_near(view, sink, asked.question, how, std::move(stop));
-    });
+    return take_blocks<Proximities>(detector, take, question, true,
+                                    [&](Detector& by, auto& sink, std::stop_token stop) {
+                                        return by.stream(view, asked.question, sink, how, std::move(stop));
+                                    });
 }
 
 Statistics stream_candidates(nb::handle self, nb::handle take, const nb::tuple& mesh, nb::handle end,
-                             const CandidateQuestion& question, const nb::tuple& lists, nb::handle block_pairs,
+                             const CandidateQuery& question, const nb::tuple& lists, nb::handle block_pairs,
                              nb::handle ordered) {
     SharedDetector& detector = detector_of(self);
     const AskedOfMesh start(detector, mesh, lists);
@@ -111,27 +116,26 @@ Statistics stream_candidates(nb::handle self, nb::handle take, const nb::tuple& 
     if (!end.is_none()) at_end.emplace(end, start.mesh);
     const Streaming how = streaming(block_pairs, ordered);
     const SharedDetector::Turn turn(detector);
-    return take_blocks<CandidateLists>(
-        detector, take, question, false, [&](Detector& by, auto& sink, std::stop_token stop) {
-            return at_end ? by.stream_candidates(start.view, at_end->view(), sink, question, how, std::move(stop))
-                          : by.stream_candidates(start.view, sink, question, how, std::move(stop));
-        });
+    return take_blocks<Candidates>(detector, take, question, false,
+                                   [&](Detector& by, auto& sink, std::stop_token stop) {
+                                       return by.stream(at_end ? start.view.moving_to(at_end->view()) : start.view,
+                                                        question, sink, how, std::move(stop));
+                                   });
 }
 
 Statistics stream_candidates_in_world(nb::handle self, nb::handle take, nb::handle world, nb::handle poses,
-                                      nb::handle end_poses, const CandidateQuestion& question, nb::handle excluded,
+                                      nb::handle end_poses, const CandidateQuery& question, nb::handle excluded,
                                       nb::handle block_pairs, nb::handle ordered) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfWorld<CandidateQuestion> asked(world, question, excluded);
+    const AskedOfWorld<CandidateQuery> asked(world, question, excluded);
     const Bodies& bodies = *asked.bodies;
     const BorrowedPoses start(poses, bodies), end(end_poses, bodies, BorrowedPoses::When::end);
     const Streaming how = streaming(block_pairs, ordered);
     const SharedDetector::Turn turn(detector);
     const World view = moving_world(bodies, start, end, detector);
-    return take_blocks<CandidateLists>(
-        detector, take, question, true, [&](Detector& by, auto& sink, std::stop_token stop) {
-            return by.stream_candidates(view, sink, asked.question, how, std::move(stop));
-        });
+    return take_blocks<Candidates>(detector, take, question, true, [&](Detector& by, auto& sink, std::stop_token stop) {
+        return by.stream(view, asked.question, sink, how, std::move(stop));
+    });
 }
 
 }  // namespace crumple::python

@@ -5,29 +5,29 @@
 #include <nanobind/nanobind.h>
 
 #include "crumple/candidates.h"
-#include "crumple/motion.h"
-#include "crumple/near.h"
+#include "crumple/impacts.h"
+#include "crumple/proximities.h"
 
 namespace crumple::python {
 
 Statistics stream_impacts(nanobind::handle self, nanobind::handle take, const nanobind::tuple& mesh,
-                          nanobind::handle end, const Motion& question, const nanobind::tuple& lists,
+                          nanobind::handle end, const ImpactQuery& question, const nanobind::tuple& lists,
                           nanobind::handle block_pairs, nanobind::handle ordered);
 Statistics stream_impacts_in_world(nanobind::handle self, nanobind::handle take, nanobind::handle world,
-                                   nanobind::handle poses, nanobind::handle end_poses, const Motion& question,
+                                   nanobind::handle poses, nanobind::handle end_poses, const ImpactQuery& question,
                                    nanobind::handle excluded, nanobind::handle block_pairs, nanobind::handle ordered);
-Statistics stream_near(nanobind::handle self, nanobind::handle take, const nanobind::tuple& mesh, const Near& question,
-                       nanobind::handle radii, nanobind::handle rest, const nanobind::tuple& lists,
-                       nanobind::handle block_pairs, nanobind::handle ordered);
+Statistics stream_near(nanobind::handle self, nanobind::handle take, const nanobind::tuple& mesh,
+                       const ProximityQuery& question, nanobind::handle radii, nanobind::handle rest,
+                       const nanobind::tuple& lists, nanobind::handle block_pairs, nanobind::handle ordered);
 Statistics stream_near_in_world(nanobind::handle self, nanobind::handle take, nanobind::handle world,
-                                nanobind::handle poses, const Near& question, nanobind::handle excluded,
+                                nanobind::handle poses, const ProximityQuery& question, nanobind::handle excluded,
                                 nanobind::handle block_pairs, nanobind::handle ordered);
 Statistics stream_candidates(nanobind::handle self, nanobind::handle take, const nanobind::tuple& mesh,
-                             nanobind::handle end, const CandidateQuestion& question, const nanobind::tuple& lists,
+                             nanobind::handle end, const CandidateQuery& question, const nanobind::tuple& lists,
                              nanobind::handle block_pairs, nanobind::handle ordered);
 Statistics stream_candidates_in_world(nanobind::handle self, nanobind::handle take, nanobind::handle world,
                                       nanobind::handle poses, nanobind::handle end_poses,
-                                      const CandidateQuestion& question, nanobind::handle excluded,
+                                      const CandidateQuery& question, nanobind::handle excluded,
                                       nanobind::handle block_pairs, nanobind::handle ordered);
 
 }  // namespace crumple::python

@@ -30,14 +30,11 @@ namespace {
 struct LaunchedMeshes {
     LaunchedMeshes(const SharedDetector& detector, const nb::tuple& one, const std::optional<nb::tuple>& other,
                    void* stream)
-        : meshes(one, other, stream), a(meshes.first.view()) {
+        : meshes(one, other, stream) {
         check_device(detector, meshes.first.device());
-        if (!other) return;
-        check_device(detector, meshes.second->device());
-        b = meshes.second->view();
+        if (other) check_device(detector, meshes.second->device());
     }
     BorrowedMeshes meshes;
-    MeshView a, b;
 };
 
 struct LaunchedFeatures {
@@ -66,42 +63,35 @@ void launch(SharedDetector& detector, std::shared_ptr<Given> given, Launch launc
 }
 
 void launch_meshes(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second,
-                   const OwningQuery& query, nb::handle stream) {
+                   const IntersectionQuery& query, nb::handle stream) {
     SharedDetector& detector = detector_of(self);
     const auto given = std::make_shared<LaunchedMeshes>(detector, first, second, stream_of(stream));
-    launch(detector, given, [&](Detector& by) {
-        if (second)
-            by.launch_between(given->a, given->b, query.query);
-        else
-            by.launch_self(given->a, query.query);
-    });
+    launch(detector, given, [&](Detector& by) { by.launch(given->meshes.scene(), query); });
 }
 
-void launch_impacts(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
+void launch_impacts(nb::handle self, const nb::tuple& mesh, nb::handle end, const ImpactQuery& question,
                     const nb::tuple& lists, nb::handle stream) {
     SharedDetector& detector = detector_of(self);
     if (end.is_none()) refuse("launch_impacts needs the vertices at the end");
     const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, end, stream_of(stream));
-    launch(detector, given, [&](Detector& by) { by.launch_impacts(given->start.view, given->end->view(), question); });
+    launch(detector, given,
+           [&](Detector& by) { by.launch(given->start.view.moving_to(given->end->view()), question); });
 }
 
-void launch_near(nb::handle self, const nb::tuple& mesh, const Near& question, nb::handle radii, nb::handle rest,
-                 const nb::tuple& lists, nb::handle stream) {
+void launch_near(nb::handle self, const nb::tuple& mesh, const ProximityQuery& question, nb::handle radii,
+                 nb::handle rest, const nb::tuple& lists, nb::handle stream) {
     SharedDetector& detector = detector_of(self);
     const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, nb::none(), stream_of(stream));
     given->vertices.emplace(question, given->start.mesh, radii, rest);
-    launch(detector, given, [&](Detector& by) { by.launch_near(given->start.view, given->vertices->question); });
+    launch(detector, given, [&](Detector& by) { by.launch(given->start.view, given->vertices->question); });
 }
 
-void launch_candidates(nb::handle self, const nb::tuple& mesh, nb::handle end, const CandidateQuestion& question,
+void launch_candidates(nb::handle self, const nb::tuple& mesh, nb::handle end, const CandidateQuery& question,
                        const nb::tuple& lists, nb::handle stream) {
     SharedDetector& detector = detector_of(self);
     const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, end, stream_of(stream));
     launch(detector, given, [&](Detector& by) {
-        if (given->end)
-            by.launch_candidates(given->start.view, given->end->view(), question);
-        else
-            by.launch_candidates(given->start.view, question);
+        by.launch(given->end ? given->start.view.moving_to(given->end->view()) : given->start.view, question);
     });
 }
 
@@ -116,12 +106,12 @@ struct LaunchedWorld {
     BorrowedPoses at;
 };
 
-void launch_world(nb::handle self, nb::handle world, nb::handle poses, const Intersect& question, nb::handle excluded,
-                  nb::handle stream) {
+void launch_world(nb::handle self, nb::handle world, nb::handle poses, const IntersectionQuery& question,
+                  nb::handle excluded, nb::handle stream) {
     SharedDetector& detector = detector_of(self);
     const auto given = std::make_shared<LaunchedWorld>(detector, world, poses, stream_of(stream));
-    Intersect asked = question;
-    asked.rules.excluded_bodies = excluded_bodies(*given->bodies, excluded);
+    IntersectionQuery asked = question;
+    asked.filter.excluded_bodies = excluded_bodies(*given->bodies, excluded);
     World view{given->bodies->shapes, given->bodies->bodies, {}};
     view.device_poses = given->at.on_device(*given->bodies);
     launch(detector, given, [&](Detector& by) { by.launch(view, asked); });
@@ -179,43 +169,28 @@ nb::tuple wait_with(nb::handle self, Wait wait, Tell tell) {
 
 nb::tuple wait(nb::handle self) {
     return wait_with(
-        self, [](Detector& by, std::stop_token stop) { return DeviceCollisions(by.wait(std::move(stop))); },
-        [](const DeviceCollisions& found, ArraysThere& there) {
-            if (found.complete) {
-                const std::int64_t n = found.pair_count;
-                there.put<std::int32_t>("pairs", found.pairs, n, 2);
-                there.put<std::int64_t>("offsets", found.offsets, found.hit_count + 1);
-                there.put<std::uint8_t>("hit", found.hit, found.hit_count);
-                if (found.hit_second) there.put<std::uint8_t>("hit_second", found.hit_second, found.hit_second_count);
-                if (found.contact_kinds) {
-                    there.put<std::uint8_t>("contact_kinds", found.contact_kinds, n);
-                    there.put<std::int64_t>("contact_offsets", found.contact_offsets, n + 1);
-                    there.put<double>("contact_points", found.contact_points, found.contact_point_count, 3);
-                }
-            }
-            return nb::make_tuple(found.complete, found.pairs_needed, found.pair_count);
-        });
-}
-
-nb::tuple wait_worlds(nb::handle self) {
-    return wait_with(
-        self, [](Detector& by, std::stop_token stop) { return DeviceWorldCollisions(by.wait_worlds(std::move(stop))); },
-        [](const DeviceWorldCollisions& found, ArraysThere& there) {
-            if (found.complete) {
+        self, [](Detector& by, std::stop_token stop) { return DeviceIntersections(by.wait(std::move(stop))); },
+        [](const DeviceIntersections& found, ArraysThere& there) {
+            const std::int64_t n = found.count;
+            if (found.complete && found.of_worlds) {
                 there.put<std::uint8_t>("world_hit", found.world_hit, found.worlds);
                 there.put<std::int64_t>("world_counts", found.world_counts, found.worlds);
                 there.put<std::int64_t>("world_offsets", found.world_offsets, found.worlds + 1);
-                if (found.pairs) {
-                    there.put<std::int32_t>("bodies", found.bodies, found.count, 2);
-                    there.put<std::int32_t>("pairs", found.pairs, found.count, 2);
-                }
-                if (found.contact_kinds) {
-                    there.put<std::uint8_t>("contact_kinds", found.contact_kinds, found.count);
-                    there.put<std::int64_t>("contact_offsets", found.contact_offsets, found.count + 1);
-                    there.put<double>("contact_points", found.contact_points, found.contact_point_count, 3);
-                }
+                if (found.pairs) there.put<std::int32_t>("bodies", found.bodies, n, 2);
+            } else if (found.complete) {
+                there.put<std::int64_t>("offsets", found.offsets, found.hit_count + 1);
+                there.put<std::uint8_t>("hit", found.hit, found.hit_count);
+                if (found.hit_second) there.put<std::uint8_t>("hit_second", found.hit_second, found.hit_second_count);
             }
-            return nb::make_tuple(found.complete, found.pairs_needed, found.count, found.any);
+            if (found.complete && (found.pairs || !found.of_worlds))
+                there.put<std::int32_t>("pairs", found.pairs, n, 2);
+            if (found.complete && found.contact_kinds) {
+                there.put<std::uint8_t>("contact_kinds", found.contact_kinds, n);
+                there.put<std::int64_t>("contact_offsets", found.contact_offsets, n + 1);
+                there.put<double>("contact_points", found.contact_points, found.contact_point_count, 3);
+            }
+            return found.of_worlds ? nb::make_tuple(found.complete, found.pairs_needed, n, found.any)
+                                   : nb::make_tuple(found.complete, found.pairs_needed, n);
         });
 }
 
@@ -233,7 +208,7 @@ nb::object told(const FirstImpact& first) {
 
 nb::tuple wait_impacts(nb::handle self) {
     return wait_with(
-        self, [](Detector& by, std::stop_token stop) { return DeviceImpacts(by.wait_impacts(std::move(stop))); },
+        self, [](Detector& by, std::stop_token stop) { return DeviceImpacts(by.wait<ImpactQuery>(std::move(stop))); },
         [](const DeviceImpacts& found, ArraysThere& there) {
             put_edges(found, there);
             for (std::size_t k = 0; k < found.lists.size() && found.complete; ++k) {
@@ -249,11 +224,12 @@ nb::tuple wait_impacts(nb::handle self) {
 
 nb::tuple wait_near(nb::handle self) {
     return wait_with(
-        self, [](Detector& by, std::stop_token stop) { return DeviceNearby(by.wait_near(std::move(stop))); },
-        [](const DeviceNearby& found, ArraysThere& there) {
+        self,
+        [](Detector& by, std::stop_token stop) { return DeviceProximities(by.wait<ProximityQuery>(std::move(stop))); },
+        [](const DeviceProximities& found, ArraysThere& there) {
             put_edges(found, there);
             for (std::size_t k = 0; k < found.lists.size() && found.complete; ++k) {
-                const DeviceNearList& list = found.lists[k];
+                const DeviceProximityList& list = found.lists[k];
                 const std::string name(feature_kind_name(static_cast<FeatureKind>(k)));
                 there.put<std::int32_t>(plural_of_kind(name), list.pairs, list.count, 2);
                 there.put<double>(name + "_squared_distance", list.squared_distance, list.count);
@@ -265,7 +241,8 @@ nb::tuple wait_near(nb::handle self) {
 
 nb::tuple wait_candidates(nb::handle self) {
     return wait_with(
-        self, [](Detector& by, std::stop_token stop) { return DeviceCandidates(by.wait_candidates(std::move(stop))); },
+        self,
+        [](Detector& by, std::stop_token stop) { return DeviceCandidates(by.wait<CandidateQuery>(std::move(stop))); },
         [](const DeviceCandidates& found, ArraysThere& there) {
             put_edges(found, there);
             for (std::size_t k = 0; k < found.lists.size() && found.complete; ++k) {
@@ -289,7 +266,6 @@ void bind_launches(nb::class_<SharedDetector>& detector) {
              "stream"_a.none())
         .def("_dlpack_capsule", dlpack_capsule, "address"_a, "shape"_a, "type"_a)
         .def("_wait", wait)
-        .def("_wait_worlds", wait_worlds)
         .def("_wait_impacts", wait_impacts)
         .def("_wait_near", wait_near)
         .def("_wait_candidates", wait_candidates);

@@ -9,10 +9,10 @@
 
 #include "arguments.h"
 #include "crumple/candidates.h"
+#include "crumple/impacts.h"
 #include "crumple/io.h"
-#include "crumple/motion.h"
-#include "crumple/near.h"
 #include "crumple/options.h"
+#include "crumple/proximities.h"
 #include "crumple/world.h"
 
 namespace crumple::python {
@@ -32,22 +32,22 @@ inline constexpr Names<Simd, 6> simd_names{{{"automatic", Simd::automatic},
                                             {"neon", Simd::neon}}};
 inline constexpr Names<Neighbours, 2> neighbours_names{
     {{"geometric", Neighbours::geometric}, {"skip", Neighbours::skip}}};
-inline constexpr Names<Intersections, 2> intersections_names{
-    {{"all", Intersections::all}, {"proper", Intersections::proper}}};
-inline constexpr Names<Wanted, 3> wanted_names{
-    {{"both", Wanted::both}, {"between", Wanted::between}, {"within", Wanted::within}}};
-inline constexpr Names<Wants, 6> wants_names{{{"any", Wants::any},
-                                              {"any_by_world", Wants::any_by_world},
-                                              {"body_pairs", Wants::body_pairs},
-                                              {"count", Wants::count},
-                                              {"pairs", Wants::pairs},
-                                              {"contacts", Wants::contacts}}};
-inline constexpr Names<MotionWants, 4> motion_wants_names{{{"any", MotionWants::any},
-                                                           {"any_by_world", MotionWants::any_by_world},
-                                                           {"earliest", MotionWants::earliest},
-                                                           {"impacts", MotionWants::impacts}}};
-inline constexpr Names<NearWants, 3> near_wants_names{
-    {{"any", NearWants::any}, {"any_by_world", NearWants::any_by_world}, {"pairs", NearWants::pairs}}};
+inline constexpr Names<IntersectionKind, 2> intersections_names{
+    {{"all", IntersectionKind::all}, {"proper", IntersectionKind::proper}}};
+inline constexpr Names<PairScope, 3> wanted_names{
+    {{"both", PairScope::both}, {"between", PairScope::between}, {"within", PairScope::within}}};
+inline constexpr Names<Output, 6> wants_names{{{"any", Output::any},
+                                               {"any_by_world", Output::any_by_world},
+                                               {"body_pairs", Output::body_pairs},
+                                               {"count", Output::count},
+                                               {"pairs", Output::pairs},
+                                               {"contacts", Output::contacts}}};
+inline constexpr Names<Output, 4> motion_wants_names{{{"any", Output::any},
+                                                      {"any_by_world", Output::any_by_world},
+                                                      {"earliest", Output::first},
+                                                      {"impacts", Output::pairs}}};
+inline constexpr Names<Output, 3> near_wants_names{
+    {{"any", Output::any}, {"any_by_world", Output::any_by_world}, {"pairs", Output::pairs}}};
 inline constexpr Names<CandidateKind, 6> candidate_kind_names{{{"vertex_face", CandidateKind::vertex_face},
                                                                {"edge_edge", CandidateKind::edge_edge},
                                                                {"edge_face", CandidateKind::edge_face},

@@ -16,22 +16,22 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-void make_nearest(Nearest* place, nb::handle radius, const Rules& rules) {
-    new (place) Nearest{.radius = real("radius", radius), .rules = rules};
+void make_nearest(DistanceQuery* place, nb::handle radius, const PairFilter& rules) {
+    new (place) DistanceQuery{.radius = real("radius", radius), .filter = rules};
 }
 
 }  // namespace
 
-NearestAnswer find_nearest(nb::handle self, nb::handle world, nb::handle poses, const Nearest& question,
+NearestAnswer find_nearest(nb::handle self, nb::handle world, nb::handle poses, const DistanceQuery& question,
                            nb::handle excluded, nb::handle copy) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfWorld<Nearest> asked(world, question, excluded);
+    const AskedOfWorld<DistanceQuery> asked(world, question, excluded);
     const Bodies& bodies = *asked.bodies;
     const BorrowedPoses at(poses, bodies);
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
     const World view = posed_world(bodies, at, detector);
-    NearestAnswer answer{detector.storage<NearestBodies>(), copied};
+    NearestAnswer answer{detector.storage<Distances>(), copied};
     without_gil([&] { detector.find(view, asked.question, *answer.storage); }, detector.stop());
     return answer;
 }
@@ -39,7 +39,7 @@ NearestAnswer find_nearest(nb::handle self, nb::handle world, nb::handle poses, 
 void bind_nearest(nb::module_& module) {
     constexpr auto owner = nb::rv_policy::reference_internal;
     using A = NearestAnswer;
-    nb::class_<Nearest>(module, "Nearest", "What is asked about the distances of bodies.")
+    nb::class_<DistanceQuery>(module, "Nearest", "What is asked about the distances of bodies.")
         .def("__init__", make_nearest, "radius"_a.none(), "rules"_a);
     nb::class_<A>(module, "NearestAnswer",
                   "The library's answer about distances of bodies; crumple.NearestBodies gives access to it.")

@@ -6,20 +6,20 @@
 
 #include <nanobind/nanobind.h>
 
-#include "crumple/nearest.h"
+#include "crumple/distances.h"
 
 namespace crumple::python {
 
-/// What a crumple.NearestBodies shows. Its arrays hold it, but not the result, which holds them.
+/// What a crumple.Distances shows. Its arrays hold it, but not the result, which holds them.
 struct NearestAnswer {
-    std::shared_ptr<NearestBodies> storage;
+    std::shared_ptr<Distances> storage;
     bool copy = false;  ///< the result shows writable copies
 
-    const NearestBodies& found() const { return *storage; }
+    const Distances& found() const { return *storage; }
 };
 
 NearestAnswer find_nearest(nanobind::handle self, nanobind::handle world, nanobind::handle poses,
-                           const Nearest& question, nanobind::handle excluded, nanobind::handle copy);
+                           const DistanceQuery& question, nanobind::handle excluded, nanobind::handle copy);
 
 void bind_nearest(nanobind::module_& module);
 

@@ -81,7 +81,7 @@ bool are_offsets(const Array<std::int64_t>& offsets, std::size_t parts, std::siz
 }
 
 // All that writers and pictures take for granted.
-void check_fit(const Collisions& c, bool one_soup, bool has_contacts) {
+void check_fit(const Intersections& c, bool one_soup, bool has_contacts) {
     check(are_offsets(c.offsets, c.hit.size(), c.pairs.size()), "offsets");
     const auto seconds = static_cast<std::int64_t>((one_soup ? c.hit : c.hit_second).size());
     std::vector<std::uint8_t> hit(c.hit.size()), hit_second(static_cast<std::size_t>(seconds));
@@ -136,7 +136,7 @@ Answer restore(const Rows<std::int32_t, 2>& pairs, const Column<std::int64_t>& o
                const Column<std::int64_t>& contact_offsets, const Rows<double, 3>& points, nb::handle statistics,
                const nb::tuple& first, const std::optional<nb::tuple>& second, bool has_contacts, bool copy,
                const std::optional<Column<std::int32_t>>& ids, const std::optional<Column<std::int32_t>>& ids_second) {
-    const auto storage = std::make_shared<Collisions>();
+    const auto storage = std::make_shared<Intersections>();
     fill(storage->pairs, pairs);
     fill(storage->offsets, offsets);
     fill(storage->hit, hit);
@@ -153,6 +153,8 @@ Answer restore(const Rows<std::int32_t, 2>& pairs, const Column<std::int64_t>& o
     check_fit(*storage, !second, has_contacts);
     to_ids(ids, &Pair::a, storage->pairs);
     to_ids(ids_of_b, &Pair::b, storage->pairs);
+    storage->count = static_cast<std::int64_t>(storage->pairs.size());
+    storage->any = storage->count > 0;
     const BorrowedMeshes meshes(first, second);
     check_mesh(meshes.first, storage->hit);
     if (meshes.second) check_mesh(*meshes.second, storage->hit_second);

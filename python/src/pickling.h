@@ -4,7 +4,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 
 namespace crumple::python {
 

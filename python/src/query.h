@@ -1,33 +1,27 @@
 #pragma once
 
-// A query as Python gives it.
-
-#include <vector>
+// A query about the triangles of meshes, as Python gives it.
 
 #include <nanobind/nanobind.h>
 
 #include "arguments.h"
 #include "arrays.h"
+#include "crumple/intersections.h"
 #include "names.h"
 
 namespace crumple::python {
 
-/// A query and the pairs that it refers to.
-struct OwningQuery {
-    OwningQuery(nanobind::handle neighbours, nanobind::handle intersections, nanobind::handle weld,
-                nanobind::handle contacts, nanobind::handle wanted, nanobind::handle excluded_groups)
-        : excluded(group_pairs(excluded_groups)),
-          query{.neighbours = named(neighbours_names, "neighbours", neighbours),
-                .intersections = named(intersections_names, "intersections", intersections),
-                .weld = flag("weld", weld),
-                .contacts = flag("contacts", contacts),
-                .wanted = named(wanted_names, "wanted", wanted),
-                .excluded_groups = excluded} {}
-    OwningQuery(const OwningQuery&) = delete;
-    OwningQuery& operator=(const OwningQuery&) = delete;
-
-    const std::vector<GroupPair> excluded;
-    const Query query;
-};
+inline IntersectionQuery make_query(nanobind::handle neighbours, nanobind::handle intersections, nanobind::handle weld,
+                                    nanobind::handle contacts, nanobind::handle wanted,
+                                    nanobind::handle excluded_groups) {
+    IntersectionQuery query;
+    query.filter.excluded_groups = group_pairs(excluded_groups);
+    query.neighbours = named(neighbours_names, "neighbours", neighbours);
+    query.kind = named(intersections_names, "intersections", intersections);
+    query.weld = flag("weld", weld);
+    query.output = flag("contacts", contacts) ? Output::contacts : Output::pairs;
+    query.filter.groups = named(wanted_names, "wanted", wanted);
+    return query;
+}
 
 }  // namespace crumple::python

@@ -41,7 +41,7 @@ void bind_world_answer(nb::module_& module) {
         .def_prop_ro(
             "hit", [](const A& a) { return view<bool>(a.collisions().hit); }, owner)
         .def_prop_ro("statistics", [](const A& a) { return Statistics(a.collisions().statistics); })
-        .def_prop_ro("wants", [](const A& a) { return name_of(wants_names, a.wants); })
+        .def_prop_ro("wants", [](const A& a) { return name_of(wants_names, a.output); })
         .def_ro("has_index", &A::has_index)
         .def_ro("copy", &A::copy);
 }

@@ -99,7 +99,7 @@ io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std:
 
 // Marks triangles that are in some pair; where there are only bodies, all of theirs. Checked, for pairs may come from
 // elsewhere.
-void index(const io::WorldMesh& world, WorldCollisions& c) {
+void index(const io::WorldMesh& world, Intersections& c) {
     c.first_triangle.push_back(0);
     for (const io::NamedBody& body : world.bodies) {
         if (body.shape < 0 || static_cast<std::size_t>(body.shape) >= world.shapes.size()) refuse_changed();
@@ -141,7 +141,7 @@ void write_coloured(nb::handle path, nb::handle world, nb::handle poses, const s
                     const Column<std::int64_t>& offsets, const Points& points) {
     const Path to = python::path("path", path);
     const io::WorldMesh mesh = copy_of(world, poses, names);
-    WorldCollisions collisions;
+    Intersections collisions;
     fill(collisions.bodies, bodies);
     fill(collisions.pairs, pairs);
     if (!collisions.pairs.empty() && collisions.bodies.size() != collisions.pairs.size()) refuse_changed();

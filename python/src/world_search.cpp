@@ -14,18 +14,19 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-void make_question(Intersect* place, nb::handle wants, nb::handle neighbours, nb::handle intersections, nb::handle weld,
-                   nb::handle bodies, nb::handle groups, nb::handle excluded_groups, nb::handle index) {
-    Intersect question;
-    question.wants = named(wants_names, "wants", wants);
+void make_question(IntersectionQuery* place, nb::handle wants, nb::handle neighbours, nb::handle intersections,
+                   nb::handle weld, nb::handle bodies, nb::handle groups, nb::handle excluded_groups,
+                   nb::handle index) {
+    IntersectionQuery question;
+    question.output = named(wants_names, "wants", wants);
     question.neighbours = named(neighbours_names, "neighbours", neighbours);
-    question.intersections = named(intersections_names, "intersections", intersections);
+    question.kind = named(intersections_names, "intersections", intersections);
     question.weld = flag("weld", weld);
-    question.rules.bodies = named(wanted_names, "bodies", bodies);
-    question.rules.groups = named(wanted_names, "groups", groups);
-    question.rules.excluded_groups = group_pairs(excluded_groups);
+    question.filter.bodies = named(wanted_names, "bodies", bodies);
+    question.filter.groups = named(wanted_names, "groups", groups);
+    question.filter.excluded_groups = group_pairs(excluded_groups);
     question.index = flag("index", index);
-    new (place) Intersect(std::move(question));
+    new (place) IntersectionQuery(std::move(question));
 }
 
 }  // namespace
@@ -42,25 +43,25 @@ World posed_world(const Bodies& bodies, const BorrowedPoses& poses, SharedDetect
 }
 
 // The world may get other poses while the call runs without the GIL: it reads those that were there when it began.
-WorldAnswer find_world(nb::handle self, nb::handle world, nb::handle poses, const Intersect& question,
+WorldAnswer find_world(nb::handle self, nb::handle world, nb::handle poses, const IntersectionQuery& question,
                        nb::handle excluded, nb::handle copy) {
     SharedDetector& detector = detector_of(self);
     const BorrowedWorld& given = given_world(world);
     const std::shared_ptr<const Bodies> bodies = given.bodies;
     const BorrowedPoses at = poses.is_none() ? given.poses : BorrowedPoses(poses, *bodies);
     const bool copied = flag("copy", copy);
-    Intersect asked = question;
-    asked.rules.excluded_bodies = excluded_bodies(*bodies, excluded);
+    IntersectionQuery asked = question;
+    asked.filter.excluded_bodies = excluded_bodies(*bodies, excluded);
     const SharedDetector::Turn turn(detector);
     const World view = posed_world(*bodies, at, detector);
-    WorldAnswer answer{detector.storage<WorldCollisions>(), asked.wants, asked.index && asked.wants >= Wants::pairs,
+    WorldAnswer answer{detector.storage<Intersections>(), asked.output, asked.index && asked.output >= Output::pairs,
                        copied};
     without_gil([&] { detector.find(view, asked, *answer.storage); }, detector.stop());
     return answer;
 }
 
 void bind_question(nb::module_& module) {
-    nb::class_<Intersect>(module, "Question", "What is asked about a world.")
+    nb::class_<IntersectionQuery>(module, "Question", "What is asked about a world.")
         .def("__init__", make_question, "wants"_a.none(), "neighbours"_a.none(), "intersections"_a.none(),
              "weld"_a.none(), "bodies"_a.none(), "groups"_a.none(), "excluded_groups"_a.none(), "index"_a.none());
 }

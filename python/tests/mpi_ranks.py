@@ -56,7 +56,7 @@ def motion_is_that_of_one_detector():
     sheets = soup(200, size=0.3)
     questions = [
         (cloth(60), cloth(61).vertices, {}),
-        (cloth(60), np.asarray(cloth(61).vertices, np.float64), dict(separation=1e-3, separation_share=0.1, weld=True)),
+        (cloth(60), np.asarray(cloth(61).vertices, np.float64), dict(min_distance=1e-3, min_distance_share=0.1, weld=True)),
         (grouped(), np.flip(grouped().vertices, 1), dict(wanted="between", excluded_groups=[(0, 1)])),
         (sheets, sheets.vertices, {}),
         (soup(1), soup(1).vertices, {}),

@@ -69,7 +69,7 @@ def test_candidates_are_those_of_boxes_that_are_near(kind, moving):
         found.append(numbers(getattr(broad_phase, f"detect_{kind}_candidates")(), kind))
     pairs, points = points_of(kind, found[0], edges, faces)
     if moving:
-        near = getattr(crumple, f"{LISTS[kind][1]}_impacts")(vertices[points], end[points], separation=2 * radius).hit
+        near = getattr(crumple, f"{LISTS[kind][1]}_impacts")(vertices[points], end[points], min_distance=2 * radius).hit
     else:
         near = getattr(crumple, f"{LISTS[kind][1]}_distances")(vertices[points]).squared_distance <= (2 * radius) ** 2
     assert near.any() and not near.all()
@@ -133,7 +133,7 @@ def test_steps_are_exact_and_no_shorter_than_ipctks():
         steps.append(ipctk.compute_collision_free_stepsize(mesh, vertices, end, broad_phase=broad_phase))
     assert 0 < steps[1] <= steps[0] <= exact
 
-    share = {"separation_share": 0.2}  # of all boxes, for what does not touch may come near
+    share = {"min_distance_share": 0.2}  # of all boxes, for what does not touch may come near
     first = adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end, **share)
     assert first == crumple.time_of_first_impact(vertices, end, faces, **share) < exact
     assert not adapter.is_step_collision_free(candidates, mesh, vertices, end, **share)
@@ -146,7 +146,7 @@ def test_a_minimum_distance_is_a_separation():
     mesh, candidates = ipctk.CollisionMesh(vertices, edges, faces), ipctk.Candidates()
     candidates.build(mesh, vertices, end, least / 4, adapter.BroadPhase())
     first = adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end, least / 2)
-    assert first == crumple.time_of_first_impact(vertices, end, faces, separation=least / 2) > 0
+    assert first == crumple.time_of_first_impact(vertices, end, faces, min_distance=least / 2) > 0
 
 
 def test_rods_and_points_go_through_ipctks_candidates():
@@ -269,8 +269,8 @@ end = vertices + 0.2 * (random.random((24, 3)) - 0.5)
 vertices, end, faces = map(np.asfortranarray, (vertices, end, faces))
 mesh = ipctk.CollisionMesh(vertices, np.asfortranarray(ipctk.edges(faces)), faces)
 for share in (0, 0.1):
-    exact = crumple.time_of_first_impact(vertices, end, faces, separation_share=share)
-    ccd = NarrowPhaseCCD(separation_share=share)
+    exact = crumple.time_of_first_impact(vertices, end, faces, min_distance_share=share)
+    ccd = NarrowPhaseCCD(min_distance_share=share)
     found = ipctk.compute_collision_free_stepsize(mesh, vertices, end, narrow_phase_ccd=ccd)
     assert found == exact and 0 < exact < 1, (found, exact)
 assert not ipctk.is_step_collision_free(mesh, vertices, end, narrow_phase_ccd=NarrowPhaseCCD())

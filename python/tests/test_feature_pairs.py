@@ -27,7 +27,7 @@ def moved(mesh, dtype=np.float64):
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-@pytest.mark.parametrize("question", [{}, {"separation": 0.02}, {"separation_share": 0.3}])
+@pytest.mark.parametrize("question", [{}, {"min_distance": 0.02}, {"min_distance_share": 0.3}])
 def test_impacts_are_those_of_the_mesh(dtype, question, detector):
     mesh = soup(25, size=0.4, dtype=dtype)
     start, end = mesh.vertices, moved(mesh, dtype)
@@ -71,7 +71,7 @@ def test_a_vertex_meets_an_edge():
     edge = [[1, -1, 0], [1, 1, 0]]
     start, end = np.array([[[0, 0, 0], *edge]]), np.array([[[2, 0, 0], *edge]])
     assert told(crumple.vertex_edge_impacts(start, end)) == (True, 0.5, False)
-    assert told(crumple.vertex_edge_impacts(start, end, separation=0.5)) == (True, 0.25, False)
+    assert told(crumple.vertex_edge_impacts(start, end, min_distance=0.5)) == (True, 0.25, False)
     aside = np.array([[[0, 0, 2.0**-300], *edge]])
     passed = np.array([[[2, 0, 2.0**-300], *edge]])
     assert told(crumple.vertex_edge_impacts(aside, passed)) == (False, np.inf, False)
@@ -81,7 +81,7 @@ def test_a_vertex_meets_an_edge():
 def test_a_vertex_meets_a_vertex():
     start, end = np.array([[[0, 0, 0], [3, 4, 0]]]), np.array([[[3, 4, 0], [3, 4, 0]]])
     assert told(crumple.vertex_vertex_impacts(start, end)) == (True, 1, False)
-    assert told(crumple.vertex_vertex_impacts(start, end, separation_share=0.25)) == (True, 0.75, False)
+    assert told(crumple.vertex_vertex_impacts(start, end, min_distance_share=0.25)) == (True, 0.75, False)
     assert told(crumple.vertex_vertex_impacts(end, start)) == (True, 0, True)
     assert told(crumple.vertex_vertex_distances(start)) == (25, False, 0, [0, 0])
 
@@ -130,12 +130,12 @@ def test_errors_name_the_argument_and_the_pair(kind, points):
         impacts(good, good[:2])
     with pytest.raises(crumple.InvalidInput, match="points must be float64 or float32, not complex128"):
         distances(good.astype(complex))
-    with pytest.raises(crumple.InvalidInput, match="separation must be finite and 0 or more"):
-        impacts(good, good, separation=-1)
-    with pytest.raises(crumple.InvalidInput, match="separation_share must be 0 or more, and below 1"):
-        impacts(good, good, separation_share=1)
+    with pytest.raises(crumple.InvalidInput, match="min_distance must be finite and 0 or more"):
+        impacts(good, good, min_distance=-1)
+    with pytest.raises(crumple.InvalidInput, match="min_distance_share must be 0 or more, and below 1"):
+        impacts(good, good, min_distance_share=1)
     for call in (lambda: impacts(good, good, threads=-1), lambda: distances(good, threads=-1)):
         with pytest.raises(crumple.InvalidInput, match="threads must be 0"):
             call()
-    with pytest.raises(TypeError, match="Did you mean 'separation'"):
-        impacts(good, good, seperation=1)
+    with pytest.raises(TypeError, match="Did you mean 'min_distance'"):
+        impacts(good, good, min_distence=1)

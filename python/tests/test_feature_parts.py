@@ -18,8 +18,8 @@ SEGMENTS = np.stack([np.arange(39), np.arange(1, 40)], axis=1)
 # What is asked, of the whole and to make parts; and of the whole and of each part.
 MOTION = {
     "impacts": ({}, {}),
-    "separated": ({"separation": 0.05, "weld": True}, {}),
-    "a share": ({"separation_share": 0.5}, {}),
+    "separated": ({"min_distance": 0.05, "weld": True}, {}),
+    "a share": ({"min_distance_share": 0.5}, {}),
     "groups": ({}, {"wanted": "between", "excluded_groups": [(0, 1)]}),
 }
 NEAR = {
@@ -119,17 +119,17 @@ def test_an_answer_of_a_part_says_what_it_does_not_know(either, tmp_path):
 
 
 def test_a_part_refuses_other_questions(either):
-    moving = either.partition_motion(MESH, MOVED, count=2, separation=0.1)[0]
+    moving = either.partition_motion(MESH, MOVED, count=2, min_distance=0.1)[0]
     at_rest = either.partition_near(MESH, count=2, radius=0.1)[0]
     plain = either.partition(MESH, count=2)[0]
     for message, call in {
-        "separation and separation_share must be at most": lambda: either.find_impacts(moving, separation=0.2),
+        "min_distance and min_distance_share must be at most": lambda: either.find_impacts(moving, min_distance=0.2),
         "weld must be as the part was made": lambda: either.find_impacts(moving, weld=True),
         "the part was made for a question about motion": lambda: either.find_near(moving, radius=0.1),
         "the part was made for a question about nearness": lambda: either.find_impacts(at_rest),
         "radius must be at most that which": lambda: either.find_near(at_rest, radius=0.2),
-        "the part was not made for a question about features": lambda: either.find_near(plain, radius=0.2),
-        "the part was made for a question about features": lambda: either.find(moving),
+        "the part was not made for a query about features": lambda: either.find_near(plain, radius=0.2),
+        "the part was made for a query about features": lambda: either.find(moving),
         "the number of parts must be 1 to 262144": lambda: either.partition_motion(MESH, MOVED, count=0),
     }.items():
         with pytest.raises(crumple.InvalidInput, match=message):

@@ -84,20 +84,20 @@ def test_without_a_detector():
 
 
 @pytest.mark.parametrize(
-    "separation, toi",
-    [({"separation": 0.5}, 0.25), ({"separation_share": 0.25}, 0.375), ({"separation": 3.0}, 0.0)],
+    "min_distance, toi",
+    [({"min_distance": 0.5}, 0.25), ({"min_distance_share": 0.25}, 0.375), ({"min_distance": 3.0}, 0.0)],
     ids=str,
 )
-def test_features_touch_at_a_distance(separation, toi, either):
+def test_features_touch_at_a_distance(min_distance, toi, either):
     """The vertex falls from a height of 1 to -1, above the inside of the face."""
-    found = either.find_impacts(START, END, FACES, wants="earliest", **separation)
+    found = either.find_impacts(START, END, FACES, wants="earliest", **min_distance)
     assert found.first.toi == toi and found.first.start is (toi == 0)
-    assert either.time_of_first_impact(START, END, FACES, **separation) == toi
+    assert either.time_of_first_impact(START, END, FACES, **min_distance) == toi
     end = END.copy()
     end[3:] = START[3:]
     end[3:, 2] -= 0.75
-    assert either.is_free(START, end, FACES) and either.is_free(START, end, FACES, separation_share=0.125)
-    assert not either.is_free(START, end, FACES, separation=0.25), "at most: equal counts"
+    assert either.is_free(START, end, FACES) and either.is_free(START, end, FACES, min_distance_share=0.125)
+    assert not either.is_free(START, end, FACES, min_distance=0.25), "at most: equal counts"
 
 
 def test_a_weld_makes_neighbours(either):
@@ -112,10 +112,10 @@ def test_a_weld_makes_neighbours(either):
 QUESTIONS = [
     {},
     {"weld": True},
-    {"separation": 0.05},
-    {"separation_share": 0.5},
+    {"min_distance": 0.05},
+    {"min_distance_share": 0.5},
     {"groups": True, "wanted": "between"},
-    {"groups": True, "wanted": "within", "separation": 0.01},
+    {"groups": True, "wanted": "within", "min_distance": 0.01},
     {"groups": True, "excluded_groups": [(0, 1), (2, 2)]},
 ]
 
@@ -212,10 +212,10 @@ def test_meshes_come_in_many_forms(detector):
         ((START, np.full_like(END, np.inf), FACES), {}, "at the end: vertex 0 is not finite"),
         ((np.full_like(END, np.nan), END, FACES), {}, "vertex 0 is not finite"),
         ((START, END, FACES + 3), {}, "triangle 1 names vertex 6 of 6"),
-        ((START, END, FACES), {"separation": -1}, "separation must be finite and 0 or more"),
-        ((START, END, FACES), {"separation": np.inf}, "separation must be finite and 0 or more"),
-        ((START, END, FACES), {"separation": "1"}, "separation must be a number, not str"),
-        ((START, END, FACES), {"separation_share": 1}, "separation_share must be 0 or more, and below 1"),
+        ((START, END, FACES), {"min_distance": -1}, "min_distance must be finite and 0 or more"),
+        ((START, END, FACES), {"min_distance": np.inf}, "min_distance must be finite and 0 or more"),
+        ((START, END, FACES), {"min_distance": "1"}, "min_distance must be a number, not str"),
+        ((START, END, FACES), {"min_distance_share": 1}, "min_distance_share must be 0 or more, and below 1"),
         ((START, END, FACES), {"weld": 1}, "weld must be True or False, not int"),
         ((START, END, FACES), {"index": None}, "index must be True or False, not None"),
         ((START, END, FACES), {"wanted": "all"}, 'wanted must be one of "both", "between", "within", not "all"'),
@@ -237,7 +237,7 @@ def test_methods_tell_what_they_are(name, detector):
         assert method.__name__ == name and method.__qualname__ == f"Detector.{name}"
         assert inspect.isroutine(method) and len(inspect.getdoc(method)) > 100
     parameters = inspect.signature(getattr(detector, name)).parameters
-    assert list(parameters)[:3] == ["vertices", "end", "faces"] and parameters["separation"].default == 0
+    assert list(parameters)[:3] == ["vertices", "end", "faces"] and parameters["min_distance"].default == 0
     defaults = {name: p.default for name, p in parameters.items() if p.default is not inspect.Parameter.empty}
     faces = defaults.pop("faces")
     assert faces is None and len(defaults) > 4
@@ -248,8 +248,8 @@ def test_methods_tell_what_they_are(name, detector):
     found, plain = (getattr(detector, name)(mesh, END, **given) for given in (defaults, {}))
     assert found == plain or found.vertex_faces.tolist() == plain.vertex_faces.tolist()
     for scene in ((mesh, END), (world,)):
-        with pytest.raises(TypeError, match=r"'separatio'\. Did you mean 'separation'\?$") as caught:
-            getattr(detector, name)(*scene, separatio=1)
+        with pytest.raises(TypeError, match=r"'min_distanc'\. Did you mean 'min_distance'\?$") as caught:
+            getattr(detector, name)(*scene, min_distanc=1)
         assert not isinstance(caught.value, crumple.Error)
     with pytest.raises(TypeError, match="missing 1 required positional argument: 'end'"):
         getattr(detector, name)(mesh)
@@ -348,7 +348,7 @@ def test_a_free_step_is_free_as_it_is_rounded(either):
             assert either.is_free(vertices, positions, faces)
     whole = either.find_free_step(START, START + 1, FACES)
     assert whole.share == 1 and whole.positions.tolist() == (START + 1).tolist()
-    none = either.find_free_step((START, FACES), END, separation=5)
+    none = either.find_free_step((START, FACES), END, min_distance=5)
     assert none.share == 0 and none.positions.tolist() == START.tolist()
     with pytest.raises(crumple.InvalidType, match="find_free_step takes a mesh, not a crumple.World"):
         either.find_free_step(crumple.World([(START, FACES)], self_collisions=True), END)
@@ -427,7 +427,7 @@ def bodies_in_motion(seed, bodies=6, worlds=2):
 
 @pytest.mark.parametrize(
     "question",
-    [{}, {"bodies": "between"}, {"bodies": "within"}, {"excluded": [(0, 1), {2}]}, {"separation": 0.02}],
+    [{}, {"bodies": "between"}, {"bodies": "within"}, {"excluded": [(0, 1), {2}]}, {"min_distance": 0.02}],
     ids=str,
 )
 def test_brute_force_agrees_about_worlds(question, detector, reference):

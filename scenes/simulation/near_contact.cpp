@@ -41,11 +41,11 @@ MeshView NearContactFinder::view(std::span<const Vec3d> points) const {
 }
 
 std::span<const NearContact> NearContactFinder::find(std::span<const Vec3d> points, double radius) {
-    Near question;
+    ProximityQuery question;
     question.radius = radius;
     question.closest = true;
-    question.rules = rules_;
-    const Nearby& near = detector_.find_near(view(points), question);
+    question.filter = rules_;
+    const Proximities& near = detector_.find(view(points), question);
     contacts_.clear();
     const auto add = [&](const std::array<std::int32_t, 4>& of, const std::array<double, 4>& weights, bool touching) {
         if (touching) {
@@ -60,7 +60,7 @@ std::span<const NearContact> NearContactFinder::find(std::span<const Vec3d> poin
         contact.direction = (1 / contact.distance) * way;
         contacts_.push_back(contact);
     };
-    const NearList &of_vertices = near.vertex_faces(), &of_edges = near.edge_edges();
+    const ProximityList &of_vertices = near.vertex_faces(), &of_edges = near.edge_edges();
     for (std::size_t i = 0; i < of_vertices.pairs.size(); ++i) {
         const auto [vertex, face] = of_vertices.pairs[i];
         const auto [a, b, c] = triangles_[index(face)];
@@ -78,18 +78,18 @@ std::span<const NearContact> NearContactFinder::find(std::span<const Vec3d> poin
 
 NearContactFinder::FreeWay NearContactFinder::shorten(std::span<const Vec3d> start, std::span<Vec3d> end,
                                                       std::span<const std::uint8_t> held) {
-    Motion question;
-    question.separation_share = kept_distance;
-    question.rules = rules_;
+    ImpactQuery question;
+    question.min_distance_share = kept_distance;
+    question.filter = rules_;
     const MeshView mesh = view(start);
     double toi = 1;
     for (int round = 0; round < most_rounds; ++round) {
-        const Impacts& impacts = detector_.find_impacts(mesh, view(end).vertices, question);
+        const Impacts& impacts = detector_.find(mesh.moving_to(view(end).vertices), question);
         if (!impacts.any) return {toi, 1};
         if (round == 0) toi = impacts.first.toi;
         hold_back(impacts, start, end, held);
     }
-    const FreeStep step = detector_.find_free_step(mesh, view(end).vertices, question);
+    const FreeStep step = detector_.find(mesh.moving_to(view(end).vertices), FreeStepQuery{question});
     for (std::size_t i = 0; i < end.size(); ++i) {
         end[i] = {step.positions[3 * i], step.positions[3 * i + 1], step.positions[3 * i + 2]};
     }

@@ -55,7 +55,7 @@ class NearContactFinder {
     Detector detector_{{.backend = Backend::cpu}};  // each step moves the points in host memory
     std::vector<Fabric::Corners> triangles_;        // of the cloth, then of obstacles
     std::vector<std::int32_t> groups_;
-    Rules rules_;
+    PairFilter rules_;
     std::vector<double> toi_;  // of each point
     std::vector<NearContact> contacts_;
 };

@@ -49,11 +49,11 @@ std::span<const SelfContact> SelfContactFinder::find(std::span<const Vec3d> poin
 
     const MeshView soup(vertices_.data(), static_cast<std::int64_t>(3 * n), soup_.data()->data(),
                         static_cast<std::int64_t>(m + n), groups_);
-    Query query;
+    IntersectionQuery query;
     query.neighbours = Neighbours::skip;  // a point's own triangles
-    query.wanted = Wanted::between;
+    query.filter.groups = PairScope::between;
     contacts_.clear();
-    for (const Pair pair : detector_.find_self(soup, query).pairs) {
+    for (const Pair pair : detector_.find(soup, query).pairs) {
         const Fabric::Corners& t = triangles[static_cast<std::size_t>(pair.a)];
         const auto point = pair.b - static_cast<std::int32_t>(m);
         const Vec3d normal = normal_of(t), p = at(point);

@@ -30,26 +30,29 @@ void fail_unprepared_capture(Asked question) {
                     ": they make its lists");
 }
 
-void BackendBase::stream(const Scene&, const Query&, const Streaming&, BlockSink, Statistics&) { refuse_blocks(); }
-void BackendBase::visit(const Scene& scene, const Query& query, BlockSink take, Statistics& statistics) {
+void BackendBase::stream(const PreparedScene&, const IntersectionQuery&, const Streaming&, BlockSink, Statistics&) {
+    refuse_blocks();
+}
+void BackendBase::visit(const PreparedScene& scene, const IntersectionQuery& query, BlockSink take,
+                        Statistics& statistics) {
     stream(scene, query, {.ordered = false}, take, statistics);
 }
-void BackendBase::stream(const Scene&, const FeatureQuery&, const Streaming&, FeatureSink, Statistics&) {
+void BackendBase::stream(const PreparedScene&, const FeatureRequest&, const Streaming&, FeatureSink, Statistics&) {
     refuse_blocks();
 }
-void BackendBase::stream_candidates(const Scene&, const CandidateQuery&, const Streaming&, CandidateSink, Statistics&) {
+void BackendBase::stream_candidates(const PreparedScene&, const CandidateRequest&, const Streaming&, CandidateSink,
+                                    Statistics&) {
     refuse_blocks();
 }
-void BackendBase::find(const MeshView&, const MeshView*, const Query&, Collisions&) { refuse(); }
-bool BackendBase::any(const MeshView&, const MeshView*, const Query&) { refuse(); }
+void BackendBase::find(const MeshView&, const MeshView*, const IntersectionQuery&, Intersections&) { refuse(); }
+bool BackendBase::any(const MeshView&, const MeshView*, const IntersectionQuery&) { refuse(); }
 std::vector<Part> BackendBase::partition(const MeshView&, const MeshView*, int) { refuse(); }
-void BackendBase::launch(const MeshView&, const MeshView*, const Query&) { refuse(); }
-const DeviceCollisions& BackendBase::wait() { refuse(); }
-void BackendBase::download(Collisions&) { refuse(); }
+void BackendBase::launch(const MeshView&, const MeshView*, const IntersectionQuery&) { refuse(); }
+const DeviceIntersections& BackendBase::wait() { refuse(); }
+void BackendBase::download(Intersections&) { refuse(); }
 DeviceFeatureCalls& BackendBase::features_there() { refuse(); }
-bool BackendBase::find(const World&, const Intersect&, WorldCollisions&) { refuse_worlds(); }
+bool BackendBase::find(const World&, const IntersectionQuery&, Intersections&) { refuse_worlds(); }
 std::vector<Pose> BackendBase::poses_of(const DevicePoses&) { refuse_worlds(); }
-void BackendBase::launch(const World&, const Intersect&) { refuse_worlds(); }
-const DeviceWorldCollisions& BackendBase::wait_worlds() { refuse_worlds(); }
+void BackendBase::launch(const World&, const IntersectionQuery&) { refuse_worlds(); }
 
 }  // namespace crumple

@@ -10,83 +10,86 @@
 #include "base/cancellation.h"
 #include "base/parallel_for.h"
 #include "crumple/array.h"
-#include "crumple/collisions.h"
 #include "crumple/detector.h"
 #include "crumple/function_ref.h"
+#include "crumple/intersections.h"
 #include "crumple/options.h"
-#include "queries/candidate_query.h"
-#include "queries/feature_query.h"
-#include "scene/scene.h"
+#include "queries/candidate_request.h"
+#include "queries/feature_request.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple {
 
 /// Takes one block of a stream; it is gone when this returns.
-using BlockSink = FunctionRef<void(const Collisions& block)>;
+using BlockSink = FunctionRef<void(const Intersections& block)>;
 
 /// What a backend remembers of one scene, for who asks about several in turn, over and over.
 struct SceneMemory {
     virtual ~SceneMemory() = default;
 };
 
-/// Pairs are wanted by the query's rules, or by those of the world that the scene is made of (Scene::bodies).
+/// Pairs are wanted by the query's rules, or by those of the world that the scene is made of (PreparedScene::bodies).
 /// A backend with threads lends them by overriding parallel_for(). Its calls check the cancellation they are given.
 class BackendBase : public ParallelFor {
    public:
     /// Fills `result.pairs` (sorted, unique), offsets, hit flags, contacts if asked for, and the statistics' counts and
     /// stage times. `part`: what the scene is made of, so that its levels tell which pairs it owns; null: all. Throws
     /// MemoryMeter::Exceeded if not even work in chunks fits the limit, with what is needed at least.
-    virtual void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) = 0;
+    virtual void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
+                      Intersections& result) = 0;
 
     /// Whether there is any pair. Stops at the first, or soon after it.
-    virtual bool any(const Scene& scene, const Query& query) = 0;
+    virtual bool any(const PreparedScene& scene, const IntersectionQuery& query) = 0;
 
-    /// How many worlds a scene may have side by side (Scene::worlds) in find(), any() and any_by_world(). Those do not
-    /// work in chunks if there are several: they throw MemoryMeter::Exceeded where memory does not suffice.
+    /// How many worlds a scene may have side by side (PreparedScene::worlds) in find(), any() and any_by_world(). Those
+    /// do not work in chunks if there are several: they throw MemoryMeter::Exceeded where memory does not suffice.
     virtual int worlds_at_once() const { return 1; }
 
     /// Sets the flag of each world in which there is a pair; the others are 0 and stay so. Whoever takes several worlds
     /// counts what it did.
-    virtual void any_by_world(const Scene& scene, const Query& query, std::span<std::uint8_t> flags, Statistics&) {
+    virtual void any_by_world(const PreparedScene& scene, const IntersectionQuery& query, std::span<std::uint8_t> flags,
+                              Statistics&) {
         flags[0] = any(scene, query);
     }
 
     /// Hands all pairs over in blocks (Detector::stream_self). A call that throws may have handed over some.
-    virtual void stream(const Scene& scene, const Query& query, const Streaming& how, BlockSink sink,
-                        Statistics& statistics);
+    virtual void stream(const PreparedScene& scene, const IntersectionQuery& query, const Streaming& how,
+                        BlockSink sink, Statistics& statistics);
 
     /// All pairs, in any order, a block at a time or all at once: for work that goes on with them.
-    virtual void visit(const Scene& scene, const Query& query, BlockSink take, Statistics& statistics);
+    virtual void visit(const PreparedScene& scene, const IntersectionQuery& query, BlockSink take,
+                       Statistics& statistics);
 
     /// Pairs of features that touch or are near, of a scene of one mesh. Fills rows, counts and stage times.
-    virtual void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) = 0;
+    virtual void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) = 0;
 
     /// Pairs of features whose grown boxes overlap, likewise.
-    virtual void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) = 0;
+    virtual void find_candidates(const PreparedScene& scene, const CandidateRequest& query,
+                                 CandidateAnswer& answer) = 0;
 
     /// The same, handed over in pieces of any size (Detector::stream_impacts, stream_near, stream_candidates). In order
     /// there is one piece at a time, and what they say of a kind is in the order of the answer; else pieces come from
     /// several threads at once. A call that throws may have handed over some.
-    virtual void stream(const Scene& scene, const FeatureQuery& query, const Streaming& how, FeatureSink sink,
+    virtual void stream(const PreparedScene& scene, const FeatureRequest& query, const Streaming& how, FeatureSink sink,
                         Statistics& statistics);
-    virtual void stream_candidates(const Scene& scene, const CandidateQuery& query, const Streaming& how,
+    virtual void stream_candidates(const PreparedScene& scene, const CandidateRequest& query, const Streaming& how,
                                    CandidateSink sink, Statistics& statistics);
 
     /// The same for meshes in device memory (b null: one), which the backend checks itself. Only cuda can.
-    virtual void find(const MeshView& a, const MeshView* b, const Query& query, Collisions& result);
-    virtual bool any(const MeshView& a, const MeshView* b, const Query& query);
+    virtual void find(const MeshView& a, const MeshView* b, const IntersectionQuery& query, Intersections& result);
+    virtual bool any(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
     virtual std::vector<Part> partition(const MeshView& a, const MeshView* b, int count);
     /// Detector::launch_self and those that belong to it.
-    virtual void launch(const MeshView& a, const MeshView* b, const Query& query);
-    virtual const DeviceCollisions& wait();
-    virtual void download(Collisions& result);
+    virtual void launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
+    virtual const DeviceIntersections& wait();
+    virtual void download(Intersections& result);
     /// The same for questions about features.
     virtual DeviceFeatureCalls& features_there();
     /// The same for worlds whose poses lie in device memory. find: false if it cannot take all worlds at once; it
     /// throws MemoryMeter::Exceeded if memory does not hold them. Then the host asks about what poses_of() gives.
-    virtual bool find(const World& world, const Intersect& question, WorldCollisions& result);
+    virtual bool find(const World& world, const IntersectionQuery& question, Intersections& result);
     virtual std::vector<Pose> poses_of(const DevicePoses& poses);
-    virtual void launch(const World& world, const Intersect& question);
-    virtual const DeviceWorldCollisions& wait_worlds();
+    virtual void launch(const World& world, const IntersectionQuery& question);
     /// Whether what is kept between calls outlives the error that one of these has thrown: a caller's graph needs it.
     virtual bool keeps_after(const Error&) const { return false; }
 

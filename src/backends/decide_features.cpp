@@ -31,7 +31,7 @@ FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, FeatureCounts& 
 // How many of the four vertices are the first feature's.
 std::size_t split_of(FeatureKind kind) { return kind == FeatureKind::edge_edge ? 2 : 1; }
 
-Reach reach_of(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query) {
+Reach reach_of(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query) {
     return reach_of(kind, vertex, query.radii.empty() ? nullptr : query.radii.data(), query.distance, query.strict);
 }
 
@@ -50,7 +50,7 @@ class Nearness {
    public:
     Nearness(FeatureKind kind, const FeaturePoints& p) : features_(at_start(kind, p)), distance_(features_, by_) {}
 
-    bool near(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query) {
+    bool near(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query) {
         return distance_.within(reach_of(kind, vertex, query)) &&
                !(query.rest && close_at_rest(kind, vertex, *query.rest, by_));
     }
@@ -69,7 +69,7 @@ class Nearness {
 };
 
 FeatureDecision nearness(FeatureKind kind, const FeaturePoints& p, const std::int32_t (&vertex)[4],
-                         const FeatureQuery& query, FeatureCounts& counts) {
+                         const FeatureRequest& query, FeatureCounts& counts) {
     Nearness pair(kind, p);
     FeatureDecision decision;
     if (pair.near(kind, vertex, query)) decision = pair.measured();
@@ -79,8 +79,8 @@ FeatureDecision nearness(FeatureKind kind, const FeaturePoints& p, const std::in
 
 }  // namespace
 
-FeatureDecision decide(FeatureKind kind, const Scene& scene, const std::int32_t (&vertex)[4], const FeatureQuery& query,
-                       FeatureCounts& counts) {
+FeatureDecision decide(FeatureKind kind, const PreparedScene& scene, const std::int32_t (&vertex)[4],
+                       const FeatureRequest& query, FeatureCounts& counts) {
     ++counts.tests;
     const FeaturePoints points = points_of(scene, vertex);
     if (!query.motion) return nearness(kind, points, vertex, query, counts);
@@ -88,7 +88,7 @@ FeatureDecision decide(FeatureKind kind, const Scene& scene, const std::int32_t 
     return separated_impact(kind, points, {query.distance, query.share}, counts);
 }
 
-FeatureDecision decide(const PackedFeatures& pair, const FeatureQuery& query, FeatureCounts& counts) {
+FeatureDecision decide(const PackedFeatures& pair, const FeatureRequest& query, FeatureCounts& counts) {
     ++counts.tests;
     if (query.motion) {
         if (query.distance == 0 && query.share == 0) return impact(pair.kind, pair.points, counts);
@@ -101,8 +101,9 @@ FeatureDecision decide(const PackedFeatures& pair, const FeatureQuery& query, Fe
     return decision;
 }
 
-std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const Scene& scene, const std::int32_t (&vertex)[4],
-                                             const FeatureQuery& query, FeatureCounts& counts, cpu::GuessBatch& batch) {
+std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const PreparedScene& scene,
+                                             const std::int32_t (&vertex)[4], const FeatureRequest& query,
+                                             FeatureCounts& counts, cpu::GuessBatch& batch) {
     ++counts.tests;
     Nearness pair(kind, points_of(scene, vertex));
     std::optional<FeatureDecision> decision = FeatureDecision();
@@ -118,7 +119,7 @@ std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const Scene& scen
     return decision;
 }
 
-bool are_neighbours(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query) {
+bool are_neighbours(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query) {
     for (std::size_t i = 0; i < split_of(kind); ++i)
         for (std::size_t k = split_of(kind); k < 4; ++k)
             if (query.rings->joined(query.features.name(vertex[i]), query.features.name(vertex[k]))) return true;

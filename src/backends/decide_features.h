@@ -8,7 +8,7 @@
 #include "exact/proximity/guess_batch.h"
 #include "filters/features/feature_points.h"
 #include "filters/features/packed_features.h"
-#include "queries/feature_query.h"
+#include "queries/feature_request.h"
 
 namespace crumple {
 
@@ -25,18 +25,19 @@ struct FeatureCounts {
 };
 
 /// `vertex`: of the two features, in the order of FeaturePoints.
-FeatureDecision decide(FeatureKind kind, const Scene& scene, const std::int32_t (&vertex)[4], const FeatureQuery& query,
-                       FeatureCounts& counts);
+FeatureDecision decide(FeatureKind kind, const PreparedScene& scene, const std::int32_t (&vertex)[4],
+                       const FeatureRequest& query, FeatureCounts& counts);
 
 /// The same of a pair that a device has packed.
-FeatureDecision decide(const PackedFeatures& pair, const FeatureQuery& query, FeatureCounts& counts);
+FeatureDecision decide(const PackedFeatures& pair, const FeatureRequest& query, FeatureCounts& counts);
 
 /// The same where nearness is asked for and lanes can measure distances: if the features are near, but how near is
 /// quickly said, they are added to the batch, which has room, and there is no decision yet.
-std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const Scene& scene, const std::int32_t (&vertex)[4],
-                                             const FeatureQuery& query, FeatureCounts& counts, cpu::GuessBatch& batch);
+std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const PreparedScene& scene,
+                                             const std::int32_t (&vertex)[4], const FeatureRequest& query,
+                                             FeatureCounts& counts, cpu::GuessBatch& batch);
 
 /// Whether the features are neighbours, though they have no vertex in common.
-bool are_neighbours(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query);
+bool are_neighbours(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query);
 
 }  // namespace crumple

@@ -11,9 +11,9 @@
 #include <optional>
 
 #include "backends/device_shape.h"
-#include "queries/candidate_query.h"
+#include "queries/candidate_request.h"
 #include "queries/device_answer.h"
-#include "queries/feature_query.h"
+#include "queries/feature_request.h"
 
 namespace crumple {
 
@@ -31,15 +31,15 @@ class DeviceFeatureCalls {
     virtual void copy_to_host(const DeviceShape& mesh, Copied what, HostShape& host) = 0;
 
     /// Answers to the host; false where the features are others.
-    virtual bool find(const DeviceShape& mesh, const FeatureQuery& query, FeatureAnswer& answer) = 0;
-    virtual bool find(const DeviceShape& mesh, const CandidateQuery& query, CandidateAnswer& answer) = 0;
+    virtual bool find(const DeviceShape& mesh, const FeatureRequest& query, FeatureAnswer& answer) = 0;
+    virtual bool find(const DeviceShape& mesh, const CandidateRequest& query, CandidateAnswer& answer) = 0;
 
     /// Whether the mesh's stream is being captured, so that nobody may wait for it.
     virtual bool is_captured(const DeviceShape& mesh) = 0;
 
     /// Detector::launch_impacts and its like. Returns the launch's slot, by which wait() names it.
-    virtual std::size_t launch(const DeviceShape& mesh, const FeatureQuery& query) = 0;
-    virtual std::size_t launch(const DeviceShape& mesh, const CandidateQuery& query) = 0;
+    virtual std::size_t launch(const DeviceShape& mesh, const FeatureRequest& query) = 0;
+    virtual std::size_t launch(const DeviceShape& mesh, const CandidateRequest& query) = 0;
 
     struct Landed {
         std::size_t slot;
@@ -49,9 +49,9 @@ class DeviceFeatureCalls {
     virtual Landed wait(Asked question) = 0;
     /// Finds the answer of a launch that has landed again; none where the features are others.
     virtual std::optional<DeviceAnswer> find_again(std::size_t slot, const DeviceShape& mesh,
-                                                   const FeatureQuery& query) = 0;
+                                                   const FeatureRequest& query) = 0;
     virtual std::optional<DeviceAnswer> find_again(std::size_t slot, const DeviceShape& mesh,
-                                                   const CandidateQuery& query) = 0;
+                                                   const CandidateRequest& query) = 0;
 };
 
 }  // namespace crumple

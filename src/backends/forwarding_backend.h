@@ -16,53 +16,58 @@ class ForwardingBackend : public BackendBase {
     explicit ForwardingBackend(std::unique_ptr<BackendBase> to) : to_(std::move(to)) {}
 
     void parallel_for(std::size_t n, Task task) override { to_->parallel_for(n, task); }
-    void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
+    void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
+              Intersections& result) override {
         to_->find(scene, query, part, result);
     }
-    bool any(const Scene& scene, const Query& query) override { return to_->any(scene, query); }
+    bool any(const PreparedScene& scene, const IntersectionQuery& query) override { return to_->any(scene, query); }
     int worlds_at_once() const override { return to_->worlds_at_once(); }
-    void any_by_world(const Scene& scene, const Query& query, std::span<std::uint8_t> flags,
+    void any_by_world(const PreparedScene& scene, const IntersectionQuery& query, std::span<std::uint8_t> flags,
                       Statistics& statistics) override {
         to_->any_by_world(scene, query, flags, statistics);
     }
-    void stream(const Scene& scene, const Query& query, const Streaming& how, BlockSink sink,
+    void stream(const PreparedScene& scene, const IntersectionQuery& query, const Streaming& how, BlockSink sink,
                 Statistics& statistics) override {
         to_->stream(scene, query, how, sink, statistics);
     }
-    void visit(const Scene& scene, const Query& query, BlockSink take, Statistics& statistics) override {
+    void visit(const PreparedScene& scene, const IntersectionQuery& query, BlockSink take,
+               Statistics& statistics) override {
         to_->visit(scene, query, take, statistics);
     }
-    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override {
+    void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) override {
         to_->find(scene, query, answer);
     }
-    void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) override {
+    void find_candidates(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
         to_->find_candidates(scene, query, answer);
     }
-    void stream(const Scene& scene, const FeatureQuery& query, const Streaming& how, FeatureSink sink,
+    void stream(const PreparedScene& scene, const FeatureRequest& query, const Streaming& how, FeatureSink sink,
                 Statistics& statistics) override {
         to_->stream(scene, query, how, sink, statistics);
     }
-    void stream_candidates(const Scene& scene, const CandidateQuery& query, const Streaming& how, CandidateSink sink,
-                           Statistics& statistics) override {
+    void stream_candidates(const PreparedScene& scene, const CandidateRequest& query, const Streaming& how,
+                           CandidateSink sink, Statistics& statistics) override {
         to_->stream_candidates(scene, query, how, sink, statistics);
     }
-    void find(const MeshView& a, const MeshView* b, const Query& query, Collisions& result) override {
+    void find(const MeshView& a, const MeshView* b, const IntersectionQuery& query, Intersections& result) override {
         to_->find(a, b, query, result);
     }
-    bool any(const MeshView& a, const MeshView* b, const Query& query) override { return to_->any(a, b, query); }
+    bool any(const MeshView& a, const MeshView* b, const IntersectionQuery& query) override {
+        return to_->any(a, b, query);
+    }
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) override {
         return to_->partition(a, b, count);
     }
-    void launch(const MeshView& a, const MeshView* b, const Query& query) override { to_->launch(a, b, query); }
-    const DeviceCollisions& wait() override { return to_->wait(); }
-    void download(Collisions& result) override { to_->download(result); }
+    void launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) override {
+        to_->launch(a, b, query);
+    }
+    const DeviceIntersections& wait() override { return to_->wait(); }
+    void download(Intersections& result) override { to_->download(result); }
     DeviceFeatureCalls& features_there() override { return to_->features_there(); }
-    bool find(const World& world, const Intersect& question, WorldCollisions& result) override {
+    bool find(const World& world, const IntersectionQuery& question, Intersections& result) override {
         return to_->find(world, question, result);
     }
     std::vector<Pose> poses_of(const DevicePoses& poses) override { return to_->poses_of(poses); }
-    void launch(const World& world, const Intersect& question) override { to_->launch(world, question); }
-    const DeviceWorldCollisions& wait_worlds() override { return to_->wait_worlds(); }
+    void launch(const World& world, const IntersectionQuery& question) override { to_->launch(world, question); }
     bool keeps_after(const Error& error) const override { return to_->keeps_after(error); }
     void swap_memory(std::unique_ptr<SceneMemory>& memory) override { to_->swap_memory(memory); }
     void release() override { to_->release(); }

@@ -16,7 +16,8 @@ struct ResultExceeds : MemoryMeter::Exceeded {};
 
 class PairBudget {
    public:
-    PairBudget(const Scene& scene, const Query& query, const MemoryMeter& meter) : scene_(scene), query_(query) {
+    PairBudget(const PreparedScene& scene, const IntersectionQuery& query, const MemoryMeter& meter)
+        : scene_(scene), query_(query) {
         const std::int64_t none = result_bytes(scene, query, 0);
         if (meter.limit > 0)
             room_ = std::max<std::int64_t>((meter.limit - none) / (result_bytes(scene, query, 1) - none), 0);
@@ -32,8 +33,8 @@ class PairBudget {
    private:
     static constexpr std::int64_t most = std::int64_t{1} << 54;  // more would overflow, and is no use
 
-    const Scene& scene_;
-    const Query& query_;
+    const PreparedScene& scene_;
+    const IntersectionQuery& query_;
     std::int64_t room_ = std::numeric_limits<std::int64_t>::max();  ///< pairs that the limit has room for
     std::atomic<std::int64_t> found_{0};
 };

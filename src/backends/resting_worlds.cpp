@@ -23,7 +23,7 @@ bool same_pairs(const auto& a, const auto& b) {
                       [](const auto& p, const auto& q) { return p.first == q.first && p.second == q.second; });
 }
 
-bool same_rules(const Rules& a, const Rules& b) {
+bool same_rules(const PairFilter& a, const PairFilter& b) {
     return a.bodies == b.bodies && a.groups == b.groups && same_pairs(a.excluded_bodies, b.excluded_bodies) &&
            same_pairs(a.excluded_groups, b.excluded_groups);
 }
@@ -67,7 +67,7 @@ struct RestingWorlds::Read {
     std::optional<WorldScene> scene;
 };
 
-RestingWorlds::RestingWorlds(const World& world, const Rules& rules, MemoryMeter& meter)
+RestingWorlds::RestingWorlds(const World& world, const PairFilter& rules, MemoryMeter& meter)
     : meter_(meter),
       shapes_(world.shapes.begin(), world.shapes.end()),
       all_(&meter),
@@ -87,7 +87,7 @@ RestingWorlds::RestingWorlds(const World& world, const Rules& rules, MemoryMeter
 }
 RestingWorlds::~RestingWorlds() = default;
 
-std::unique_ptr<RestingWorlds> RestingWorlds::make(const World& world, const Rules& rules, int worlds_at_once,
+std::unique_ptr<RestingWorlds> RestingWorlds::make(const World& world, const PairFilter& rules, int worlds_at_once,
                                                    ParallelFor& workers, MemoryMeter& meter) {
     std::unique_ptr<RestingWorlds> made(new RestingWorlds(world, rules, meter));
     if (!made->choose_passes(worlds_at_once)) return nullptr;
@@ -194,7 +194,7 @@ void RestingWorlds::add_bodies(ParallelFor& workers) {
     if (scene_.worlds > 1) scene_.first_of_world = first_of_joined_.data();
 }
 
-bool RestingWorlds::is_of(const World& world, const Rules& rules) const {
+bool RestingWorlds::is_of(const World& world, const PairFilter& rules) const {
     if (world.shapes.size() != shapes_.size()) return false;
     bool same = true;
     for (std::size_t s = 0; s < shapes_.size(); ++s) {
@@ -237,14 +237,14 @@ void RestingWorlds::fail_not_finite(std::int64_t vertex, std::span<const Pose> p
                 Element::vertex, within);
 }
 
-void RestingWorlds::begin(const Intersect& question, WorldCollisions& result) const {
+void RestingWorlds::begin(const IntersectionQuery& question, Intersections& result) const {
     clear(result, read_->outline, question);
 }
-void RestingWorlds::finish(const Intersect& question, WorldCollisions& result) const {
+void RestingWorlds::finish(const IntersectionQuery& question, Intersections& result) const {
     crumple::finish(read_->outline, question, result);
 }
 
-void RestingWorlds::tell_flags(std::span<const std::uint8_t> flags, WorldCollisions& result) const {
+void RestingWorlds::tell_flags(std::span<const std::uint8_t> flags, Intersections& result) const {
     for (std::size_t w = 0; w < flags.size(); ++w)
         if (flags[w]) hit(passes_[w], read_->outline, result);
 }
@@ -255,7 +255,8 @@ std::size_t RestingWorlds::added_of_triangle(std::int64_t t) const {
 }
 
 // Pairs come world by world.
-void RestingWorlds::tell_pairs(const Collisions& found, const Intersect& question, WorldCollisions& result) const {
+void RestingWorlds::tell_pairs(const Intersections& found, const IntersectionQuery& question,
+                               Intersections& result) const {
     std::size_t world = 0;
     for (std::size_t i = 0; i < found.pairs.size(); ++i) {
         const Pair& pair = found.pairs[i];
@@ -266,7 +267,7 @@ void RestingWorlds::tell_pairs(const Collisions& found, const Intersect& questio
                   static_cast<std::int32_t>(pair.b - first_of_added_[b])},
                  result);
         const Contacts& c = found.contacts;
-        if (question.wants == Wants::contacts)
+        if (question.output == Output::contacts)
             add_contact(c.kinds[i], {c.points.data() + c.offsets[i], c.points.data() + c.offsets[i + 1]}, result);
     }
 }

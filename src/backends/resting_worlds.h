@@ -17,7 +17,7 @@
 #include "crumple/array.h"
 #include "crumple/world.h"
 #include "scene/body_rules.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple {
 
@@ -33,16 +33,16 @@ class RestingWorlds {
    public:
     /// Reads all. Null if one scene cannot hold so many worlds, or so many triangles. Throws Error as
     /// Detector::find(World) does.
-    static std::unique_ptr<RestingWorlds> make(const World& world, const Rules& rules, int worlds_at_once,
+    static std::unique_ptr<RestingWorlds> make(const World& world, const PairFilter& rules, int worlds_at_once,
                                                ParallelFor& workers, MemoryMeter& meter);
     ~RestingWorlds();
 
     /// Whether these are the world's bodies, whatever their poses, under the same rules. Reads the contents of shapes
     /// without a name, and groups. Throws Error (invalid_argument) for a known name with another size.
-    bool is_of(const World& world, const Rules& rules) const;
+    bool is_of(const World& world, const PairFilter& rules) const;
 
     /// The scene, without vertices. Its corners and groups are there until drop_lists().
-    const Scene& scene() const { return scene_; }
+    const PreparedScene& scene() const { return scene_; }
     /// Vertices of all shapes, one behind the other, in the scene's precision.
     const std::byte* shape_vertices() const { return shape_vertices_.data(); }
     std::size_t shape_bytes() const { return shape_vertices_.size(); }
@@ -64,16 +64,16 @@ class RestingWorlds {
     [[noreturn]] void fail_not_finite(std::int64_t vertex, std::span<const Pose> poses) const;
 
     /// The answer of the host, from the scene's: by flags, one a world of the scene, or by all pairs.
-    void tell_flags(std::span<const std::uint8_t> flags, WorldCollisions& result) const;
-    void tell_pairs(const Collisions& found, const Intersect& question, WorldCollisions& result) const;
+    void tell_flags(std::span<const std::uint8_t> flags, Intersections& result) const;
+    void tell_pairs(const Intersections& found, const IntersectionQuery& question, Intersections& result) const;
     /// What an answer begins and ends with.
-    void begin(const Intersect& question, WorldCollisions& result) const;
-    void finish(const Intersect& question, WorldCollisions& result) const;
+    void begin(const IntersectionQuery& question, Intersections& result) const;
+    void finish(const IntersectionQuery& question, Intersections& result) const;
 
    private:
     struct Read;
 
-    RestingWorlds(const World& world, const Rules& rules, MemoryMeter& meter);
+    RestingWorlds(const World& world, const PairFilter& rules, MemoryMeter& meter);
     bool choose_passes(int worlds_at_once);
     void add_shapes();
     void add_bodies(ParallelFor& workers);
@@ -82,11 +82,11 @@ class RestingWorlds {
     MemoryMeter& meter_;
     std::vector<Shape> shapes_;  ///< their arrays may be gone
     Array<Body> all_;
-    Rules given_;
+    PairFilter given_;
     std::vector<Array<std::uint64_t>> contents_;  ///< of shapes, what a name says nothing of
     BodyRules rules_;
     std::unique_ptr<Read> read_;
-    Scene scene_;
+    PreparedScene scene_;
     Array<std::byte> shape_vertices_;
     std::vector<std::uint32_t> shape_first_;
     Array<RestingBody> bodies_;

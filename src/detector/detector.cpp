@@ -3,9 +3,10 @@
 
 #include "crumple/detector.h"
 
+#include <concepts>
 #include <stop_token>
-#include <string>
 #include <utility>
+#include <variant>
 
 #include "base/stopwatch.h"
 #include "detector/free_step.h"
@@ -15,19 +16,42 @@
 
 namespace crumple {
 
+namespace {
+
+template <class... Functions>
+struct Overloaded : Functions... {
+    using Functions::operator()...;
+};
+template <class... Functions>
+Overloaded(Functions...) -> Overloaded<Functions...>;
+
+}  // namespace
+
 struct Detector::Implementation : WorldCalls {
-    using WorldCalls::find, WorldCalls::partition, WorldCalls::stream, WorldCalls::WorldCalls;
+    using WorldCalls::find, WorldCalls::launch, WorldCalls::partition, WorldCalls::stream, WorldCalls::wait,
+        WorldCalls::WorldCalls;
+
+    /// Calls work(world) with one mesh, or two, as bodies.
+    template <class Work>
+    decltype(auto) as_world(const MeshView& a, const MeshView* b, Work work) {
+        require_host(a);
+        if (b) require_host(*b);
+        const Shape shapes[] = {Shape(a), b ? Shape(*b) : Shape()};
+        const Body bodies[] = {{.shape = 0, .self = !b}, {.shape = 1}};
+        const std::size_t n = b ? 2 : 1;
+        return work(World{{shapes, n}, {bodies, n}, {}});
+    }
 
     /// Runs `work` on the prepared scene, or on_device() where the meshes lie on a device.
     template <class Work, class OnDevice>
-    void run_on_meshes(const MeshView& a, const MeshView* b, const Part* part, const Query& query, std::stop_token stop,
-                       Work work, OnDevice on_device) {
+    void run_on_meshes(const MeshView& a, const MeshView* b, const Part* part, const IntersectionQuery& query,
+                       std::stop_token stop, Work work, OnDevice on_device) {
         const auto attempt = [&] {
             cancellation.check();
             check_query(a, b, query);
             if (part) {
                 check_part(*part);
-                check(!part->features, "the part was made for a question about features");
+                check(!part->features, "the part was made for a query about features");
             }
             if (a.memory == MemorySpace::host)
                 work(prepare_scene(a, b, query.weld, *backend, buffers));
@@ -37,69 +61,66 @@ struct Detector::Implementation : WorldCalls {
         run(std::move(stop), attempt, [&](std::int64_t least) { return least <= meter.limit; });
     }
 
-    const Collisions& find(const MeshView& a, const MeshView* b, const Part* part, const Query& query,
-                           std::stop_token stop) {
+    /// Pairs of one mesh or two, or those that a part owns.
+    const Intersections& find_pairs(const MeshView& a, const MeshView* b, const Part* part,
+                                    const IntersectionQuery& query, std::stop_token stop) {
         Stopwatch watch;
-        result.statistics = {};
+        clear(result);
         run_on_meshes(
-            a, b, part, query, std::move(stop), [&](const Scene& scene) { backend->find(scene, query, part, result); },
+            a, b, part, query, std::move(stop),
+            [&](const PreparedScene& scene) { backend->find(scene, query, part, result); },
             [&] { backend->find(a, b, query, result); });
         if (part) name_globally(*part, result.pairs);
+        result.count = static_cast<std::int64_t>(result.pairs.size());
+        result.any = result.count > 0;
         result.statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
-        result.statistics.pairs = static_cast<std::int64_t>(result.pairs.size());
+        result.statistics.pairs = result.count;
         result.statistics.peak_memory_bytes = meter.peak;
         result.statistics.milliseconds = watch.lap();
         return result;
     }
 
-    void swap_result(Collisions& other) {
-        if (meter.limit > 0) other = {};
-        const auto swap_arrays = [](auto& mine, auto& theirs) {
-            mine.swap_elements(theirs);  // throws under a limit only, and then there is nothing to count
-            mine.clear();
-        };
-        swap_arrays(result.pairs, other.pairs);
-        swap_arrays(result.offsets, other.offsets);
-        swap_arrays(result.hit, other.hit);
-        swap_arrays(result.hit_second, other.hit_second);
-        swap_arrays(result.contacts.kinds, other.contacts.kinds);
-        swap_arrays(result.contacts.offsets, other.contacts.offsets);
-        swap_arrays(result.contacts.points, other.contacts.points);
-        other.statistics = std::exchange(result.statistics, {});
-    }
-    void swap_result(WorldCollisions& other) {
-        if (meter.limit > 0) other = {};
-        hand_over(world_result, other);
-    }
-    template <class Answer>
-    void swap_answer(Answer& answer, Answer& other) {
-        if (meter.limit > 0) other = {};
-        hand_over(answer, other);
+    const Intersections& find(const MeshView& a, const MeshView* b, const IntersectionQuery& query,
+                              std::stop_token stop) {
+        if (query.output == Output::pairs || query.output == Output::contacts)
+            return find_pairs(a, b, nullptr, query, std::move(stop));
+        if (query.output == Output::any) {
+            const bool found = any(a, b, query, std::move(stop));
+            clear(result);
+            result.any = found;
+            return result;
+        }
+        return as_world(a, b, [&](const World& world) -> const Intersections& {
+            check_query(a, b, query);
+            return find(world, query, std::move(stop));
+        });
     }
 
-    bool any(const MeshView& a, const MeshView* b, const Query& query, std::stop_token stop) {
+    bool any(const MeshView& a, const MeshView* b, const IntersectionQuery& query, std::stop_token stop) {
         bool found = false;
         run_on_meshes(
-            a, b, nullptr, query, std::move(stop), [&](const Scene& scene) { found = backend->any(scene, query); },
+            a, b, nullptr, query, std::move(stop),
+            [&](const PreparedScene& scene) { found = backend->any(scene, query); },
             [&] { found = backend->any(a, b, query); });
         return found;
     }
 
-    Statistics stream(const MeshView& a, const MeshView* b, TakeBlock take, const Query& query, const Streaming& how,
-                      std::stop_token stop) {
+    Statistics stream(const MeshView& a, const MeshView* b, const IntersectionQuery& query,
+                      Sink<IntersectionQuery> take, const Streaming& how, std::stop_token stop) {
         Stopwatch watch;
         check_blocks(how);
-        if (meter.limit > 0) forget();  // a call that has delivered blocks cannot begin again
+        check_in_blocks(query);
+        if (meter.limit > 0) forget();  // do not retry once a block has been delivered
         Statistics statistics;
         std::int64_t pairs = 0;
-        const auto count = [&](const Collisions& block) {
+        const auto count = [&](const Intersections& block) {
             pairs += static_cast<std::int64_t>(block.pairs.size());
             take(block);
         };
         run_on_meshes(
             a, b, nullptr, query, std::move(stop),
-            [&](const Scene& scene) { backend->stream(scene, query, how, count, statistics); },
-            [] { check(false, "answers in blocks are made of meshes in host memory"); });
+            [&](const PreparedScene& scene) { backend->stream(scene, query, how, count, statistics); },
+            [] { check(false, "blocks are made of meshes in host memory"); });
         statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
         statistics.pairs = pairs;
         statistics.peak_memory_bytes = meter.peak;
@@ -107,38 +128,30 @@ struct Detector::Implementation : WorldCalls {
         return statistics;
     }
 
-    void launch(const MeshView& a, const MeshView* b, const Query& query) {
+    void launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) {
         cancellation.begin({});
         kept_before_launch = meter.used;
         run_launched([&] {
             check_query(a, b, query);
             if (a.memory == MemorySpace::host)
-                throw Error(ErrorCode::invalid_argument, "launch_self and launch_between take meshes in device memory");
+                throw Error(ErrorCode::invalid_argument, "launches take meshes in device memory");
             backend->launch(a, b, query);
         });
     }
-    void launch(const World& world, const Intersect& question) {
+    void launch(const World& world, const IntersectionQuery& question) {
         cancellation.begin({});
         kept_before_launch = meter.used;
         run_launched([&] {
             check(lies_on_device(world) || world.bodies.empty(),
                   "launch takes worlds whose poses lie in device memory");
+            check_question(question);
             check_device_poses(world);
             check_on_device(question);
             backend->launch(world, question);
         });
     }
-    const DeviceWorldCollisions& wait_worlds(std::stop_token stop) {
-        const DeviceWorldCollisions* answer = nullptr;
-        cancellation.begin(std::move(stop));
-        run_launched([&] {
-            cancellation.check();
-            answer = &backend->wait_worlds();
-        });
-        return *answer;
-    }
-    const DeviceCollisions& wait(std::stop_token stop) {
-        const DeviceCollisions* answer = nullptr;
+    const DeviceIntersections& wait(const IntersectionQuery*, std::stop_token stop) {
+        const DeviceIntersections* answer = nullptr;
         cancellation.begin(std::move(stop));
         run_launched([&] {
             cancellation.check();
@@ -146,21 +159,168 @@ struct Detector::Implementation : WorldCalls {
         });
         return *answer;
     }
-    const Collisions& download() {
+    const Intersections& download() {
+        clear(result);
         run_launched([&] { backend->download(result); });
+        result.count = static_cast<std::int64_t>(result.pairs.size());
+        result.any = result.count > 0;
         return result;
     }
-    std::vector<Part> partition(const MeshView& a, const MeshView* b, int count, std::stop_token stop) {
+    std::vector<Part> partition_meshes(const MeshView& a, const MeshView* b, int count, std::stop_token stop) {
         if (count < 1 || count > max_parts) {
             forget();
             throw Error(ErrorCode::invalid_argument, "the number of parts must be 1 to 262144", Element::option);
         }
         std::vector<Part> parts;
         run_on_meshes(
-            a, b, nullptr, {}, std::move(stop), [&](const Scene& scene) { parts = make_parts(scene, count, *backend); },
+            a, b, nullptr, {}, std::move(stop),
+            [&](const PreparedScene& scene) { parts = make_parts(scene, count, *backend); },
             [&] { parts = backend->partition(a, b, count); });
         return parts;
     }
+
+    // What only some queries have:
+
+    const FirstImpact& find(const Scene& scene, const FirstImpactQuery& query, std::stop_token stop) {
+        ImpactQuery impacts_of = query;
+        impacts_of.output = Output::first;
+        impacts_of.index = false;
+        return first_impact = find(scene, impacts_of, std::move(stop)).first;
+    }
+    const FreeStep& find(const Scene& scene, const FreeStepQuery& query, const std::stop_token& stop) {
+        const MeshView* mesh = std::get_if<MeshView>(&scene.source());
+        if (!mesh) refuse("a free step is that of one mesh");
+        HostShape copy;
+        MeshView on_host = *mesh;
+        if (mesh->memory != MemorySpace::host) {
+            copy_to_host(*mesh, copy);
+            on_host = MeshView(copy.shape.vertices, copy.shape.triangles, copy.shape.groups).moving_to(copy.shape.end);
+            on_host.edges = copy.shape.edges;
+            on_host.points = copy.shape.points;
+        }
+        const FirstImpactQuery first{query};
+        find_free_step(
+            on_host, query.triangle_pairs, [&](const MeshView& moving) { return find(moving, first, stop); },
+            [&](const MeshView& moving) { return !any(moving, static_cast<const ImpactQuery&>(query), stop); },
+            free_step);
+        return free_step;
+    }
+
+    // Sources of a query:
+
+    template <class Query>
+    const typename Query::Result& find(const Scene& scene, const Query& query, std::stop_token stop) {
+        using Result = typename Query::Result;
+        constexpr bool intersections = std::same_as<Query, IntersectionQuery>;
+        const auto of_mesh = [&](const MeshView& mesh) -> const Result& {
+            if constexpr (intersections)
+                return find(mesh, nullptr, query, std::move(stop));
+            else if constexpr (FeatureQuery<Query>)
+                return find(mesh, query, std::move(stop));
+            else
+                refuse("distances are those of bodies: a world, or two meshes");
+        };
+        const auto of_two = [&](const TwoMeshes& meshes) -> const Result& {
+            if constexpr (intersections) {
+                return find(meshes.a, &meshes.b, query, std::move(stop));
+            } else {
+                return as_world(meshes.a, &meshes.b, [&](const World& world) -> const Result& {
+                    return find(world, query, std::move(stop));
+                });
+            }
+        };
+        const auto of_world = [&](const World& world) -> const Result& { return find(world, query, std::move(stop)); };
+        const auto of_part = [&](const Part* part) -> const Result& {
+            if constexpr (intersections) {
+                if (query.output != Output::pairs && query.output != Output::contacts)
+                    refuse("output must be pairs or contacts: these are what parts have");
+                const MeshView first = part->mesh.view(), second = part->second ? part->second->view() : MeshView();
+                return find_pairs(first, part->second ? &second : nullptr, part, query, std::move(stop));
+            } else if constexpr (std::same_as<Query, ImpactQuery> || std::same_as<Query, ProximityQuery>) {
+                return find(*part, query, std::move(stop));
+            } else {
+                refuse("parts know intersections, impacts and proximities");
+            }
+        };
+        return std::visit(Overloaded{of_mesh, of_two, of_world, of_part}, scene.source());
+    }
+
+    template <class Query>
+    bool any(const Scene& scene, const Query& query, std::stop_token stop) {
+        if constexpr (std::same_as<Query, IntersectionQuery>) {
+            if (const auto* mesh = std::get_if<MeshView>(&scene.source()))
+                return any(*mesh, nullptr, query, std::move(stop));
+            if (const auto* two = std::get_if<TwoMeshes>(&scene.source()))
+                return any(two->a, &two->b, query, std::move(stop));
+            if (std::holds_alternative<const Part*>(scene.source())) return find(scene, query, std::move(stop)).any;
+        }
+        Query whether = query;
+        whether.output = Output::any;
+        whether.index = false;
+        return find(scene, whether, std::move(stop)).any;
+    }
+
+    template <class Query>
+    Statistics stream(const Scene& scene, const Query& query, Sink<Query> take, const Streaming& how,
+                      std::stop_token stop) {
+        constexpr bool intersections = std::same_as<Query, IntersectionQuery>;
+        const auto of_mesh = [&](const MeshView& mesh) {
+            if constexpr (intersections)
+                return stream(mesh, nullptr, query, take, how, std::move(stop));
+            else
+                return stream(mesh, query, take, how, std::move(stop));
+        };
+        const auto of_two = [&](const TwoMeshes& meshes) {
+            if constexpr (intersections) {
+                return stream(meshes.a, &meshes.b, query, take, how, std::move(stop));
+            } else {
+                return as_world(meshes.a, &meshes.b,
+                                [&](const World& world) { return stream(world, query, take, how, std::move(stop)); });
+            }
+        };
+        const auto of_world = [&](const World& world) { return stream(world, query, take, how, std::move(stop)); };
+        const auto of_part = [&](const Part*) -> Statistics { refuse("blocks are not made of parts"); };
+        return std::visit(Overloaded{of_mesh, of_two, of_world, of_part}, scene.source());
+    }
+
+    template <class Query>
+    std::vector<Part> partition(const Scene& scene, const Query& query, int count, std::stop_token stop) {
+        const auto* mesh = std::get_if<MeshView>(&scene.source());
+        if constexpr (std::same_as<Query, IntersectionQuery>) {
+            const auto* two = std::get_if<TwoMeshes>(&scene.source());
+            if (mesh) return partition_meshes(*mesh, nullptr, count, std::move(stop));
+            if (two) return partition_meshes(two->a, &two->b, count, std::move(stop));
+            refuse("parts are made of one mesh or two");
+        } else {
+            if (!mesh) refuse("parts for a query about features are made of one mesh");
+            return partition(*mesh, query, count, std::move(stop));
+        }
+    }
+
+    template <class Query>
+    void launch(const Scene& scene, const Query& query) {
+        const auto* mesh = std::get_if<MeshView>(&scene.source());
+        if constexpr (std::same_as<Query, IntersectionQuery>) {
+            const auto* two = std::get_if<TwoMeshes>(&scene.source());
+            const auto* world = std::get_if<World>(&scene.source());
+            if (world) return launch(*world, query);
+            if (mesh) return launch(*mesh, nullptr, query);
+            if (two) return launch(two->a, &two->b, query);
+            refuse("parts are not launched");
+        } else {
+            if (!mesh) refuse("launches about features take one mesh in device memory");
+            launch(*mesh, query);
+        }
+    }
+
+    template <class Result>
+    void swap_result(Result& mine, Result& other) {
+        if (meter.limit > 0) other = {};
+        hand_over(mine, other);
+    }
+
+    FirstImpact first_impact;
+    FreeStep free_step;
 };
 
 Detector::Detector(const Options& options) : implementation_(std::make_unique<Implementation>(options)) {}
@@ -168,175 +328,80 @@ Detector::~Detector() = default;
 Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
 
-const Collisions& Detector::find_self(const MeshView& mesh, const Query& query, std::stop_token stop) {
-    return implementation_->find(mesh, nullptr, nullptr, query, std::move(stop));
+template <AnyQuery Query>
+const typename Query::Result& Detector::find(const Scene& scene, const Query& query, std::stop_token stop) {
+    return implementation_->find(scene, query, std::move(stop));
 }
-const Collisions& Detector::find_between(const MeshView& a, const MeshView& b, const Query& query,
-                                         std::stop_token stop) {
-    return implementation_->find(a, &b, nullptr, query, std::move(stop));
+template <PairQuery Query>
+bool Detector::any(const Scene& scene, const Query& query, std::stop_token stop) {
+    return implementation_->any(scene, query, std::move(stop));
 }
-Statistics Detector::stream_self(const MeshView& mesh, TakeBlock take, const Query& query, const Streaming& how,
-                                 std::stop_token stop) {
-    return implementation_->stream(mesh, nullptr, take, query, how, std::move(stop));
-}
-Statistics Detector::stream_between(const MeshView& a, const MeshView& b, TakeBlock take, const Query& query,
-                                    const Streaming& how, std::stop_token stop) {
-    return implementation_->stream(a, &b, take, query, how, std::move(stop));
-}
-const Collisions& Detector::find(const Part& part, const Query& query, std::stop_token stop) {
-    const MeshView first = part.mesh.view(), second = part.second ? part.second->view() : MeshView();
-    return implementation_->find(first, part.second ? &second : nullptr, &part, query, std::move(stop));
-}
-const WorldCollisions& Detector::find(const World& world, const Intersect& question, std::stop_token stop) {
-    return implementation_->find(world, question, std::move(stop));
-}
-const Impacts& Detector::find_impacts(const World& world, const Motion& question, std::stop_token stop) {
-    return implementation_->find_impacts(world, question, std::move(stop));
-}
-const Impacts& Detector::find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question,
-                                      std::stop_token stop) {
-    return implementation_->find_impacts(mesh, end, question, std::move(stop));
-}
-const Impacts& Detector::find_impacts(const Part& part, const Motion& question, std::stop_token stop) {
-    return implementation_->find_impacts(part, question, std::move(stop));
-}
-FirstImpact Detector::time_of_first_impact(const MeshView& mesh, const VertexView& end, const Motion& question,
-                                           std::stop_token stop) {
-    Motion asked = question;
-    asked.wants = MotionWants::earliest;
-    return find_impacts(mesh, end, asked, std::move(stop)).first;
-}
-bool Detector::is_free(const MeshView& mesh, const VertexView& end, const Motion& question, std::stop_token stop) {
-    Motion asked = question;
-    asked.wants = MotionWants::any;
-    return !find_impacts(mesh, end, asked, std::move(stop)).any;
-}
-FreeStep Detector::find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question,
-                                  std::stop_token given) {
-    const std::stop_token stop = std::move(given);
-    if (mesh.memory == MemorySpace::host) return free_step(*this, mesh, end, question, stop);
-    HostShape copy;
-    implementation_->copy_to_host(mesh, end, copy);
-    MeshView here(copy.shape.vertices, copy.shape.triangles, copy.shape.groups);
-    here.edges = copy.shape.edges;
-    here.points = copy.shape.points;
-    return free_step(*this, here, copy.shape.end, question, stop);
-}
-const Nearby& Detector::find_near(const World& world, const Near& question, std::stop_token stop) {
-    return implementation_->find_near(world, question, std::move(stop));
-}
-const Nearby& Detector::find_near(const MeshView& mesh, const Near& question, std::stop_token stop) {
-    return implementation_->find_near(mesh, question, std::move(stop));
-}
-const Nearby& Detector::find_near(const Part& part, const Near& question, std::stop_token stop) {
-    return implementation_->find_near(part, question, std::move(stop));
-}
-const CandidateLists& Detector::find_candidates(const World& world, const CandidateQuestion& question,
-                                                std::stop_token stop) {
-    return implementation_->find_candidates(world, question, std::move(stop));
-}
-const CandidateLists& Detector::find_candidates(const MeshView& mesh, const CandidateQuestion& question,
-                                                std::stop_token stop) {
-    return implementation_->find_candidates(mesh, nullptr, question, std::move(stop));
-}
-const CandidateLists& Detector::find_candidates(const MeshView& mesh, DefaultQuery, std::stop_token stop) {
-    return find_candidates(mesh, CandidateQuestion(), std::move(stop));
-}
-const CandidateLists& Detector::find_candidates(const MeshView& mesh, const VertexView& end,
-                                                const CandidateQuestion& question, std::stop_token stop) {
-    return implementation_->find_candidates(mesh, &end, question, std::move(stop));
-}
-Statistics Detector::stream_impacts(const World& world, TakeImpacts take, const Motion& question, const Streaming& how,
-                                    std::stop_token stop) {
-    return implementation_->stream_impacts(world, take, question, how, std::move(stop));
-}
-Statistics Detector::stream_impacts(const MeshView& mesh, const VertexView& end, TakeImpacts take,
-                                    const Motion& question, const Streaming& how, std::stop_token stop) {
-    return implementation_->stream_impacts(mesh, end, take, question, how, std::move(stop));
-}
-Statistics Detector::stream_near(const World& world, TakeNearby take, const Near& question, const Streaming& how,
-                                 std::stop_token stop) {
-    return implementation_->stream_near(world, take, question, how, std::move(stop));
-}
-Statistics Detector::stream_near(const MeshView& mesh, TakeNearby take, const Near& question, const Streaming& how,
-                                 std::stop_token stop) {
-    return implementation_->stream_near(mesh, take, question, how, std::move(stop));
-}
-Statistics Detector::stream_candidates(const World& world, TakeCandidates take, const CandidateQuestion& question,
-                                       const Streaming& how, std::stop_token stop) {
-    return implementation_->stream_candidates(world, take, question, how, std::move(stop));
-}
-Statistics Detector::stream_candidates(const MeshView& mesh, TakeCandidates take, const CandidateQuestion& question,
-                                       const Streaming& how, std::stop_token stop) {
-    return implementation_->stream_candidates(mesh, nullptr, take, question, how, std::move(stop));
-}
-Statistics Detector::stream_candidates(const MeshView& mesh, const VertexView& end, TakeCandidates take,
-                                       const CandidateQuestion& question, const Streaming& how, std::stop_token stop) {
-    return implementation_->stream_candidates(mesh, &end, take, question, how, std::move(stop));
-}
-const NearestBodies& Detector::find_nearest(const World& world, const Nearest& question, std::stop_token stop) {
-    return implementation_->find_nearest(world, question, std::move(stop));
-}
-Statistics Detector::stream(const World& world, TakeWorldBlock take, const Intersect& question, const Streaming& how,
+template <RowQuery Query>
+Statistics Detector::stream(const Scene& scene, const Query& query,
+                            FunctionRef<void(const typename Query::Result& block)> take, const Streaming& how,
                             std::stop_token stop) {
-    return implementation_->stream(world, take, question, how, std::move(stop));
+    return implementation_->stream(scene, query, take, how, std::move(stop));
 }
-bool Detector::has_collision(const MeshView& mesh, const Query& query, std::stop_token stop) {
-    return implementation_->any(mesh, nullptr, query, std::move(stop));
+template <PairQuery Query>
+std::vector<Part> Detector::partition(const Scene& scene, const Query& query, int count, std::stop_token stop) {
+    return implementation_->partition(scene, query, count, std::move(stop));
 }
-bool Detector::has_collision(const MeshView& a, const MeshView& b, const Query& query, std::stop_token stop) {
-    return implementation_->any(a, &b, query, std::move(stop));
+template <RowQuery Query>
+void Detector::launch(const Scene& scene, const Query& query) {
+    implementation_->launch(scene, query);
 }
-bool Detector::has_collision(const MeshView& mesh, DefaultQuery, std::stop_token stop) {
-    return has_collision(mesh, Query(), std::move(stop));
+template <RowQuery Query>
+const typename Query::DeviceResult& Detector::wait(std::stop_token stop) {
+    return implementation_->wait(static_cast<const Query*>(nullptr), std::move(stop));
 }
-std::vector<Part> Detector::partition(const MeshView& mesh, int count, std::stop_token stop) {
-    return implementation_->partition(mesh, nullptr, count, std::move(stop));
+
+// Which query has which delivery:
+#define CRUMPLE_FIND(Query) \
+    template CRUMPLE_API const Query::Result& Detector::find(const Scene&, const Query&, std::stop_token);
+#define CRUMPLE_ANY(Query) template CRUMPLE_API bool Detector::any(const Scene&, const Query&, std::stop_token);
+#define CRUMPLE_STREAM(Query)                         \
+    template CRUMPLE_API Statistics Detector::stream( \
+        const Scene&, const Query&, FunctionRef<void(const Query::Result&)>, const Streaming&, std::stop_token);
+#define CRUMPLE_PARTITION(Query) \
+    template CRUMPLE_API std::vector<Part> Detector::partition(const Scene&, const Query&, int, std::stop_token);
+#define CRUMPLE_LAUNCH(Query)                                               \
+    template CRUMPLE_API void Detector::launch(const Scene&, const Query&); \
+    template CRUMPLE_API const Query::DeviceResult& Detector::wait<Query>(std::stop_token);
+#define CRUMPLE_FOR_EACH_LISTED(Delivery) Delivery(IntersectionQuery) Delivery(ImpactQuery) Delivery(ProximityQuery)
+
+CRUMPLE_FOR_EACH_LISTED(CRUMPLE_FIND)
+CRUMPLE_FIND(CandidateQuery)
+CRUMPLE_FIND(DistanceQuery)
+CRUMPLE_FIND(FirstImpactQuery)
+CRUMPLE_FIND(FreeStepQuery)
+CRUMPLE_FOR_EACH_LISTED(CRUMPLE_ANY)
+CRUMPLE_FOR_EACH_LISTED(CRUMPLE_STREAM)
+CRUMPLE_STREAM(CandidateQuery)
+CRUMPLE_FOR_EACH_LISTED(CRUMPLE_PARTITION)
+CRUMPLE_FOR_EACH_LISTED(CRUMPLE_LAUNCH)
+CRUMPLE_LAUNCH(CandidateQuery)
+
+const Intersections& Detector::download() { return implementation_->download(); }
+
+template <>
+void Detector::swap_result(Intersections& other) {
+    implementation_->swap_result(implementation_->result, other);
 }
-std::vector<Part> Detector::partition(const MeshView& a, const MeshView& b, int count, std::stop_token stop) {
-    return implementation_->partition(a, &b, count, std::move(stop));
+template <>
+void Detector::swap_result(Impacts& other) {
+    implementation_->swap_result(implementation_->impacts, other);
 }
-std::vector<Part> Detector::partition(const MeshView& mesh, const VertexView& end, const Motion& question, int count,
-                                      std::stop_token stop) {
-    return implementation_->partition(mesh, end, question, count, std::move(stop));
+template <>
+void Detector::swap_result(Proximities& other) {
+    implementation_->swap_result(implementation_->nearby, other);
 }
-std::vector<Part> Detector::partition(const MeshView& mesh, const Near& question, int count, std::stop_token stop) {
-    return implementation_->partition(mesh, question, count, std::move(stop));
+template <>
+void Detector::swap_result(Candidates& other) {
+    implementation_->swap_result(implementation_->candidates, other);
 }
-void Detector::launch_impacts(const MeshView& mesh, const VertexView& end, const Motion& question) {
-    implementation_->launch_impacts(mesh, end, question);
-}
-void Detector::launch_near(const MeshView& mesh, const Near& question) { implementation_->launch_near(mesh, question); }
-void Detector::launch_candidates(const MeshView& mesh, const CandidateQuestion& question) {
-    implementation_->launch_candidates(mesh, nullptr, question);
-}
-void Detector::launch_candidates(const MeshView& mesh, const VertexView& end, const CandidateQuestion& question) {
-    implementation_->launch_candidates(mesh, &end, question);
-}
-const DeviceImpacts& Detector::wait_impacts(std::stop_token stop) {
-    return implementation_->wait_impacts(std::move(stop));
-}
-const DeviceNearby& Detector::wait_near(std::stop_token stop) { return implementation_->wait_near(std::move(stop)); }
-const DeviceCandidates& Detector::wait_candidates(std::stop_token stop) {
-    return implementation_->wait_candidates(std::move(stop));
-}
-void Detector::launch_self(const MeshView& mesh, const Query& query) { implementation_->launch(mesh, nullptr, query); }
-void Detector::launch_between(const MeshView& a, const MeshView& b, const Query& query) {
-    implementation_->launch(a, &b, query);
-}
-const DeviceCollisions& Detector::wait(std::stop_token stop) { return implementation_->wait(std::move(stop)); }
-void Detector::launch(const World& world, const Intersect& question) { implementation_->launch(world, question); }
-const DeviceWorldCollisions& Detector::wait_worlds(std::stop_token stop) {
-    return implementation_->wait_worlds(std::move(stop));
-}
-const Collisions& Detector::download() { return implementation_->download(); }
-void Detector::swap_result(Collisions& other) { implementation_->swap_result(other); }
-void Detector::swap_result(WorldCollisions& other) { implementation_->swap_result(other); }
-void Detector::swap_result(Impacts& other) { implementation_->swap_answer(implementation_->impacts, other); }
-void Detector::swap_result(Nearby& other) { implementation_->swap_answer(implementation_->nearby, other); }
-void Detector::swap_result(CandidateLists& other) { implementation_->swap_answer(implementation_->candidates, other); }
-void Detector::swap_result(NearestBodies& other) {
-    implementation_->swap_answer(implementation_->nearest_bodies, other);
+template <>
+void Detector::swap_result(Distances& other) {
+    implementation_->swap_result(implementation_->nearest_bodies, other);
 }
 void Detector::set_poll(std::function<void()> poll) { implementation_->cancellation.set_poll(std::move(poll)); }
 const Options& Detector::options() const { return implementation_->options; }

@@ -18,8 +18,8 @@
 #include "results/intersection_output.h"
 #include "results/nearest_output.h"
 #include "results/world_output.h"
-#include "search/distances.h"
 #include "search/feature_search.h"
+#include "search/nearest_bodies.h"
 #include "search/world_search.h"
 
 namespace crumple {
@@ -28,12 +28,11 @@ struct DetectorState {
     Options options;
     MemoryMeter meter;
     SceneBuffers buffers{&meter};
-    Collisions result = metered(&meter);
-    WorldCollisions world_result = metered_world(&meter);
+    Intersections result = metered(&meter);
     Impacts impacts = metered_impacts(&meter);
-    Nearby nearby = metered_nearby(&meter);
-    CandidateLists candidates = metered_candidates(&meter);
-    NearestBodies nearest_bodies = metered_nearest(&meter);
+    Proximities nearby = metered_nearby(&meter);
+    Candidates candidates = metered_candidates(&meter);
+    Distances nearest_bodies = metered_nearest(&meter);
     Cancellation cancellation;
     ShapeTrees named{meter};
     WorldSearch worlds{meter, cancellation, named};
@@ -43,6 +42,13 @@ struct DetectorState {
     std::unique_ptr<BackendBase> backend;
     std::string fallback;
     std::int64_t kept_before_launch = 0;  ///< bytes that earlier calls have left
+
+    // Where the result of a query is made:
+    Intersections& result_of(const IntersectionQuery&) { return result; }
+    Impacts& result_of(const ImpactQuery&) { return impacts; }
+    Proximities& result_of(const ProximityQuery&) { return nearby; }
+    Candidates& result_of(const CandidateQuery&) { return candidates; }
+    Distances& result_of(const DistanceQuery&) { return nearest_bodies; }
 
     explicit DetectorState(const Options& o) : options(o) {
         check_options(o);
@@ -80,7 +86,6 @@ struct DetectorState {
         worlds.release();
         nearest.release();
         named.release();
-        world_result = metered_world(&meter);
         nearest_bodies = metered_nearest(&meter);
         features.release();
         impacts = metered_impacts(&meter);

@@ -1,14 +1,15 @@
-// A detector's calls about the features of one mesh, on the host or in device memory.
+// A detector's calls about the features of one mesh, on the host or in device memory, and of parts.
 
 #include <utility>
 
 #include "detector/world_calls.h"
+#include "partition/part_centres.h"
 
 namespace crumple {
 namespace {
 
 void tell(const DeviceRows& rows, DeviceImpactList& list) { list = {rows.count, rows.pairs, rows.value, rows.flag}; }
-void tell(const DeviceRows& rows, DeviceNearList& list) { list = {rows.count, rows.pairs, rows.value, rows.flag}; }
+void tell(const DeviceRows& rows, DeviceProximityList& list) { list = {rows.count, rows.pairs, rows.value, rows.flag}; }
 void tell(const DeviceRows& rows, DeviceCandidateList& list) { list = {rows.count, rows.pairs}; }
 
 template <class Answer>
@@ -17,31 +18,89 @@ void tell(const DeviceAnswer& found, Answer& answer) {
     for (std::size_t k = 0; k < answer.lists.size(); ++k) tell(found.rows[k], answer.lists[k]);
 }
 
+constexpr Body whole{.self = true};
+World world_of(const Shape& shape) { return {{&shape, 1}, {&whole, 1}, {}, {}}; }
+
 }  // namespace
 
-template <class Question, class Answer>
-const Answer& WorldCalls::find_there(const DeviceShape& mesh, const Question& question, Answer& answer,
-                                     std::stop_token stop) {
-    return answered(answer, std::move(stop), [&](bool frugal) {
-        check_question(question, false);
-        check_groups(question.rules, mesh.shape.triangles.rows, !mesh.shape.groups.empty());
-        features.find_there(*backend, mesh, question, frugal, answer);
+void WorldCalls::refuse(const char* message) {
+    forget();
+    throw Error(ErrorCode::invalid_argument, message, Element::option);
+}
+void WorldCalls::require_host(const MeshView& mesh) {
+    if (mesh.memory != MemorySpace::host)
+        refuse("blocks and parts of features, and worlds, are made of meshes in host memory");
+}
+Shape WorldCalls::shape_of(const MeshView& mesh, const ImpactQuery&) {
+    if (!mesh.end.data && mesh.end.rows == 0 && mesh.vertices.rows > 0) refuse("the vertices at the end are missing");
+    if (mesh.vertices.rows > most_moving_vertices) refuse(too_many_moving_vertices);
+    return Shape(mesh);
+}
+Shape WorldCalls::shape_of(const MeshView& mesh, const ProximityQuery& query) {
+    Shape shape(mesh);
+    shape.end = {};
+    shape.radii = query.radii;
+    shape.rest = query.rest;
+    return shape;
+}
+Shape WorldCalls::shape_of(const MeshView& mesh, const CandidateQuery&) {
+    const bool moves = mesh.end.data || mesh.end.rows > 0;
+    if (moves && mesh.vertices.rows > most_moving_vertices) refuse(too_many_moving_vertices);
+    return Shape(mesh);
+}
+
+template <FeatureQuery Query>
+const typename Query::Result& WorldCalls::find(const MeshView& mesh, const Query& query, std::stop_token stop) {
+    const Shape shape = shape_of(mesh, query);
+    if (mesh.memory == MemorySpace::host) return find_features(world_of(shape), query, false, std::move(stop));
+    const DeviceShape there{shape, mesh.stream};
+    if (FeatureSearch::answers_there(shape, query)) return find_there(there, query, std::move(stop));
+    HostShape copy;
+    copy_to_host(there, copy);
+    return find_features(world_of(copy.shape), query, false, std::move(stop));
+}
+
+template <class Query>
+const typename Query::Result& WorldCalls::find_there(const DeviceShape& mesh, const Query& query,
+                                                     std::stop_token stop) {
+    auto& result = result_of(query);
+    return answered(result, std::move(stop), [&](bool frugal) {
+        check_question(query, false);
+        check_groups(query.filter, mesh.shape.triangles.rows, !mesh.shape.groups.empty());
+        features.find_there(*backend, mesh, query, frugal, result);
     });
 }
 
-template <class Question, class Answer>
-const Answer& WorldCalls::find_of_mesh(const MeshView& mesh, const Shape& shape, const Question& question,
-                                       Answer& answer, std::stop_token stop) {
-    const Body body{.self = true};
-    const auto find_here = [&](const Shape& here) -> const Answer& {
-        return find_features({{&here, 1}, {&body, 1}, {}, {}}, question, false, answer, std::move(stop));
+template <FeatureQuery Query>
+Statistics WorldCalls::stream(const MeshView& mesh, const Query& query, Sink<Query> take, const Streaming& how,
+                              std::stop_token stop) {
+    require_host(mesh);
+    const Shape shape = shape_of(mesh, query);
+    return stream_features(world_of(shape), query, false, {how, take}, std::move(stop));
+}
+
+template <FeatureQuery Query>
+std::vector<Part> WorldCalls::partition(const MeshView& mesh, const Query& query, int count, std::stop_token stop) {
+    require_host(mesh);
+    const Shape shape = shape_of(mesh, query);
+    std::vector<Part> parts;
+    const auto attempt = [&] {
+        check(count >= 1 && count <= max_parts, "the number of parts must be 1 to 262144");
+        check_question(query, false);
+        parts = features.partition(*backend, world_of(shape), query, count);
     };
-    if (mesh.memory == MemorySpace::host) return find_here(shape);
-    const DeviceShape there{shape, mesh.stream};
-    if (FeatureSearch::answers_there(shape, question)) return find_there(there, question, answer, std::move(stop));
-    HostShape copy;
-    copy_to_host(there, copy);
-    return find_here(copy.shape);
+    run(std::move(stop), attempt, [](std::int64_t) { return true; });
+    return parts;
+}
+
+template <FeatureQuery Query>
+const typename Query::Result& WorldCalls::find(const Part& part, const Query& query, std::stop_token stop) {
+    auto& result = result_of(query);
+    return answered(result, std::move(stop), [&](bool frugal) {
+        check_question(query, false);
+        check_groups(query.filter, part.mesh.size(), !part.mesh.groups.empty());
+        features.find(*backend, part, query, frugal, result);
+    });
 }
 
 void WorldCalls::copy_to_host(const DeviceShape& mesh, HostShape& copy) {
@@ -49,31 +108,21 @@ void WorldCalls::copy_to_host(const DeviceShape& mesh, HostShape& copy) {
         {}, [&] { backend->features_there().copy_to_host(mesh, Copied::all, copy); },
         [](std::int64_t) { return false; });
 }
-void WorldCalls::copy_to_host(const MeshView& mesh, const VertexView& end, HostShape& copy) {
-    copy_to_host({with_end(Shape(mesh), end), mesh.stream}, copy);
+void WorldCalls::copy_to_host(const MeshView& mesh, HostShape& copy) {
+    copy_to_host({shape_of(mesh, ImpactQuery()), mesh.stream}, copy);
 }
 
-template <class Question>
-void WorldCalls::launch(const MeshView& mesh, const Shape& shape, const Question& question) {
+template <FeatureQuery Query>
+void WorldCalls::launch(const MeshView& mesh, const Query& query) {
+    const DeviceShape there{shape_of(mesh, query), mesh.stream};
     cancellation.begin({});
     kept_before_launch = meter.used;
-    const DeviceShape there{shape, mesh.stream};
     run_launched([&] {
-        check_question(question, false);
-        check_groups(question.rules, shape.triangles.rows, !shape.groups.empty());
+        check_question(query, false);
+        check_groups(query.filter, mesh.triangles.rows, !mesh.groups.empty());
         check(mesh.memory != MemorySpace::host, "launches take meshes in device memory");
-        features.launch(*backend, there, question);
+        features.launch(*backend, there, query);
     });
-}
-
-void WorldCalls::launch_impacts(const MeshView& mesh, const VertexView& end, const Motion& question) {
-    launch(mesh, with_end(Shape(mesh), end), question);
-}
-void WorldCalls::launch_near(const MeshView& mesh, const Near& question) {
-    launch(mesh, with_radii_and_rest(Shape(mesh), question), question);
-}
-void WorldCalls::launch_candidates(const MeshView& mesh, const VertexView* end, const CandidateQuestion& question) {
-    launch(mesh, end ? with_end(Shape(mesh), *end) : Shape(mesh), question);
 }
 
 DeviceAnswer WorldCalls::wait_for(Asked asked, std::stop_token stop) {
@@ -85,28 +134,39 @@ DeviceAnswer WorldCalls::wait_for(Asked asked, std::stop_token stop) {
     });
     return answer;
 }
-const DeviceImpacts& WorldCalls::wait_impacts(std::stop_token stop) {
+const DeviceImpacts& WorldCalls::wait(const ImpactQuery*, std::stop_token stop) {
     const DeviceAnswer answer = wait_for(Asked::impacts, std::move(stop));
     tell(answer, impacts_there_);
     impacts_there_.any = answer.any;
     impacts_there_.first = answer.first;
     return impacts_there_;
 }
-const DeviceNearby& WorldCalls::wait_near(std::stop_token stop) {
+const DeviceProximities& WorldCalls::wait(const ProximityQuery*, std::stop_token stop) {
     const DeviceAnswer answer = wait_for(Asked::near, std::move(stop));
     tell(answer, nearby_there_);
     nearby_there_.any = answer.any;
     return nearby_there_;
 }
-const DeviceCandidates& WorldCalls::wait_candidates(std::stop_token stop) {
+const DeviceCandidates& WorldCalls::wait(const CandidateQuery*, std::stop_token stop) {
     tell(wait_for(Asked::candidates, std::move(stop)), candidates_there_);
     return candidates_there_;
 }
 
-template const Impacts& WorldCalls::find_of_mesh(const MeshView&, const Shape&, const Motion&, Impacts&,
-                                                 std::stop_token);
-template const Nearby& WorldCalls::find_of_mesh(const MeshView&, const Shape&, const Near&, Nearby&, std::stop_token);
-template const CandidateLists& WorldCalls::find_of_mesh(const MeshView&, const Shape&, const CandidateQuestion&,
-                                                        CandidateLists&, std::stop_token);
+template const Impacts& WorldCalls::find(const MeshView&, const ImpactQuery&, std::stop_token);
+template const Proximities& WorldCalls::find(const MeshView&, const ProximityQuery&, std::stop_token);
+template const Candidates& WorldCalls::find(const MeshView&, const CandidateQuery&, std::stop_token);
+template const Impacts& WorldCalls::find(const Part&, const ImpactQuery&, std::stop_token);
+template const Proximities& WorldCalls::find(const Part&, const ProximityQuery&, std::stop_token);
+template Statistics WorldCalls::stream(const MeshView&, const ImpactQuery&, Sink<ImpactQuery>, const Streaming&,
+                                       std::stop_token);
+template Statistics WorldCalls::stream(const MeshView&, const ProximityQuery&, Sink<ProximityQuery>, const Streaming&,
+                                       std::stop_token);
+template Statistics WorldCalls::stream(const MeshView&, const CandidateQuery&, Sink<CandidateQuery>, const Streaming&,
+                                       std::stop_token);
+template std::vector<Part> WorldCalls::partition(const MeshView&, const ImpactQuery&, int, std::stop_token);
+template std::vector<Part> WorldCalls::partition(const MeshView&, const ProximityQuery&, int, std::stop_token);
+template void WorldCalls::launch(const MeshView&, const ImpactQuery&);
+template void WorldCalls::launch(const MeshView&, const ProximityQuery&);
+template void WorldCalls::launch(const MeshView&, const CandidateQuery&);
 
 }  // namespace crumple

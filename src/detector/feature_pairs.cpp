@@ -16,7 +16,7 @@
 #include "exact/impact/decide_separation.h"
 #include "exact/proximity/decide_distance.h"
 #include "queries/checks.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple {
 namespace {
@@ -82,7 +82,7 @@ void check_threads(int threads) {
 }
 
 Impact decide_impact(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, const PairMotion& question) {
-    const Separation separation{question.separation, question.separation_share};
+    const Separation separation{question.min_distance, question.min_distance_share};
     const bool contact = separation.distance == 0 && separation.share == 0;
     ImpactCounts counts;
     if (contact && kinds == FeatureKinds::vertex_face) return vertex_face_impact(p[0], p[1], p[2], p[3], counts);
@@ -95,9 +95,9 @@ PairImpacts impacts(FeatureKinds kinds, const VertexView& start, const VertexVie
                     std::stop_token stop) {
     const FloatEnvironment environment;
     check_threads(question.threads);
-    Motion as_motion;
-    as_motion.separation = question.separation;
-    as_motion.separation_share = question.separation_share;
+    ImpactQuery as_motion;
+    as_motion.min_distance = question.min_distance;
+    as_motion.min_distance_share = question.min_distance_share;
     check_question(as_motion, false);
     const PairPoints from(kinds, start, "start"), to(kinds, end, "end");
     if (from.pairs() != to.pairs())

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/float_environment.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple {
 namespace {
@@ -26,14 +26,13 @@ double shortened(double toi, int attempt) {
 
 }  // namespace
 
-FreeStep free_step(Detector& detector, const MeshView& mesh, const VertexView& end, const Motion& question,
-                   const std::stop_token& stop) {
+void find_free_step(const MeshView& mesh, bool triangle_pairs, FunctionRef<FirstImpact(const MeshView&)> first_impact,
+                    FunctionRef<bool(const MeshView&)> is_free, FreeStep& step) {
     constexpr double least_share = 0x1p-40;
-    const FirstImpact first = detector.time_of_first_impact(mesh, end, question, stop);
+    const FirstImpact first = first_impact(mesh);
     const FloatEnvironment environment;
-    const bool float32 = mesh.vertices.type == ScalarType::float32 && end.type == ScalarType::float32;
-    const VertexReader from = reader_of(mesh.vertices), to = reader_of(end);
-    FreeStep step;
+    const bool float32 = mesh.vertices.type == ScalarType::float32 && mesh.end.type == ScalarType::float32;
+    const VertexReader from = reader_of(mesh.vertices), to = reader_of(mesh.end);
     step.positions.resize_discard(static_cast<std::size_t>(3 * mesh.vertices.rows));
     const auto go = [&](double share) {
         step.share = share;
@@ -47,16 +46,15 @@ FreeStep free_step(Detector& detector, const MeshView& mesh, const VertexView& e
         }
     };
     // What intersects at the start does so at every share of the step.
-    const bool stuck = question.triangle_pairs && !detector.is_free(mesh, mesh.vertices, question, stop);
+    const bool stuck = triangle_pairs && !is_free(mesh.moving_to(mesh.vertices));
     go(first.found || stuck ? 0 : 1);
-    if (!first.found || stuck) return step;
+    if (!first.found || stuck) return;
     const VertexView there{step.positions.data(), mesh.vertices.rows, 24, 8, ScalarType::float64};
     for (int attempt = 0; shortened(first.toi, attempt) >= least_share; ++attempt) {
         go(shortened(first.toi, attempt));
-        if (detector.is_free(mesh, there, question, stop)) return step;
+        if (is_free(mesh.moving_to(there))) return;
     }
     go(0);
-    return step;
 }
 
 }  // namespace crumple

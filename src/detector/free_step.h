@@ -1,13 +1,14 @@
 #pragma once
 
-#include <stop_token>
-
-#include "crumple/detector.h"
+#include "crumple/function_ref.h"
+#include "crumple/impacts.h"
+#include "crumple/mesh.h"
 
 namespace crumple {
 
-/// Detector::find_free_step, of a mesh on the host.
-FreeStep free_step(Detector& detector, const MeshView& mesh, const VertexView& end, const Motion& question,
-                   const std::stop_token& stop);
+/// What Detector::find makes of a FreeStepQuery, of a mesh in host memory. `first_impact` and `is_free` ask about a
+/// mesh.
+void find_free_step(const MeshView& mesh, bool triangle_pairs, FunctionRef<FirstImpact(const MeshView&)> first_impact,
+                    FunctionRef<bool(const MeshView&)> is_free, FreeStep& step);
 
 }  // namespace crumple

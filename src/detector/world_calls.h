@@ -1,7 +1,6 @@
 #pragma once
 
-// A detector's calls on worlds of bodies; one mesh in motion, or at rest for nearness and candidates, is a world of one
-// body.
+// A detector's calls on worlds of bodies, and on features. A mesh whose features are searched is a world of one body.
 
 #include <utility>
 
@@ -11,104 +10,92 @@
 
 namespace crumple {
 
+template <class Query>
+using Sink = FunctionRef<void(const typename Query::Result& block)>;
+
+/// Whether a query is about the features of triangles.
+template <class Query>
+concept FeatureQuery =
+    std::same_as<Query, ImpactQuery> || std::same_as<Query, ProximityQuery> || std::same_as<Query, CandidateQuery>;
+
 struct WorldCalls : DetectorState {
     using DetectorState::DetectorState;
-    using TakeWorldBlock = Detector::TakeWorldBlock;
-    using TakeImpacts = Detector::TakeImpacts;
-    using TakeNearby = Detector::TakeNearby;
-    using TakeCandidates = Detector::TakeCandidates;
 
-    const WorldCollisions& find(const World& world, const Intersect& question, std::stop_token stop,
-                                const WorldBlocks* blocks = nullptr);
-    Statistics stream(const World& world, TakeWorldBlock take, const Intersect& question, const Streaming& how,
+    // Of worlds:
+    const Intersections& find(const World& world, const IntersectionQuery& query, std::stop_token stop,
+                              const WorldBlocks* blocks = nullptr);
+    Statistics stream(const World& world, const IntersectionQuery& query, Sink<IntersectionQuery> take,
+                      const Streaming& how, std::stop_token stop);
+    const Distances& find(const World& world, const DistanceQuery& query, std::stop_token stop);
+    template <FeatureQuery Query>
+    const typename Query::Result& find(const World& world, const Query& query, std::stop_token stop) {
+        return find_features(world, query, true, std::move(stop));
+    }
+    template <FeatureQuery Query>
+    Statistics stream(const World& world, const Query& query, Sink<Query> take, const Streaming& how,
+                      std::stop_token stop) {
+        return stream_features(world, query, true, {how, take}, std::move(stop));
+    }
+
+    // Of one mesh, wherever it lies:
+    template <FeatureQuery Query>
+    const typename Query::Result& find(const MeshView& mesh, const Query& query, std::stop_token stop);
+    template <FeatureQuery Query>
+    Statistics stream(const MeshView& mesh, const Query& query, Sink<Query> take, const Streaming& how,
                       std::stop_token stop);
-    const NearestBodies& find_nearest(const World& world, const Nearest& question, std::stop_token stop);
+    template <FeatureQuery Query>
+    std::vector<Part> partition(const MeshView& mesh, const Query& query, int count, std::stop_token stop);
+    template <FeatureQuery Query>
+    void launch(const MeshView& mesh, const Query& query);
+    const DeviceImpacts& wait(const ImpactQuery*, std::stop_token stop);
+    const DeviceProximities& wait(const ProximityQuery*, std::stop_token stop);
+    const DeviceCandidates& wait(const CandidateQuery*, std::stop_token stop);
+    void copy_to_host(const MeshView& mesh, HostShape& copy);
 
-    const Impacts& find_impacts(const World& world, const Motion& question, std::stop_token stop);
-    const Impacts& find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question,
-                                std::stop_token stop);
-    const Nearby& find_near(const World& world, const Near& question, std::stop_token stop);
-    const Nearby& find_near(const MeshView& mesh, const Near& question, std::stop_token stop);
-    const CandidateLists& find_candidates(const World& world, const CandidateQuestion& question, std::stop_token stop);
-    std::vector<Part> partition(const MeshView& mesh, const VertexView& end, const Motion& question, int count,
-                                std::stop_token stop);
-    std::vector<Part> partition(const MeshView& mesh, const Near& question, int count, std::stop_token stop);
-    const Impacts& find_impacts(const Part& part, const Motion& question, std::stop_token stop);
-    const Nearby& find_near(const Part& part, const Near& question, std::stop_token stop);
+    template <FeatureQuery Query>
+    const typename Query::Result& find(const Part& part, const Query& query, std::stop_token stop);
 
-    /// `end`: null at rest.
-    const CandidateLists& find_candidates(const MeshView& mesh, const VertexView* end,
-                                          const CandidateQuestion& question, std::stop_token stop);
+    /// An Error (invalid_argument), after which nothing is kept.
+    [[noreturn]] void refuse(const char* message);
 
-    // On a mesh in device memory:
-    void copy_to_host(const MeshView& mesh, const VertexView& end, HostShape& copy);
-    void launch_impacts(const MeshView& mesh, const VertexView& end, const Motion& question);
-    void launch_near(const MeshView& mesh, const Near& question);
-    /// `end`: null at rest.
-    void launch_candidates(const MeshView& mesh, const VertexView* end, const CandidateQuestion& question);
-    const DeviceImpacts& wait_impacts(std::stop_token stop);
-    const DeviceNearby& wait_near(std::stop_token stop);
-    const DeviceCandidates& wait_candidates(std::stop_token stop);
-
-    Statistics stream_impacts(const World& world, TakeImpacts take, const Motion& question, const Streaming& how,
-                              std::stop_token stop);
-    Statistics stream_impacts(const MeshView& mesh, const VertexView& end, TakeImpacts take, const Motion& question,
-                              const Streaming& how, std::stop_token stop);
-    Statistics stream_near(const World& world, TakeNearby take, const Near& question, const Streaming& how,
-                           std::stop_token stop);
-    Statistics stream_near(const MeshView& mesh, TakeNearby take, const Near& question, const Streaming& how,
-                           std::stop_token stop);
-    Statistics stream_candidates(const World& world, TakeCandidates take, const CandidateQuestion& question,
-                                 const Streaming& how, std::stop_token stop);
-    /// `end`: null at rest.
-    Statistics stream_candidates(const MeshView& mesh, const VertexView* end, TakeCandidates take,
-                                 const CandidateQuestion& question, const Streaming& how, std::stop_token stop);
+    /// An Error, unless the mesh lies in host memory.
+    void require_host(const MeshView& mesh);
 
    private:
-    void search(const World& world, const Intersect& question, const WorldBlocks* blocks);
-    bool found_on_device(const World& world, const Intersect& question);
-    /// `bodies`: whether the answer names bodies.
-    template <class Question, class Answer>
-    const Answer& find_features(const World& world, const Question& question, bool bodies, Answer& answer,
-                                std::stop_token stop);
-    template <class Question>
-    std::vector<Part> partition_shape(const Shape& shape, const Question& question, int count, std::stop_token stop);
-    template <class Question, class Answer>
-    const Answer& find_features(const Part& part, const Question& question, Answer& answer, std::stop_token stop);
-    template <class Question, class Answer>
-    Statistics stream_features(const World& world, const Question& question, bool bodies,
-                               const FeatureBlocks<Answer>& blocks, Answer& answer, std::stop_token stop);
-    /// Has search(frugal) make the answer, under the limit. What several workers need depends on who does what, so it
+    void search(const World& world, const IntersectionQuery& query, const WorldBlocks* blocks);
+    bool found_on_device(const World& world, const IntersectionQuery& query);
+    /// `bodies`: whether the result names bodies.
+    template <class Query>
+    const typename Query::Result& find_features(const World& world, const Query& query, bool bodies,
+                                                std::stop_token stop);
+    template <class Query>
+    Statistics stream_features(const World& world, const Query& query, bool bodies,
+                               const FeatureBlocks<typename Query::Result>& blocks, std::stop_token stop);
+    /// Has search(frugal) make the result, under the limit. What several workers need depends on who does what, so it
     /// cannot be promised: the second try is frugal.
-    template <class Answer, class Search>
-    const Answer& answered(Answer& answer, std::stop_token stop, Search search) {
+    template <class Result, class Search>
+    const Result& answered(Result& result, std::stop_token stop, Search search) {
         Stopwatch watch;
         bool frugal = false;
         const auto attempt = [&] { search(frugal); };
         run(std::move(stop), attempt, [&](std::int64_t) { return frugal = true; });
-        answer.statistics.peak_memory_bytes = meter.peak;
-        answer.statistics.milliseconds = watch.lap();
-        return answer;
+        result.statistics.peak_memory_bytes = meter.peak;
+        result.statistics.milliseconds = watch.lap();
+        return result;
     }
-    /// Of one mesh, wherever it lies.
-    template <class Question, class Answer>
-    const Answer& find_of_mesh(const MeshView& mesh, const Shape& shape, const Question& question, Answer& answer,
-                               std::stop_token stop);
-    template <class Question, class Answer>
-    const Answer& find_there(const DeviceShape& mesh, const Question& question, Answer& answer, std::stop_token stop);
-    template <class Question>
-    void launch(const MeshView& mesh, const Shape& shape, const Question& question);
+    template <class Query>
+    const typename Query::Result& find_there(const DeviceShape& mesh, const Query& query, std::stop_token stop);
     void copy_to_host(const DeviceShape& mesh, HostShape& copy);
     DeviceAnswer wait_for(Asked asked, std::stop_token stop);
-    static Shape with_radii_and_rest(Shape shape, const Near& question);
-    Shape host_shape(const MeshView& mesh);
-    Shape moving_shape(const MeshView& mesh, const VertexView& end);
-    /// An Error, unless there is an end and it can be numbered.
-    Shape with_end(Shape shape, const VertexView& end);
-    [[noreturn]] void refuse(const char* message);
+
+    /// A mesh with all that a query reads of it. An Error, if a query about motion has no end, or there are too many
+    /// vertices.
+    Shape shape_of(const MeshView& mesh, const ImpactQuery& query);
+    Shape shape_of(const MeshView& mesh, const ProximityQuery& query);
+    Shape shape_of(const MeshView& mesh, const CandidateQuery& query);
 
     DeviceImpacts impacts_there_;
-    DeviceNearby nearby_there_;
+    DeviceProximities nearby_there_;
     DeviceCandidates candidates_there_;
 };
 

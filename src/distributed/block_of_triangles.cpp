@@ -4,7 +4,7 @@
 
 namespace crumple::distribute {
 
-MeshShare Block::take(const Scene& scene) {
+MeshShare Block::take(const PreparedScene& scene) {
     if (!names_the_same(scene)) number(scene);
     gather(scene.reader[0], start_);
     if (scene.moving) gather(scene.end, end_);
@@ -17,11 +17,11 @@ MeshShare Block::take(const Scene& scene) {
     return share;
 }
 
-std::span<const std::int32_t> Block::corners_in(const Scene& scene) const {
+std::span<const std::int32_t> Block::corners_in(const PreparedScene& scene) const {
     return {scene.corners + 3 * triangles_.begin, static_cast<std::size_t>(3 * triangles_.size())};
 }
 
-bool Block::names_the_same(const Scene& scene) const {
+bool Block::names_the_same(const PreparedScene& scene) const {
     if (mine(scene.triangle_count()) != triangles_ || mine(scene.vertex_count()) != vertices_) return false;
     const std::span<const std::int32_t> corners = corners_in(scene);
     for (std::size_t i = 0; i < corners.size(); ++i)
@@ -29,7 +29,7 @@ bool Block::names_the_same(const Scene& scene) const {
     return true;
 }
 
-void Block::number(const Scene& scene) {
+void Block::number(const PreparedScene& scene) {
     triangles_ = mine(scene.triangle_count()), vertices_ = mine(scene.vertex_count());
     ids_.resize(static_cast<std::size_t>(vertices_.size()));
     std::iota(ids_.begin(), ids_.end(), vertices_.begin);

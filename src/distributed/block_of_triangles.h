@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "crumple/distributed.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::distribute {
 
@@ -22,7 +22,7 @@ class Block {
 
     /// Takes coordinates, and numbers vertices anew where triangles have changed. The share is valid until the next
     /// call.
-    MeshShare take(const Scene& scene);
+    MeshShare take(const PreparedScene& scene);
     /// Where the share's vertices are at the end, if the scene moves.
     VertexView end() const { return view_of(end_); }
 
@@ -34,9 +34,9 @@ class Block {
         friend bool operator==(const Range&, const Range&) = default;
     };
     Range mine(std::int64_t all) const { return {rank_ * all / ranks_, (rank_ + 1) * all / ranks_}; }
-    std::span<const std::int32_t> corners_in(const Scene& scene) const;
-    bool names_the_same(const Scene& scene) const;
-    void number(const Scene& scene);
+    std::span<const std::int32_t> corners_in(const PreparedScene& scene) const;
+    bool names_the_same(const PreparedScene& scene) const;
+    void number(const PreparedScene& scene);
     void gather(const VertexReader& reader, Coordinates& xyz) const;
     template <class Scalar>
     void gather_as(const VertexReader& reader, Coordinates& xyz) const;

@@ -17,7 +17,7 @@ void make_unique(std::vector<BodyPair>& pairs) {
 
 }  // namespace
 
-void RankDetector::answer(const WorldShare& share, const Rules& rules, bool moving, FunctionRef<Asked()> ask,
+void RankDetector::answer(const WorldShare& share, const PairFilter& rules, bool moving, FunctionRef<Asked()> ask,
                           std::stop_token stop, FunctionRef<void()> work) {
     const auto outline = [&] {
         Asked asked = ask();
@@ -31,27 +31,27 @@ void RankDetector::answer(const WorldShare& share, const Rules& rules, bool movi
     answer(bodies_.share(), moving ? &bodies_.end() : nullptr, outline, prepare, std::move(stop), work);
 }
 
-const DistributedWorldCollisions& RankDetector::find(const WorldShare& share, const Intersect& question,
-                                                     std::stop_token stop) {
+const DistributedIntersections& RankDetector::find(const WorldShare& share, const IntersectionQuery& question,
+                                                   std::stop_token stop) {
     result_ = {}, world_result_ = {};
     const auto work = [&] {
-        const Wants wants = wants_of(question);
-        Query query;
+        const RankOutput wants = output_of(question);
+        IntersectionQuery query;
         query.neighbours = question.neighbours;
-        query.intersections = question.intersections;
+        query.kind = question.kind;
         query.weld = question.weld;
-        query.contacts = question.wants == crumple::Wants::contacts;
-        query.wanted = bodies_.rules().groups;
-        query.excluded_groups = bodies_.rules().excluded_groups;
-        if (wants == Wants::body_pairs) return search_body_pairs(query);
+        query.output = question.contacts() ? Output::contacts : Output::pairs;
+        query.filter.groups = bodies_.rules().groups;
+        query.filter.excluded_groups = bodies_.rules().excluded_groups;
+        if (wants == RankOutput::body_pairs) return search_body_pairs(query);
         search_rows(query, wants);
-        world_result_.any = result_.total > 0;
-        if (wants == Wants::any) return;
-        world_result_.count = result_.total;
-        if (wants == Wants::pairs) agree_(Phase::output, [&] { name_bodies_of_rows(); });
+        world_result_.any = result_.count > 0;
+        if (wants == RankOutput::any) return;
+        world_result_.count = result_.count;
+        if (wants == RankOutput::pairs) agree_(Phase::output, [&] { name_bodies_of_rows(); });
     };
     answer(
-        share, question.rules, false, [&] { return asked_by(question); }, std::move(stop), work);
+        share, question.filter, false, [&] { return asked_by(question); }, std::move(stop), work);
     world_result_.statistics = statistics_;
     return world_result_;
 }
@@ -69,10 +69,10 @@ void RankDetector::name_bodies_of_rows() {
 }
 
 // Of each part, which bodies collide there; each pair once goes to the rank of its first body.
-void RankDetector::search_body_pairs(const Query& query) {
+void RankDetector::search_body_pairs(const IntersectionQuery& query) {
     std::vector<BodyPair> colliding;
     const auto each = [&](AssembledPart& part) {
-        const Collisions& found = engine_->find(part.part(), query, part.memory(), stop_);
+        const Intersections& found = engine_->find(part.part(), query, part.memory(), stop_);
         const std::vector<std::int32_t>& ids = part.part().mesh.ids;
         for (const Pair pair : found.pairs) {
             const BodyPair bodies{bodies_.triangle(ids[static_cast<std::size_t>(pair.a)]).body,
@@ -101,12 +101,12 @@ void RankDetector::search_body_pairs(const Query& query) {
     world_result_.any = add_up(static_cast<std::int64_t>(coming.size()), true) > 0;
 }
 
-const DistributedImpacts& RankDetector::find_impacts(const WorldShare& share, const Motion& question,
-                                                     std::stop_token stop) {
+const DistributedImpacts& RankDetector::find(const WorldShare& share, const ImpactQuery& question,
+                                             std::stop_token stop) {
     impacts_ = {};
     const auto work = [&] {
-        Motion of_groups = question;
-        of_groups.rules = bodies_.rules();
+        ImpactQuery of_groups = question;
+        of_groups.filter = bodies_.rules();
         search_impacts(of_groups);
         name_bodies_of_features(impacts_);
         FirstImpact& first = impacts_.first;
@@ -116,21 +116,22 @@ const DistributedImpacts& RankDetector::find_impacts(const WorldShare& share, co
         first.bodies = {a.body, b.body};
     };
     answer(
-        share, question.rules, true, [&] { return asked_by(question, true); }, std::move(stop), work);
+        share, question.filter, true, [&] { return asked_by(question, true); }, std::move(stop), work);
     impacts_.statistics = statistics_;
     return impacts_;
 }
 
-const DistributedNearby& RankDetector::find_near(const WorldShare& share, const Near& question, std::stop_token stop) {
+const DistributedProximities& RankDetector::find(const WorldShare& share, const ProximityQuery& question,
+                                                 std::stop_token stop) {
     nearby_ = {};
     const auto work = [&] {
-        Near of_groups = question;
-        of_groups.rules = bodies_.rules();
+        ProximityQuery of_groups = question;
+        of_groups.filter = bodies_.rules();
         search_near(of_groups);
         name_bodies_of_features(nearby_);
     };
     answer(
-        share, question.rules, false, [&] { return asked_by(question, true); }, std::move(stop), work);
+        share, question.filter, false, [&] { return asked_by(question, true); }, std::move(stop), work);
     nearby_.statistics = statistics_;
     return nearby_;
 }

@@ -79,7 +79,7 @@ void Delivery::run_group(int group, int groups, FunctionRef<void(std::int64_t by
             if (!news_[m].empty()) mine_[m]->take(news_[m]);
         news_.clear();
     });
-    const Scene& scene = share_.scene();
+    const PreparedScene& scene = share_.scene();
     const auto exchange = [&](const VertexReader& reader, bool at_end) {
         what_.float32 ? exchange_coordinates<float>(reader, at_end) : exchange_coordinates<double>(reader, at_end);
     };

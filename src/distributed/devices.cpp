@@ -54,7 +54,7 @@ void append(Array<T>& all, const Array<T>& some) {
 }
 
 // Blocks follow each other in the order of the ranks, so their rows do.
-void append(Collisions& all, const DistributedCollisions& rows, bool contacts) {
+void append(Intersections& all, const DistributedIntersections& rows, bool contacts) {
     append(all.pairs, rows.pairs);
     add_pass(rows.statistics.search, all.statistics);
     if (!contacts) return;
@@ -65,9 +65,9 @@ void append(Collisions& all, const DistributedCollisions& rows, bool contacts) {
     append(all.contacts.points, rows.contacts.points);
 }
 
-Rules rules_of(const WantedGroups& groups) {
-    Rules rules;
-    rules.groups = groups.between ? Wanted::between : groups.within ? Wanted::within : Wanted::both;
+PairFilter rules_of(const WantedGroups& groups) {
+    PairFilter rules;
+    rules.groups = groups.between ? PairScope::between : groups.within ? PairScope::within : PairScope::both;
     for (std::int64_t i = 0; i < groups.excluded_count; ++i) {
         const std::uint64_t key = groups.excluded[i];
         rules.excluded_groups.push_back({static_cast<std::int32_t>(key >> 32), static_cast<std::int32_t>(key)});
@@ -75,27 +75,27 @@ Rules rules_of(const WantedGroups& groups) {
     return rules;
 }
 
-Motion motion_of(const FeatureQuery& query) {
-    constexpr std::array wants{MotionWants::any, MotionWants::earliest, MotionWants::impacts};
-    Motion question;
-    question.wants = wants[static_cast<std::size_t>(query.extent)];
-    question.separation = query.distance, question.separation_share = query.share;
-    question.rules = rules_of(query.rule.of_groups());
+ImpactQuery motion_of(const FeatureRequest& query) {
+    constexpr std::array wants{Output::any, Output::first, Output::pairs};
+    ImpactQuery question;
+    question.output = wants[static_cast<std::size_t>(query.extent)];
+    question.min_distance = query.distance, question.min_distance_share = query.share;
+    question.filter = rules_of(query.rule.of_groups());
     return question;
 }
 
-Near near_of(const FeatureQuery& query) {
-    Near question;
-    question.wants = query.extent == Extent::all ? NearWants::pairs : NearWants::any;
+ProximityQuery near_of(const FeatureRequest& query) {
+    ProximityQuery question;
+    question.output = query.extent == Extent::all ? Output::pairs : Output::any;
     question.radius = query.distance, question.strict = query.strict;
-    question.rules = rules_of(query.rule.of_groups());
+    question.filter = rules_of(query.rule.of_groups());
     return question;
 }
 
 const Array<double>& values_of(const ImpactList& list) { return list.toi; }
-const Array<double>& values_of(const NearList& list) { return list.squared_distance; }
+const Array<double>& values_of(const ProximityList& list) { return list.squared_distance; }
 const Array<std::uint8_t>& flags_of(const ImpactList& list) { return list.start; }
-const Array<std::uint8_t>& flags_of(const NearList& list) { return list.touching; }
+const Array<std::uint8_t>& flags_of(const ProximityList& list) { return list.touching; }
 
 // Rows of the lists of a kind, those of one rank behind those of another.
 template <class Found>
@@ -138,11 +138,11 @@ void Devices::release() {
 
 // One mesh, all of which is asked about; under a memory limit, which holds for all that the detector owns, one device
 // does with less.
-bool Devices::is_for_all(const Scene& scene) const {
+bool Devices::is_for_all(const PreparedScene& scene) const {
     return options_.memory_limit == 0 && !scene.between && !scene.bodies && !scene.first_of_world;
 }
 
-bool Devices::is_for_all(const Scene& scene, const FeatureQuery& query) const {
+bool Devices::is_for_all(const PreparedScene& scene, const FeatureRequest& query) const {
     const SceneFeatures& features = query.features;
     return is_for_all(scene) && !query.part && !query.rings && !query.rest && query.radii.empty() &&
            !features.lists_edges() && !features.lists_points() && features.plain() && !features.renames();
@@ -186,31 +186,32 @@ void Devices::on_each(const std::function<void(Rank&)>& work) {
     rethrow_cause(failed, options_.devices);
 }
 
-void Devices::find(const Scene& scene, const Query& query, const Part* part, Collisions& result) {
+void Devices::find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
+                   Intersections& result) {
     if (part || !is_for_all(scene)) return ForwardingBackend::find(scene, query, part, result);
-    Query question = query;
+    IntersectionQuery question = query;
     question.weld = false;  // corners are welded
-    std::vector<const DistributedCollisions*> rows(options_.devices.size());
+    std::vector<const DistributedIntersections*> rows(options_.devices.size());
     on_each([&](Rank& rank) {
-        rows[static_cast<std::size_t>(rank.transport.rank())] =
-            &rank.detector.find_self(rank.block.take(scene), question);
+        rows[static_cast<std::size_t>(rank.transport.rank())] = &rank.detector.find(rank.block.take(scene), question);
     });
     result.pairs.clear();
     result.contacts.kinds.clear();
     result.contacts.offsets.clear();
     result.contacts.points.clear();
-    if (query.contacts) result.contacts.offsets.push_back(0);
-    for (const DistributedCollisions* some : rows) append(result, *some, query.contacts);
+    if (query.contacts()) result.contacts.offsets.push_back(0);
+    for (const DistributedIntersections* some : rows) append(result, *some, query.contacts());
     index_pairs(scene, result);
 }
 
-bool Devices::any(const Scene& scene, const Query& query) {
+bool Devices::any(const PreparedScene& scene, const IntersectionQuery& query) {
     if (!is_for_all(scene)) return ForwardingBackend::any(scene, query);
-    Query question = query;
+    IntersectionQuery question = query;
     question.weld = false;
+    question.output = Output::any;
     bool found = false;
     on_each([&](Rank& rank) {
-        const bool any = rank.detector.has_collision(rank.block.take(scene), question);
+        const bool any = rank.detector.find(rank.block.take(scene), question).any;
         if (rank.transport.rank() == 0) found = any;
     });
     return found;
@@ -218,7 +219,7 @@ bool Devices::any(const Scene& scene, const Query& query) {
 
 // find(rank, share) asks one rank. Returns what the first of them has found.
 template <class Find>
-const auto& Devices::ask_features(const Scene& scene, FeatureAnswer& answer, bool listed, Find find) {
+const auto& Devices::ask_features(const PreparedScene& scene, FeatureAnswer& answer, bool listed, Find find) {
     using Found = std::remove_cvref_t<std::invoke_result_t<Find, Rank&, const MeshShare&>>;
     std::vector<const Found*> found(options_.devices.size());
     on_each([&](Rank& rank) {
@@ -231,23 +232,24 @@ const auto& Devices::ask_features(const Scene& scene, FeatureAnswer& answer, boo
     return *found[0];
 }
 
-void Devices::find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) {
+void Devices::find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) {
     if (!is_for_all(scene, query)) return ForwardingBackend::find(scene, query, answer);
     const bool listed = query.extent == Extent::all;
     if (query.motion) {
-        const Motion question = motion_of(query);
+        const ImpactQuery question = motion_of(query);
         answer.first = ask_features(
                            scene, answer, listed,
                            [&](Rank & rank, const MeshShare& share) -> auto& {
-                               return rank.detector.find_impacts(share, rank.block.end(), question);
+                               MeshShare moving = share;
+                               moving.mesh.end = rank.block.end();
+                               return rank.detector.find(moving, question);
                            })
                            .first;
     } else {
-        const Near question = near_of(query);
+        const ProximityQuery question = near_of(query);
         ask_features(
-            scene, answer, listed, [&](Rank & rank, const MeshShare& share) -> auto& {
-                return rank.detector.find_near(share, question);
-            });
+            scene, answer,
+            listed, [&](Rank & rank, const MeshShare& share) -> auto& { return rank.detector.find(share, question); });
     }
 }
 

@@ -20,9 +20,10 @@ class Devices final : public ForwardingBackend {
     /// Throws Error (backend_unavailable) if one of the devices is not there.
     Devices(const Options& options, MemoryMeter& meter, Cancellation& cancellation);
 
-    void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override;
-    bool any(const Scene& scene, const Query& query) override;
-    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override;
+    void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
+              Intersections& result) override;
+    bool any(const PreparedScene& scene, const IntersectionQuery& query) override;
+    void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) override;
     void release() override;
 
     // Meshes and worlds that lie on a device are the first one's.
@@ -38,14 +39,14 @@ class Devices final : public ForwardingBackend {
         Block block;
     };
 
-    bool is_for_all(const Scene& scene) const;
-    bool is_for_all(const Scene& scene, const FeatureQuery& query) const;
+    bool is_for_all(const PreparedScene& scene) const;
+    bool is_for_all(const PreparedScene& scene, const FeatureRequest& query) const;
     void make_ranks();
     /// Runs work(rank) for each on a thread of its own, the first on the caller's; throws what one has thrown. After a
     /// failure all begin anew.
     void on_each(const std::function<void(Rank&)>& work);
     template <class Find>
-    const auto& ask_features(const Scene& scene, FeatureAnswer& answer, bool listed, Find find);
+    const auto& ask_features(const PreparedScene& scene, FeatureAnswer& answer, bool listed, Find find);
 
     Options options_;
     Cancellation& cancellation_;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <variant>
 
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::distribute {
 namespace {
@@ -126,7 +126,7 @@ void FeatureAssembly::take_coordinates(const AssembledPart& from) {
 // Names tell apart what the part has; what others call the same does not matter.
 void FeatureAssembly::name_vertices() {
     PartFeatures& features = *part_.features;
-    Scene scene;
+    PreparedScene scene;
     scene.vertices[0] = static_cast<std::int64_t>(features.vertices.size());
     scene.reader[0] = reader_of(part_.mesh.vertices);
     scene.moving = features.moving;

@@ -75,7 +75,7 @@ void FeatureOwners::own_vertices(Rounds& rounds, Agreement& agree, const Share& 
     struct Least {
         std::int32_t vertex, triangle;
     };
-    const Scene& scene = share.scene();
+    const PreparedScene& scene = share.scene();
     const std::int64_t n = scene.vertex_count(), m = scene.triangle_count();
     std::vector<std::int32_t> least;
     ByKeeper shared;
@@ -126,7 +126,7 @@ void FeatureOwners::own_vertices(Rounds& rounds, Agreement& agree, const Share& 
 }
 
 void FeatureOwners::own_edges(Rounds& rounds, Agreement& agree, const Share& share) {
-    const Scene& scene = share.scene();
+    const PreparedScene& scene = share.scene();
     const int ranks = rounds.transport().size();
     const std::int64_t m = scene.triangle_count(),
                        per = std::max<std::int64_t>(1, ByKeeper::block(share.vertices().all, ranks));

@@ -30,8 +30,8 @@ void FoundFeatures::add(const FeatureAssembly& part, const Impacts& found) {
     });
 }
 
-void FoundFeatures::add(const FeatureAssembly& part, const Nearby& found) {
-    add_rows(part, found, [](const NearList& list, std::size_t i, Row& row) {
+void FoundFeatures::add(const FeatureAssembly& part, const Proximities& found) {
+    add_rows(part, found, [](const ProximityList& list, std::size_t i, Row& row) {
         row.value = list.squared_distance[i];
         row.flag = list.touching[i];
         if (list.type.empty()) return;
@@ -83,8 +83,8 @@ void FoundFeatures::exchange(Rounds& rounds, Agreement& agree, DistributedImpact
     });
 }
 
-void FoundFeatures::exchange(Rounds& rounds, Agreement& agree, DistributedNearby& result) {
-    exchange_rows(rounds, agree, result, [&](const std::vector<Row>& rows, NearList& list) {
+void FoundFeatures::exchange(Rounds& rounds, Agreement& agree, DistributedProximities& result) {
+    exchange_rows(rounds, agree, result, [&](const std::vector<Row>& rows, ProximityList& list) {
         list.squared_distance.resize(rows.size());
         list.touching.resize(rows.size());
         for (std::size_t i = 0; i < rows.size(); ++i)

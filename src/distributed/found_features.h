@@ -20,11 +20,11 @@ class FoundFeatures {
 
     /// What has been found in a part.
     void add(const FeatureAssembly& part, const Impacts& found);
-    void add(const FeatureAssembly& part, const Nearby& found);
+    void add(const FeatureAssembly& part, const Proximities& found);
 
     /// All of this rank's rows, in order.
     void exchange(Rounds& rounds, Agreement& agree, DistributedImpacts& result);
-    void exchange(Rounds& rounds, Agreement& agree, DistributedNearby& result);
+    void exchange(Rounds& rounds, Agreement& agree, DistributedProximities& result);
 
    private:
     // Faces own themselves, and every vertex and edge is a triangle's: the other two kinds do not occur.

@@ -6,7 +6,7 @@
 #include "distributed/transport/merge_runs.h"
 
 namespace crumple::distribute {
-void FoundRows::add(const AssembledPart& part, const Collisions& found) {
+void FoundRows::add(const AssembledPart& part, const Intersections& found) {
     const std::int32_t* const ids = part.part().mesh.ids.data();
     const bool contacts = !found.contacts.kinds.empty();
     std::vector<std::size_t> coming(for_rank_.size(), 0);
@@ -27,7 +27,7 @@ void FoundRows::add(const AssembledPart& part, const Collisions& found) {
     }
 }
 
-void FoundRows::exchange(Rounds& rounds, Agreement& agree, bool contacts, DistributedCollisions& result) {
+void FoundRows::exchange(Rounds& rounds, Agreement& agree, bool contacts, DistributedIntersections& result) {
     const Traffic traffic = traffic_of(rounds, [&](std::size_t r) { return for_rank_[r].pairs.size(); });
     const Traffic of_points = contacts ? traffic_of(rounds, [&](std::size_t r) { return for_rank_[r].points.size(); })
                                        : Traffic(rounds.transport().size());
@@ -49,13 +49,13 @@ void FoundRows::exchange(Rounds& rounds, Agreement& agree, bool contacts, Distri
     agree(Phase::output, [&] { contacts ? order_contacts(coming, result) : order_pairs(coming, result); });
 }
 
-void FoundRows::order_pairs(Rows& coming, DistributedCollisions& result) {
+void FoundRows::order_pairs(Rows& coming, DistributedIntersections& result) {
     merge_runs(coming.pairs, [](Pair pair) { return pair; });
     result.pairs.resize_discard(coming.pairs.size());
     std::copy(coming.pairs.begin(), coming.pairs.end(), result.pairs.begin());
 }
 
-void FoundRows::order_contacts(Rows& coming, DistributedCollisions& result) {
+void FoundRows::order_contacts(Rows& coming, DistributedIntersections& result) {
     struct Place {
         Pair pair;
         std::uint32_t row;

@@ -18,10 +18,10 @@ class FoundRows {
     explicit FoundRows(int ranks) : for_rank_(static_cast<std::size_t>(ranks)) {}
 
     /// What has been found in a part, by place in it.
-    void add(const AssembledPart& part, const Collisions& found);
+    void add(const AssembledPart& part, const Intersections& found);
 
     /// All of this rank's rows, in order.
-    void exchange(Rounds& rounds, Agreement& agree, bool contacts, DistributedCollisions& result);
+    void exchange(Rounds& rounds, Agreement& agree, bool contacts, DistributedIntersections& result);
 
    private:
     struct Points {
@@ -33,8 +33,8 @@ class FoundRows {
         std::vector<Points> contacts;  ///< of each
         std::vector<std::array<double, 3>> points;
     };
-    static void order_pairs(Rows& coming, DistributedCollisions& result);
-    static void order_contacts(Rows& coming, DistributedCollisions& result);
+    static void order_pairs(Rows& coming, DistributedIntersections& result);
+    static void order_contacts(Rows& coming, DistributedIntersections& result);
 
     std::vector<Rows> for_rank_;
 };

@@ -76,7 +76,7 @@ void Members::update(const Share& share, const Placement& placement, ParallelFor
 
 // In normalised coordinates, as slack is.
 void Members::measure_steps(const Share& share, const Placement& placement, ParallelFor& workers) {
-    const Scene& scene = share.scene();
+    const PreparedScene& scene = share.scene();
     step_.assign(static_cast<std::size_t>(scene.vertex_count()), 0);
     measure_steps(scene.reader[0], placement.normaliser(), before_, workers);
     if (scene.moving) measure_steps(scene.end, placement.normaliser(), before_at_end_, workers);
@@ -103,7 +103,7 @@ void Members::measure_steps(const VertexReader& reader, const Normaliser& normal
     return measure(std::get<std::vector<double>>(before));
 }
 
-bool Members::may_have_reached_a_part(const Scene& scene, std::int64_t t) {
+bool Members::may_have_reached_a_part(const PreparedScene& scene, std::int64_t t) {
     const std::int32_t* const corners = scene.corners + 3 * t;
     const auto step = [&](int c) { return step_[static_cast<std::size_t>(corners[c])]; };
     float& slack = slack_[static_cast<std::size_t>(t)];
@@ -226,7 +226,7 @@ void Members::tell_all_of_some() {
 void Members::number_corners(std::size_t k, const Share& share, const SharedVertices& copies, Places& places) {
     const std::vector<std::int32_t>& triangles = changes_[k].added;
     if (triangles.empty()) return;
-    const Scene& scene = share.scene();
+    const PreparedScene& scene = share.scene();
     std::vector<std::int32_t>&place = places.place, &stamp = places.stamp;
     place.resize(static_cast<std::size_t>(scene.vertex_count()));
     stamp.resize(place.size(), -1);

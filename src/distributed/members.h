@@ -102,7 +102,7 @@ class Members {
     void measure_steps(const Share& share, const Placement& placement, ParallelFor& workers);
     void measure_steps(const VertexReader& reader, const Normaliser& normalise, Coordinates& before,
                        ParallelFor& workers);
-    bool may_have_reached_a_part(const Scene& scene, std::int64_t t);
+    bool may_have_reached_a_part(const PreparedScene& scene, std::int64_t t);
     Found look(const Share& share, const Placement& placement, std::int64_t begin, std::int64_t end);
     void take(std::int32_t triangle, std::span<const std::int32_t> parts, std::span<const std::uint64_t> masks);
     void tell_all_of_some();

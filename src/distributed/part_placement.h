@@ -43,7 +43,7 @@ class Placement {
         balls_.reset();
         if (question) balls_.emplace(*question, normalise_);
     }
-    PartBall ball(const Scene& scene, std::int64_t t) const {
+    PartBall ball(const PreparedScene& scene, std::int64_t t) const {
         return balls_ ? (*balls_)(scene, t) : PartBall(scene.triangle(t), normalise_);
     }
     double slack_of_way() const { return balls_ ? balls_->slack_of_way() : 1; }

@@ -2,12 +2,12 @@
 
 #include <utility>
 
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::distribute {
 
 template <class Work>
-void PartSearch::guarded(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
+void PartSearch::guarded(const Part& part, const IntersectionQuery& query, std::unique_ptr<SceneMemory>& memory,
                          std::stop_token stop, Work work) {
     const MeshView mesh = part.mesh.view();
     backend->swap_memory(memory);
@@ -16,18 +16,20 @@ void PartSearch::guarded(const Part& part, const Query& query, std::unique_ptr<S
     backend->swap_memory(memory);
 }
 
-const Collisions& PartSearch::find(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
-                                   std::stop_token stop) {
+const Intersections& PartSearch::find(const Part& part, const IntersectionQuery& query,
+                                      std::unique_ptr<SceneMemory>& memory, std::stop_token stop) {
     result.statistics = {};
     guarded(part, query, memory, std::move(stop),
-            [&](const Scene& scene) { backend->find(scene, query, &part, result); });
+            [&](const PreparedScene& scene) { backend->find(scene, query, &part, result); });
     result.statistics.peak_memory_bytes = meter.peak;
     return result;
 }
 
-bool PartSearch::any(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory, std::stop_token stop) {
+bool PartSearch::any(const Part& part, const IntersectionQuery& query, std::unique_ptr<SceneMemory>& memory,
+                     std::stop_token stop) {
     bool found = false;
-    guarded(part, query, memory, std::move(stop), [&](const Scene& scene) { found = backend->any(scene, query); });
+    guarded(part, query, memory, std::move(stop),
+            [&](const PreparedScene& scene) { found = backend->any(scene, query); });
     return found;
 }
 
@@ -43,12 +45,12 @@ const Answer& PartSearch::find_features(const Part& part, const Question& questi
     return answer;
 }
 
-const Impacts& PartSearch::find(const Part& part, const Motion& question, std::unique_ptr<SceneMemory>& memory,
+const Impacts& PartSearch::find(const Part& part, const ImpactQuery& question, std::unique_ptr<SceneMemory>& memory,
                                 std::stop_token stop) {
     return find_features(part, question, memory, std::move(stop), impacts);
 }
-const Nearby& PartSearch::find(const Part& part, const Near& question, std::unique_ptr<SceneMemory>& memory,
-                               std::stop_token stop) {
+const Proximities& PartSearch::find(const Part& part, const ProximityQuery& question,
+                                    std::unique_ptr<SceneMemory>& memory, std::stop_token stop) {
     return find_features(part, question, memory, std::move(stop), nearby);
 }
 

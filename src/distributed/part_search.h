@@ -18,16 +18,17 @@ class PartSearch : private DetectorState {
     explicit PartSearch(const Options& options) : DetectorState(options) {}
 
     /// The pairs that the part owns, by place in it. Valid until the next call. `memory`: the part's own.
-    const Collisions& find(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
-                           std::stop_token stop);
+    const Intersections& find(const Part& part, const IntersectionQuery& query, std::unique_ptr<SceneMemory>& memory,
+                              std::stop_token stop);
     /// Whether there is a pair among the part's triangles.
-    bool any(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory, std::stop_token stop);
+    bool any(const Part& part, const IntersectionQuery& query, std::unique_ptr<SceneMemory>& memory,
+             std::stop_token stop);
 
     /// What the part owns of questions about features, by its ids. Valid until the next call.
-    const Impacts& find(const Part& part, const Motion& question, std::unique_ptr<SceneMemory>& memory,
+    const Impacts& find(const Part& part, const ImpactQuery& question, std::unique_ptr<SceneMemory>& memory,
                         std::stop_token stop);
-    const Nearby& find(const Part& part, const Near& question, std::unique_ptr<SceneMemory>& memory,
-                       std::stop_token stop);
+    const Proximities& find(const Part& part, const ProximityQuery& question, std::unique_ptr<SceneMemory>& memory,
+                            std::stop_token stop);
 
     /// Called as Detector::set_poll's is.
     void set_poll(std::function<void()> poll) { cancellation.set_poll(std::move(poll)); }
@@ -45,8 +46,8 @@ class PartSearch : private DetectorState {
     const Answer& find_features(const Part& part, const Question& question, std::unique_ptr<SceneMemory>& memory,
                                 std::stop_token stop, Answer& answer);
     template <class Work>
-    void guarded(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory, std::stop_token stop,
-                 Work work);
+    void guarded(const Part& part, const IntersectionQuery& query, std::unique_ptr<SceneMemory>& memory,
+                 std::stop_token stop, Work work);
 };
 
 }  // namespace crumple::distribute

@@ -40,43 +40,34 @@ std::int64_t RankDetector::add_up(std::int64_t found, bool cut_short) {
     return all;
 }
 
-const DistributedCollisions& RankDetector::find_self(const MeshShare& share, const Query& query, std::stop_token stop) {
-    find(share, query, Wants::pairs, std::move(stop));
+const DistributedIntersections& RankDetector::find(const MeshShare& share, const IntersectionQuery& query,
+                                                   std::stop_token stop) {
+    result_ = {};
+    const RankOutput output = output_of(query);
+    answer(
+        share, nullptr, [&] { return asked_by(query, output); }, [] {}, std::move(stop),
+        [&] { search_rows(query, output); });
+    result_.statistics = statistics_;
     return result_;
 }
-std::int64_t RankDetector::count(const MeshShare& share, const Query& query, std::stop_token stop) {
-    find(share, query, Wants::count, std::move(stop));
-    return result_.total;
-}
-bool RankDetector::has_collision(const MeshShare& share, const Query& query, std::stop_token stop) {
-    find(share, query, Wants::any, std::move(stop));
-    return result_.total > 0;
-}
 
-void RankDetector::find(const MeshShare& share, const Query& query, Wants wants, std::stop_token stop) {
-    result_ = {};
-    answer(
-        share, nullptr, [&] { return asked_by(query, wants); }, [] {}, std::move(stop),
-        [&] { search_rows(query, wants); });
-    result_.statistics = statistics_;
-}
-
-void RankDetector::search_rows(const Query& query, Wants wants) {
+void RankDetector::search_rows(const IntersectionQuery& query, RankOutput wants) {
     FoundRows rows(transport_.size());
     std::int64_t found = 0;
     const auto each = [&](AssembledPart& part) {
-        if (wants == Wants::any) {
+        if (wants == RankOutput::any) {
             found = engine_->any(part.part(), query, part.memory(), stop_);
             return;
         }
-        const Collisions& in_part = engine_->find(part.part(), query, part.memory(), stop_);
+        const Intersections& in_part = engine_->find(part.part(), query, part.memory(), stop_);
         found += static_cast<std::int64_t>(in_part.pairs.size());
-        if (wants == Wants::pairs) rows.add(part, in_part);
+        if (wants == RankOutput::pairs) rows.add(part, in_part);
         add_pass(in_part.statistics, statistics_.search);
     };
-    search(each, [&] { return wants == Wants::any && found > 0; });
-    if (wants == Wants::pairs) rows.exchange(rounds_, agree_, query.contacts, result_);
-    result_.total = add_up(found, wants == Wants::any);
+    search(each, [&] { return wants == RankOutput::any && found > 0; });
+    if (wants == RankOutput::pairs) rows.exchange(rounds_, agree_, query.contacts(), result_);
+    result_.count = add_up(found, wants == RankOutput::any);
+    result_.any = result_.count > 0;
 }
 
 // each(part, part as the engine takes it) returns what is found in a part. `listed`: rows are wanted; `cut_short`: a
@@ -96,23 +87,23 @@ void RankDetector::search_features(Each each, bool listed, bool cut_short, Resul
     };
     search(one, [&] { return cut_short && any; });
     if (listed) rows.exchange(rounds_, agree_, result);
-    result.total = add_up(found, !listed);
+    result.count = add_up(found, !listed);
     result.any = on_any_rank(any);
 }
 
-const DistributedImpacts& RankDetector::find_impacts(const MeshShare& share, const VertexView& end,
-                                                     const Motion& question, std::stop_token stop) {
+const DistributedImpacts& RankDetector::find(const MeshShare& share, const ImpactQuery& question,
+                                             std::stop_token stop) {
     impacts_ = {};
     answer(
-        share, &end, [&] { return asked_by(question, false); }, [] {}, std::move(stop),
+        share, &share.mesh.end, [&] { return asked_by(question, false); }, [] {}, std::move(stop),
         [&] { search_impacts(question); });
     impacts_.statistics = statistics_;
     return impacts_;
 }
 
-void RankDetector::search_impacts(const Motion& question) {
-    const bool listed = question.wants == MotionWants::impacts;
-    const bool any = question.wants == MotionWants::any || question.wants == MotionWants::any_by_world;
+void RankDetector::search_impacts(const ImpactQuery& question) {
+    const bool listed = question.output == Output::pairs;
+    const bool any = question.output == Output::any || question.output == Output::any_by_world;
     FirstImpact first;
     const auto each = [&](AssembledPart& part, const Part& of) -> const Impacts& {
         const Impacts& found = engine_->find(of, question, part.memory(), stop_);
@@ -123,7 +114,8 @@ void RankDetector::search_impacts(const Motion& question) {
     if (!any) impacts_.first = first_of_all(first);
 }
 
-const DistributedNearby& RankDetector::find_near(const MeshShare& share, const Near& question, std::stop_token stop) {
+const DistributedProximities& RankDetector::find(const MeshShare& share, const ProximityQuery& question,
+                                                 std::stop_token stop) {
     nearby_ = {};
     answer(
         share, nullptr, [&] { return asked_by(question, false); }, [] {}, std::move(stop),
@@ -132,10 +124,10 @@ const DistributedNearby& RankDetector::find_near(const MeshShare& share, const N
     return nearby_;
 }
 
-void RankDetector::search_near(const Near& question) {
-    nearby_.closest = question.closest && question.wants == NearWants::pairs;
-    const bool listed = question.wants == NearWants::pairs;
-    const auto each = [&](AssembledPart& part, const Part& of) -> const Nearby& {
+void RankDetector::search_near(const ProximityQuery& question) {
+    nearby_.closest = question.closest && question.output == Output::pairs;
+    const bool listed = question.output == Output::pairs;
+    const auto each = [&](AssembledPart& part, const Part& of) -> const Proximities& {
         return engine_->find(of, question, part.memory(), stop_);
     };
     search_features(each, listed, !listed, nearby_);

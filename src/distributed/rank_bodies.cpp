@@ -80,7 +80,7 @@ void Bodies::fail_with_id(const Error& error, std::int64_t body, std::int64_t id
     throw Error(error.code, message, Element::body, id);
 }
 
-void Bodies::outline(const WorldShare& share, const Rules& rules, bool moving) {
+void Bodies::outline(const WorldShare& share, const PairFilter& rules, bool moving) {
     given_ = share.body_ids;
     try {
         look_at(share, rules, moving);
@@ -91,14 +91,14 @@ void Bodies::outline(const WorldShare& share, const Rules& rules, bool moving) {
     }
 }
 
-void Bodies::look_at(const WorldShare& share, const Rules& rules, bool moving) {
+void Bodies::look_at(const WorldShare& share, const PairFilter& rules, bool moving) {
     // What is about one rank's numbers; excluded bodies have those of all ranks.
     check(!lies_on_device(share.world), "poses of ranks lie in host memory");
-    Rules known;
+    PairFilter known;
     known.bodies = rules.bodies, known.groups = rules.groups;
     outline_.read(share.world, known);
     rules_ = rules;
-    by_groups_ = rules.groups != Wanted::both || !rules.excluded_groups.empty();
+    by_groups_ = rules.groups != PairScope::both || !rules.excluded_groups.empty();
     const std::int32_t bodies = outline_.bodies();
     if (!given_.empty() && given_.size() != static_cast<std::size_t>(bodies))
         throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(given_.size()) + " body ids for " +
@@ -225,7 +225,7 @@ void Bodies::settle_rules() {
                none_self = std::none_of(table_.begin(), table_.end(), alone);
     group_rules_ = {};
     if (by_groups_) {
-        check(all_self && rules_.bodies == Wanted::both && rules_.excluded_bodies.empty(),
+        check(all_self && rules_.bodies == PairScope::both && rules_.excluded_bodies.empty(),
               "rules about groups and rules about bodies (Body::self, too) exclude each other on ranks");
         group_rules_.groups = rules_.groups;
         group_rules_.excluded_groups = rules_.excluded_groups;
@@ -234,11 +234,11 @@ void Bodies::settle_rules() {
     group_rules_.groups = rules_.bodies;
     for (const BodyPair& pair : rules_.excluded_bodies)
         group_rules_.excluded_groups.push_back({pair.first, pair.second});
-    if (none_self && rules_.bodies == Wanted::both) {
-        group_rules_.groups = Wanted::between;
+    if (none_self && rules_.bodies == PairScope::both) {
+        group_rules_.groups = PairScope::between;
         return;
     }
-    if (rules_.bodies == Wanted::between) return;
+    if (rules_.bodies == PairScope::between) return;
     for (std::int32_t b = 0; b < n; ++b)
         if (!alone(table_[static_cast<std::size_t>(b)])) group_rules_.excluded_groups.push_back({b, b});
 }

@@ -28,7 +28,7 @@ class Bodies {
    public:
     /// Looks at all but coordinates, and makes a share of the right size. `moving`: with vertices at the end. Throws
     /// Error for what makes no sense, or is not for ranks; about a body by its id, if ids are given.
-    void outline(const WorldShare& share, const Rules& rules, bool moving);
+    void outline(const WorldShare& share, const PairFilter& rules, bool moving);
     /// Collective: each body once. Numbers and groups of the share follow. Throws the same Error on all ranks.
     void number(Transport& transport, Agreement& agree);
     /// Puts vertices at their places. Throws Error (Element::body, by its id).
@@ -42,7 +42,7 @@ class Bodies {
     const MeshShare& share() const { return share_; }
     const VertexView& end() const { return end_view_; }
     /// What the rules of the world say of the share's groups.
-    const Rules& rules() const { return group_rules_; }
+    const PairFilter& rules() const { return group_rules_; }
     /// The rank that has brought a body.
     int rank_of(std::int32_t body) const { return static_cast<int>(table_[static_cast<std::size_t>(body)].rank); }
 
@@ -73,7 +73,7 @@ class Bodies {
     }
     /// Throws an error about one of this rank's bodies with the body's id.
     [[noreturn]] static void fail_with_id(const Error& error, std::int64_t body, std::int64_t id);
-    void look_at(const WorldShare& share, const Rules& rules, bool moving);
+    void look_at(const WorldShare& share, const PairFilter& rules, bool moving);
     void check_shape(const Shape& shape, std::int32_t body) const;
     bool settle_ids(Transport& transport, Agreement& agree);
     void tabulate(Transport& transport, Agreement& agree);
@@ -83,7 +83,7 @@ class Bodies {
 
     WorldOutline outline_{nullptr};
     std::span<const std::int64_t> given_;
-    Rules rules_, group_rules_;
+    PairFilter rules_, group_rules_;
     bool by_groups_ = false;       ///< rules speak of the triangles' groups
     std::int64_t first_body_ = 0;  ///< of this rank, where no ids are given
 

@@ -147,7 +147,7 @@ void RankDetector::read(const MeshShare& share, const VertexView* end) {
         share_.read(here, engine_->workers());
         if (end) share_.read_end(staged_.shape.end, engine_->workers());
     });
-    const Scene& scene = share_.scene();
+    const PreparedScene& scene = share_.scene();
     const bool empty = scene.vertex_count() == 0;
     constexpr double most = std::numeric_limits<double>::max();
     std::array<std::int64_t, 8> least{};

@@ -45,18 +45,15 @@ class CRUMPLE_API RankDetector {
     RankDetector(Transport& transport, const DistributedOptions& options);
     ~RankDetector();
 
-    const DistributedCollisions& find_self(const MeshShare& share, const Query& query, std::stop_token stop = {});
-    std::int64_t count(const MeshShare& share, const Query& query, std::stop_token stop = {});
-    bool has_collision(const MeshShare& share, const Query& query, std::stop_token stop = {});
-    const DistributedImpacts& find_impacts(const MeshShare& share, const VertexView& end, const Motion& question,
-                                           std::stop_token stop = {});
-    const DistributedNearby& find_near(const MeshShare& share, const Near& question, std::stop_token stop = {});
-
-    // Of bodies:
-    const DistributedWorldCollisions& find(const WorldShare& share, const Intersect& question,
-                                           std::stop_token stop = {});
-    const DistributedImpacts& find_impacts(const WorldShare& share, const Motion& question, std::stop_token stop = {});
-    const DistributedNearby& find_near(const WorldShare& share, const Near& question, std::stop_token stop = {});
+    // As mpi::Detector::find:
+    const DistributedIntersections& find(const MeshShare& share, const IntersectionQuery& query = {},
+                                         std::stop_token stop = {});
+    const DistributedImpacts& find(const MeshShare& share, const ImpactQuery& query, std::stop_token stop = {});
+    const DistributedProximities& find(const MeshShare& share, const ProximityQuery& query, std::stop_token stop = {});
+    const DistributedIntersections& find(const WorldShare& share, const IntersectionQuery& query = {},
+                                         std::stop_token stop = {});
+    const DistributedImpacts& find(const WorldShare& share, const ImpactQuery& query, std::stop_token stop = {});
+    const DistributedProximities& find(const WorldShare& share, const ProximityQuery& query, std::stop_token stop = {});
 
     const DistributedOptions& options() const { return options_; }
     const DistributedStatistics& statistics() const { return statistics_; }
@@ -74,13 +71,12 @@ class CRUMPLE_API RankDetector {
     /// settled; work() does the last three phases.
     void answer(const MeshShare& share, const VertexView* end, FunctionRef<Asked()> ask, FunctionRef<void()> prepare,
                 std::stop_token stop, FunctionRef<void()> work);
-    void answer(const WorldShare& share, const Rules& rules, bool moving, FunctionRef<Asked()> ask,
+    void answer(const WorldShare& share, const PairFilter& rules, bool moving, FunctionRef<Asked()> ask,
                 std::stop_token stop, FunctionRef<void()> work);
-    void find(const MeshShare& share, const Query& query, Wants wants, std::stop_token stop);
-    void search_rows(const Query& query, Wants wants);
-    void search_body_pairs(const Query& query);
-    void search_impacts(const Motion& question);
-    void search_near(const Near& question);
+    void search_rows(const IntersectionQuery& query, RankOutput wants);
+    void search_body_pairs(const IntersectionQuery& query);
+    void search_impacts(const ImpactQuery& question);
+    void search_near(const ProximityQuery& question);
     void name_bodies_of_rows();
     template <class Answer>
     void name_bodies_of_features(Answer& answer);
@@ -146,10 +142,10 @@ class CRUMPLE_API RankDetector {
     std::optional<FeatureDemand> demand_;      ///< that parts are made for
     FeatureOwners features_;
     std::map<std::int32_t, FeatureAssembly> assemblies_;  ///< of this rank's parts, of questions about features
-    DistributedCollisions result_;
-    DistributedWorldCollisions world_result_;
+    DistributedIntersections result_;
+    DistributedIntersections world_result_;
     DistributedImpacts impacts_;
-    DistributedNearby nearby_;
+    DistributedProximities nearby_;
 };
 
 }  // namespace crumple::distribute

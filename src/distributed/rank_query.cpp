@@ -29,72 +29,74 @@ std::int64_t word_of(const Pairs& pairs) {
     return static_cast<std::int64_t>(word >> 1);
 }
 
-void tell(const Rules& rules, bool world, Asked& asked) {
+void tell(const PairFilter& rules, bool world, Asked& asked) {
     check(world || rules.excluded_bodies.empty(), "excluded_bodies must be empty: a share is no world");
     asked.told.insert(asked.told.end(),
                       {static_cast<std::int64_t>(rules.bodies), static_cast<std::int64_t>(rules.groups),
                        static_cast<std::int64_t>(rules.excluded_groups.size()), word_of(rules.excluded_groups),
                        static_cast<std::int64_t>(rules.excluded_bodies.size()), word_of(rules.excluded_bodies), world});
-    asked.between_groups = !world && rules.groups == Wanted::between;
+    asked.between_groups = !world && rules.groups == PairScope::between;
 }
 
 }  // namespace
 
-Asked asked_by(const Query& query, Wants wants) {
+Asked asked_by(const IntersectionQuery& query, RankOutput output) {
+    check(output != RankOutput::body_pairs, "body_pairs are those of bodies, and a share is no world");
     Asked asked;
     asked.told = {static_cast<std::int64_t>(Kind::intersections),
-                  static_cast<std::int64_t>(wants),
+                  static_cast<std::int64_t>(output),
                   static_cast<std::int64_t>(query.neighbours),
-                  static_cast<std::int64_t>(query.intersections),
+                  static_cast<std::int64_t>(query.kind),
                   query.weld,
-                  query.contacts,
-                  static_cast<std::int64_t>(query.wanted),
-                  static_cast<std::int64_t>(query.excluded_groups.size()),
-                  word_of(query.excluded_groups)};
-    asked.between_groups = query.wanted == Wanted::between;
+                  query.contacts(),
+                  static_cast<std::int64_t>(query.filter.groups),
+                  static_cast<std::int64_t>(query.filter.excluded_groups.size()),
+                  word_of(query.filter.excluded_groups)};
+    asked.between_groups = query.filter.groups == PairScope::between;
     return asked;
 }
 
-Wants wants_of(const Intersect& question) {
-    switch (question.wants) {
-        case crumple::Wants::any:
-        case crumple::Wants::any_by_world:  // of one world
-            return Wants::any;
-        case crumple::Wants::body_pairs:
-            return Wants::body_pairs;
-        case crumple::Wants::count:
-            return Wants::count;
-        case crumple::Wants::pairs:
-        case crumple::Wants::contacts:
+RankOutput output_of(const IntersectionQuery& question) {
+    switch (question.output) {
+        case Output::any:
+        case Output::any_by_world:  // of one world
+            return RankOutput::any;
+        case Output::body_pairs:
+            return RankOutput::body_pairs;
+        case Output::count:
+            return RankOutput::count;
+        case Output::first:  // of impacts
+        case Output::pairs:
+        case Output::contacts:
             break;
     }
-    return Wants::pairs;
+    return RankOutput::pairs;
 }
 
-Asked asked_by(const Intersect& question) {
+Asked asked_by(const IntersectionQuery& question) {
     check(!question.index, "index must be false: ranks have no offsets by body");
     Asked asked;
-    asked.told = {static_cast<std::int64_t>(Kind::of_bodies), static_cast<std::int64_t>(question.wants),
-                  static_cast<std::int64_t>(question.neighbours), static_cast<std::int64_t>(question.intersections),
+    asked.told = {static_cast<std::int64_t>(Kind::of_bodies), static_cast<std::int64_t>(question.output),
+                  static_cast<std::int64_t>(question.neighbours), static_cast<std::int64_t>(question.kind),
                   question.weld};
-    tell(question.rules, true, asked);
+    tell(question.filter, true, asked);
     return asked;
 }
 
-Asked asked_by(const Motion& question, bool world) {
+Asked asked_by(const ImpactQuery& question, bool world) {
     check_question(question, false);
     check(!question.triangle_pairs, "triangle_pairs must be false: ranks have none");
     check(!question.index, "index must be false: ranks have no offsets by feature");
     Asked asked;
-    asked.told = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(question.wants), question.weld};
-    tell(question.separation, asked.told);
-    tell(question.separation_share, asked.told);
-    asked.features = {true, question.separation, question.separation_share, question.weld};
-    tell(question.rules, world, asked);
+    asked.told = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(question.output), question.weld};
+    tell(question.min_distance, asked.told);
+    tell(question.min_distance_share, asked.told);
+    asked.features = {true, question.min_distance, question.min_distance_share, question.weld};
+    tell(question.filter, world, asked);
     return asked;
 }
 
-Asked asked_by(const Near& question, bool world) {
+Asked asked_by(const ProximityQuery& question, bool world) {
     check_question(question, false);
     check(question.radii.empty(), "radii must be empty: ranks take one radius");
     check(!question.rest.data && question.rest.rows == 0, "rest must be empty: ranks take no shape at rest");
@@ -102,11 +104,11 @@ Asked asked_by(const Near& question, bool world) {
     check(!question.least, "least must be false: ranks tell no least distances");
     check(!question.index, "index must be false: ranks have no offsets by feature");
     Asked asked;
-    asked.told = {static_cast<std::int64_t>(Kind::nearness), static_cast<std::int64_t>(question.wants), question.strict,
-                  question.closest, question.weld};
+    asked.told = {static_cast<std::int64_t>(Kind::nearness), static_cast<std::int64_t>(question.output),
+                  question.strict, question.closest, question.weld};
     tell(question.radius, asked.told);
     asked.features = {false, question.radius, 0, question.weld};
-    tell(question.rules, world, asked);
+    tell(question.filter, world, asked);
     return asked;
 }
 

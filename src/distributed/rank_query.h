@@ -6,14 +6,15 @@
 #include <optional>
 #include <vector>
 
-#include "crumple/motion.h"
-#include "crumple/near.h"
+#include "crumple/impacts.h"
 #include "crumple/options.h"
+#include "crumple/proximities.h"
 #include "distributed/feature_assembly.h"
 
 namespace crumple::distribute {
 
-enum class Wants : std::uint8_t { any, count, pairs, body_pairs };
+/// How much of the intersections is made; contacts are rows.
+enum class RankOutput : std::uint8_t { any, count, pairs, body_pairs };
 
 struct Asked {
     std::vector<std::int64_t> told;         ///< numbers that have to be the same on all ranks
@@ -22,12 +23,12 @@ struct Asked {
 };
 
 /// Throws Error (invalid_argument) for what makes no sense, or is not for ranks.
-Asked asked_by(const Query& query, Wants wants);
+Asked asked_by(const IntersectionQuery& query, RankOutput output);
 /// `world`: asked of bodies, of which rules may speak.
-Asked asked_by(const Motion& question, bool world);
-Asked asked_by(const Near& question, bool world);
-Asked asked_by(const Intersect& question);
-/// What of an answer for a world is made.
-Wants wants_of(const Intersect& question);
+Asked asked_by(const ImpactQuery& question, bool world);
+Asked asked_by(const ProximityQuery& question, bool world);
+/// Of bodies.
+Asked asked_by(const IntersectionQuery& question);
+RankOutput output_of(const IntersectionQuery& question);
 
 }  // namespace crumple::distribute

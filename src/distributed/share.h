@@ -10,7 +10,7 @@
 
 #include "base/parallel_for.h"
 #include "crumple/distributed.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::distribute {
 
@@ -47,7 +47,7 @@ class Share {
     /// Over all ranks there are so many vertices, where ids are given.
     void set_vertices(std::int64_t all) { vertices_.all = all; }
 
-    const Scene& scene() const { return scene_; }
+    const PreparedScene& scene() const { return scene_; }
     const Ids& triangles() const { return triangles_; }
     const Ids& vertices() const { return vertices_; }
 
@@ -62,7 +62,7 @@ class Share {
     void with_global_index(Read read) const;
 
     SceneBuffers buffers_;
-    Scene scene_;
+    PreparedScene scene_;
     Ids triangles_, vertices_;
     /// Of the call before: counts, and a fingerprint of the arrays in place of copies, which would be a third of what a
     /// rank keeps.

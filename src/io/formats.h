@@ -53,10 +53,10 @@ void for_each_face(const TriangleMesh& mesh, bool polygons, F f) {
 }
 
 /// Throws unless both meshes are sound and the collisions are theirs. `second` may be null.
-void check_collisions(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions);
+void check_collisions(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions);
 
 /// The same, and both meshes as one.
-ColouredMesh coloured_mesh(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions);
+ColouredMesh coloured_mesh(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions);
 
 struct Colour {
     std::uint8_t red, green, blue;
@@ -91,11 +91,11 @@ void write_shaded_glb(std::ostream& out, const ColouredMesh& coloured, std::span
 /// A node for each body. `hit`: for each triangle of each body.
 void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit);
 /// A page of its own, or for a height in pixels a piece of one. The collisions are those of the meshes.
-void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions,
-                int height = 0);
+void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
+                const Intersections& collisions, int height = 0);
 
-void write_pairs_json(std::ostream& out, const Collisions& collisions);
-void write_pairs_npz(std::ostream& out, const Collisions& collisions);
+void write_pairs_json(std::ostream& out, const Intersections& collisions);
+void write_pairs_npz(std::ostream& out, const Intersections& collisions);
 std::vector<Pair> read_pairs_json(const Source& source);
 std::vector<Pair> read_pairs_npy(const Source& source);
 std::vector<Pair> read_pairs_npz(const Source& source);

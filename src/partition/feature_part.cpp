@@ -42,7 +42,7 @@ std::variant<std::vector<float>, std::vector<double>> copy_positions(const Verte
 
 class FeatureCopy {
    public:
-    FeatureCopy(const Scene& scene, const SceneFeatures& features, const FeaturePartQuestion& question)
+    FeatureCopy(const PreparedScene& scene, const SceneFeatures& features, const FeaturePartQuestion& question)
         : scene_(scene), features_(features), question_(question) {}
 
     void operator()(std::span<const std::int32_t> ids, Part& part) const {
@@ -169,7 +169,7 @@ class FeatureCopy {
 
     const std::int32_t* corners(std::int32_t t) const { return scene_.corners + 3 * std::int64_t{t}; }
 
-    const Scene& scene_;
+    const PreparedScene& scene_;
     const SceneFeatures& features_;
     const FeaturePartQuestion& question_;
 };
@@ -203,7 +203,7 @@ FeatureBalls::FeatureBalls(const FeaturePartQuestion& question, const Normaliser
     if (question.share > 0) of_way_ = question.share / (1 - question.share) * 1.0000001;
 }
 
-PartBall FeatureBalls::operator()(const Scene& scene, std::int64_t t) const {
+PartBall FeatureBalls::operator()(const PreparedScene& scene, std::int64_t t) const {
     const std::int32_t* c = scene.corners + 3 * t;
     const Vec3d end[3] = {scene.end_position(c[0]), scene.end_position(c[1]), scene.end_position(c[2])};
     double widened = half_;
@@ -212,7 +212,7 @@ PartBall FeatureBalls::operator()(const Scene& scene, std::int64_t t) const {
     return PartBall(scene.triangle(t), end, widened, of_way_, normalise_);
 }
 
-std::vector<Part> make_feature_parts(const Scene& scene, const SceneFeatures& features,
+std::vector<Part> make_feature_parts(const PreparedScene& scene, const SceneFeatures& features,
                                      const FeaturePartQuestion& question, int count, ParallelFor& parallel) {
     const FeatureBalls balls(question, Normaliser(scene.low, scene.high));
     const auto ball = [&](std::int64_t t) { return balls(scene, t); };
@@ -220,7 +220,7 @@ std::vector<Part> make_feature_parts(const Scene& scene, const SceneFeatures& fe
 }
 
 void check_feature_part(const Part& part) {
-    check_that(part.features.has_value() && !part.second, "the part was not made for a question about features");
+    check_that(part.features.has_value() && !part.second, "the part was not made for a query about features");
     check_part(part);
     const PartFeatures& f = *part.features;
     const std::size_t n = f.vertices.size(), m = part.mesh.ids.size();

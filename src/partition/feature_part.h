@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "base/parallel_for.h"
-#include "crumple/collisions.h"
 #include "crumple/features.h"
+#include "crumple/intersections.h"
 #include "crumple/part.h"
 #include "partition/part_tree.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 #include "scene/scene_features.h"
 #include "scene/vertex_rings.h"
 
@@ -33,7 +33,7 @@ struct FeaturePartQuestion {
 class FeatureBalls {
    public:
     FeatureBalls(const FeaturePartQuestion& question, const Normaliser& normalise);
-    PartBall operator()(const Scene& scene, std::int64_t triangle) const;
+    PartBall operator()(const PreparedScene& scene, std::int64_t triangle) const;
     /// So many times what its corners may move suffices for a ball that reaches nothing further (PartTree::mask).
     double slack_of_way() const { return 3 / (3 + 2 * of_way_); }
 
@@ -46,7 +46,7 @@ class FeatureBalls {
 };
 
 /// Cuts a scene, carriers among its triangles, into `count` parts; depends only on the arguments.
-std::vector<Part> make_feature_parts(const Scene& scene, const SceneFeatures& features,
+std::vector<Part> make_feature_parts(const PreparedScene& scene, const SceneFeatures& features,
                                      const FeaturePartQuestion& question, int count, ParallelFor& parallel);
 
 /// Throws Error (invalid_argument, index_out_of_range) if the part has no features, or none that make_feature_parts()

@@ -187,7 +187,7 @@ std::vector<PartLevel> PartCentres::path(std::int32_t part) const {
     return path;
 }
 
-PartCentres place_parts(const Scene& scene, int parts, ParallelFor& parallel) {
+PartCentres place_parts(const PreparedScene& scene, int parts, ParallelFor& parallel) {
     const Normaliser normalise(scene.low, scene.high);
     PartSample sample(scene.triangle_count(), parts);
     for (std::size_t i = 0; i < sample.size(); ++i)

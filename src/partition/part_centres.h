@@ -14,7 +14,7 @@
 
 #include "base/parallel_for.h"
 #include "partition/part_tree.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple {
 
@@ -65,7 +65,7 @@ class PartCentres {
 };
 
 /// The centres of so many parts of a scene.
-PartCentres place_parts(const Scene& scene, int parts, ParallelFor& parallel);
+PartCentres place_parts(const PreparedScene& scene, int parts, ParallelFor& parallel);
 
 /// Shares out `parts` to clusters with so many points each: at least one and at most `most` to each, otherwise in
 /// proportion.

@@ -39,7 +39,8 @@ class LocalNumbers {
 
 // Copies the triangles `ids` (of the joint numbering) of one side, their vertices as Scalar.
 template <class Scalar>
-PartMesh copy_mesh(const Scene& scene, std::size_t side, std::span<const std::int32_t> ids, const SeededHash& hash) {
+PartMesh copy_mesh(const PreparedScene& scene, std::size_t side, std::span<const std::int32_t> ids,
+                   const SeededHash& hash) {
     PartMesh mesh;
     std::vector<Scalar> vertices;
     const auto first_triangle = static_cast<std::int32_t>(side ? scene.triangles[0] : 0);
@@ -63,7 +64,8 @@ PartMesh copy_mesh(const Scene& scene, std::size_t side, std::span<const std::in
     return mesh;
 }
 
-PartMesh copy_mesh(const Scene& scene, std::size_t side, std::span<const std::int32_t> ids, const SeededHash& hash) {
+PartMesh copy_mesh(const PreparedScene& scene, std::size_t side, std::span<const std::int32_t> ids,
+                   const SeededHash& hash) {
     return scene.reader[side].float32 ? copy_mesh<float>(scene, side, ids, hash)
                                       : copy_mesh<double>(scene, side, ids, hash);
 }
@@ -135,7 +137,7 @@ std::vector<PartMembers> list_members(const PartTree& tree, int parts, BallOfTri
     return slices;
 }
 
-std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel) {
+std::vector<Part> make_parts(const PreparedScene& scene, int count, ParallelFor& parallel) {
     const Normaliser normalise(scene.low, scene.high);
     const SeededHash hash;
     const auto ball = [&](std::int64_t t) { return PartBall(scene.triangle(t), normalise); };
@@ -149,7 +151,7 @@ std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& paralle
     return make_parts(scene, count, parallel, ball, copy);
 }
 
-std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel, BallOfTriangle ball,
+std::vector<Part> make_parts(const PreparedScene& scene, int count, ParallelFor& parallel, BallOfTriangle ball,
                              FunctionRef<void(std::span<const std::int32_t> ids, Part& part)> copy) {
     const PartCentres centres = place_parts(scene, count, parallel);
     const std::vector<PartMembers> slices = list_members(centres.tree(), count, ball, scene.triangle_count(), parallel);

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "base/parallel_for.h"
-#include "crumple/collisions.h"
 #include "crumple/function_ref.h"
+#include "crumple/intersections.h"
 #include "crumple/part.h"
 #include "partition/part_tree.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple {
 
@@ -33,11 +33,11 @@ std::vector<PartMembers> list_members(const PartTree& tree, int parts, BallOfTri
                                       ParallelFor& parallel);
 
 /// Cuts a scene into `count` parts; depends only on the scene and the count.
-std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel);
+std::vector<Part> make_parts(const PreparedScene& scene, int count, ParallelFor& parallel);
 
 /// The same where triangles belong to parts by other balls. copy(ids, part) copies the triangles of these ids,
 /// ascending, into a part that has its levels; on all threads.
-std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel, BallOfTriangle ball,
+std::vector<Part> make_parts(const PreparedScene& scene, int count, ParallelFor& parallel, BallOfTriangle ball,
                              FunctionRef<void(std::span<const std::int32_t> ids, Part& part)> copy);
 
 /// Throws Error (invalid_argument) if the part is none that make_parts() could have made, as far as that shows without

@@ -54,8 +54,8 @@ void check_device_poses(const World& world) {
     }
 }
 
-void check_on_device(const Intersect& question) {
-    check(question.wants != Wants::body_pairs, "which bodies collide is told by find(), not by a launch");
+void check_on_device(const IntersectionQuery& question) {
+    check(question.output != Output::body_pairs, "which bodies collide is told by find(), not by a launch");
     check(!question.index, "index must be false: of a launch there are offsets of worlds only");
 }
 
@@ -63,25 +63,39 @@ void check_blocks(const Streaming& how) {
     check(how.block_pairs >= 1 && how.block_pairs <= std::int64_t{1} << 40, "block_pairs must be 1 to 2^40");
 }
 
-void check_in_blocks(const Motion& q) {
-    check(q.wants == MotionWants::impacts, "wants must be impacts: blocks list them");
+void check_in_blocks(const IntersectionQuery& q) {
+    check(q.output == Output::pairs || q.output == Output::contacts, "blocks have pairs, or contacts");
+}
+
+void check_in_blocks(const ImpactQuery& q) {
+    check(q.output == Output::pairs, "output must be pairs: blocks list them");
     check(!q.index, "index must be false: blocks have no offsets by feature");
     check(!q.triangle_pairs, "triangle_pairs must be false: blocks have none");
 }
 
-void check_in_blocks(const Near& q) {
-    check(q.wants == NearWants::pairs, "wants must be pairs: blocks list them");
+void check_in_blocks(const ProximityQuery& q) {
+    check(q.output == Output::pairs, "output must be pairs: blocks list them");
     check(!q.index, "index must be false: blocks have no offsets by feature");
     check(!q.least, "least must be false: blocks have no least distances");
 }
 
-void check_question(const Motion& q, bool world) {
-    check(!world || !q.index, "offsets by feature are made of a single mesh");
-    check(q.separation >= 0 && std::isfinite(q.separation), "separation must be finite and 0 or more");
-    check(q.separation_share >= 0 && q.separation_share < 1, "separation_share must be 0 or more, and below 1");
+void check_question(const IntersectionQuery& q) {
+    check(q.output <= Output::contacts && q.output != Output::first,
+          "output must be any, any_by_world, body_pairs, count, pairs or contacts");
 }
 
-void check_question(const Near& q, bool world) {
+void check_question(const ImpactQuery& q, bool world) {
+    check(q.output == Output::any || q.output == Output::any_by_world || q.output == Output::first ||
+              q.output == Output::pairs,
+          "output must be any, any_by_world, first or pairs");
+    check(!world || !q.index, "offsets by feature are made of a single mesh");
+    check(q.min_distance >= 0 && std::isfinite(q.min_distance), "min_distance must be finite and 0 or more");
+    check(q.min_distance_share >= 0 && q.min_distance_share < 1, "min_distance_share must be 0 or more, and below 1");
+}
+
+void check_question(const ProximityQuery& q, bool world) {
+    check(q.output == Output::any || q.output == Output::any_by_world || q.output == Output::pairs,
+          "output must be any, any_by_world or pairs");
     check(!world || !q.index, "offsets by feature are made of a single mesh");
     check(!world || !q.least, "least distances are told of a single mesh");
     check(q.radius >= 0 && std::isfinite(q.radius), "radius must be finite and 0 or more");
@@ -91,32 +105,37 @@ void check_question(const Near& q, bool world) {
     check(q.rest_radius >= 0 && std::isfinite(q.rest_radius), "rest_radius must be finite and 0 or more");
 }
 
-void check_question(const CandidateQuestion& q, bool) {
+void check_question(const CandidateQuery& q, bool) {
     check(!q.kinds.empty(), "kinds names no kind of candidates");
     for (const CandidateKind kind : q.kinds)
         check(static_cast<int>(kind) < candidate_kinds, "kinds names a kind of candidates that there is not");
     check(q.inflation >= 0 && std::isfinite(q.inflation), "inflation must be finite and 0 or more");
 }
 
-void check_question(const Nearest& q) {
+void check_question(const DistanceQuery& q) {
     check(q.radius >= 0, "radius must be 0 or more, or infinite");
-    check(q.rules.bodies != Wanted::within, "bodies must not be within: distances are between bodies");
+    check(q.filter.bodies != PairScope::within, "bodies must not be within: distances are between bodies");
 }
 
-void check_query(const MeshView& a, const MeshView* b, const Query& q) {
-    check(q.wanted == Wanted::both || q.wanted == Wanted::between || q.wanted == Wanted::within,
+void check_query(const MeshView& a, const MeshView* b, const IntersectionQuery& q) {
+    check_question(q);
+    check(q.filter.bodies == PairScope::both && q.filter.excluded_bodies.empty(),
+          "a filter of bodies needs a world of bodies");
+    check(q.filter.groups == PairScope::both || q.filter.groups == PairScope::between ||
+              q.filter.groups == PairScope::within,
           "wanted must be both, between or within");
     // An empty mesh may have groups without anybody seeing it, and where one mesh has them, the other is in group 0.
     const auto lacks_groups = [](const MeshView& mesh) { return mesh.triangles.rows > 0 && mesh.groups.empty(); };
     if (!lacks_groups(a) || (b && !lacks_groups(*b))) return;
-    check(q.excluded_groups.empty(), b ? "excluded_groups need groups, and neither mesh has any" : nothing_to_exclude);
+    check(q.filter.excluded_groups.empty(),
+          b ? "excluded_groups need groups, and neither mesh has any" : nothing_to_exclude);
     check(
-        q.wanted != Wanted::between,
+        q.filter.groups != PairScope::between,
         b ? "wanted between needs groups, and neither mesh has any: nothing lies between different groups" : no_groups);
 }
 
-void check_groups(const Rules& rules, std::int64_t triangles, bool has_groups) {
-    check(rules.groups != Wanted::between || has_groups || triangles == 0, no_groups);
+void check_groups(const PairFilter& rules, std::int64_t triangles, bool has_groups) {
+    check(rules.groups != PairScope::between || has_groups || triangles == 0, no_groups);
     check(rules.excluded_groups.empty() || has_groups || triangles == 0, nothing_to_exclude);
 }
 

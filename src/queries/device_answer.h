@@ -7,8 +7,8 @@
 #include <cstdint>
 
 #include "crumple/device_features.h"
-#include "queries/candidate_query.h"
-#include "queries/feature_query.h"
+#include "queries/candidate_request.h"
+#include "queries/feature_request.h"
 
 namespace crumple {
 

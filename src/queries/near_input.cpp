@@ -52,8 +52,8 @@ void NearInput::release() {
     rings_.release();
 }
 
-void NearInput::begin(const WorldOutline& outline, const Near& question, bool bodies, bool here, ParallelFor& workers,
-                      SceneBuffers& buffers) {
+void NearInput::begin(const WorldOutline& outline, const ProximityQuery& question, bool bodies, bool here,
+                      ParallelFor& workers, SceneBuffers& buffers) {
     any_radii_ = any_rest_ = false;
     ring_count_ = question.rings;
     rest_.radius = question.rest_radius;
@@ -110,7 +110,7 @@ void NearInput::place(const WorldOutline& outline, const WorldScene& scene) {
     rest_.body = body_.data();
 }
 
-void NearInput::tell(std::int64_t vertices, ParallelFor& workers, Cancellation& cancellation, FeatureQuery& query) {
+void NearInput::tell(std::int64_t vertices, ParallelFor& workers, Cancellation& cancellation, FeatureRequest& query) {
     query.radii = radii_;
     if (any_rest_) query.rest = &rest_;
     if (ring_count_ == 0) return;

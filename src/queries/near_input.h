@@ -8,8 +8,8 @@
 
 #include "base/cancellation.h"
 #include "crumple/array.h"
-#include "crumple/near.h"
-#include "queries/feature_query.h"
+#include "crumple/proximities.h"
+#include "queries/feature_request.h"
 #include "scene/rest_shape.h"
 #include "scene/scene_features.h"
 #include "scene/vertex_rings.h"
@@ -28,15 +28,15 @@ class NearInput {
     /// Reads and checks what the question and its shapes say. `bodies`: see FeatureSearch. `here`: arrays lie on the
     /// host; else their contents are not looked at. Throws Error
     /// (invalid_argument, not_finite) that names shape and vertex.
-    void begin(const WorldOutline& outline, const Near& question, bool bodies, bool here, ParallelFor& workers,
-               SceneBuffers& buffers);
+    void begin(const WorldOutline& outline, const ProximityQuery& question, bool bodies, bool here,
+               ParallelFor& workers, SceneBuffers& buffers);
 
     /// For a scene that is the only body, where the caller has it; or for one of several.
     void place(const Shape& only);
     void place(const WorldOutline& outline, const WorldScene& scene);
 
     /// Tells the query of all that, of a scene of so many vertices and with these features. It stays where it is.
-    void tell(std::int64_t vertices, ParallelFor& workers, Cancellation& cancellation, FeatureQuery& query);
+    void tell(std::int64_t vertices, ParallelFor& workers, Cancellation& cancellation, FeatureRequest& query);
 
     /// Gives all memory back.
     void release();

@@ -9,7 +9,7 @@ namespace {
 auto arrays(ImpactList& l) {
     return std::tie(l.pairs, l.bodies, l.toi, l.start, l.offsets, l.second_offsets, l.by_second);
 }
-auto arrays(NearList& l) {
+auto arrays(ProximityList& l) {
     return std::tie(l.pairs, l.bodies, l.squared_distance, l.touching, l.type, l.at, l.offsets, l.second_offsets,
                     l.by_second);
 }
@@ -19,13 +19,13 @@ auto arrays(Impacts& a) {
                           arrays(a.lists[0]), arrays(a.lists[1]), arrays(a.lists[2]), arrays(a.lists[3]),
                           arrays(a.triangle_pairs));
 }
-auto arrays(Nearby& a) {
+auto arrays(Proximities& a) {
     return std::tuple_cat(std::tie(a.world_hit, a.edges, a.first_edge, a.vertex_distance, a.face_distance,
                                    a.edge_distance, a.points, a.first_point),
                           arrays(a.lists[0]), arrays(a.lists[1]), arrays(a.lists[2]), arrays(a.lists[3]));
 }
 static_assert(feature_kinds == 4);
-auto arrays(CandidateLists& a) {
+auto arrays(Candidates& a) {
     const auto list = [&](CandidateKind kind) { return arrays(a[kind]); };
     return std::tuple_cat(std::tie(a.edges, a.first_edge, a.points, a.first_point), list(CandidateKind::vertex_face),
                           list(CandidateKind::edge_edge), list(CandidateKind::edge_face),
@@ -47,7 +47,7 @@ void clear_each(Arrays& of) {
 template <class Answer>
 void clear_arrays(Answer& answer) {
     clear_each(answer);
-    if constexpr (requires { answer.any; }) answer.any = false;
+    answer.any = false;
     answer.count = 0;
     answer.statistics = {};
 }
@@ -57,7 +57,7 @@ void swap_arrays(Answer& mine, Answer& theirs) {
     auto to = arrays(theirs);
     std::apply([&](auto&... from) { std::apply([&](auto&... other) { (from.swap_elements(other), ...); }, to); },
                arrays(mine));
-    if constexpr (requires { mine.any; }) theirs.any = mine.any;
+    theirs.any = mine.any;
     theirs.count = mine.count;
     theirs.statistics = mine.statistics;
 }
@@ -89,26 +89,26 @@ Answer metered_answer(MemoryMeter* meter) {
     return answer;
 }
 template Impacts metered_answer(MemoryMeter*);
-template Nearby metered_answer(MemoryMeter*);
-template CandidateLists metered_answer(MemoryMeter*);
+template Proximities metered_answer(MemoryMeter*);
+template Candidates metered_answer(MemoryMeter*);
 
 Impacts metered_impacts(MemoryMeter* meter) { return metered_answer<Impacts>(meter); }
-Nearby metered_nearby(MemoryMeter* meter) { return metered_answer<Nearby>(meter); }
-CandidateLists metered_candidates(MemoryMeter* meter) { return metered_answer<CandidateLists>(meter); }
+Proximities metered_nearby(MemoryMeter* meter) { return metered_answer<Proximities>(meter); }
+Candidates metered_candidates(MemoryMeter* meter) { return metered_answer<Candidates>(meter); }
 
 void clear(Impacts& answer) {
     clear_arrays(answer);
     answer.first = {};
     answer.lists_triangle_pairs = false;
 }
-void clear(Nearby& answer) { clear_arrays(answer); }
-void clear(CandidateLists& answer) {
+void clear(Proximities& answer) { clear_arrays(answer); }
+void clear(Candidates& answer) {
     clear_arrays(answer);
     answer.listed = {};
 }
 
 void clear(ImpactList& list) { clear_each(list); }
-void clear(NearList& list) { clear_each(list); }
+void clear(ProximityList& list) { clear_each(list); }
 void clear(CandidateList& list) { clear_each(list); }
 
 void hand_over(Impacts& mine, Impacts& theirs) {
@@ -117,18 +117,18 @@ void hand_over(Impacts& mine, Impacts& theirs) {
     theirs.lists_triangle_pairs = mine.lists_triangle_pairs;
     clear(mine);
 }
-void hand_over(Nearby& mine, Nearby& theirs) {
+void hand_over(Proximities& mine, Proximities& theirs) {
     swap_arrays(mine, theirs);
     clear(mine);
 }
 
-void hand_over(CandidateLists& mine, CandidateLists& theirs) {
+void hand_over(Candidates& mine, Candidates& theirs) {
     swap_arrays(mine, theirs);
     theirs.listed = mine.listed;
     clear(mine);
 }
 
 void make_index(ImpactList& list, std::int64_t firsts, std::int64_t seconds) { index_list(list, firsts, seconds); }
-void make_index(NearList& list, std::int64_t firsts, std::int64_t seconds) { index_list(list, firsts, seconds); }
+void make_index(ProximityList& list, std::int64_t firsts, std::int64_t seconds) { index_list(list, firsts, seconds); }
 
 }  // namespace crumple

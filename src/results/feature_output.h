@@ -4,41 +4,41 @@
 // names.
 
 #include "crumple/candidates.h"
-#include "crumple/motion.h"
-#include "crumple/near.h"
-#include "queries/feature_query.h"
+#include "crumple/impacts.h"
+#include "crumple/proximities.h"
+#include "queries/feature_request.h"
 
 namespace crumple {
 
 /// Empty answers whose arrays the meter counts.
 Impacts metered_impacts(MemoryMeter* meter);
-Nearby metered_nearby(MemoryMeter* meter);
-CandidateLists metered_candidates(MemoryMeter* meter);
+Proximities metered_nearby(MemoryMeter* meter);
+Candidates metered_candidates(MemoryMeter* meter);
 
 template <class Answer>
 Answer metered_answer(MemoryMeter* meter);
 
 /// Swaps the contents of two answers, and clears `mine`.
 void hand_over(Impacts& mine, Impacts& theirs);
-void hand_over(Nearby& mine, Nearby& theirs);
-void hand_over(CandidateLists& mine, CandidateLists& theirs);
+void hand_over(Proximities& mine, Proximities& theirs);
+void hand_over(Candidates& mine, Candidates& theirs);
 
 /// Forgets what an answer says, keeps its memory.
 void clear(Impacts& answer);
-void clear(Nearby& answer);
-void clear(CandidateLists& answer);
+void clear(Proximities& answer);
+void clear(Candidates& answer);
 void clear(ImpactList& list);
-void clear(NearList& list);
+void clear(ProximityList& list);
 void clear(CandidateList& list);
 
 // The arrays of a list, by what they are in both answers.
 inline Array<double>& values(ImpactList& list) { return list.toi; }
-inline Array<double>& values(NearList& list) { return list.squared_distance; }
+inline Array<double>& values(ProximityList& list) { return list.squared_distance; }
 inline Array<std::uint8_t>& flags(ImpactList& list) { return list.start; }
-inline Array<std::uint8_t>& flags(NearList& list) { return list.touching; }
+inline Array<std::uint8_t>& flags(ProximityList& list) { return list.touching; }
 
 /// Offsets by first and by second feature, of which there are so many.
 void make_index(ImpactList& list, std::int64_t firsts, std::int64_t seconds);
-void make_index(NearList& list, std::int64_t firsts, std::int64_t seconds);
+void make_index(ProximityList& list, std::int64_t firsts, std::int64_t seconds);
 
 }  // namespace crumple

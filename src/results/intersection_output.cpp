@@ -1,16 +1,38 @@
 #include "results/intersection_output.h"
 
 #include <algorithm>
+#include <type_traits>
 
 namespace crumple {
 
-Collisions metered(MemoryMeter* meter) {
-    return {Array<Pair>(meter),
-            Array<std::int64_t>(meter),
-            Array<std::uint8_t>(meter),
-            Array<std::uint8_t>(meter),
-            {Array<ContactKind>(meter), Array<std::int64_t>(meter), Array<std::array<double, 3>>(meter)},
-            {}};
+Intersections metered(MemoryMeter* meter) {
+    Intersections result;
+    std::apply([&](auto&... array) { ((array = std::remove_reference_t<decltype(array)>(meter)), ...); },
+               arrays(result));
+    return result;
+}
+
+void clear(Intersections& result) {
+    std::apply([](auto&... array) { (array.clear(), ...); }, arrays(result));
+    result.any = false;
+    result.count = 0;
+    result.statistics = {};
+}
+
+void release(Intersections& result) {
+    std::apply([](auto&... array) { (array.release(), ...); }, arrays(result));
+}
+
+void hand_over(Intersections& result, Intersections& other) {
+    const auto swap_all = [&](auto&... mine) {
+        // Throws under a limit only, and then there is nothing to count.
+        std::apply([&](auto&... theirs) { (mine.swap_elements(theirs), ...); }, arrays(other));
+    };
+    std::apply(swap_all, arrays(result));
+    other.any = result.any;
+    other.count = result.count;
+    other.statistics = result.statistics;
+    clear(result);
 }
 
 void add(const Statistics& some, Statistics& sum) {
@@ -34,7 +56,7 @@ void add_pass(const Statistics& pass, Statistics& sum) {
     sum.simd = pass.simd;
 }
 
-void index_pairs(const Scene& scene, Collisions& result) {
+void index_pairs(const PreparedScene& scene, Intersections& result) {
     const auto first = static_cast<std::size_t>(scene.triangles[0]);
     result.offsets.assign(first + 1, 0);
     result.hit.assign(first, 0);
@@ -48,7 +70,7 @@ void index_pairs(const Scene& scene, Collisions& result) {
     for (std::size_t i = 0; i < first; ++i) result.offsets[i + 1] += result.offsets[i];
 }
 
-void keep_owned(const Scene& scene, const Levels& levels, Collisions& result) {
+void keep_owned(const PreparedScene& scene, const Levels& levels, Intersections& result) {
     const std::int64_t second = scene.between ? scene.triangles[0] : 0;
     const auto foreign = [&](Pair pair) { return !levels.own(pair.a, second + pair.b); };
     const auto end = std::remove_if(result.pairs.begin(), result.pairs.end(), foreign);

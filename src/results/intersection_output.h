@@ -3,16 +3,17 @@
 // What follows from the sorted pairs: offsets, hit flags, contacts.
 
 #include <atomic>
+#include <tuple>
 
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 #include "exact/intersection/contact.h"
 #include "partition/levels.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple {
 
 /// An empty result whose arrays the meter counts.
-Collisions metered(MemoryMeter* meter);
+Intersections metered(MemoryMeter* meter);
 
 /// Adds counts and times; says nothing of who did the work.
 void add(const Statistics& some, Statistics& sum);
@@ -20,33 +21,38 @@ void add(const Statistics& some, Statistics& sum);
 /// The same, and takes over who did it.
 void add_pass(const Statistics& pass, Statistics& sum);
 
-/// Gives the memory of all arrays back.
-inline void release(Collisions& result) {
-    result.pairs.release();
-    result.offsets.release();
-    result.hit.release();
-    result.hit_second.release();
-    result.contacts.kinds.release();
-    result.contacts.offsets.release();
-    result.contacts.points.release();
+/// All arrays of a result.
+inline auto arrays(Intersections& r) {
+    return std::tie(r.world_hit, r.world_counts, r.bodies, r.pairs, r.contacts.kinds, r.contacts.offsets,
+                    r.contacts.points, r.offsets, r.hit_second, r.hit, r.world_offsets, r.body_offsets,
+                    r.first_triangle);
 }
 
+/// Empties a result, keeps its memory.
+void clear(Intersections& result);
+
+/// Gives the memory of all arrays back.
+void release(Intersections& result);
+
+/// Gives `other` the result, and keeps the storage of `other`, emptied. Where a limit counts memory, `other` owns none.
+void hand_over(Intersections& result, Intersections& other);
+
 /// Offsets by first triangle and hit flags, from result.pairs (sorted).
-void index_pairs(const Scene& scene, Collisions& result);
+void index_pairs(const PreparedScene& scene, Intersections& result);
 
 /// Leaves only the pairs that a part owns of all those of its triangles; contacts are still to come.
-void keep_owned(const Scene& scene, const Levels& levels, Collisions& result);
+void keep_owned(const PreparedScene& scene, const Levels& levels, Intersections& result);
 
 /// Bytes of a result with so many pairs. Contacts take room for six points a pair until they are packed.
-inline std::int64_t result_bytes(const Scene& scene, const Query& query, std::int64_t pairs) {
+inline std::int64_t result_bytes(const PreparedScene& scene, const IntersectionQuery& query, std::int64_t pairs) {
     const std::int64_t contacts = pairs * (6 * 24 + 1 + 8) + 8;
-    return pairs * 8 + (scene.triangles[0] + 1) * 8 + scene.triangle_count() + (query.contacts ? contacts : 0);
+    return pairs * 8 + (scene.triangles[0] + 1) * 8 + scene.triangle_count() + (query.contacts() ? contacts : 0);
 }
 
 /// The exact contacts of result.pairs. `for_each(n, task)` calls task(i) for i in [0, n), in any order or in parallel.
 /// Returns how many took rational arithmetic.
 template <class ForEach>
-std::int64_t contacts_of_pairs(const Scene& scene, Collisions& result, ForEach for_each) {
+std::int64_t contacts_of_pairs(const PreparedScene& scene, Intersections& result, ForEach for_each) {
     const std::size_t n = result.pairs.size();
     const std::int64_t second = scene.between ? scene.triangles[0] : 0;
     Contacts& contacts = result.contacts;

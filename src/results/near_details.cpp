@@ -17,7 +17,7 @@ void for_each_chunk(std::size_t n, ParallelFor& workers, Task task) {
                          [&](std::size_t c) { task(c * pairs_of_task, std::min(n, (c + 1) * pairs_of_task)); });
 }
 
-Features at_rest(const Scene& scene, const SceneFeatures& features, FeatureKind kind, const Pair& pair) {
+Features at_rest(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind, const Pair& pair) {
     const auto of = [&](const std::int32_t(&vertex)[4]) { return at_start(kind, points_of(scene, vertex)); };
     if (kind == FeatureKind::edge_edge) {
         const Edge e = features.edges()[pair.a], f = features.edges()[pair.b];
@@ -46,8 +46,8 @@ void lower(const Array<Pair>& pairs, const Array<double>& value, Array<double>& 
 
 }  // namespace
 
-void tell_closest(const Scene& scene, const SceneFeatures& features, FeatureKind kind, const Array<Pair>& pairs,
-                  std::size_t first, ParallelFor& workers, NearList& list) {
+void tell_closest(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind, const Array<Pair>& pairs,
+                  std::size_t first, ParallelFor& workers, ProximityList& list) {
     list.type.resize(first + pairs.size());
     list.at.resize(first + pairs.size());
     for_each_chunk(pairs.size(), workers, [&](std::size_t begin, std::size_t end) {
@@ -60,8 +60,8 @@ void tell_closest(const Scene& scene, const SceneFeatures& features, FeatureKind
     });
 }
 
-void find_closest(const Scene& scene, const SceneFeatures& features, FeatureKind kind, std::span<const FeatureHit> rows,
-                  ParallelFor* workers, Array<ClosestPoints>& closest) {
+void find_closest(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind,
+                  std::span<const FeatureHit> rows, ParallelFor* workers, Array<ClosestPoints>& closest) {
     closest.resize_discard(rows.size());
     const auto find = [&](std::size_t begin, std::size_t end) {
         DistanceCounts counts;
@@ -76,10 +76,10 @@ void find_closest(const Scene& scene, const SceneFeatures& features, FeatureKind
 
 // Rounding keeps the order: the least distance of a feature is that of a pair whose rounded square is least, and only
 // such pairs are asked for their distance.
-void tell_least(const Scene& scene, const SceneFeatures& features, ParallelFor& workers, Nearby& answer) {
+void tell_least(const PreparedScene& scene, const SceneFeatures& features, ParallelFor& workers, Proximities& answer) {
     constexpr double none = std::numeric_limits<double>::infinity();
     const auto of = [&](FeatureKind kind, Array<double>& firsts, Array<double>& seconds) {
-        const NearList& list = answer[kind];
+        const ProximityList& list = answer[kind];
         Array<double> first_square, second_square, distance;
         first_square.assign(firsts.size(), none);
         second_square.assign(seconds.size(), none);

@@ -6,7 +6,7 @@ namespace crumple {
 namespace {
 
 template <class Act>
-void for_each_array(NearestBodies& answer, Act act) {
+void for_each_array(Distances& answer, Act act) {
     act(answer.bodies);
     act(answer.squared_distance);
     act(answer.touching);
@@ -16,13 +16,13 @@ void for_each_array(NearestBodies& answer, Act act) {
 
 }  // namespace
 
-NearestBodies metered_nearest(MemoryMeter* meter) {
-    NearestBodies answer;
+Distances metered_nearest(MemoryMeter* meter) {
+    Distances answer;
     for_each_array(answer, [&]<class T>(Array<T>& array) { array = Array<T>(meter); });
     return answer;
 }
 
-void hand_over(NearestBodies& mine, NearestBodies& theirs) {
+void hand_over(Distances& mine, Distances& theirs) {
     const auto swap = [](auto& one, auto& other) {
         one.swap_elements(other);
         one.clear();
@@ -32,27 +32,31 @@ void hand_over(NearestBodies& mine, NearestBodies& theirs) {
     swap(mine.touching, theirs.touching);
     swap(mine.triangles, theirs.triangles);
     swap(mine.points, theirs.points);
+    theirs.any = std::exchange(mine.any, false);
+    theirs.count = std::exchange(mine.count, 0);
     theirs.statistics = std::exchange(mine.statistics, {});
 }
 
-void clear(NearestBodies& answer) {
+void clear(Distances& answer) {
     for_each_array(answer, [](auto& array) { array.clear(); });
+    answer.any = false;
+    answer.count = 0;
     answer.statistics = {};
 }
 
-void make_rows(NearestBodies& answer) {
+void make_rows(Distances& answer) {
     const std::size_t rows = answer.bodies.size();
     for_each_array(answer, [&](auto& array) { array.resize(rows); });
 }
 
-void put_row(NearestBodies& answer, std::size_t i, const NearestRow& row) {
+void put_row(Distances& answer, std::size_t i, const NearestRow& row) {
     answer.squared_distance[i] = row.squared;
     answer.touching[i] = row.touching;
     answer.triangles[i] = row.triangles;
     for (std::size_t k = 0; k < 2; ++k) answer.points[i][k] = {row.points[k].x, row.points[k].y, row.points[k].z};
 }
 
-void keep_rows(NearestBodies& answer, const Array<std::uint8_t>& kept) {
+void keep_rows(Distances& answer, const Array<std::uint8_t>& kept) {
     for_each_array(answer, [&](auto& array) {
         std::size_t n = 0;
         for (std::size_t i = 0; i < kept.size(); ++i)

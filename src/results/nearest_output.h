@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "crumple/nearest.h"
+#include "crumple/distances.h"
 #include "exact/distance/rational_nearest.h"
 
 namespace crumple {
@@ -18,15 +18,15 @@ struct NearestRow {
 };
 
 /// Empty, with arrays that are all counted by `meter`.
-NearestBodies metered_nearest(MemoryMeter* meter);
+Distances metered_nearest(MemoryMeter* meter);
 /// Gives `theirs` the answer, and keeps the storage of `theirs`, emptied.
-void hand_over(NearestBodies& mine, NearestBodies& theirs);
-void clear(NearestBodies& answer);
+void hand_over(Distances& mine, Distances& theirs);
+void clear(Distances& answer);
 
 /// Makes place for rows of these bodies, as many as `answer.bodies` has.
-void make_rows(NearestBodies& answer);
-void put_row(NearestBodies& answer, std::size_t i, const NearestRow& row);
+void make_rows(Distances& answer);
+void put_row(Distances& answer, std::size_t i, const NearestRow& row);
 /// Drops the rows that `kept` has 0 for; the order stays.
-void keep_rows(NearestBodies& answer, const Array<std::uint8_t>& kept);
+void keep_rows(Distances& answer, const Array<std::uint8_t>& kept);
 
 }  // namespace crumple

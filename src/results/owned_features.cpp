@@ -11,7 +11,7 @@ namespace {
 struct OwnersInPart {
     std::vector<std::int32_t> points, edges;
 
-    OwnersInPart(const Scene& scene, const SceneFeatures& features)
+    OwnersInPart(const PreparedScene& scene, const SceneFeatures& features)
         : points(static_cast<std::size_t>(features.points()), -1), edges(features.edges().size(), -1) {
         for (std::int32_t t = 0; t < scene.triangle_count(); ++t) {
             const std::uint8_t owned = features.owned(t);
@@ -30,7 +30,7 @@ struct OwnersInPart {
 
 }  // namespace
 
-void keep_owned(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) {
+void keep_owned(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) {
     const Levels levels(query.part);
     const OwnersInPart owners(scene, query.features);
     answer.any = false;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "crumple/function_ref.h"
+#include "crumple/intersections.h"
 #include "crumple/options.h"
 #include "crumple/world.h"
 #include "scene/world_outline.h"
@@ -16,29 +17,25 @@ namespace crumple {
 /// Where an answer goes that is handed over in blocks (Detector::stream).
 struct WorldBlocks {
     Streaming how;
-    FunctionRef<void(const WorldCollisions& block)> take;
+    FunctionRef<void(const Intersections& block)> take;
 
     /// Hands the pairs that are there over, if they fill a block or are the last, and makes room for the next.
-    void pass_on(WorldCollisions& result, bool last = false) const;
+    void pass_on(Intersections& result, bool last = false) const;
 };
 
 /// Empty, with room for what each world gets.
-void clear(WorldCollisions& result, const WorldOutline& outline, const Intersect& question);
-/// Whose arrays are all counted by `meter`.
-WorldCollisions metered_world(MemoryMeter* meter);
-/// Gives `other` the result, and keeps the storage of `other`, emptied. Where a limit counts memory, `other` owns none.
-void hand_over(WorldCollisions& result, WorldCollisions& other);
+void clear(Intersections& result, const WorldOutline& outline, const IntersectionQuery& question);
 
 /// Something collides in this pass: in world `pass`, or (pass = worlds()) among the bodies that are in all worlds.
-void hit(std::int32_t pass, const WorldOutline& outline, WorldCollisions& result);
+void hit(std::int32_t pass, const WorldOutline& outline, Intersections& result);
 
 /// A colliding pair, as far as it is wanted. Pairs come in their order.
-void add_pair(const WorldOutline& outline, const Intersect& question, std::int32_t pass, BodyPair bodies, Pair pair,
-              WorldCollisions& result);
+void add_pair(const WorldOutline& outline, const IntersectionQuery& question, std::int32_t pass, BodyPair bodies,
+              Pair pair, Intersections& result);
 /// Where the last pair meets.
-void add_contact(ContactKind kind, std::span<const std::array<double, 3>> points, WorldCollisions& result);
+void add_contact(ContactKind kind, std::span<const std::array<double, 3>> points, Intersections& result);
 
 /// What follows from the pairs: offsets and hit flags; bodies in order.
-void finish(const WorldOutline& outline, const Intersect& question, WorldCollisions& result);
+void finish(const WorldOutline& outline, const IntersectionQuery& question, Intersections& result);
 
 }  // namespace crumple

@@ -15,7 +15,7 @@ class BodyRules {
    public:
     explicit BodyRules(MemoryMeter* meter) : classes(meter), excluded_bodies_(meter), excluded_groups_(meter) {}
 
-    void prepare(const Rules& rules) {
+    void prepare(const PairFilter& rules) {
         bodies_ = rules.bodies;
         groups_ = rules.groups;
         const auto keys = [](const auto& pairs, Array<std::uint64_t>& out) {
@@ -33,7 +33,7 @@ class BodyRules {
     bool between(std::int32_t a, std::int32_t b) const { return wanted().bodies(a, b); }
     bool groups(std::int32_t g, std::int32_t h) const { return wanted().groups(g, h); }
     /// Nothing hangs on groups.
-    bool any_group() const { return groups_ == Wanted::both && excluded_groups_.empty(); }
+    bool any_group() const { return groups_ == PairScope::both && excluded_groups_.empty(); }
 
     /// The rules by themselves; valid while this is as it is.
     WantedPairs wanted() const {
@@ -50,12 +50,12 @@ class BodyRules {
     Array<BodyClass> classes;  ///< of the scene that is searched
 
    private:
-    static WantedGroups rule(Wanted wanted, const Array<std::uint64_t>& excluded) {
-        return {wanted == Wanted::between, wanted == Wanted::within, excluded.data(),
+    static WantedGroups rule(PairScope wanted, const Array<std::uint64_t>& excluded) {
+        return {wanted == PairScope::between, wanted == PairScope::within, excluded.data(),
                 static_cast<std::int64_t>(excluded.size())};
     }
 
-    Wanted bodies_ = Wanted::both, groups_ = Wanted::both;
+    PairScope bodies_ = PairScope::both, groups_ = PairScope::both;
     Array<std::uint64_t> excluded_bodies_, excluded_groups_;
 };
 

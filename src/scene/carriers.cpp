@@ -13,7 +13,7 @@ constexpr std::int32_t owned_by_triangle = -2;
 
 }  // namespace
 
-Scene SceneFeatures::with_carriers(Scene scene) const {
+PreparedScene SceneFeatures::with_carriers(PreparedScene scene) const {
     if (carriers() == 0) return scene;
     scene.corners = corners_.data();
     scene.triangles[0] += carriers();

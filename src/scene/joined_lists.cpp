@@ -43,7 +43,7 @@ ListedFeatures checked_lists(const Shape& shape, const std::string& which) {
     return {shape.edges, shape.points};
 }
 
-ListedFeatures JoinedLists::join(const WorldOutline& outline, const WorldScene& bodies, const Scene& scene,
+ListedFeatures JoinedLists::join(const WorldOutline& outline, const WorldScene& bodies, const PreparedScene& scene,
                                  ParallelFor& workers, SceneFeatures& features) {
     const auto lists_edges = [](const Shape& shape) { return shape.edges.has_value(); };
     const auto lists_points = [](const Shape& shape) { return shape.points.has_value(); };
@@ -83,7 +83,7 @@ void JoinedLists::join_edges(const WorldOutline& outline, const WorldScene& bodi
     }
 }
 
-void JoinedLists::join_points(const WorldOutline& outline, const WorldScene& bodies, const Scene& scene) {
+void JoinedLists::join_points(const WorldOutline& outline, const WorldScene& bodies, const PreparedScene& scene) {
     named_.assign(static_cast<std::size_t>(scene.vertex_count()), 0);
     for (std::int64_t i = 0; i < 3 * scene.triangle_count(); ++i) named_[scene.corners[i]] = 1;
     for (const Edge& e : edges_) named_[e.a] = named_[e.b] = 1;

@@ -25,12 +25,12 @@ class JoinedLists {
     /// Of the bodies that were added to `bodies`, which is `scene`. `features` becomes that of the scene's triangles
     /// if some bodies list edges and others do not. Those of each body are one behind the other. Valid until the next
     /// call.
-    ListedFeatures join(const WorldOutline& outline, const WorldScene& bodies, const Scene& scene, ParallelFor& workers,
-                        SceneFeatures& features);
+    ListedFeatures join(const WorldOutline& outline, const WorldScene& bodies, const PreparedScene& scene,
+                        ParallelFor& workers, SceneFeatures& features);
 
    private:
     void join_edges(const WorldOutline& outline, const WorldScene& bodies, const Array<Edge>& of_triangles);
-    void join_points(const WorldOutline& outline, const WorldScene& bodies, const Scene& scene);
+    void join_points(const WorldOutline& outline, const WorldScene& bodies, const PreparedScene& scene);
 
     Array<Edge> edges_;
     Array<std::int32_t> points_;

@@ -15,7 +15,7 @@ namespace crumple {
 /// pair with it; `within`: pairs within a body count, too. `what`: why that pair cannot be answered. Bodies and shapes
 /// that are not sound are passed over, for who reads the world tells of them. Costs nothing where all shapes have
 /// triangles.
-inline void check_bodies_have_triangles(const World& world, const Rules& given, bool within, const char* what) {
+inline void check_bodies_have_triangles(const World& world, const PairFilter& given, bool within, const char* what) {
     const auto is_lone = [](const Shape& shape) {
         const bool lists = (shape.edges && !shape.edges->empty()) || (shape.points && !shape.points->empty());
         return shape.triangles.rows == 0 && lists;

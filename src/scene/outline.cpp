@@ -29,8 +29,8 @@ void check_mesh_outline(const MeshView& mesh, const std::string& subject, Memory
                " triangles");
 }
 
-Scene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory) {
-    Scene scene;
+PreparedScene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory) {
+    PreparedScene scene;
     scene.between = b != nullptr;
     const std::array<const MeshView*, 2> meshes{&a, b};
     const std::array<std::string, 2> subject{b ? "the first mesh" : "the mesh", "the second mesh"};
@@ -49,7 +49,7 @@ Scene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory) {
     return scene;
 }
 
-void outline_motion(const VertexView& end, Scene& scene) {
+void outline_motion(const VertexView& end, PreparedScene& scene) {
     if (end.rows != scene.vertex_count())
         throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(end.rows) + " vertices at the end for " +
                                                      std::to_string(scene.vertex_count()) + " at the start");
@@ -61,7 +61,7 @@ void outline_motion(const VertexView& end, Scene& scene) {
     scene.float32 = scene.float32 && scene.end.float32;
 }
 
-std::string mesh_name(const Scene& scene, std::size_t side) {
+std::string mesh_name(const PreparedScene& scene, std::size_t side) {
     if (!scene.between) return "";
     return side == 0 ? "first mesh: " : "second mesh: ";
 }

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "crumple/mesh.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple {
 
@@ -16,13 +16,13 @@ namespace crumple {
 void check_mesh_outline(const MeshView& mesh, const std::string& subject, MemorySpace memory);
 
 /// Counts and readers of one mesh (b null) or two that lie in `memory`. Throws Error (invalid_argument).
-Scene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory);
+PreparedScene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory);
 
 /// Gives each vertex of a scene of one mesh an end, which is not read. Throws Error (invalid_argument).
-void outline_motion(const VertexView& end, Scene& scene);
+void outline_motion(const VertexView& end, PreparedScene& scene);
 
 /// Of two meshes, which: what an element's place begins with. Of one, nothing.
-std::string mesh_name(const Scene& scene, std::size_t side);
+std::string mesh_name(const PreparedScene& scene, std::size_t side);
 
 /// Calls `function` with a value of the type that indices have.
 template <class Function>

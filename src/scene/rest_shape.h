@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple {
 

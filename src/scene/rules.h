@@ -6,9 +6,9 @@
 #include <cstdint>
 
 #include "crumple/array.h"
-#include "crumple/options.h"
+#include "crumple/query.h"
 #include "scene/body_rules.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 #include "scene/wanted_pairs.h"
 
 namespace crumple {
@@ -22,12 +22,12 @@ class GroupRule {
     void release() { excluded_.release(); }
 
     /// `bodies`: of a scene whose groups are classes of bodies, and which decides instead of the query; else null.
-    void prepare(const Query& query, const BodyRules* bodies = nullptr) {
+    void prepare(const PairFilter& filter, const BodyRules* bodies = nullptr) {
         bodies_ = bodies;
         classes_apart_ = bodies && bodies->classes_apart();
-        wanted_ = query.wanted;
-        excluded_.resize_discard(query.excluded_groups.size());
-        std::transform(query.excluded_groups.begin(), query.excluded_groups.end(), excluded_.begin(),
+        wanted_ = filter.groups;
+        excluded_.resize_discard(filter.excluded_groups.size());
+        std::transform(filter.excluded_groups.begin(), filter.excluded_groups.end(), excluded_.begin(),
                        [](GroupPair p) { return WantedGroups::key(p.first, p.second); });
         std::sort(excluded_.begin(), excluded_.end());
     }
@@ -35,7 +35,7 @@ class GroupRule {
     bool trivial() const { return !bodies_ && of_groups().all(); }
 
     /// No pair within a group is wanted.
-    bool groups_apart() const { return bodies_ ? classes_apart_ : wanted_ == Wanted::between; }
+    bool groups_apart() const { return bodies_ ? classes_apart_ : wanted_ == PairScope::between; }
 
     /// The rule by itself; valid while this is as it is.
     WantedPairs wanted() const { return bodies_ ? bodies_->wanted() : WantedPairs{of_groups(), {}, nullptr}; }
@@ -43,14 +43,14 @@ class GroupRule {
 
     /// What the query says of groups; likewise.
     WantedGroups of_groups() const {
-        return {wanted_ == Wanted::between, wanted_ == Wanted::within, excluded_.data(),
+        return {wanted_ == PairScope::between, wanted_ == PairScope::within, excluded_.data(),
                 static_cast<std::int64_t>(excluded_.size())};
     }
 
    private:
     const BodyRules* bodies_ = nullptr;
     bool classes_apart_ = false;
-    Wanted wanted_ = Wanted::both;
+    PairScope wanted_ = PairScope::both;
     Array<std::uint64_t> excluded_;
 };
 

@@ -22,7 +22,7 @@ bool same(const Array<T>& mine, bool given, const std::optional<std::span<const 
     return mine.size() == theirs->size() && same(mine, mine.size(), theirs->data());
 }
 
-void check_number(const Scene& scene, const ListedFeatures& listed) {
+void check_number(const PreparedScene& scene, const ListedFeatures& listed) {
     const auto edges = static_cast<std::int64_t>(listed.edges ? listed.edges->size() : 0);
     const auto points = static_cast<std::int64_t>(listed.points ? listed.points->size() : 0);
     constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
@@ -73,7 +73,7 @@ void SceneFeatures::release() {
     vertices_ = -1;
 }
 
-void SceneFeatures::prepare(const Scene& scene, bool weld, ParallelFor& workers, const ListedFeatures& listed) {
+void SceneFeatures::prepare(const PreparedScene& scene, bool weld, ParallelFor& workers, const ListedFeatures& listed) {
     check_number(scene, listed);
     if (!known(scene, listed)) {
         vertices_ = -1;  // should memory end half-way
@@ -110,7 +110,7 @@ void SceneFeatures::prepare(const Scene& scene, bool weld, ParallelFor& workers,
     find_neighbours();
 }
 
-bool SceneFeatures::known(const Scene& scene, const ListedFeatures& listed) const {
+bool SceneFeatures::known(const PreparedScene& scene, const ListedFeatures& listed) const {
     return !adopted_ && vertices_ == scene.vertex_count() && faces_ == scene.triangle_count() &&
            same(corners_, static_cast<std::size_t>(3 * faces_), scene.corners) &&
            same(edges_, lists_edges_, listed.edges) && same(points_, lists_points_, listed.points);
@@ -143,7 +143,7 @@ void SceneFeatures::adopt(const Part& part) {
 }
 
 // A counting sort of all sides, and listed edges behind them, by their lower vertex; then those of each by the other.
-void SceneFeatures::sort_sides(const Scene& scene, ParallelFor& workers) {
+void SceneFeatures::sort_sides(const PreparedScene& scene, ParallelFor& workers) {
     const std::int64_t sides = 3 * faces_, vertices = scene.vertex_count();
     const std::int64_t slots = sides + static_cast<std::int64_t>(edges_.size());
     const auto ends = [&](std::int64_t slot) {

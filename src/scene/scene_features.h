@@ -25,7 +25,7 @@
 #include "crumple/part.h"
 #include "crumple/world.h"
 #include "scene/feature_table.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple {
 
@@ -42,7 +42,7 @@ class SceneFeatures {
     /// Of the scene's triangles, and what is listed. What is known is kept while corners and lists stay the same: then
     /// it costs a comparison; else O(triangles, edges, points), mostly on all threads. `weld`: vertices at equal
     /// positions, at the start and at the end, count as one for incident().
-    void prepare(const Scene& scene, bool weld, ParallelFor& workers, const ListedFeatures& listed = {});
+    void prepare(const PreparedScene& scene, bool weld, ParallelFor& workers, const ListedFeatures& listed = {});
 
     /// Whether prepare() has made this of as many vertices, triangles, and listed edges and points, without welding.
     bool has_counts_of(const Shape& shape) const {
@@ -80,7 +80,7 @@ class SceneFeatures {
     bool plain() const { return carriers() == 0 && points_of_.empty(); }
     /// Corners of all triangles and carriers, and the scene with these; but for groups, which others have to add.
     const std::int32_t* corners() const { return corners_.data(); }
-    Scene with_carriers(Scene scene) const;
+    PreparedScene with_carriers(PreparedScene scene) const;
 
     /// What vertices are called where it is asked whether two are the same: mostly by their index.
     bool renames() const { return !names_.empty(); }
@@ -120,8 +120,8 @@ class SceneFeatures {
         std::int32_t other;  ///< its greater vertex
         std::int32_t slot;   ///< 3 times its triangle, and which side of it; behind these listed edges
     };
-    bool known(const Scene& scene, const ListedFeatures& listed) const;
-    void sort_sides(const Scene& scene, ParallelFor& workers);
+    bool known(const PreparedScene& scene, const ListedFeatures& listed) const;
+    void sort_sides(const PreparedScene& scene, ParallelFor& workers);
     void make_edges(ParallelFor& workers);
     void find_owners_of_edges(ParallelFor& workers);
     void find_owned_vertices(std::int64_t vertices);

@@ -63,8 +63,10 @@ void check_body(const World& world, std::size_t b) {
     }
 }
 
-void check_rules(const Rules& rules, std::int64_t bodies) {
-    const auto known = [](Wanted w) { return w == Wanted::both || w == Wanted::between || w == Wanted::within; };
+void check_rules(const PairFilter& rules, std::int64_t bodies) {
+    const auto known = [](PairScope w) {
+        return w == PairScope::both || w == PairScope::between || w == PairScope::within;
+    };
     if (!known(rules.bodies) || !known(rules.groups))
         refuse("rules must be both, between or within", Element::option, -1);
     for (const BodyPair& pair : rules.excluded_bodies)
@@ -76,7 +78,7 @@ void check_rules(const Rules& rules, std::int64_t bodies) {
 
 }  // namespace
 
-void WorldOutline::read(const World& world, const Rules& rules) {
+void WorldOutline::read(const World& world, const PairFilter& rules) {
     world_ = world;
     const auto n = static_cast<std::int64_t>(world.bodies.size());
     if (n > most_elements) refuse("a world has at most 2147483647 bodies", Element::none, -1);

@@ -10,7 +10,7 @@
 #include "crumple/world.h"
 #include "scene/outline.h"
 #include "scene/placement.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple {
 
@@ -19,7 +19,7 @@ class WorldOutline {
     explicit WorldOutline(MemoryMeter* meter) : first_triangle_(meter), first_body_(meter) {}
 
     /// Throws Error (invalid_argument), with the body or shape it is about. Keeps a copy of the views in `world`.
-    void read(const World& world, const Rules& rules);
+    void read(const World& world, const PairFilter& rules);
 
     const World& world() const { return world_; }
     std::int32_t bodies() const { return static_cast<std::int32_t>(world_.bodies.size()); }

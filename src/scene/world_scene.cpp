@@ -158,10 +158,10 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
     for (const Row& row : row_) add_triangle(outline, b, everywhere, row);
 }
 
-Scene WorldScene::scene(const WorldOutline& outline, bool weld, ParallelFor& workers) {
+PreparedScene WorldScene::scene(const WorldOutline& outline, bool weld, ParallelFor& workers) {
     const MeshView mesh(view(start_), rows_of_three(corner_.data(), triangles()), groups_.span());
     try {
-        Scene scene = prepare_scene(mesh, nullptr, weld, workers, buffers_);
+        PreparedScene scene = prepare_scene(mesh, nullptr, weld, workers, buffers_);
         scene.bodies = rules_;
         if (first_of_world_.size() > 2) {
             scene.first_of_world = first_of_world_.data();
@@ -176,7 +176,8 @@ Scene WorldScene::scene(const WorldOutline& outline, bool weld, ParallelFor& wor
 }
 
 // Carriers of what belongs to a triangle after all are of its class; others of a class of their body.
-Scene WorldScene::with_carriers(const WorldOutline& outline, const SceneFeatures& features, const Scene& scene) {
+PreparedScene WorldScene::with_carriers(const WorldOutline& outline, const SceneFeatures& features,
+                                        const PreparedScene& scene) {
     if (features.carriers() == 0) return scene;
     lone_groups_.resize_discard(static_cast<std::size_t>(vertices()));
     for (std::size_t i = 0; i < added_.size(); ++i) {
@@ -192,7 +193,7 @@ Scene WorldScene::with_carriers(const WorldOutline& outline, const SceneFeatures
         const std::int32_t face = features.face_of_carrier(i);
         groups_.push_back(face < 0 ? lone_groups_[features.corners()[3 * (features.faces() + i)]] : groups_[face]);
     }
-    Scene all = features.with_carriers(scene);
+    PreparedScene all = features.with_carriers(scene);
     all.groups = groups_.data();
     all.lone_groups = lone_groups_.data();
     return all;

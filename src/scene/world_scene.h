@@ -1,7 +1,7 @@
 #pragma once
 
 // Bodies of one world, or what of them may meet, as one scene of posed triangles that any backend can search; for those
-// that can, of several worlds side by side (Scene::worlds).
+// that can, of several worlds side by side (PreparedScene::worlds).
 //
 // Worlds are added one after the other, bodies of each in ascending order, and triangles of each body in ascending
 // order, so that a scene's pairs are in the order of the answer. The scene's groups are classes of BodyRules.
@@ -11,7 +11,7 @@
 #include "base/parallel_for.h"
 #include "crumple/array.h"
 #include "scene/body_rules.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 #include "scene/scene_features.h"
 #include "scene/shape_tree.h"
 #include "scene/world_outline.h"
@@ -36,10 +36,10 @@ class WorldScene {
     void end_world() { first_of_world_.push_back(triangles()); }
 
     /// The scene. Valid until begin().
-    Scene scene(const WorldOutline& outline, bool weld, ParallelFor& workers);
+    PreparedScene scene(const WorldOutline& outline, bool weld, ParallelFor& workers);
 
     /// The scene with the features' carriers, in the classes of their bodies. Valid as scene().
-    Scene with_carriers(const WorldOutline& outline, const SceneFeatures& features, const Scene& scene);
+    PreparedScene with_carriers(const WorldOutline& outline, const SceneFeatures& features, const PreparedScene& scene);
 
     std::int64_t first_of_world(std::size_t w) const { return first_of_world_[w]; }
     std::int64_t triangles() const { return static_cast<std::int64_t>(triangle_.size()); }

@@ -5,7 +5,7 @@
 
 #include "crumple/error.h"
 #include "queries/checks.h"
-#include "queries/feature_queries.h"
+#include "queries/feature_requests.h"
 #include "results/feature_output.h"
 #include "results/intersection_output.h"
 #include "results/near_details.h"
@@ -14,14 +14,14 @@
 namespace crumple {
 namespace {
 
-void check_asked(const PartFeatures& part, const Motion& question) {
+void check_asked(const PartFeatures& part, const ImpactQuery& question) {
     check(part.moving, "the part was made for a question about nearness");
-    check(question.separation <= part.distance && question.separation_share <= part.share,
-          "separation and separation_share must be at most those that the part was made for");
+    check(question.min_distance <= part.distance && question.min_distance_share <= part.share,
+          "min_distance and min_distance_share must be at most those that the part was made for");
     check(question.weld == part.weld, "weld must be as the part was made");
     check(!question.triangle_pairs, "triangle_pairs must be false: parts of features have none");
 }
-void check_asked(const PartFeatures& part, const Near& question) {
+void check_asked(const PartFeatures& part, const ProximityQuery& question) {
     check(!part.moving, "the part was made for a question about motion");
     check(question.radius <= part.distance, "radius must be at most that which the part was made for");
     check(question.weld == part.weld, "weld must be as the part was made");
@@ -42,11 +42,11 @@ template <class Question>
 std::vector<Part> FeatureSearch::partition(BackendBase& backend, const World& world, const Question& question,
                                            int count) {
     bodies_ = false;
-    read(world, question.rules);
+    read(world, question.filter);
     const Shape& shape = outline_.shape(0);
     if constexpr (!is_motion<Question>) near_input_.begin(outline_, question, bodies_, true, backend, buffers_);
-    const Scene scene = prepare_in_place(backend, is_motion<Question>, question.weld);
-    FeatureQuery query = query_of(question, false, features_, rule_);
+    const PreparedScene scene = prepare_in_place(backend, is_motion<Question>, question.weld);
+    FeatureRequest query = query_of(question, false, features_, rule_);
     if constexpr (!is_motion<Question>) {
         near_input_.place(shape);
         near_input_.tell(scene.vertex_count(), backend, cancellation_, query);
@@ -57,10 +57,10 @@ std::vector<Part> FeatureSearch::partition(BackendBase& backend, const World& wo
                               count, backend);
 }
 
-Scene FeatureSearch::prepare_part(BackendBase& backend, const Part& part, const Rules& rules) {
+PreparedScene FeatureSearch::prepare_part(BackendBase& backend, const Part& part, const PairFilter& rules) {
     check_feature_part(part);
     const PartFeatures& given = *part.features;
-    Scene scene = prepare_scene(part.mesh.view(), nullptr, false, backend, buffers_);
+    PreparedScene scene = prepare_scene(part.mesh.view(), nullptr, false, backend, buffers_);
     if (given.moving) add_motion(end_of(given), backend, buffers_, scene);
     features_.adopt(part);
     // Classes, for what no face is behind is of no group where faces have some.
@@ -100,12 +100,12 @@ void FeatureSearch::find(BackendBase& backend, const Part& part, const Question&
     bodies_ = false;
     frugal_ = frugal;
     clear(answer);
-    const Scene scene = prepare_part(backend, part, question.rules);
+    const PreparedScene scene = prepare_part(backend, part, question.filter);
     const PartFeatures& given = *part.features;
     check_asked(given, question);
     RestShape rest;
     VertexRings rings(&meter_);
-    FeatureQuery query = query_of(question, frugal, features_, rule_);
+    FeatureRequest query = query_of(question, frugal, features_, rule_);
     query.part = &part;
     if constexpr (!motion) {
         check_radii("", given.radii);
@@ -125,14 +125,14 @@ void FeatureSearch::find(BackendBase& backend, const Part& part, const Question&
     answer.any = found_.any;
     const auto kind_of = [](std::size_t k) { return static_cast<FeatureKind>(k); };
     if constexpr (motion) {
-        if (question.wants != MotionWants::any) answer.world_hit.assign(1, found_.any);
+        if (question.output != Output::any) answer.world_hit.assign(1, found_.any);
         if (extent(question) != Extent::any) {
             answer.first = found_.first;
             if (answer.first.found) name_globally(part, answer.first.kind, answer.first.pair);
             answer.world_first.assign(1, answer.first);
         }
     } else {
-        if (question.wants != NearWants::any) answer.world_hit.assign(1, found_.any);
+        if (question.output != Output::any) answer.world_hit.assign(1, found_.any);
     }
     if (extent(question) != Extent::all) return;
     for (std::size_t k = 0; k < feature_kinds; ++k) {
@@ -157,9 +157,9 @@ void FeatureSearch::find(BackendBase& backend, const Part& part, const Question&
     answer.statistics.pairs = answer.count;
 }
 
-template std::vector<Part> FeatureSearch::partition(BackendBase&, const World&, const Motion&, int);
-template std::vector<Part> FeatureSearch::partition(BackendBase&, const World&, const Near&, int);
-template void FeatureSearch::find(BackendBase&, const Part&, const Motion&, bool, Impacts&);
-template void FeatureSearch::find(BackendBase&, const Part&, const Near&, bool, Nearby&);
+template std::vector<Part> FeatureSearch::partition(BackendBase&, const World&, const ImpactQuery&, int);
+template std::vector<Part> FeatureSearch::partition(BackendBase&, const World&, const ProximityQuery&, int);
+template void FeatureSearch::find(BackendBase&, const Part&, const ImpactQuery&, bool, Impacts&);
+template void FeatureSearch::find(BackendBase&, const Part&, const ProximityQuery&, bool, Proximities&);
 
 }  // namespace crumple

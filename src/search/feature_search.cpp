@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "queries/feature_queries.h"
+#include "queries/feature_requests.h"
 #include "results/feature_output.h"
 #include "results/intersection_output.h"
 #include "results/near_details.h"
@@ -11,12 +11,12 @@
 namespace crumple {
 namespace {
 
-bool wants_worlds(const Motion& question) { return question.wants != MotionWants::any; }
-bool wants_worlds(const Near& question) { return question.wants != NearWants::any; }
+bool wants_worlds(const ImpactQuery& question) { return question.output != Output::any; }
+bool wants_worlds(const ProximityQuery& question) { return question.output != Output::any; }
 
 // Whether every pair of the one body is wanted, as if there were no bodies.
-bool all_wanted(const Rules& rules) {
-    return rules.bodies != Wanted::between && rules.groups == Wanted::both && rules.excluded_bodies.empty() &&
+bool all_wanted(const PairFilter& rules) {
+    return rules.bodies != PairScope::between && rules.groups == PairScope::both && rules.excluded_bodies.empty() &&
            rules.excluded_groups.empty();
 }
 
@@ -57,14 +57,14 @@ void FeatureSearch::release() {
     first_point_.release();
 }
 
-void FeatureSearch::find(BackendBase& backend, const World& world, const Motion& question, bool bodies, bool frugal,
-                         Impacts& answer) {
+void FeatureSearch::find(BackendBase& backend, const World& world, const ImpactQuery& question, bool bodies,
+                         bool frugal, Impacts& answer) {
     bodies_ = bodies;
     frugal_ = frugal;
     search(backend, world, question, answer);
 }
-void FeatureSearch::find(BackendBase& backend, const World& world, const Near& question, bool bodies, bool frugal,
-                         Nearby& answer) {
+void FeatureSearch::find(BackendBase& backend, const World& world, const ProximityQuery& question, bool bodies,
+                         bool frugal, Proximities& answer) {
     bodies_ = bodies;
     frugal_ = frugal;
     search(backend, world, question, answer);
@@ -72,7 +72,7 @@ void FeatureSearch::find(BackendBase& backend, const World& world, const Near& q
 
 template <class Question, class Answer>
 void FeatureSearch::search(BackendBase& backend, const World& world, const Question& question, Answer& answer) {
-    read(world, question.rules);
+    read(world, question.filter);
     clear(answer);
     answer.statistics.triangles = outline_.triangles();
     const auto worlds = static_cast<std::size_t>(outline_.worlds());
@@ -87,7 +87,7 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Quest
     }
     if constexpr (!is_motion<Question>) near_input_.begin(outline_, question, bodies_, !there_, backend, buffers_);
 
-    if (there_ || in_place(question.rules)) {
+    if (there_ || in_place(question.filter)) {
         search_in_place(backend, question, answer);
     } else {
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
@@ -111,20 +111,20 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Quest
     answer.statistics.pairs = answer.count;
 }
 
-void FeatureSearch::read(const World& world, const Rules& rules) {
+void FeatureSearch::read(const World& world, const PairFilter& rules) {
     outline_.read(world, rules);
     rules_.prepare(rules);
 }
 
-bool FeatureSearch::in_place(const Rules& rules) const {
+bool FeatureSearch::in_place(const PairFilter& rules) const {
     return outline_.bodies() == 1 && outline_.placement(0).identity() && outline_.end_placement(0).identity() &&
            outline_.body(0).self && all_wanted(rules);
 }
 
-Scene FeatureSearch::prepare_in_place(BackendBase& backend, bool step, bool weld) {
+PreparedScene FeatureSearch::prepare_in_place(BackendBase& backend, bool step, bool weld) {
     const Shape& shape = outline_.shape(0);
     const MeshView mesh(shape.vertices, shape.triangles);
-    Scene scene = prepare_scene(mesh, nullptr, false, backend, buffers_);
+    PreparedScene scene = prepare_scene(mesh, nullptr, false, backend, buffers_);
     if (step && shape.end.data) add_motion(shape.end, backend, buffers_, scene);
     rule_.prepare({});
     features_.prepare(scene, weld, backend, checked_lists(shape, bodies_ ? WorldOutline::name(0) : ""));
@@ -136,7 +136,8 @@ std::int32_t FeatureSearch::own_bodies(std::int32_t pass) const {
     return end - outline_.first_body(pass);
 }
 
-std::optional<Scene> FeatureSearch::prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld) {
+std::optional<PreparedScene> FeatureSearch::prepare_pass(BackendBase& backend, std::int32_t pass, bool step,
+                                                         bool weld) {
     const std::int32_t worlds = outline_.worlds(), everywhere = outline_.first_body(worlds);
     const auto float32 = [](const Shape& s) {
         return s.vertices.type == ScalarType::float32 && (!s.end.data || s.end.type == ScalarType::float32);
@@ -148,10 +149,10 @@ std::optional<Scene> FeatureSearch::prepare_pass(BackendBase& backend, std::int3
     for (std::int32_t b = begin; b < end; ++b) scene_.add(outline_, b, false, backend);
     if (pass < worlds)
         for (std::int32_t b = everywhere; b < outline_.bodies(); ++b) scene_.add(outline_, b, true, backend);
-    const Scene triangles = scene_.scene(outline_, false, backend);
+    const PreparedScene triangles = scene_.scene(outline_, false, backend);
     const ListedFeatures listed = lists_.join(outline_, scene_, triangles, backend, features_);
     features_.prepare(triangles, weld, backend, listed);
-    const Scene scene = scene_.with_carriers(outline_, features_, triangles);
+    const PreparedScene scene = scene_.with_carriers(outline_, features_, triangles);
     rule_.prepare({}, &rules_);
     place_features();
     return scene;
@@ -159,7 +160,7 @@ std::optional<Scene> FeatureSearch::prepare_pass(BackendBase& backend, std::int3
 
 template <class Question, class Answer>
 void FeatureSearch::search_in_place(BackendBase& backend, const Question& question, Answer& answer) {
-    Scene scene;
+    PreparedScene scene;
     if (!there_) scene = prepare_in_place(backend, is_motion<Question>, question.weld);
     if constexpr (!is_motion<Question>) near_input_.place(outline_.shape(0));
     there_ ? answer_there(backend, question) : ask(backend, scene, question);
@@ -196,9 +197,9 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Question& questi
 
 template <class Question, class Answer>
 void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const Question& question, Answer& answer) {
-    const std::optional<Scene> made = prepare_pass(backend, pass, is_motion<Question>, question.weld);
+    const std::optional<PreparedScene> made = prepare_pass(backend, pass, is_motion<Question>, question.weld);
     if (!made) return;
-    const Scene& scene = *made;
+    const PreparedScene& scene = *made;
     if constexpr (!is_motion<Question>) near_input_.place(outline_, scene_);
     ask(backend, scene, question);
     add_pass(found_.statistics, answer.statistics);
@@ -223,15 +224,15 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
 }
 
 template <class Question>
-void FeatureSearch::ask(BackendBase& backend, const Scene& scene, const Question& question) {
-    FeatureQuery query = query_of(question, frugal_, features_, rule_);
+void FeatureSearch::ask(BackendBase& backend, const PreparedScene& scene, const Question& question) {
+    FeatureRequest query = query_of(question, frugal_, features_, rule_);
     if constexpr (!is_motion<Question>) near_input_.tell(scene.vertex_count(), backend, cancellation_, query);
     backend.find(scene, query, found_);
     if constexpr (is_motion<Question>)
         if (question.triangle_pairs) ask_for_triangles(backend, scene, question);
 }
 
-void FeatureSearch::ask_for_triangles(BackendBase& backend, const Scene& scene, const Motion& question) {
+void FeatureSearch::ask_for_triangles(BackendBase& backend, const PreparedScene& scene, const ImpactQuery& question) {
     if (extent(question) == Extent::all) {
         triangle_impacts_.find(backend, scene, features_, rule_, found_, found_.statistics);
         found_.any = found_.any || !triangle_impacts_.rows().pairs.empty();
@@ -296,22 +297,22 @@ void FeatureSearch::append_rows(FeatureTypes types, const FeatureRows& rows, Lis
     }
 }
 
-void FeatureSearch::find(BackendBase& backend, const World& world, const CandidateQuestion& question, bool bodies,
-                         bool frugal, CandidateLists& answer) {
+void FeatureSearch::find(BackendBase& backend, const World& world, const CandidateQuery& question, bool bodies,
+                         bool frugal, Candidates& answer) {
     bodies_ = bodies;
     frugal_ = frugal;
     search(backend, world, question, answer);
 }
 
-void FeatureSearch::search(BackendBase& backend, const World& world, const CandidateQuestion& question,
-                           CandidateLists& answer) {
-    read(world, question.rules);
+void FeatureSearch::search(BackendBase& backend, const World& world, const CandidateQuery& question,
+                           Candidates& answer) {
+    read(world, question.filter);
     clear(answer);
     for (const CandidateKind kind : question.kinds) answer.listed[static_cast<std::size_t>(kind)] = true;
     answer.statistics.triangles = outline_.triangles();
     answer.first_edge.push_back(0);
     answer.first_point.push_back(0);
-    if (there_ || in_place(question.rules)) {
+    if (there_ || in_place(question.filter)) {
         search_in_place(backend, question, answer);
     } else {
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
@@ -320,14 +321,15 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Candi
         }
     }
     for (const CandidateList& list : answer.lists) answer.count += static_cast<std::int64_t>(list.pairs.size());
+    answer.any = answer.count > 0;
     answer.statistics.pairs = answer.count;
 }
 
-void FeatureSearch::search_in_place(BackendBase& backend, const CandidateQuestion& question, CandidateLists& answer) {
+void FeatureSearch::search_in_place(BackendBase& backend, const CandidateQuery& question, Candidates& answer) {
     if (there_) {
         answer_there(backend, question);
     } else {
-        const Scene scene = prepare_in_place(backend, true, question.weld);
+        const PreparedScene scene = prepare_in_place(backend, true, question.weld);
         backend.find_candidates(scene, query_of(question, frugal_, features_, rule_), found_candidates_);
     }
     add_pass(found_candidates_.statistics, answer.statistics);
@@ -341,9 +343,9 @@ void FeatureSearch::search_in_place(BackendBase& backend, const CandidateQuestio
     }
 }
 
-void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const CandidateQuestion& question,
-                                 CandidateLists& answer) {
-    const std::optional<Scene> scene = prepare_pass(backend, pass, true, question.weld);
+void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const CandidateQuery& question,
+                                 Candidates& answer) {
+    const std::optional<PreparedScene> scene = prepare_pass(backend, pass, true, question.weld);
     if (!scene) return;
     backend.find_candidates(*scene, query_of(question, frugal_, features_, rule_), found_candidates_);
     add_pass(found_candidates_.statistics, answer.statistics);
@@ -372,7 +374,7 @@ void FeatureSearch::add_first(std::int32_t pass, Impacts& answer) const {
     if (!answer.first.found || key(first) < key(answer.first)) answer.first = first;
 }
 
-template void FeatureSearch::search(BackendBase&, const World&, const Motion&, Impacts&);
-template void FeatureSearch::search(BackendBase&, const World&, const Near&, Nearby&);
+template void FeatureSearch::search(BackendBase&, const World&, const ImpactQuery&, Impacts&);
+template void FeatureSearch::search(BackendBase&, const World&, const ProximityQuery&, Proximities&);
 
 }  // namespace crumple

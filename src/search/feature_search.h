@@ -11,8 +11,8 @@
 #include "backends/backend.h"
 #include "base/cancellation.h"
 #include "crumple/candidates.h"
-#include "crumple/motion.h"
-#include "crumple/near.h"
+#include "crumple/impacts.h"
+#include "crumple/proximities.h"
 #include "partition/feature_part.h"
 #include "queries/near_input.h"
 #include "scene/body_rules.h"
@@ -36,12 +36,13 @@ class FeatureSearch {
    public:
     FeatureSearch(MemoryMeter& meter, Cancellation& cancellation);
 
-    /// `bodies`: whether the answer names bodies, else there is only one. `frugal`: see FeatureQuery.
-    void find(BackendBase& backend, const World& world, const Motion& question, bool bodies, bool frugal,
+    /// `bodies`: whether the answer names bodies, else there is only one. `frugal`: see FeatureRequest.
+    void find(BackendBase& backend, const World& world, const ImpactQuery& question, bool bodies, bool frugal,
               Impacts& answer);
-    void find(BackendBase& backend, const World& world, const Near& question, bool bodies, bool frugal, Nearby& answer);
-    void find(BackendBase& backend, const World& world, const CandidateQuestion& question, bool bodies, bool frugal,
-              CandidateLists& answer);
+    void find(BackendBase& backend, const World& world, const ProximityQuery& question, bool bodies, bool frugal,
+              Proximities& answer);
+    void find(BackendBase& backend, const World& world, const CandidateQuery& question, bool bodies, bool frugal,
+              Candidates& answer);
 
     /// The same in blocks, whose edges and points are complete. The answer is what the blocks are made of, and has
     /// their number and the statistics in the end.
@@ -60,9 +61,9 @@ class FeatureSearch {
     // Of a mesh in device memory (features_there.cpp):
 
     /// Whether the device answers by itself; else the mesh is copied to the host first.
-    static bool answers_there(const Shape& shape, const Motion& question);
-    static bool answers_there(const Shape& shape, const Near& question);
-    static bool answers_there(const Shape& shape, const CandidateQuestion& question);
+    static bool answers_there(const Shape& shape, const ImpactQuery& question);
+    static bool answers_there(const Shape& shape, const ProximityQuery& question);
+    static bool answers_there(const Shape& shape, const CandidateQuery& question);
     template <class Question, class Answer>
     void find_there(BackendBase& backend, const DeviceShape& mesh, const Question& question, bool frugal,
                     Answer& answer);
@@ -82,38 +83,37 @@ class FeatureSearch {
     template <class Question>
     void answer_there(BackendBase& backend, const Question& question);
 
-    Scene prepare_part(BackendBase& backend, const Part& part, const Rules& rules);
+    PreparedScene prepare_part(BackendBase& backend, const Part& part, const PairFilter& rules);
 
     template <class Question, class Answer>
     void search(BackendBase& backend, const World& world, const Question& question, Answer& answer);
-    void search(BackendBase& backend, const World& world, const CandidateQuestion& question, CandidateLists& answer);
+    void search(BackendBase& backend, const World& world, const CandidateQuery& question, Candidates& answer);
     template <class Question, class Answer>
     void search_in_place(BackendBase& backend, const Question& question, Answer& answer);
     template <class Question, class Answer>
     void search_world(BackendBase& backend, std::int32_t pass, const Question& question, Answer& answer);
-    void search_in_place(BackendBase& backend, const CandidateQuestion& question, CandidateLists& answer);
-    void search_world(BackendBase& backend, std::int32_t pass, const CandidateQuestion& question,
-                      CandidateLists& answer);
+    void search_in_place(BackendBase& backend, const CandidateQuery& question, Candidates& answer);
+    void search_world(BackendBase& backend, std::int32_t pass, const CandidateQuery& question, Candidates& answer);
 
     template <class Answer>
     void list_features(BackendBase& backend, bool step, bool weld, Answer& answer);
     template <class Question, class Filling>
-    void stream_scene(BackendBase& backend, const Scene& scene, const Question& question, bool in_place,
+    void stream_scene(BackendBase& backend, const PreparedScene& scene, const Question& question, bool in_place,
                       const Streaming& how, Filling& filling, Statistics& statistics);
 
     /// Reads the world.
-    void read(const World& world, const Rules& rules);
+    void read(const World& world, const PairFilter& rules);
     /// Whether it is one body that is searched where the caller has it.
-    bool in_place(const Rules& rules) const;
+    bool in_place(const PairFilter& rules) const;
     /// Makes a scene of that body, or of the bodies of a pass, none if there are none; and prepares what it is searched
     /// with. `step`: from the start to the end, else at the start.
-    Scene prepare_in_place(BackendBase& backend, bool step, bool weld);
-    std::optional<Scene> prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld);
+    PreparedScene prepare_in_place(BackendBase& backend, bool step, bool weld);
+    std::optional<PreparedScene> prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld);
     /// How many bodies a pass has of its own.
     std::int32_t own_bodies(std::int32_t pass) const;
     template <class Question>
-    void ask(BackendBase& backend, const Scene& scene, const Question& question);
-    void ask_for_triangles(BackendBase& backend, const Scene& scene, const Motion& question);
+    void ask(BackendBase& backend, const PreparedScene& scene, const Question& question);
+    void ask_for_triangles(BackendBase& backend, const PreparedScene& scene, const ImpactQuery& question);
     /// The edges and points of the bodies that a pass has of its own.
     template <class Answer>
     void append_features(std::int32_t pass, Answer& answer);
@@ -157,7 +157,7 @@ class FeatureSearch {
     /// What a launch was given, by its slot: it may have to be answered again.
     struct Launched {
         DeviceShape mesh;
-        std::variant<Motion, Near, CandidateQuestion> question;
+        std::variant<ImpactQuery, ProximityQuery, CandidateQuery> question;
     };
     std::array<Launched, 2> launched_;
 };

@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "queries/feature_queries.h"
+#include "queries/feature_requests.h"
 #include "results/feature_output.h"
 #include "results/filling_block.h"
 #include "results/intersection_output.h"
@@ -16,9 +16,9 @@ namespace crumple {
 namespace {
 
 template <class Question>
-constexpr bool is_near = std::is_same_v<Question, Near>;
+constexpr bool is_near = std::is_same_v<Question, ProximityQuery>;
 template <class Question>
-constexpr bool is_candidates = std::is_same_v<Question, CandidateQuestion>;
+constexpr bool is_candidates = std::is_same_v<Question, CandidateQuery>;
 
 /// The rows of a block, by kind.
 template <class Answer>
@@ -29,7 +29,7 @@ template <class Answer>
 void take_rows(Lists<Answer>& rows, const FeatureBlocks<Answer>& blocks, Answer& answer) {
     std::swap(answer.lists, rows);
     for (const auto& list : answer.lists) answer.count += static_cast<std::int64_t>(list.pairs.size());
-    if constexpr (requires { answer.any; }) answer.any = true;
+    answer.any = true;
     blocks.take(answer);
     std::swap(answer.lists, rows);
 }
@@ -52,7 +52,7 @@ void FeatureSearch::stream(BackendBase& backend, const World& world, const Quest
                            const FeatureBlocks<Answer>& blocks, Answer& answer) {
     bodies_ = bodies;
     frugal_ = frugal;
-    read(world, question.rules);
+    read(world, question.filter);
     clear(answer);
     answer.statistics.triangles = outline_.triangles();
     if constexpr (is_candidates<Question>)
@@ -63,8 +63,8 @@ void FeatureSearch::stream(BackendBase& backend, const World& world, const Quest
 
     auto filling = filling_of(blocks, meter_, answer);
     constexpr bool step = !is_near<Question>;
-    if (in_place(question.rules)) {
-        const Scene scene = prepare_in_place(backend, step, question.weld);
+    if (in_place(question.filter)) {
+        const PreparedScene scene = prepare_in_place(backend, step, question.weld);
         if constexpr (is_near<Question>) near_input_.place(outline_.shape(0));
         answer.edges = features_.edges();
         answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
@@ -75,7 +75,7 @@ void FeatureSearch::stream(BackendBase& backend, const World& world, const Quest
         if (!one_world) list_features(backend, step, question.weld, answer);
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
             cancellation_.check();
-            const std::optional<Scene> scene = prepare_pass(backend, pass, step, question.weld);
+            const std::optional<PreparedScene> scene = prepare_pass(backend, pass, step, question.weld);
             if (!scene) continue;
             if constexpr (is_near<Question>) near_input_.place(outline_, scene_);
             if (one_world) append_features(pass, answer);
@@ -96,8 +96,8 @@ void FeatureSearch::list_features(BackendBase& backend, bool step, bool weld, An
 }
 
 template <class Question, class Filling>
-void FeatureSearch::stream_scene(BackendBase& backend, const Scene& scene, const Question& question, bool in_place,
-                                 const Streaming& how, Filling& filling, Statistics& statistics) {
+void FeatureSearch::stream_scene(BackendBase& backend, const PreparedScene& scene, const Question& question,
+                                 bool in_place, const Streaming& how, Filling& filling, Statistics& statistics) {
     auto query = query_of(question, frugal_, features_, rule_);
     Statistics of_scene;
     const auto append_pair = [&](FeatureTypes types, const Pair& found, auto& list) {
@@ -141,11 +141,11 @@ void FeatureSearch::stream_scene(BackendBase& backend, const Scene& scene, const
     add_pass(of_scene, statistics);
 }
 
-template void FeatureSearch::stream(BackendBase&, const World&, const Motion&, bool, bool,
+template void FeatureSearch::stream(BackendBase&, const World&, const ImpactQuery&, bool, bool,
                                     const FeatureBlocks<Impacts>&, Impacts&);
-template void FeatureSearch::stream(BackendBase&, const World&, const Near&, bool, bool, const FeatureBlocks<Nearby>&,
-                                    Nearby&);
-template void FeatureSearch::stream(BackendBase&, const World&, const CandidateQuestion&, bool, bool,
-                                    const FeatureBlocks<CandidateLists>&, CandidateLists&);
+template void FeatureSearch::stream(BackendBase&, const World&, const ProximityQuery&, bool, bool,
+                                    const FeatureBlocks<Proximities>&, Proximities&);
+template void FeatureSearch::stream(BackendBase&, const World&, const CandidateQuery&, bool, bool,
+                                    const FeatureBlocks<Candidates>&, Candidates&);
 
 }  // namespace crumple

@@ -5,17 +5,17 @@
 #include <type_traits>
 
 #include "crumple/error.h"
-#include "queries/feature_queries.h"
+#include "queries/feature_requests.h"
 #include "results/feature_output.h"
 #include "search/feature_search.h"
 
 namespace crumple {
 namespace {
 
-bool rules_there(const Shape& shape, const Rules& rules) {
+bool rules_there(const Shape& shape, const PairFilter& rules) {
     // Of what no triangle names, only a scene of bodies knows the group.
-    const bool by_groups = rules.groups != Wanted::both || !rules.excluded_groups.empty();
-    return rules.bodies == Wanted::both && rules.excluded_bodies.empty() &&
+    const bool by_groups = rules.groups != PairScope::both || !rules.excluded_groups.empty();
+    return rules.bodies == PairScope::both && rules.excluded_bodies.empty() &&
            !(by_groups && (shape.edges || shape.points));
 }
 
@@ -24,12 +24,12 @@ template <class Question>
 void refuse_what_is_not_there(const Shape& shape, const Question& question) {
     if (FeatureSearch::answers_there(shape, question)) return;
     throw Error(ErrorCode::invalid_argument,
-                std::is_same_v<Question, Motion>
+                std::is_same_v<Question, ImpactQuery>
                     ? "launches make no triangle pairs, weld nothing, and know no rules about groups where edges or "
-                      "points are listed: find_impacts does, with a copy on the host"
-                : std::is_same_v<Question, Near>
+                      "points are listed: find() does, with a copy on the host"
+                : std::is_same_v<Question, ProximityQuery>
                     ? "launches tell no closest points and no least distances, weld nothing, and know no rules about "
-                      "groups where edges or points are listed: find_near does, with a copy on the host"
+                      "groups where edges or points are listed: find() does, with a copy on the host"
                     : "launches weld nothing, and know no rules about groups where edges or points are listed: "
                       "find_candidates does, with a copy on the host",
                 Element::option);
@@ -37,14 +37,14 @@ void refuse_what_is_not_there(const Shape& shape, const Question& question) {
 
 }  // namespace
 
-bool FeatureSearch::answers_there(const Shape& shape, const Motion& question) {
-    return !question.weld && !question.triangle_pairs && rules_there(shape, question.rules);
+bool FeatureSearch::answers_there(const Shape& shape, const ImpactQuery& question) {
+    return !question.weld && !question.triangle_pairs && rules_there(shape, question.filter);
 }
-bool FeatureSearch::answers_there(const Shape& shape, const Near& question) {
-    return !question.weld && !question.closest && !question.least && rules_there(shape, question.rules);
+bool FeatureSearch::answers_there(const Shape& shape, const ProximityQuery& question) {
+    return !question.weld && !question.closest && !question.least && rules_there(shape, question.filter);
 }
-bool FeatureSearch::answers_there(const Shape& shape, const CandidateQuestion& question) {
-    return !question.weld && rules_there(shape, question.rules);
+bool FeatureSearch::answers_there(const Shape& shape, const CandidateQuery& question) {
+    return !question.weld && rules_there(shape, question.filter);
 }
 
 // Makes features of what the mesh has now.
@@ -52,19 +52,20 @@ void FeatureSearch::know(BackendBase& backend, const DeviceShape& mesh) {
     HostShape host;
     backend.features_there().copy_to_host(mesh, Copied::topology, host);
     const Shape& shape = host.shape;
-    const Scene scene = prepare_scene(MeshView(shape.vertices, shape.triangles), nullptr, false, backend, buffers_);
+    const PreparedScene scene =
+        prepare_scene(MeshView(shape.vertices, shape.triangles), nullptr, false, backend, buffers_);
     features_.prepare(scene, false, backend, checked_lists(shape, ""));
 }
 
 // Calls ask(query) until it meets the features that it was given.
 template <class Question, class Ask>
 auto FeatureSearch::ask_there(BackendBase& backend, const DeviceShape& mesh, const Question& question, Ask ask) {
-    rule_.prepare(Query{.wanted = question.rules.groups, .excluded_groups = question.rules.excluded_groups});
+    rule_.prepare(question.filter);
     if (!features_.has_counts_of(mesh.shape)) know(backend, mesh);
     for (;; know(backend, mesh)) {
         cancellation_.check();
         auto query = query_of(question, frugal_, features_, rule_);
-        if constexpr (std::is_same_v<Question, Near>)
+        if constexpr (std::is_same_v<Question, ProximityQuery>)
             near_input_.tell(mesh.shape.vertices.rows, backend, cancellation_, query);
         if (auto answer = ask(query)) return answer;
     }
@@ -73,7 +74,7 @@ auto FeatureSearch::ask_there(BackendBase& backend, const DeviceShape& mesh, con
 template <class Question>
 void FeatureSearch::answer_there(BackendBase& backend, const Question& question) {
     ask_there(backend, *there_, question, [&](const auto& query) {
-        if constexpr (std::is_same_v<Question, CandidateQuestion>)
+        if constexpr (std::is_same_v<Question, CandidateQuery>)
             return backend.features_there().find(*there_, query, found_candidates_);
         else
             return backend.features_there().find(*there_, query, found_);
@@ -98,8 +99,8 @@ template <class Question>
 void FeatureSearch::look_there(BackendBase& backend, const DeviceShape& mesh, const Question& question) {
     frugal_ = false;
     const Body body{.self = true};
-    read({{&mesh.shape, 1}, {&body, 1}, {}, {}}, question.rules);
-    if constexpr (std::is_same_v<Question, Near>) {
+    read({{&mesh.shape, 1}, {&body, 1}, {}, {}}, question.filter);
+    if constexpr (std::is_same_v<Question, ProximityQuery>) {
         near_input_.begin(outline_, question, false, false, backend, buffers_);
         near_input_.place(mesh.shape);
     }
@@ -134,15 +135,14 @@ DeviceAnswer FeatureSearch::wait(BackendBase& backend, Asked asked) {
     return *landed.answer;
 }
 
-template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const Motion&, bool, Impacts&);
-template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const Near&, bool, Nearby&);
-template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const CandidateQuestion&, bool,
-                                        CandidateLists&);
-template void FeatureSearch::answer_there(BackendBase&, const Motion&);
-template void FeatureSearch::answer_there(BackendBase&, const Near&);
-template void FeatureSearch::answer_there(BackendBase&, const CandidateQuestion&);
-template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const Motion&);
-template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const Near&);
-template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const CandidateQuestion&);
+template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const ImpactQuery&, bool, Impacts&);
+template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const ProximityQuery&, bool, Proximities&);
+template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const CandidateQuery&, bool, Candidates&);
+template void FeatureSearch::answer_there(BackendBase&, const ImpactQuery&);
+template void FeatureSearch::answer_there(BackendBase&, const ProximityQuery&);
+template void FeatureSearch::answer_there(BackendBase&, const CandidateQuery&);
+template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const ImpactQuery&);
+template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const ProximityQuery&);
+template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const CandidateQuery&);
 
 }  // namespace crumple

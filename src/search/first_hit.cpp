@@ -73,7 +73,7 @@ std::span<const PosedGroup::Boxed> PosedGroup::boxes_within(const Bounds& other,
     return {room.data(), n};
 }
 
-bool bodies_meet(const WorldOutline& outline, const Intersect& question, const BodyRules& rules, std::int32_t a,
+bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& question, const BodyRules& rules, std::int32_t a,
                  const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, std::int64_t& decided) {
     const Placement place_a = outline.placement(a), place_b = outline.placement(b);
     const auto group_of = [&](std::int32_t body, std::int32_t triangle) {
@@ -104,7 +104,7 @@ bool bodies_meet(const WorldOutline& outline, const Intersect& question, const B
                 Triangle s = triangle_of(of_a, i, 0), t = triangle_of(of_b, j, 3 * ShapeTree::most_triangles);
                 if (question.weld) weld(s, t);
                 DecisionCounts counts;
-                if (collide(s, t, question.neighbours, question.intersections, counts)) return false;
+                if (collide(s, t, question.neighbours, question.kind, counts)) return false;
             }
         }
         return true;

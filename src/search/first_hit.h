@@ -36,7 +36,7 @@ class PosedGroup {
 };
 
 /// Thread-safe: touches nothing but its arguments. Adds to `decided` the pairs whose boxes overlapped.
-bool bodies_meet(const WorldOutline& outline, const Intersect& question, const BodyRules& rules, std::int32_t a,
+bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& question, const BodyRules& rules, std::int32_t a,
                  const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, std::int64_t& decided);
 
 }  // namespace crumple

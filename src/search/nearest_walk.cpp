@@ -210,7 +210,8 @@ void NearestWalk::test_contact(const Pair& pair, const TrianglePoints& a, const 
     if (apart(a, b)) return;
     ++counts_.exact;
     DecisionCounts counts;
-    const bool meet = collide(first_triangle(a), second_triangle(b), Neighbours::geometric, Intersections::all, counts);
+    const bool meet =
+        collide(first_triangle(a), second_triangle(b), Neighbours::geometric, IntersectionKind::all, counts);
     counts_.rational += counts.rational;
     if (!meet) return;
     found_ = touching_ = true;

@@ -46,8 +46,8 @@ void TriangleImpacts::release() {
 }
 
 // The triangles without carriers, at rest.
-Scene TriangleImpacts::at_start(const Scene& scene, const SceneFeatures& features) {
-    Scene start = scene;
+PreparedScene TriangleImpacts::at_start(const PreparedScene& scene, const SceneFeatures& features) {
+    PreparedScene start = scene;
     start.moving = false;
     start.end = {};
     start.triangles[0] = features.faces();
@@ -60,21 +60,21 @@ Scene TriangleImpacts::at_start(const Scene& scene, const SceneFeatures& feature
     return start;
 }
 
-bool TriangleImpacts::any_at_start(BackendBase& backend, const Scene& scene, const SceneFeatures& features) {
+bool TriangleImpacts::any_at_start(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features) {
     bool any = false;
-    keeping_peak(meter_, [&] { any = backend.any(at_start(scene, features), Query()); });
+    keeping_peak(meter_, [&] { any = backend.any(at_start(scene, features), IntersectionQuery()); });
     return any;
 }
 
-void TriangleImpacts::find(BackendBase& backend, const Scene& scene, const SceneFeatures& features,
+void TriangleImpacts::find(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features,
                            const GroupRule& rule, const FeatureAnswer& found, Statistics& statistics) {
     intersecting_.clear();
-    const auto take = [&](const Collisions& block) {
+    const auto take = [&](const Intersections& block) {
         intersecting_.make_room_for(block.pairs.size());
         for (const Pair& pair : block.pairs) intersecting_.push_back(pair);
     };
     Statistics of_search;
-    keeping_peak(meter_, [&] { backend.visit(at_start(scene, features), Query(), take, of_search); });
+    keeping_peak(meter_, [&] { backend.visit(at_start(scene, features), IntersectionQuery(), take, of_search); });
     add_pass(of_search, statistics);
 
     list_triangles_of_vertices(scene, features.faces());
@@ -90,7 +90,7 @@ void TriangleImpacts::find(BackendBase& backend, const Scene& scene, const Scene
     write_rows(backend);
 }
 
-void TriangleImpacts::list_triangles_of_vertices(const Scene& scene, std::int64_t triangles) {
+void TriangleImpacts::list_triangles_of_vertices(const PreparedScene& scene, std::int64_t triangles) {
     const std::int64_t vertices = scene.vertex_count();
     first_use_.assign(static_cast<std::size_t>(vertices) + 2, 0);
     std::int64_t* next = first_use_.data() + 1;
@@ -113,7 +113,7 @@ std::span<const std::int32_t> TriangleImpacts::triangles_of(std::int32_t vertex)
 
 /// Calls visit(pair, toi, start) for each pair, some more than once.
 template <class Visit>
-void TriangleImpacts::for_each_pair(const Scene& scene, const SceneFeatures& features, const GroupRule& rule,
+void TriangleImpacts::for_each_pair(const PreparedScene& scene, const SceneFeatures& features, const GroupRule& rule,
                                     const FeatureAnswer& found, Visit visit) const {
     for (const Pair& pair : intersecting_) visit(pair, 0, 1);
     const auto tell = [&](std::int32_t s, std::int32_t t, double toi, std::uint8_t start) {

@@ -8,9 +8,9 @@
 
 #include "backends/backend.h"
 #include "crumple/array.h"
-#include "queries/feature_query.h"
+#include "queries/feature_request.h"
+#include "scene/prepared_scene.h"
 #include "scene/rules.h"
-#include "scene/scene.h"
 #include "scene/scene_features.h"
 
 namespace crumple {
@@ -20,11 +20,11 @@ class TriangleImpacts {
     explicit TriangleImpacts(MemoryMeter& meter);
 
     /// Whether some pair intersects at the start. `scene`: with the carriers of `features`.
-    bool any_at_start(BackendBase& backend, const Scene& scene, const SceneFeatures& features);
+    bool any_at_start(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features);
 
     /// Makes rows() of what touches (all rows of an answer, by kind) and of what intersects at the start: unique, in
     /// order; the value is the first time, the flag tells of the start. O(triangles + rows), and one search.
-    void find(BackendBase& backend, const Scene& scene, const SceneFeatures& features, const GroupRule& rule,
+    void find(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features, const GroupRule& rule,
               const FeatureAnswer& found, Statistics& statistics);
 
     FeatureRows& rows() { return rows_; }
@@ -39,11 +39,11 @@ class TriangleImpacts {
         double toi;
     };
 
-    Scene at_start(const Scene& scene, const SceneFeatures& features);
-    void list_triangles_of_vertices(const Scene& scene, std::int64_t triangles);
+    PreparedScene at_start(const PreparedScene& scene, const SceneFeatures& features);
+    void list_triangles_of_vertices(const PreparedScene& scene, std::int64_t triangles);
     std::span<const std::int32_t> triangles_of(std::int32_t vertex) const;
     template <class Visit>
-    void for_each_pair(const Scene& scene, const SceneFeatures& features, const GroupRule& rule,
+    void for_each_pair(const PreparedScene& scene, const SceneFeatures& features, const GroupRule& rule,
                        const FeatureAnswer& found, Visit visit) const;
     void write_rows(ParallelFor& workers);
 

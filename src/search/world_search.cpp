@@ -24,7 +24,7 @@ constexpr std::int32_t worlds_a_task = 16;
 constexpr std::int64_t most_of_a_joined_world = 1 << 16, most_of_joined_worlds = 1 << 24;
 constexpr std::size_t few_worlds = 64;
 
-bool is_flag(Wants wants) { return wants <= Wants::body_pairs; }
+bool is_flag(Output wants) { return wants <= Output::body_pairs; }
 
 bool finite(const Bounds& box, double most) {
     for (int axis = 0; axis < 3; ++axis)
@@ -66,17 +66,17 @@ void WorldSearch::release() {
     most_joined_ = most_of_joined_worlds;
 }
 
-void WorldSearch::find(BackendBase& backend, const World& world, const Intersect& question, WorldCollisions& result,
-                       const WorldBlocks* blocks) {
+void WorldSearch::find(BackendBase& backend, const World& world, const IntersectionQuery& question,
+                       Intersections& result, const WorldBlocks* blocks) {
     named_.begin();
     question_ = question;
     blocks_ = blocks;
-    outline_.read(world, question.rules);
-    rules_.prepare(question.rules);
+    outline_.read(world, question.filter);
+    rules_.prepare(question.filter);
     clear(result, outline_, question);
     read_shapes();
     read_bodies();
-    if (is_flag(question.wants) && boxes_) search_directly(backend, result);
+    if (is_flag(question.output) && boxes_) search_directly(backend, result);
     search_scenes(backend, result);
     if (blocks)
         blocks->pass_on(result, true);
@@ -178,7 +178,7 @@ void WorldSearch::for_each_body_pair(std::int32_t pass, Visit visit) const {
 }
 
 // Pairs of bodies that both have trees, where only flags are wanted. Worlds are independent.
-void WorldSearch::search_directly(BackendBase& backend, WorldCollisions& result) {
+void WorldSearch::search_directly(BackendBase& backend, Intersections& result) {
     const auto tasks = static_cast<std::size_t>((passes() + worlds_a_task - 1) / worlds_a_task);
     std::vector<std::vector<BodyPair>> meet(tasks);
     std::atomic<bool> any{false};
@@ -188,14 +188,14 @@ void WorldSearch::search_directly(BackendBase& backend, WorldCollisions& result)
         std::int64_t tests = 0;
         cancellation_.check();
         for (std::int32_t pass = first; pass < std::min(passes(), first + worlds_a_task); ++pass) {
-            if (question_.wants == Wants::any && any.load(std::memory_order_relaxed)) break;
+            if (question_.output == Output::any && any.load(std::memory_order_relaxed)) break;
             for_each_body_pair(pass, [&](std::int32_t a, std::int32_t b) {
                 if (!direct(a, b)) return true;
                 cancellation_.check();
                 if (!bodies_meet(outline_, question_, rules_, a, *tree(a), b, *tree(b), tests)) return true;
                 any.store(true, std::memory_order_relaxed);
                 if (pass < outline_.worlds() && !result.world_hit.empty()) result.world_hit[pass] = 1;
-                if (question_.wants != Wants::body_pairs) return false;
+                if (question_.output != Output::body_pairs) return false;
                 meet[task].push_back({a, b});
                 return true;
             });
@@ -209,14 +209,14 @@ void WorldSearch::search_directly(BackendBase& backend, WorldCollisions& result)
 }
 
 // Worlds that need a scene, as many side by side as may be.
-void WorldSearch::search_scenes(BackendBase& backend, WorldCollisions& result) {
+void WorldSearch::search_scenes(BackendBase& backend, Intersections& result) {
     const auto at_once = static_cast<std::size_t>(blocks_ ? 1 : backend.worlds_at_once());
     // Where one hit ends it all, few first: that needs no more than a handful of searches, and may spare most worlds.
-    std::size_t most = question_.wants == Wants::any ? std::min(few_worlds, at_once) : at_once;
+    std::size_t most = question_.output == Output::any ? std::min(few_worlds, at_once) : at_once;
     joined_.clear();
     for (std::int32_t pass = 0; pass < passes() && !is_over(result); ++pass) {
         cancellation_.check();
-        if (question_.wants == Wants::any_by_world && known(pass, result)) continue;
+        if (question_.output == Output::any_by_world && known(pass, result)) continue;
         collect(pass);
         const Extent extent = collected();
         if (extent.triangles < 2) continue;
@@ -250,7 +250,7 @@ void WorldSearch::collect(std::int32_t pass) {
         if (rules_.within(b, outline_.body(b).self)) whole_.push_back(b);
     for_each_body_pair(pass, [&](std::int32_t a, std::int32_t b) {
         cancellation_.check();
-        if (!(is_flag(question_.wants) && direct(a, b))) mark(a, b);
+        if (!(is_flag(question_.output) && direct(a, b))) mark(a, b);
         return true;
     });
     std::sort(whole_.begin(), whole_.end());
@@ -346,7 +346,7 @@ bool WorldSearch::fits(Work work) const {
     return false;
 }
 
-void WorldSearch::search_joined(BackendBase& backend, bool gathered, WorldCollisions& result) {
+void WorldSearch::search_joined(BackendBase& backend, bool gathered, Intersections& result) {
     if (gathered && fits([&] { look(backend, result); }))
         take(result);
     else
@@ -356,7 +356,7 @@ void WorldSearch::search_joined(BackendBase& backend, bool gathered, WorldCollis
 
 // One half of the worlds, then the other, each gathered anew. What was kept for all is given back first, so that in the
 // end each has the memory that it would have alone.
-void WorldSearch::search_halves(BackendBase& backend, WorldCollisions& result) {
+void WorldSearch::search_halves(BackendBase& backend, Intersections& result) {
     const std::vector<std::int32_t> all = std::exchange(joined_, {});
     most_joined_ = std::min(most_joined_, scene_.triangles()) / 2;
     const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
@@ -379,21 +379,21 @@ void WorldSearch::search_halves(BackendBase& backend, WorldCollisions& result) {
 }
 
 // Asks the backend about the scene.
-void WorldSearch::look(BackendBase& backend, WorldCollisions& result) {
-    Query query;
+void WorldSearch::look(BackendBase& backend, Intersections& result) {
+    IntersectionQuery query;
     query.neighbours = question_.neighbours;
-    query.intersections = question_.intersections;
+    query.kind = question_.kind;
     query.weld = question_.weld;
-    query.contacts = question_.wants == Wants::contacts;
-    const Scene scene = scene_.scene(outline_, question_.weld, backend);
+    query.output = question_.contacts() ? Output::contacts : Output::pairs;
+    const PreparedScene scene = scene_.scene(outline_, question_.weld, backend);
     flags_.assign(joined_.size(), 0);
     found_.statistics = {};
-    if (question_.wants == Wants::any) {
+    if (question_.output == Output::any) {
         flags_[0] = backend.any(scene, query);
-    } else if (question_.wants == Wants::any_by_world) {
+    } else if (question_.output == Output::any_by_world) {
         backend.any_by_world(scene, query, flags_.span(), found_.statistics);
     } else if (blocks_) {
-        const auto append_block = [&](const Collisions& block) { append(block, result); };
+        const auto append_block = [&](const Intersections& block) { append(block, result); };
         backend.stream(scene, query, blocks_->how, append_block, found_.statistics);
     } else {
         backend.find(scene, query, nullptr, found_);
@@ -401,15 +401,15 @@ void WorldSearch::look(BackendBase& backend, WorldCollisions& result) {
 }
 
 // Adds what was found to the answer.
-void WorldSearch::take(WorldCollisions& result) {
+void WorldSearch::take(Intersections& result) {
     for (std::size_t w = 0; w < flags_.size(); ++w)
         if (flags_[w]) hit(joined_[w], outline_, result);
-    if (question_.wants != Wants::any) add_pass(found_.statistics, result.statistics);
-    if (question_.wants > Wants::any_by_world && !blocks_) append(found_, result);
+    if (question_.output != Output::any) add_pass(found_.statistics, result.statistics);
+    if (question_.output > Output::any_by_world && !blocks_) append(found_, result);
 }
 
 // Pairs come world by world.
-void WorldSearch::append(const Collisions& found, WorldCollisions& result) {
+void WorldSearch::append(const Intersections& found, Intersections& result) {
     std::size_t world = 0;
     for (std::size_t i = 0; i < found.pairs.size(); ++i) {
         const Pair& pair = found.pairs[i];
@@ -418,7 +418,7 @@ void WorldSearch::append(const Collisions& found, WorldCollisions& result) {
         const Contacts& c = found.contacts;
         add_pair(outline_, question_, joined_[world], {a, b}, {scene_.triangle(pair.a), scene_.triangle(pair.b)},
                  result);
-        if (question_.wants == Wants::contacts)
+        if (question_.contacts())
             add_contact(c.kinds[i], {c.points.data() + c.offsets[i], c.points.data() + c.offsets[i + 1]}, result);
         if (blocks_) blocks_->pass_on(result);
     }

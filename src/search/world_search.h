@@ -33,7 +33,7 @@ class WorldSearch {
     WorldSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named);
 
     /// In blocks, if `blocks` is not null.
-    void find(BackendBase& backend, const World& world, const Intersect& question, WorldCollisions& result,
+    void find(BackendBase& backend, const World& world, const IntersectionQuery& question, Intersections& result,
               const WorldBlocks* blocks = nullptr);
 
     /// Gives all memory back, but for named shapes.
@@ -70,12 +70,12 @@ class WorldSearch {
     template <class Visit>
     void for_each_body_pair(std::int32_t pass, Visit visit) const;
 
-    void search_directly(BackendBase& backend, WorldCollisions& result);
-    bool known(std::int32_t pass, const WorldCollisions& result) const {
+    void search_directly(BackendBase& backend, Intersections& result);
+    bool known(std::int32_t pass, const Intersections& result) const {
         return pass < outline_.worlds() && result.world_hit[pass] != 0;
     }
-    void search_scenes(BackendBase& backend, WorldCollisions& result);
-    bool is_over(const WorldCollisions& result) const { return question_.wants == Wants::any && result.any; }
+    void search_scenes(BackendBase& backend, Intersections& result);
+    bool is_over(const Intersections& result) const { return question_.output == Output::any && result.any; }
     void collect(std::int32_t pass);
     void mark(std::int32_t a, std::int32_t b);
     template <class Whole, class Some>
@@ -85,18 +85,18 @@ class WorldSearch {
     void gather(BackendBase& backend, std::int32_t pass);
     template <class Work>
     bool fits(Work work) const;
-    void search_joined(BackendBase& backend, bool gathered, WorldCollisions& result);
-    void search_halves(BackendBase& backend, WorldCollisions& result);
-    void look(BackendBase& backend, WorldCollisions& result);
-    void take(WorldCollisions& result);
-    void append(const Collisions& found, WorldCollisions& result);
+    void search_joined(BackendBase& backend, bool gathered, Intersections& result);
+    void search_halves(BackendBase& backend, Intersections& result);
+    void look(BackendBase& backend, Intersections& result);
+    void take(Intersections& result);
+    void append(const Intersections& found, Intersections& result);
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
     ShapeTrees& named_;
 
     // Of the call that runs:
-    Intersect question_;
+    IntersectionQuery question_;
     const WorldBlocks* blocks_ = nullptr;
     WorldOutline outline_;
     BodyRules rules_;
@@ -110,7 +110,7 @@ class WorldSearch {
     Array<std::int32_t> groups_, whole_;
     std::vector<std::int32_t> joined_;  ///< passes whose worlds are side by side in the scene
     WorldScene scene_;
-    Collisions found_;
+    Intersections found_;
     Array<std::uint8_t> flags_;  ///< of joined worlds
 
     std::int64_t most_joined_;  ///< triangles of several worlds for which there is memory, as far as is known

@@ -32,7 +32,7 @@ testing::AssertionResult same_bytes(const Array<T>& found, const Array<T>& expec
 }
 
 /// All of an answer. Of its statistics, the one that does not depend on the way: contacts in rational arithmetic.
-inline testing::AssertionResult same_answer(const Collisions& found, const Collisions& expected) {
+inline testing::AssertionResult same_answer(const Intersections& found, const Intersections& expected) {
     testing::AssertionResult same = same_pairs(found.pairs.span(), expected.pairs.span());
     if (same) same = same_bytes(found.offsets, expected.offsets, "offsets");
     if (same) same = same_bytes(found.hit, expected.hit, "hit flags");

@@ -26,8 +26,8 @@ struct Line {
 struct Truth {
     std::vector<Line> lines;
 
-    template <class Wanted>
-    std::vector<Pair> pairs(Wanted wanted) const {
+    template <class PairScope>
+    std::vector<Pair> pairs(PairScope wanted) const {
         std::vector<Pair> chosen;
         for (const Line& line : lines) {
             if (wanted(line)) chosen.push_back(line.pair);
@@ -72,24 +72,24 @@ Detector detector_of(Backend backend) {
 }
 
 void expect_truth(Detector& detector, const MeshView& mesh, const Truth& truth) {
-    Query query;
-    const auto found = [&] { return detector.find_self(mesh, query).pairs.span(); };
+    IntersectionQuery query;
+    const auto found = [&] { return detector.find(mesh, query).pairs.span(); };
     EXPECT_TRUE(same_pairs(found(), truth.pairs([](const Line&) { return true; })));
-    EXPECT_EQ(detector.has_collision(mesh, query), !truth.lines.empty());
-    query.intersections = Intersections::proper;
+    EXPECT_EQ(detector.any(mesh, query), !truth.lines.empty());
+    query.kind = IntersectionKind::proper;
     EXPECT_TRUE(same_pairs(found(), truth.pairs([](const Line& line) { return line.strict == 1; }))) << "proper";
     query.neighbours = Neighbours::skip;
     EXPECT_TRUE(same_pairs(found(), truth.pairs([](const Line& line) { return line.strict == 1 && line.shared == 0; })))
         << "proper, neighbours skipped";
-    query.intersections = Intersections::all;
+    query.kind = IntersectionKind::all;
     EXPECT_TRUE(same_pairs(found(), truth.pairs([](const Line& line) { return line.shared == 0; })))
         << "neighbours skipped";
 }
 
 void expect_contacts(Detector& detector, const MeshView& mesh, const Truth& truth) {
-    Query query;
-    query.contacts = true;
-    const Contacts& contacts = detector.find_self(mesh, query).contacts;
+    IntersectionQuery query;
+    query.output = Output::contacts;
+    const Contacts& contacts = detector.find(mesh, query).contacts;
     ASSERT_EQ(contacts.kinds.size(), truth.lines.size());
     ASSERT_EQ(contacts.offsets.size(), truth.lines.size() + 1);
     for (std::size_t i = 0; i < truth.lines.size(); ++i) {
@@ -146,9 +146,9 @@ TEST_P(SelfTruth, IsFoundByBruteForce) {
     if (mesh.triangle_count() > 20'000) GTEST_SKIP() << "too large";
     if (backends_for(mesh.triangle_count()).size() > 1) GTEST_SKIP() << "small, so compared in IsFoundByEveryBackend";
     Detector detector = detector_of(test::tested_backend), reference = detector_of(Backend::reference);
-    const Collisions& found = detector.find_self(mesh.view());
+    const Intersections& found = detector.find(mesh.view());
     if (found.statistics.box_overlaps > most_overlaps) GTEST_SKIP() << "too many boxes overlap";
-    EXPECT_TRUE(same_pairs(reference.find_self(mesh.view()).pairs.span(), found.pairs.span()));
+    EXPECT_TRUE(same_pairs(reference.find(mesh.view()).pairs.span(), found.pairs.span()));
 }
 
 // Other numbers of parts for each scene: all together have each from 1 to 64.
@@ -157,11 +157,11 @@ TEST_P(SelfTruth, IsTheUnionOfItsParts) {
     const io::TriangleMesh mesh =
         io::read_mesh(*folder / scene.mesh, {.precision = scene.precision, .triangulation = io::Triangulation::fan});
     Detector detector = detector_of(test::tested_backend);
-    const std::vector<Pair> whole = test::pairs_of(detector.find_self(mesh.view()));
+    const std::vector<Pair> whole = test::pairs_of(detector.find(mesh.view()));
     for (const int count : part_counts(scene)) {
         std::vector<Pair> joined;
-        for (const Part& part : detector.partition(mesh.view(), count)) {
-            const Collisions& found = detector.find(part);
+        for (const Part& part : detector.partition(mesh.view(), {}, count)) {
+            const Intersections& found = detector.find(part);
             joined.insert(joined.end(), found.pairs.begin(), found.pairs.end());
         }
         std::sort(joined.begin(), joined.end());
@@ -228,12 +228,12 @@ TEST_P(WeldedTruth, IsFoundWhenEqualPositionsAreOneVertex) {
     ASSERT_FALSE(expected.empty());
 
     Detector detector = detector_of(test::tested_backend);
-    Query query;
+    IntersectionQuery query;
     query.weld = true;
     for (const Precision precision : precisions(scene)) {
         const io::TriangleMesh mesh =
             io::read_mesh(*folder / scene.mesh, {.precision = precision, .triangulation = io::Triangulation::fan});
-        EXPECT_TRUE(same_pairs(detector.find_self(mesh.view(), query).pairs.span(), expected));
+        EXPECT_TRUE(same_pairs(detector.find(mesh.view(), query).pairs.span(), expected));
     }
 }
 
@@ -269,15 +269,15 @@ TEST_P(BetweenTruth, IsFoundForOneMeshAgainstAnother) {
             io::read_mesh(*folder / scene.a, {.precision = precision, .triangulation = io::Triangulation::fan});
         const io::TriangleMesh b =
             io::read_mesh(*folder / scene.b, {.precision = precision, .triangulation = io::Triangulation::fan});
-        Query query;
-        EXPECT_TRUE(same_pairs(detector.find_between(a.view(), b.view(), query).pairs.span(), all));
-        EXPECT_TRUE(detector.has_collision(a.view(), b.view(), query));
-        query.intersections = Intersections::proper;
-        EXPECT_TRUE(same_pairs(detector.find_between(a.view(), b.view(), query).pairs.span(), proper));
+        IntersectionQuery query;
+        EXPECT_TRUE(same_pairs(detector.find({a.view(), b.view()}, query).pairs.span(), all));
+        EXPECT_TRUE(detector.any({a.view(), b.view()}, query));
+        query.kind = IntersectionKind::proper;
+        EXPECT_TRUE(same_pairs(detector.find({a.view(), b.view()}, query).pairs.span(), proper));
         query = {};
         query.weld = true;
         query.neighbours = Neighbours::skip;
-        EXPECT_TRUE(same_pairs(detector.find_between(a.view(), b.view(), query).pairs.span(), coincident_none));
+        EXPECT_TRUE(same_pairs(detector.find({a.view(), b.view()}, query).pairs.span(), coincident_none));
     }
 }
 
@@ -301,17 +301,17 @@ TEST_F(Frames, ClothNeverMeetsTheBall) {
         mesh.groups.assign(static_cast<std::size_t>(mesh.triangle_count()), 0);
         std::fill(mesh.groups.begin() + cloth_end, mesh.groups.end(), 1);
         Detector detector = detector_of(test::tested_backend);
-        Query query;
-        query.wanted = Wanted::between;
-        EXPECT_TRUE(same_pairs(detector.find_self(mesh.view(), query).pairs.span(), {}));
+        IntersectionQuery query;
+        query.filter.groups = PairScope::between;
+        EXPECT_TRUE(same_pairs(detector.find(mesh.view(), query).pairs.span(), {}));
 
         MeshView cloth = mesh.view(), ball = mesh.view();
         cloth.groups = ball.groups = {};
         cloth.triangles.rows = cloth_end;
         ball.triangles.data = static_cast<const char*>(ball.triangles.data) + cloth_end * ball.triangles.row_stride;
         ball.triangles.rows -= cloth_end;
-        EXPECT_TRUE(same_pairs(detector.find_between(cloth, ball).pairs.span(), {}));
-        EXPECT_FALSE(detector.has_collision(cloth, ball));
+        EXPECT_TRUE(same_pairs(detector.find({cloth, ball}).pairs.span(), {}));
+        EXPECT_FALSE(detector.any({cloth, ball}));
     }
 }
 
@@ -338,7 +338,7 @@ TEST_F(Frames, OfACharacterAreRightOneAfterTheOther) {
         positions.read(reinterpret_cast<char*>(xyz.data()), static_cast<std::streamsize>(xyz.size() * sizeof(xyz[0])));
         ASSERT_TRUE(positions);
         const MeshView mesh(xyz.data(), vertices, corners.data(), triangles);
-        ASSERT_EQ(detector.find_self(mesh).pairs.size(), static_cast<std::size_t>(all));
+        ASSERT_EQ(detector.find(mesh).pairs.size(), static_cast<std::size_t>(all));
         if (frame % 30 == 0) {
             const std::string number = std::to_string(1000 + frame).substr(1);
             const Truth expected = truth("Kick_" + number + ".txt");

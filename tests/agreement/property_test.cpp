@@ -44,19 +44,19 @@ Detector any_detector() {
     return Detector(options);
 }
 
-Query any_query() {
-    Query query;
+IntersectionQuery any_query() {
+    IntersectionQuery query;
     query.neighbours = *rc::gen::element(Neighbours::geometric, Neighbours::skip);
-    query.intersections = *rc::gen::element(Intersections::all, Intersections::proper);
+    query.kind = *rc::gen::element(IntersectionKind::all, IntersectionKind::proper);
     query.weld = *rc::gen::arbitrary<bool>();
     return query;
 }
 
-std::vector<Pair> self_pairs(const Grid& soup, const Query& query) {
-    return pairs_of(any_detector().find_self(soup.view(), query));
+std::vector<Pair> self_pairs(const Grid& soup, const IntersectionQuery& query) {
+    return pairs_of(any_detector().find(soup.view(), query));
 }
-std::vector<Pair> between_pairs(const Grid& a, const Grid& b, const Query& query) {
-    return pairs_of(any_detector().find_between(a.view(), b.view(), query));
+std::vector<Pair> between_pairs(const Grid& a, const Grid& b, const IntersectionQuery& query) {
+    return pairs_of(any_detector().find({a.view(), b.view()}, query));
 }
 
 void require_same(const std::vector<Pair>& expected, std::vector<Pair> found) {
@@ -80,7 +80,7 @@ Grid with_positions(Grid soup, Change change) {
 
 RC_GTEST_PROP(Property, TheOrderOfTrianglesDoesNotMatter, ()) {
     const Grid soup = any_soup();
-    const Query query = any_query();
+    const IntersectionQuery query = any_query();
     const auto order = any_order(soup.triangles.size());
     Grid shuffled = soup;
     for (std::size_t i = 0; i < order.size(); ++i)
@@ -96,7 +96,7 @@ RC_GTEST_PROP(Property, TheOrderOfTrianglesDoesNotMatter, ()) {
 
 RC_GTEST_PROP(Property, TheOrderOfVerticesAndCornersDoesNotMatter, ()) {
     const Grid soup = any_soup();
-    const Query query = any_query();
+    const IntersectionQuery query = any_query();
     const auto order = any_order(soup.vertices.size());
     Grid renamed = soup;
     for (std::size_t i = 0; i < order.size(); ++i)
@@ -112,7 +112,7 @@ RC_GTEST_PROP(Property, TheOrderOfVerticesAndCornersDoesNotMatter, ()) {
 
 RC_GTEST_PROP(Property, AxesAreAlike, ()) {
     const Grid soup = any_soup();
-    const Query query = any_query();
+    const IntersectionQuery query = any_query();
     const auto axis = any_order(3);
     const std::array sign{*rc::gen::element(-1.0, 1.0), *rc::gen::element(-1.0, 1.0), *rc::gen::element(-1.0, 1.0)};
     const Grid turned = with_positions(soup, [&](const auto& p) {
@@ -125,16 +125,16 @@ RC_GTEST_PROP(Property, AxesAreAlike, ()) {
 
 RC_GTEST_PROP(Property, ScaleDoesNotMatter, ()) {
     const Grid soup = any_soup();
-    Query query = any_query();
-    query.contacts = true;
+    IntersectionQuery query = any_query();
+    query.output = Output::contacts;
     const double scale = std::ldexp(1.0, *rc::gen::element(-1074, -1022, -400, -150, -20, 20, 100, 400, 1020));
     const Grid scaled = with_positions(soup, [&](auto p) {
         for (double& x : p) x *= scale;
         return p;
     });
     Detector one = any_detector(), two = any_detector();
-    const Collisions& expected = one.find_self(soup.view(), query);
-    const Collisions& found = two.find_self(scaled.view(), query);
+    const Intersections& expected = one.find(soup.view(), query);
+    const Intersections& found = two.find(scaled.view(), query);
     require_same(pairs_of(expected), pairs_of(found));
     RC_ASSERT(found.contacts.points.size() == expected.contacts.points.size());
     for (std::size_t i = 0; i < expected.contacts.points.size(); ++i) {
@@ -148,7 +148,7 @@ RC_GTEST_PROP(Property, ScaleDoesNotMatter, ()) {
 
 RC_GTEST_PROP(Property, PlaceDoesNotMatter, ()) {
     const Grid soup = any_soup();
-    const Query query = any_query();
+    const IntersectionQuery query = any_query();
     const auto offset = [] { return static_cast<double>(*rc::gen::inRange<std::int64_t>(-(1LL << 50), 1LL << 50)); };
     const std::array by{offset(), offset(), offset()};
     const Grid moved = with_positions(soup, [&](auto p) {
@@ -160,7 +160,7 @@ RC_GTEST_PROP(Property, PlaceDoesNotMatter, ()) {
 
 RC_GTEST_PROP(Property, AAgainstBIsBAgainstA, ()) {
     const Grid a = any_soup(), b = any_soup();
-    const Query query = any_query();
+    const IntersectionQuery query = any_query();
     std::vector<Pair> mirrored = between_pairs(b, a, query);
     for (Pair& pair : mirrored) std::swap(pair.a, pair.b);
     require_same(between_pairs(a, b, query), mirrored);
@@ -168,7 +168,7 @@ RC_GTEST_PROP(Property, AAgainstBIsBAgainstA, ()) {
 
 RC_GTEST_PROP(Property, TwoMeshesAreTwoGroupsOfOneSoup, ()) {
     const Grid a = any_soup(), b = any_soup();
-    Query query = any_query();
+    IntersectionQuery query = any_query();
     const std::vector<Pair> expected = between_pairs(a, b, query);
     Grid joined = a;
     joined.groups.assign(a.triangles.size(), 0);
@@ -178,7 +178,7 @@ RC_GTEST_PROP(Property, TwoMeshesAreTwoGroupsOfOneSoup, ()) {
         for (auto& corner : triangle) corner += static_cast<std::int32_t>(a.vertices.size());
         joined.triangles.push_back(triangle);
     }
-    query.wanted = Wanted::between;
+    query.filter.groups = PairScope::between;
     std::vector<Pair> found = self_pairs(joined, query);
     for (Pair& pair : found) pair.b -= static_cast<std::int32_t>(a.triangles.size());
     require_same(expected, found);
@@ -186,18 +186,17 @@ RC_GTEST_PROP(Property, TwoMeshesAreTwoGroupsOfOneSoup, ()) {
 
 RC_GTEST_PROP(Property, GroupsSplitTheAnswer, ()) {
     const Grid soup = any_soup();
-    Query query = any_query();
+    IntersectionQuery query = any_query();
     const std::vector<Pair> all = self_pairs(soup, query);
-    query.wanted = Wanted::between;
+    query.filter.groups = PairScope::between;
     std::vector<Pair> joined = self_pairs(soup, query);
-    query.wanted = Wanted::within;
+    query.filter.groups = PairScope::within;
     for (const Pair& pair : self_pairs(soup, query)) joined.push_back(pair);
     require_same(all, joined);
 
     // An excluded pair of groups and the rest.
-    query.wanted = Wanted::both;
-    const std::array excluded{GroupPair{2, 0}};
-    query.excluded_groups = excluded;
+    query.filter.groups = PairScope::both;
+    query.filter.excluded_groups = {{2, 0}};
     std::vector<Pair> kept;
     for (const Pair& pair : all) {
         const auto g = soup.groups[static_cast<std::size_t>(pair.a)], h = soup.groups[static_cast<std::size_t>(pair.b)];
@@ -208,10 +207,10 @@ RC_GTEST_PROP(Property, GroupsSplitTheAnswer, ()) {
 
 RC_GTEST_PROP(Property, PartsSplitTheAnswer, ()) {
     const Grid soup = any_soup();
-    const Query query = any_query();
+    const IntersectionQuery query = any_query();
     Detector detector = any_detector();
     std::vector<Pair> joined;
-    for (const Part& part : detector.partition(soup.view(), *rc::gen::inRange(1, 130))) {
+    for (const Part& part : detector.partition(soup.view(), {}, *rc::gen::inRange(1, 130))) {
         for (const Pair& pair : pairs_of(detector.find(part, query))) joined.push_back(pair);
     }
     require_same(self_pairs(soup, query), joined);
@@ -219,7 +218,7 @@ RC_GTEST_PROP(Property, PartsSplitTheAnswer, ()) {
 
 RC_GTEST_PROP(Property, WeldingForgetsHowVerticesWereIndexed, ()) {
     const Grid soup = any_soup();
-    Query query = any_query();
+    IntersectionQuery query = any_query();
     query.weld = true;
     Grid exploded;
     for (const auto& triangle : soup.triangles) {
@@ -234,17 +233,17 @@ RC_GTEST_PROP(Property, WeldingForgetsHowVerticesWereIndexed, ()) {
 RC_GTEST_PROP(Property, StricterPoliciesOnlyRemovePairs, ()) {
     const Grid soup = any_soup();
     const bool weld = *rc::gen::arbitrary<bool>();
-    const auto under = [&](Neighbours neighbours, Intersections intersections) {
-        Query query;
+    const auto under = [&](Neighbours neighbours, IntersectionKind intersections) {
+        IntersectionQuery query;
         query.weld = weld;
         query.neighbours = neighbours;
-        query.intersections = intersections;
+        query.kind = intersections;
         return self_pairs(soup, query);
     };
-    const auto all = under(Neighbours::geometric, Intersections::all);
-    const auto proper = under(Neighbours::geometric, Intersections::proper);
-    const auto skip = under(Neighbours::skip, Intersections::all);
-    const auto both = under(Neighbours::skip, Intersections::proper);
+    const auto all = under(Neighbours::geometric, IntersectionKind::all);
+    const auto proper = under(Neighbours::geometric, IntersectionKind::proper);
+    const auto skip = under(Neighbours::skip, IntersectionKind::all);
+    const auto both = under(Neighbours::skip, IntersectionKind::proper);
     RC_ASSERT(std::includes(all.begin(), all.end(), proper.begin(), proper.end()));
     RC_ASSERT(std::includes(all.begin(), all.end(), skip.begin(), skip.end()));
     std::vector<Pair> in_both;
@@ -254,11 +253,10 @@ RC_GTEST_PROP(Property, StricterPoliciesOnlyRemovePairs, ()) {
 
 RC_GTEST_PROP(Property, BruteForceAgrees, ()) {
     const Grid soup = any_soup();
-    Query query = any_query();
-    query.contacts = true;
+    IntersectionQuery query = any_query();
+    query.output = Output::contacts;
     Detector cpu = any_detector(), reference({.backend = Backend::reference});
-    const testing::AssertionResult same =
-        same_answer(cpu.find_self(soup.view(), query), reference.find_self(soup.view(), query));
+    const testing::AssertionResult same = same_answer(cpu.find(soup.view(), query), reference.find(soup.view(), query));
     if (!same) RC_FAIL(same.message());
 }
 

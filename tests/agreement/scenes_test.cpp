@@ -68,45 +68,45 @@ const std::int64_t limit_step = on_cpu ? 3 : 20;
 
 struct NamedQuery {
     std::string name;
-    Query query;
+    IntersectionQuery query;
 };
 
 /// All that make sense: without groups there is nothing between groups, and nothing to exclude. Or some of them, others
 /// for each scene.
 std::vector<NamedQuery> queries(const io::TriangleMesh& mesh) {
-    static const std::array excluded{GroupPair{1, -1}, GroupPair{0, 0}};
+    static const std::vector<GroupPair> excluded{{1, -1}, {0, 0}};
     std::vector<NamedQuery> all(1);
     all[0].name = "default";
     const auto add = [&](const char* name, auto change) {
         all.push_back({name, {}});
         change(all.back().query);
     };
-    add("contacts", [](Query& q) { q.contacts = true; });
-    add("skip", [](Query& q) { q.neighbours = Neighbours::skip; });
-    add("proper", [](Query& q) { q.intersections = Intersections::proper; });
-    add("proper, skip, contacts", [](Query& q) {
+    add("contacts", [](IntersectionQuery& q) { q.output = Output::contacts; });
+    add("skip", [](IntersectionQuery& q) { q.neighbours = Neighbours::skip; });
+    add("proper", [](IntersectionQuery& q) { q.kind = IntersectionKind::proper; });
+    add("proper, skip, contacts", [](IntersectionQuery& q) {
         q.neighbours = Neighbours::skip;
-        q.intersections = Intersections::proper;
-        q.contacts = true;
+        q.kind = IntersectionKind::proper;
+        q.output = Output::contacts;
     });
-    add("welded", [](Query& q) { q.weld = true; });
-    add("welded, skip", [](Query& q) {
+    add("welded", [](IntersectionQuery& q) { q.weld = true; });
+    add("welded, skip", [](IntersectionQuery& q) {
         q.weld = true;
         q.neighbours = Neighbours::skip;
     });
-    add("between groups", [](Query& q) { q.wanted = Wanted::between; });
-    add("within groups, contacts", [](Query& q) {
-        q.wanted = Wanted::within;
-        q.contacts = true;
+    add("between groups", [](IntersectionQuery& q) { q.filter.groups = PairScope::between; });
+    add("within groups, contacts", [](IntersectionQuery& q) {
+        q.filter.groups = PairScope::within;
+        q.output = Output::contacts;
     });
-    add("excluded groups", [](Query& q) { q.excluded_groups = excluded; });
-    add("between groups, some excluded, welded", [](Query& q) {
-        q.wanted = Wanted::between;
-        q.excluded_groups = excluded;
+    add("excluded groups", [](IntersectionQuery& q) { q.filter.excluded_groups = excluded; });
+    add("between groups, some excluded, welded", [](IntersectionQuery& q) {
+        q.filter.groups = PairScope::between;
+        q.filter.excluded_groups = excluded;
         q.weld = true;
     });
     const auto needs_groups = [](const NamedQuery& q) {
-        return q.query.wanted == Wanted::between || !q.query.excluded_groups.empty();
+        return q.query.filter.groups == PairScope::between || !q.query.filter.excluded_groups.empty();
     };
     if (mesh.groups.empty()) std::erase_if(all, needs_groups);
     std::vector<NamedQuery> some;
@@ -184,13 +184,13 @@ TEST_P(Agreement, ForEveryQueryUnderEveryOption) {
     std::vector<Subject> list = subjects();
     std::size_t turn = 0;
     for (const auto& [name, query] : queries(scene())) {
-        const Collisions& expected = reference.find_self(view(), query);
+        const Intersections& expected = reference.find(view(), query);
         for (auto& [options, detector] : share(list, turn++)) {
             SCOPED_TRACE(testing::Message() << scene_name() << ", " << name << ", " << describe(options));
-            EXPECT_TRUE(same_answer(detector.find_self(view(), query), expected));
-            EXPECT_EQ(detector.has_collision(view(), query), !expected.pairs.empty());
+            EXPECT_TRUE(same_answer(detector.find(view(), query), expected));
+            EXPECT_EQ(detector.any(view(), query), !expected.pairs.empty());
         }
-        EXPECT_EQ(reference.has_collision(view(), query), !expected.pairs.empty()) << scene_name() << ", " << name;
+        EXPECT_EQ(reference.any(view(), query), !expected.pairs.empty()) << scene_name() << ", " << name;
     }
 }
 
@@ -200,11 +200,11 @@ TEST_P(Agreement, ForOneMeshAgainstAnother) {
     std::vector<Subject> list = subjects();
     std::size_t turn = 0;
     for (const auto& [name, query] : queries(scene())) {
-        const Collisions& expected = reference.find_between(half.a, half.b, query);
+        const Intersections& expected = reference.find({half.a, half.b}, query);
         for (auto& [options, detector] : share(list, turn++)) {
             SCOPED_TRACE(testing::Message() << scene_name() << ", " << name << ", " << describe(options));
-            EXPECT_TRUE(same_answer(detector.find_between(half.a, half.b, query), expected));
-            EXPECT_EQ(detector.has_collision(half.a, half.b, query), !expected.pairs.empty());
+            EXPECT_TRUE(same_answer(detector.find({half.a, half.b}, query), expected));
+            EXPECT_EQ(detector.any({half.a, half.b}, query), !expected.pairs.empty());
         }
     }
 }
@@ -218,7 +218,7 @@ struct Union {
     };
     std::map<Pair, Contact> pairs;
 
-    void add(const Collisions& answer) {
+    void add(const Intersections& answer) {
         for (std::size_t i = 0; i < answer.pairs.size(); ++i) {
             Contact contact{};
             if (!answer.contacts.kinds.empty()) {
@@ -239,16 +239,16 @@ struct Union {
 
 TEST_P(Agreement, OfTheUnionOfAnyNumberOfParts) {
     Detector parted({.backend = tested_backend, .leaf_size = 100});
-    Query query;
-    query.contacts = true;
+    IntersectionQuery query;
+    query.output = Output::contacts;
     Union whole, whole_between;
     const Halves half(view());
-    whole.add(parted.find_self(view(), query));
-    whole_between.add(parted.find_between(half.a, half.b, query));
+    whole.add(parted.find(view(), query));
+    whole_between.add(parted.find({half.a, half.b}, query));
     for (const int count : part_counts) {
         SCOPED_TRACE(testing::Message() << scene_name() << ", " << count << " parts");
-        const std::vector<Part> parts = parted.partition(view(), count),
-                                between = parted.partition(half.a, half.b, count);
+        const std::vector<Part> parts = parted.partition(view(), {}, count),
+                                between = parted.partition({half.a, half.b}, {}, count);
         ASSERT_EQ(parts.size(), static_cast<std::size_t>(count));
         Union joined, joined_between, joined_reference;
         // In any order: from the last to the first.
@@ -265,23 +265,22 @@ TEST_P(Agreement, OfTheUnionOfAnyNumberOfParts) {
 }
 
 TEST_P(Agreement, UnderAnyMemoryLimit) {
-    Query query;
-    query.contacts = true;
+    IntersectionQuery query;
+    query.output = Output::contacts;
     const Options unlimited{.backend = tested_backend, .leaf_size = 100};
-    const Collisions expected = Detector(unlimited).find_self(view(), query);
+    const Intersections expected = Detector(unlimited).find(view(), query);
     for (std::int64_t limit = expected.statistics.peak_memory_bytes; limit > 3'000; limit /= limit_step) {
         SCOPED_TRACE(testing::Message() << scene_name() << ", " << limit << " bytes");
         Options options = unlimited;
         options.memory_limit = limit;
         Detector detector(options);
         try {
-            EXPECT_TRUE(same_answer(detector.find_self(view(), query), expected));
+            EXPECT_TRUE(same_answer(detector.find(view(), query), expected));
         } catch (const Error& error) {
             ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
             EXPECT_GT(error.bytes_needed, limit);
-            sufficient_limit(options, [&](Detector& enough) {
-                EXPECT_TRUE(same_answer(enough.find_self(view(), query), expected));
-            });
+            sufficient_limit(options,
+                             [&](Detector& enough) { EXPECT_TRUE(same_answer(enough.find(view(), query), expected)); });
         }
     }
 }

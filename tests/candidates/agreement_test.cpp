@@ -14,13 +14,13 @@ namespace {
 
 /// On the way to the end, at rest at the start, and welded.
 template <class Scalar>
-void expect_candidates(const MovingSoup<Scalar>& soup, const CandidateQuestion& question) {
+void expect_candidates(const MovingSoup<Scalar>& soup, const CandidateQuery& question) {
     const auto expect = [&](bool step) {
-        const auto find = [&](Detector& detector) -> const CandidateLists& {
-            return step ? detector.find_candidates(soup.view(), soup.end_view(), question)
-                        : detector.find_candidates(soup.view(), question);
+        const auto find = [&](Detector& detector) -> const Candidates& {
+            return step ? detector.find(soup.view().moving_to(soup.end_view()), question)
+                        : detector.find(soup.view(), question);
         };
-        const CandidateLists& expected = find(reference());
+        const Candidates& expected = find(reference());
         for (const auto& [name, detector] : tested()) {
             SCOPED_TRACE(name);
             ASSERT_TRUE(same_candidates(find(*detector), expected));
@@ -82,12 +82,13 @@ TYPED_TEST(CandidateAgreement, OfAnyGrowth) {
 TEST(CandidateKinds, AreListedAsAskedFor) {
     const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
     Detector detector({.backend = tested_backend, .threads = 2, .leaf_size = 8});
-    const CandidateLists all = detector.find_candidates(soup.view(), soup.end_view(), {.kinds = all_candidate_kinds()});
+    const Candidates all =
+        detector.find(soup.view().moving_to(soup.end_view()), CandidateQuery{.kinds = all_candidate_kinds()});
     for (unsigned chosen = 1; chosen < 64; ++chosen) {
-        CandidateQuestion question{.kinds = {}};
+        CandidateQuery question{.kinds = {}};
         for (const CandidateKind kind : all_candidate_kinds())
             if (chosen >> static_cast<unsigned>(kind) & 1) question.kinds.push_back(kind);
-        const CandidateLists& some = detector.find_candidates(soup.view(), soup.end_view(), question);
+        const Candidates& some = detector.find(soup.view().moving_to(soup.end_view()), question);
         for (const CandidateKind kind : all_candidate_kinds()) {
             const bool asked = chosen >> static_cast<unsigned>(kind) & 1;
             EXPECT_EQ(some.listed[static_cast<std::size_t>(kind)], asked);
@@ -103,10 +104,10 @@ TEST(CandidateGroups, AreThoseOfTheLowestTriangle) {
         soup.groups.push_back(static_cast<std::int32_t>(t % 5));
         if (t > 0) soup.triangles[t][0] = soup.triangles[t - 1][1];
     }
-    CandidateQuestion question{.kinds = all_candidate_kinds(), .inflation = 0.01};
-    question.rules.excluded_groups = {{0, 1}, {2, 2}};
-    for (const Wanted wanted : {Wanted::between, Wanted::within}) {
-        question.rules.groups = wanted;
+    CandidateQuery question{.kinds = all_candidate_kinds(), .inflation = 0.01};
+    question.filter.excluded_groups = {{0, 1}, {2, 2}};
+    for (const PairScope wanted : {PairScope::between, PairScope::within}) {
+        question.filter.groups = wanted;
         expect_candidates(soup, question);
     }
 }
@@ -116,8 +117,9 @@ TEST(CandidatesAndImpacts, EveryImpactIsACandidate) {
     for (const NamedMove<double>& move : soups_to_try<double>(1, 1)) {
         SCOPED_TRACE(move.name);
         Detector& detector = *tested()[1].detector;
-        const Impacts& impacts = detector.find_impacts(move.soup.view(), move.soup.end_view());
-        const CandidateLists& candidates = detector.find_candidates(move.soup.view(), move.soup.end_view());
+        const Impacts& impacts = detector.find(move.soup.view().moving_to(move.soup.end_view()), ImpactQuery());
+        const Candidates& candidates =
+            detector.find(move.soup.view().moving_to(move.soup.end_view()), CandidateQuery());
         for (const auto& [kind, of] : {std::pair(FeatureKind::vertex_face, CandidateKind::vertex_face),
                                        std::pair(FeatureKind::edge_edge, CandidateKind::edge_edge)}) {
             const auto& pairs = candidates[of].pairs;

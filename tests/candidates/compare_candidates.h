@@ -13,7 +13,7 @@ inline const std::vector<CandidateKind>& all_candidate_kinds() {
     return all;
 }
 
-inline testing::AssertionResult same_candidates(const CandidateLists& found, const CandidateLists& expected) {
+inline testing::AssertionResult same_candidates(const Candidates& found, const Candidates& expected) {
     testing::AssertionResult same = testing::AssertionSuccess();
     for (const CandidateKind kind : all_candidate_kinds()) {
         same = same_bytes(found[kind].pairs, expected[kind].pairs, "pairs");

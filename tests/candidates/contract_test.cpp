@@ -31,8 +31,8 @@ class Candidacy : public testing::TestWithParam<Backend> {
             const std::int32_t v = soup.vertex(p, p);
             soup.triangles.push_back({v, v, v});
         }
-        const CandidateLists& found =
-            detector_.find_candidates(soup.view(), {.kinds = all_candidate_kinds(), .inflation = r});
+        const Candidates& found =
+            detector_.find(soup.view(), CandidateQuery{.kinds = all_candidate_kinds(), .inflation = r});
         // A vertex in one triangle and that of the other, each with the other's face, face with face; no edges.
         const bool any = found.count > 0;
         EXPECT_EQ(found[CandidateKind::vertex_vertex].pairs.size(), any ? 1U : 0U);
@@ -90,9 +90,9 @@ TEST_P(Candidacy, holds_the_whole_way) {
     point({0, 4, 0}, {0, 4, 0});  // the corner of it
     point({5, 4, 0}, {5, 4, 0});
     const auto pairs = [&](double r, bool step) {
-        const CandidateQuestion question{.kinds = {CandidateKind::vertex_vertex}, .inflation = r};
-        const CandidateLists& found = step ? detector_.find_candidates(soup.view(), soup.end_view(), question)
-                                           : detector_.find_candidates(soup.view(), question);
+        const CandidateQuery question{.kinds = {CandidateKind::vertex_vertex}, .inflation = r};
+        const Candidates& found = step ? detector_.find(soup.view().moving_to(soup.end_view()), question)
+                                       : detector_.find(soup.view(), question);
         return std::vector<Pair>(found[CandidateKind::vertex_vertex].pairs.begin(),
                                  found[CandidateKind::vertex_vertex].pairs.end());
     };
@@ -104,18 +104,18 @@ TEST_P(Candidacy, holds_the_whole_way) {
 
 TEST_P(Candidacy, empty_braces_ask_the_default_question_at_rest) {
     const MovingSoup<> soup = moving_grid(3, 14, 10, 1);
-    const CandidateLists at_rest = detector_.find_candidates(soup.view(), CandidateQuestion());
+    const Candidates at_rest = detector_.find(soup.view(), CandidateQuery());
     EXPECT_GT(at_rest.count, 0);
-    EXPECT_TRUE(same_candidates(detector_.find_candidates(soup.view(), {}), at_rest));
-    EXPECT_FALSE(same_candidates(detector_.find_candidates(soup.view(), soup.end_view()), at_rest));
+    EXPECT_TRUE(same_candidates(detector_.find(soup.view(), CandidateQuery()), at_rest));
+    EXPECT_FALSE(same_candidates(detector_.find(soup.view().moving_to(soup.end_view()), CandidateQuery()), at_rest));
 }
 
 TEST_P(Candidacy, knows_features_of_one_triangle) {
     const std::vector<std::array<double, 3>> vertices{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
     const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}};
     const auto count = [&](double r) {
-        const CandidateLists& found =
-            detector_.find_candidates(MeshView(vertices, triangles), {.kinds = all_candidate_kinds(), .inflation = r});
+        const Candidates& found = detector_.find(MeshView(vertices, triangles),
+                                                 CandidateQuery{.kinds = all_candidate_kinds(), .inflation = r});
         EXPECT_EQ(found.count, static_cast<std::int64_t>(found[CandidateKind::vertex_vertex].pairs.size() +
                                                          found[CandidateKind::vertex_edge].pairs.size()));
         return std::pair(found[CandidateKind::vertex_vertex].pairs.size(),
@@ -137,19 +137,19 @@ class CandidateErrors : public testing::TestWithParam<Backend> {
     /// The error of a call; before it the detector holds answers, afterwards none, and it works as if nothing had been.
     template <class Call>
     Error refused(Call call) {
-        const CandidateLists& held = detector_.find_candidates(soup_.view(), soup_.end_view());
+        const Candidates& held = detector_.find(soup_.view().moving_to(soup_.end_view()), CandidateQuery());
         EXPECT_GT(held.count, 0);
         const Error error = error_of(call);
         EXPECT_TRUE(held.count == 0 && held.edges.empty() && held[CandidateKind::vertex_face].pairs.empty() &&
-                    held[CandidateKind::edge_edge].pairs.empty() && held.listed == CandidateLists().listed)
+                    held[CandidateKind::edge_edge].pairs.empty() && held.listed == Candidates().listed)
             << "holds an empty result";
         Detector fresh(detector_.options());
-        EXPECT_TRUE(same_candidates(detector_.find_candidates(soup_.view(), soup_.end_view()),
-                                    fresh.find_candidates(soup_.view(), soup_.end_view())));
+        EXPECT_TRUE(same_candidates(detector_.find(soup_.view().moving_to(soup_.end_view()), CandidateQuery()),
+                                    fresh.find(soup_.view().moving_to(soup_.end_view()), CandidateQuery())));
         return error;
     }
-    Error refused(const CandidateQuestion& question) {
-        return refused([&] { detector_.find_candidates(soup_.view(), soup_.end_view(), question); });
+    Error refused(const CandidateQuery& question) {
+        return refused([&] { detector_.find(soup_.view().moving_to(soup_.end_view()), question); });
     }
 };
 
@@ -168,12 +168,11 @@ TEST_P(CandidateErrors, of_kinds) {
 }
 TEST_P(CandidateErrors, of_ends) {
     const auto at = [&](const VertexView& end) {
-        return refused([&] { detector_.find_candidates(soup_.view(), end); });
+        return refused([&] { detector_.find(soup_.view().moving_to(end), CandidateQuery()); });
     };
     VertexView end = soup_.end_view();
     end.rows = 13;
     EXPECT_EQ(at(end).code, ErrorCode::invalid_argument);
-    EXPECT_STREQ(at({}).what(), "the vertices at the end are missing");
     auto soup = soup_;
     soup.end[11][2] = nan;
     EXPECT_STREQ(at(soup.end_view()).what(), "at the end: vertex 11 is not finite");
@@ -181,15 +180,16 @@ TEST_P(CandidateErrors, of_ends) {
 TEST_P(CandidateErrors, of_meshes) {
     auto soup = soup_;
     soup.triangles[4][1] = 14;
-    EXPECT_STREQ(refused([&] { detector_.find_candidates(soup.view()); }).what(), "triangle 4 names vertex 14 of 14");
+    EXPECT_STREQ(refused([&] { detector_.find(soup.view(), CandidateQuery()); }).what(),
+                 "triangle 4 names vertex 14 of 14");
     MeshView mesh = soup_.view();
     mesh.memory = MemorySpace::cuda;
-    EXPECT_EQ(refused([&] { detector_.find_candidates(mesh); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(refused([&] { detector_.find(mesh, CandidateQuery()); }).code, ErrorCode::invalid_argument);
 }
 TEST_P(CandidateErrors, of_calls_that_were_stopped) {
     std::stop_source stop;
     stop.request_stop();
-    const auto call = [&] { detector_.find_candidates(soup_.view(), CandidateQuestion(), stop.get_token()); };
+    const auto call = [&] { detector_.find(soup_.view(), CandidateQuery(), stop.get_token()); };
     EXPECT_EQ(refused(call).code, ErrorCode::cancelled);
 }
 
@@ -199,14 +199,14 @@ INSTANTIATE_TEST_SUITE_P(, CandidateErrors, testing::Values(Backend::reference, 
 TEST(CandidateCalls, HandTheirAnswersOver) {
     const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
     Detector detector({.backend = Backend::cpu, .threads = 2}), fresh({.backend = Backend::cpu});
-    const CandidateLists& held = detector.find_candidates(soup.view(), {.inflation = 1});
+    const Candidates& held = detector.find(soup.view(), CandidateQuery{.inflation = 1});
     const Pair* const storage = held[CandidateKind::edge_edge].pairs.data();
-    CandidateLists taken;
+    Candidates taken;
     detector.swap_result(taken);
     EXPECT_EQ(taken[CandidateKind::edge_edge].pairs.data(), storage) << "nothing is copied";
     EXPECT_TRUE(held.count == 0 && held[CandidateKind::edge_edge].pairs.empty() && held.edges.empty());
-    detector.find_candidates(soup.view());
-    EXPECT_TRUE(same_candidates(taken, fresh.find_candidates(soup.view(), {.inflation = 1})));
+    detector.find(soup.view(), CandidateQuery());
+    EXPECT_TRUE(same_candidates(taken, fresh.find(soup.view(), CandidateQuery{.inflation = 1})));
 }
 
 TEST(CandidateCalls, DoNotDependOnThoseBefore) {
@@ -215,12 +215,12 @@ TEST(CandidateCalls, DoNotDependOnThoseBefore) {
     for (int round = 0; round < 2; ++round)
         for (const MovingSoup<>& soup : soups) {
             Detector fresh({.backend = Backend::cpu, .threads = 2, .leaf_size = 8});
-            const CandidateQuestion question{.kinds = all_candidate_kinds(), .inflation = 0.1 * round};
-            ASSERT_TRUE(same_candidates(warm.find_candidates(soup.view(), soup.end_view(), question),
-                                        fresh.find_candidates(soup.view(), soup.end_view(), question)));
-            ASSERT_TRUE(same_features(warm.find_near(soup.view(), {.radius = 0.1}),
-                                      fresh.find_near(soup.view(), {.radius = 0.1})));
-            ASSERT_TRUE(same_answer(warm.find_self(soup.view()), fresh.find_self(soup.view())));
+            const CandidateQuery question{.kinds = all_candidate_kinds(), .inflation = 0.1 * round};
+            ASSERT_TRUE(same_candidates(warm.find(soup.view().moving_to(soup.end_view()), question),
+                                        fresh.find(soup.view().moving_to(soup.end_view()), question)));
+            ASSERT_TRUE(same_features(warm.find(soup.view(), ProximityQuery{.radius = 0.1}),
+                                      fresh.find(soup.view(), ProximityQuery{.radius = 0.1})));
+            ASSERT_TRUE(same_answer(warm.find(soup.view()), fresh.find(soup.view())));
         }
 }
 
@@ -229,11 +229,11 @@ class CandidateMemory : public testing::TestWithParam<int> {};
 TEST_P(CandidateMemory, IsBounded) {
     const MovingSoup<> soup = in_general(1500, 0.07, 0.06, 6);
     const Options options{.backend = Backend::cpu, .threads = GetParam(), .leaf_size = 40};
-    const auto ask = [&](Detector& detector) -> const CandidateLists& {
-        return detector.find_candidates(soup.view(), soup.end_view(), {.kinds = all_candidate_kinds()});
+    const auto ask = [&](Detector& detector) -> const Candidates& {
+        return detector.find(soup.view().moving_to(soup.end_view()), CandidateQuery{.kinds = all_candidate_kinds()});
     };
     Detector free(options);
-    const CandidateLists expected = ask(free);
+    const Candidates expected = ask(free);
     bool refused = false;
     for (std::int64_t limit = expected.statistics.peak_memory_bytes; limit > 10'000; limit = limit * 3 / 5) {
         SCOPED_TRACE(limit);

@@ -81,7 +81,7 @@ TEST_F(Candidates, LinesAndPointsOfObjCount) {
 }
 
 TEST_F(Candidates, AreRefusedWhereTheyMakeNoSense) {
-    for (const char* const option : {"--separation 0", "--separation-share 0.1", "--earliest", "--check"}) {
+    for (const char* const option : {"--min-distance 0", "--min-distance-share 0.1", "--earliest", "--check"}) {
         const std::string name = std::string(option).substr(0, std::string(option).find(' '));
         expect_refused(step + ' ' + option, name + " does not go with --kind candidates");
     }

@@ -83,17 +83,17 @@ TEST_F(Impacts, StatisticsGoToStandardError) {
 }
 
 TEST_F(Impacts, SeparationIsTouching) {
-    EXPECT_EQ(list("impacts above.off below.off --separation 0.25"), "vf 3 0 0.375 0\n");
-    const std::string halved = list("impacts above.off below.off --separation-share 0.5");
+    EXPECT_EQ(list("impacts above.off below.off --min-distance 0.25"), "vf 3 0 0.375 0\n");
+    const std::string halved = list("impacts above.off below.off --min-distance-share 0.5");
     EXPECT_TRUE(halved.starts_with("vf 3 0 0.25 0\n")) << halved;
-    EXPECT_EQ(list("impacts above.off below.off --separation 0.25 --separation-share 0.5"), halved);
-    EXPECT_TRUE(
-        list("impacts above.off below.off --separation 0.75 --separation-share 0.5").starts_with("vf 3 0 0.125 0\n"));
-    EXPECT_EQ(list("impacts above.off above.off --separation 1"), "vf 3 0 0 1\n");
+    EXPECT_EQ(list("impacts above.off below.off --min-distance 0.25 --min-distance-share 0.5"), halved);
+    EXPECT_TRUE(list("impacts above.off below.off --min-distance 0.75 --min-distance-share 0.5")
+                    .starts_with("vf 3 0 0.125 0\n"));
+    EXPECT_EQ(list("impacts above.off above.off --min-distance 1"), "vf 3 0 0 1\n");
     for (const char* const bad : {"-1", "nan", "inf", "1e999", "x", "''", "1x"})
-        expect_refused(std::string("impacts above.off below.off --separation ") + bad, "is no distance of 0 or more");
+        expect_refused(std::string("impacts above.off below.off --min-distance ") + bad, "is no distance of 0 or more");
     for (const char* const bad : {"1", "-0.1", "nan"})
-        expect_refused(std::string("impacts above.off below.off --separation-share ") + bad,
+        expect_refused(std::string("impacts above.off below.off --min-distance-share ") + bad,
                        "is no share of 0 or more");
 }
 
@@ -174,7 +174,7 @@ TEST_F(Impacts, AreRefusedWhereTheyMakeNoSense) {
     expect_refused("impacts above.off below.off -o above.off", "impacts are written as");
     expect_refused("impacts above.off below.off -o -", "-o - needs --format");
     expect_refused("impacts above.off below.off --neighbours skip", "not expected");
-    expect_refused("impacts above.off below.off --seperation 1", "did you mean --separation?");
+    expect_refused("impacts above.off below.off --min-distence 1", "did you mean --min-distance?");
     expect_refused("impacts above.off missing.off", "missing.off");
     expect_refused("impact above.off below.off", "impact; did you mean impacts?");
     write("a.csv", above_off);

@@ -193,7 +193,7 @@ TEST_F(Ranks, ListImpacts) {
     make("cloth --triangles 3000 --frame 61", "b.ply");
     expect_same("impacts", "a.ply b.ply");
     expect_same("impacts", "a.ply b.ply --earliest");
-    expect_same("impacts", "a.ply b.ply --weld --separation 0.001 --separation-share 0.1 --backend cpu");
+    expect_same("impacts", "a.ply b.ply --weld --min-distance 0.001 --min-distance-share 0.1 --backend cpu");
 }
 
 TEST_F(Ranks, ListImpactsOfWhatHasNoSlices) {

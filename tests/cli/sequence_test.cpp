@@ -222,8 +222,8 @@ TEST_F(Sequence, ImpactsAreOfSteps) {
 
     EXPECT_EQ(crumple("sequence above.off above.off below.off --impacts --json --check").status, 1);
     EXPECT_EQ(crumple("sequence above.off above.off --impacts --check").status, 0);
-    const auto json =
-        nlohmann::json::parse(crumple("sequence above.off above.off below.off --impacts --separation 0.25 --json").out);
+    const auto json = nlohmann::json::parse(
+        crumple("sequence above.off above.off below.off --impacts --min-distance 0.25 --json").out);
     ASSERT_EQ(json.size(), 2u);
     EXPECT_TRUE(json[0]["earliest"].is_null());
     EXPECT_EQ(json[1]["impacts"], 1);
@@ -248,7 +248,7 @@ TEST_F(Sequence, ImpactsAreRefusedWhereTheyMakeNoSense) {
     };
     refused("above.off --impacts", "--impacts is of two frames or more");
     refused("above.off a.off --impacts", "above.off and a.off are to be one mesh at two times");
-    refused("above.off above.off --separation 1", "--separation and --separation-share need --impacts");
+    refused("above.off above.off --min-distance 1", "--min-distance and --min-distance-share need --impacts");
     refused("above.off above.off --impacts --contacts", "--contacts does not go with --impacts");
     refused("above.off above.off --impacts -o a.glb", "a.glb: with --impacts a sequence is written as .csv or .json");
 }

@@ -6,7 +6,7 @@ namespace {
 /// Questions about features, whose lists are also written while they are found.
 class StreamOfFeatures : public Moving {
    protected:
-    const std::vector<std::string> questions{"impacts above.off below.off --separation 0.5",
+    const std::vector<std::string> questions{"impacts above.off below.off --min-distance 0.5",
                                              "impacts above.off below.off --kind candidates --inflation 0.5",
                                              "impacts above.off --kind candidates --kinds face_face --inflation 1",
                                              "near above.off --radius 2", "near above.off below.off --radius 0.5"};

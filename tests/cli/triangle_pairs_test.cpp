@@ -55,7 +55,7 @@ TEST_F(TrianglePairs, DecideTheStatus) {
     EXPECT_EQ(crumple(stuck + " --kind pairs --check").status, 1);
     EXPECT_EQ(crumple(stuck + " --kind pairs --check -o a.txt").status, 1);
     EXPECT_TRUE(contains(crumple(falling + " --stats -o a.txt").err, "1 pair of triangles, 0 from the start"));
-    EXPECT_EQ(list("impacts above.off below.off --kind pairs --separation 0.25"), "ff 0 1 0.375 0\n");
+    EXPECT_EQ(list("impacts above.off below.off --kind pairs --min-distance 0.25"), "ff 0 1 0.375 0\n");
     EXPECT_TRUE(contains(crumple(falling + " --earliest").err, "--earliest does not go with --kind pairs"));
 }
 

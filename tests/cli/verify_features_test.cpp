@@ -52,10 +52,10 @@ TEST_F(VerifyFeatures, NamesWhatIsWrong) {
 
 TEST_F(VerifyFeatures, ContactAtTheStartComesBeforeTimeZero) {
     write("below.off", above_off);
-    EXPECT_EQ(impacts("vf 3 0 0 1", "--separation 1").status, 0);
-    EXPECT_EQ(impacts("vf 3 0 0", "--separation 1").status, 0);
+    EXPECT_EQ(impacts("vf 3 0 0 1", "--min-distance 1").status, 0);
+    EXPECT_EQ(impacts("vf 3 0 0", "--min-distance 1").status, 0);
     EXPECT_EQ(
-        impacts("vf 3 0 0 0", "--separation 1").out,
+        impacts("vf 3 0 0 0", "--min-distance 1").out,
         "wrong: 1 impacts, 0 missed, 0 false, 1 late, 0 early, 0 repeated\nlate vf 3 0 0, it is 0 at the start\n");
 }
 
@@ -109,7 +109,8 @@ TEST_F(VerifyFeatures, IsRefusedWhereItMakesNoSense) {
     expect_refused("verify --near 1 --kinds face_face above.off list.txt", "--kinds needs --candidates");
     expect_refused("verify --candidates above.off list.txt --polygons", "--polygons does not go with --candidates");
     expect_refused("verify --candidates above.off list.txt", "list.txt, line 1: '0.5' is left over");
-    expect_refused("verify --separation 1 above.off list.txt", "--separation and --separation-share need --impacts");
+    expect_refused("verify --min-distance 1 above.off list.txt",
+                   "--min-distance and --min-distance-share need --impacts");
     expect_refused("verify --below above.off list.txt", "--below needs --near");
     expect_refused("verify --impacts above.off below.off two.txt", "ids of one mesh have no number of a file");
     expect_refused("verify --near 1 above.off below.off list.txt", "ids of two files are 0:ID and 1:ID");

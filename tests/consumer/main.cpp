@@ -28,14 +28,12 @@ int main() {
                                                      {9, 9, 9},        {9, 9, 10},      {9, 10, 9}};
     const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
     crumple::Detector detector;
-    const crumple::Collisions& collisions = detector.find_self({vertices, triangles});
+    const crumple::Intersections& collisions = detector.find({vertices, triangles});
     for (const crumple::Pair& pair : collisions.pairs) std::printf("%d %d\n", pair.a, pair.b);
     const bool found = collisions.pairs.size() == 1 && collisions.pairs[0] == crumple::Pair{0, 1};
 
     const std::vector<std::array<std::int32_t, 3>> wrong{{0, 1, 9}};
-    const bool refused = fails_with(crumple::ErrorCode::index_out_of_range, [&] {
-        detector.find_self({vertices, wrong});
-    });
+    const bool refused = fails_with(crumple::ErrorCode::index_out_of_range, [&] { detector.find({vertices, wrong}); });
     const bool missing = fails_with(crumple::ErrorCode::file, [] { crumple::io::read_mesh("no such file.ply"); });
     const bool same_version = std::string_view(CRUMPLE_VERSION) == CRUMPLE_PACKAGE_VERSION;
     if (!refused || !missing) std::puts("an error did not come through as a crumple::Error");

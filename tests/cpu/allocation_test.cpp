@@ -60,6 +60,8 @@ std::vector<Call> calls() {
     }();
     static const MeshView mesh = sheet.view();
     static const std::vector<GroupPair> excluded{{0, 1}, {2, 2}};
+    static const IntersectionQuery without{.filter = {.excluded_groups = excluded}};
+    static const IntersectionQuery within{.filter = {.groups = PairScope::within, .excluded_groups = excluded}};
     static const test::Halves half(mesh);
     // Two segments that reach through the sheet, a thousand times each.
     static const test::Soup<float> padded = [] {
@@ -70,16 +72,18 @@ std::vector<Call> calls() {
         }
         return soup;
     }();
-    static const std::vector<Part> parts = Detector().partition(half.a, half.b, 70);
-    return {
-        {"self", [](Detector& d) { d.find_self(mesh); }},
-        {"contacts", [](Detector& d) { d.find_self(mesh, {.contacts = true}); }},
-        {"welded", [](Detector& d) { d.find_self(mesh, {.weld = true}); }},
-        {"groups", [](Detector& d) { d.find_self(mesh, {.excluded_groups = excluded}); }},
-        {"copies", [](Detector& d) { d.find_self(padded.view()); }},
-        {"between", [](Detector& d) { d.find_between(half.a, half.b); }},
-        {"part", [](Detector& d) { d.find(parts[35]); }},
-        {"any", [](Detector& d) { d.has_collision(mesh, {.wanted = Wanted::within, .excluded_groups = excluded}); }}};
+    static const std::vector<Part> parts = Detector().partition({half.a, half.b}, {}, 70);
+    return {{"self", [](Detector& d) { d.find(mesh); }},
+            {"contacts", [](Detector& d) { d.find(mesh, {.output = Output::contacts}); }},
+            {"welded", [](Detector& d) { d.find(mesh, {.weld = true}); }},
+            {"groups", [](Detector& d) { d.find(mesh, without); }},
+            {"copies", [](Detector& d) { d.find(padded.view()); }},
+            {"between",
+             [](Detector& d) {
+                 d.find({half.a, half.b});
+             }},
+            {"part", [](Detector& d) { d.find(parts[35]); }},
+            {"any", [](Detector& d) { d.any(mesh, within); }}};
 }
 
 TEST(Allocation, warm_calls_allocate_nothing) {
@@ -101,7 +105,7 @@ TEST(Allocation, cold_calls_do_allocate) {
     const auto sheet = test::wavy_sheet(30);
     const std::int64_t before = allocations;
     Detector detector({.threads = 1});
-    detector.find_self(sheet.view());
+    detector.find(sheet.view());
     EXPECT_GT(allocations - before, 10) << "or the counter counts nothing";
 }
 

@@ -17,14 +17,14 @@ using test::pairs_of;
 TEST(Arena, detectors_work_inside_the_callers_tasks) {
     const auto sheet = test::wavy_sheet(60);
     Detector plain;
-    const auto expected = pairs_of(plain.find_self(sheet.view()));
+    const auto expected = pairs_of(plain.find(sheet.view()));
     for (const int size : {1, 2, 7}) {
         tbb::task_arena arena(size);
         std::vector<std::string> results(12);
         arena.execute([&] {
             tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t i) {
                 Detector detector({.threads = static_cast<int>(i % 4), .leaf_size = 200});
-                results[i] = difference(expected, pairs_of(detector.find_self(sheet.view())));
+                results[i] = difference(expected, pairs_of(detector.find(sheet.view())));
             });
         });
         for (const std::string& result : results) EXPECT_EQ(result, "") << "arena of " << size;

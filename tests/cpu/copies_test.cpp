@@ -38,18 +38,18 @@ test::Soup<float> sheet() {
     return soup;
 }
 
-std::int64_t work(const Collisions& answer) {
+std::int64_t work(const Intersections& answer) {
     return answer.statistics.interval_tests + answer.statistics.box_overlaps;
 }
 
 TEST(Copies, cost_no_more_than_half_of_a_scene_as_large) {
     static const std::vector<GroupPair> excluded{{0, 1}, {2, 2}};
-    std::vector<Query> queries(6);
+    std::vector<IntersectionQuery> queries(6);
     queries[1].weld = true;
     queries[2].neighbours = Neighbours::skip;
-    queries[3].intersections = Intersections::proper;
-    queries[4].wanted = Wanted::between;
-    queries[5].excluded_groups = excluded;
+    queries[3].kind = IntersectionKind::proper;
+    queries[4].filter.groups = PairScope::between;
+    queries[5].filter.excluded_groups = excluded;
     const auto plain = sheet();
     for (const auto& kind : kinds) {
         const auto soup = padded(plain, kind);
@@ -59,17 +59,17 @@ TEST(Copies, cost_no_more_than_half_of_a_scene_as_large) {
                              << kind.size() << " kinds, query " << q << (in_chunks ? ", chunks" : ""));
                 const auto detector_for = [&](const MeshView& mesh) {
                     if (!in_chunks) return Detector();
-                    const auto find = [&](Detector& by) { by.find_self(mesh, queries[q]); };
+                    const auto find = [&](Detector& by) { by.find(mesh, queries[q]); };
                     return Detector({.memory_limit = test::sufficient_limit({}, find, 4)});
                 };
                 Detector detector = detector_for(plain.view()), other = detector_for(soup.view());
-                const Collisions &expected = detector.find_self(plain.view(), queries[q]),
-                                 &found = other.find_self(soup.view(), queries[q]);
+                const Intersections &expected = detector.find(plain.view(), queries[q]),
+                                    &found = other.find(soup.view(), queries[q]);
                 EXPECT_LE(work(found), 2 * work(expected));
                 EXPECT_LE(found.statistics.members, 2 * expected.statistics.members);
                 EXPECT_EQ(found.statistics.triangles, expected.statistics.triangles + copies);
                 EXPECT_EQ(found.hit.size(), soup.triangles.size());
-                EXPECT_EQ(other.has_collision(soup.view(), queries[q]), !found.pairs.empty());
+                EXPECT_EQ(other.any(soup.view(), queries[q]), !found.pairs.empty());
             }
         }
     }
@@ -81,8 +81,8 @@ TEST(Copies, cost_little_between_two_meshes) {
         const auto padded_a = padded(a, kind), padded_b = padded(b, kind);
         for (const bool weld : {false, true}) {
             Detector detector;
-            const std::int64_t expected = work(detector.find_between(a.view(), b.view(), {.weld = weld}));
-            const Collisions& found = detector.find_between(padded_a.view(), padded_b.view(), {.weld = weld});
+            const std::int64_t expected = work(detector.find({a.view(), b.view()}, {.weld = weld}));
+            const Intersections& found = detector.find({padded_a.view(), padded_b.view()}, {.weld = weld});
             EXPECT_LE(work(found), 2 * expected + 10000) << weld;
         }
     }
@@ -94,8 +94,8 @@ TEST(Copies, cost_little_in_parts) {
     for (const auto& kind : kinds) {
         const auto soup = padded(plain, kind);
         std::int64_t expected = 0, found = 0;
-        for (const Part& part : detector.partition(plain.view(), 3)) expected += work(detector.find(part));
-        for (const Part& part : detector.partition(soup.view(), 3)) found += work(detector.find(part));
+        for (const Part& part : detector.partition(plain.view(), {}, 3)) expected += work(detector.find(part));
+        for (const Part& part : detector.partition(soup.view(), {}, 3)) found += work(detector.find(part));
         EXPECT_LE(found, 2 * expected);
     }
 }
@@ -119,14 +119,14 @@ test::Soup<float> crowded(unsigned seed) {
     return soup;
 }
 
-void expect_reference(const std::function<const Collisions&(Detector&)>& find) {
+void expect_reference(const std::function<const Intersections&(Detector&)>& find) {
     Detector reference({.backend = Backend::reference});
-    const Collisions& expected = find(reference);
+    const Intersections& expected = find(reference);
     const std::int64_t enough = test::sufficient_limit({}, find, 4);
     for (const Options& options :
          {Options{.threads = 2, .clusters = 5, .leaf_size = 20}, Options{.threads = 1, .memory_limit = enough}}) {
         Detector detector(options);
-        const Collisions& found = find(detector);
+        const Intersections& found = find(detector);
         EXPECT_EQ(difference(pairs_of(expected), pairs_of(found)), "");
         EXPECT_TRUE(std::equal(found.offsets.begin(), found.offsets.end(), expected.offsets.begin()));
         EXPECT_TRUE(std::equal(found.hit.begin(), found.hit.end(), expected.hit.begin()));
@@ -141,16 +141,17 @@ TEST(Copies, collide_with_what_each_of_them_collides_with) {
         const auto soup = crowded(seed), other = crowded(seed + 100);
         const test::Halves half(soup.view());
         for (const bool weld : {false, true}) {
-            for (const Wanted wanted : {Wanted::both, Wanted::between, Wanted::within}) {
-                const Query query{.weld = weld, .contacts = true, .wanted = wanted};
-                expect_reference([&](Detector& d) -> const Collisions& { return d.find_self(soup.view(), query); });
-                expect_reference(
-                    [&](Detector& d) -> const Collisions& { return d.find_between(half.a, half.b, query); });
-                expect_reference(
-                    [&](Detector& d) -> const Collisions& { return d.find_between(soup.view(), other.view(), query); });
+            for (const PairScope wanted : {PairScope::both, PairScope::between, PairScope::within}) {
+                const IntersectionQuery query{.output = Output::contacts, .weld = weld, .filter = {.groups = wanted}};
+                expect_reference([&](Detector& d) -> const Intersections& { return d.find(soup.view(), query); });
+                expect_reference([&](Detector& d) -> const Intersections& { return d.find({half.a, half.b}, query); });
+                expect_reference([&](Detector& d) -> const Intersections& {
+                    return d.find({soup.view(), other.view()}, query);
+                });
             }
-            const Query query{.neighbours = Neighbours::skip, .weld = weld, .excluded_groups = excluded};
-            expect_reference([&](Detector& d) -> const Collisions& { return d.find_self(soup.view(), query); });
+            const IntersectionQuery query{
+                .neighbours = Neighbours::skip, .weld = weld, .filter = {.excluded_groups = excluded}};
+            expect_reference([&](Detector& d) -> const Intersections& { return d.find(soup.view(), query); });
         }
     }
 }
@@ -159,8 +160,8 @@ TEST(Copies, belong_to_the_parts_that_hold_them) {
     for (unsigned seed = 1; seed <= 6; ++seed) {
         const auto soup = crowded(seed);
         for (const int count : {3, 70})
-            for (const Part& part : Detector().partition(soup.view(), count))
-                expect_reference([&](Detector& d) -> const Collisions& { return d.find(part); });
+            for (const Part& part : Detector().partition(soup.view(), {}, count))
+                expect_reference([&](Detector& d) -> const Intersections& { return d.find(part); });
     }
 }
 

@@ -24,7 +24,7 @@ void expect_same(const char* what, const Array<T>& a, const Array<T>& b) {
         << what;
 }
 
-void expect_same(const Collisions& expected, const Collisions& found) {
+void expect_same(const Intersections& expected, const Intersections& found) {
     EXPECT_EQ(test::difference(test::pairs_of(expected), test::pairs_of(found)), "");
     expect_same("offsets", expected.offsets, found.offsets);
     expect_same("hit", expected.hit, found.hit);
@@ -40,24 +40,24 @@ std::vector<std::shared_ptr<Executor>> executors() {
 
 TEST(Executor, answers_are_the_same_bytes) {
     const auto sheet = test::wavy_sheet(60), other = test::wavy_sheet(50, 0.4);
-    const Query query{.weld = true, .contacts = true};
+    const IntersectionQuery query{.output = Output::contacts, .weld = true};
     Detector own({.backend = Backend::cpu, .threads = 1, .leaf_size = 300});
-    const Collisions self = own.find_self(sheet.view(), query);
-    const Collisions between = own.find_between(sheet.view(), other.view());
-    const std::vector<Part> parts = own.partition(sheet.view(), 5);
-    const Collisions of_part = own.find(parts[2]);
+    const Intersections self = own.find(sheet.view(), query);
+    const Intersections between = own.find({sheet.view(), other.view()});
+    const std::vector<Part> parts = own.partition(sheet.view(), {}, 5);
+    const Intersections of_part = own.find(parts[2]);
     ASSERT_GT(self.pairs.size(), 100u);
     for (const auto& executor : executors()) {
         const auto watched = std::make_shared<test::Watched>(executor);
         Detector detector({.backend = Backend::cpu, .leaf_size = 300, .executor = watched});
         for (int frame = 0; frame < 2; ++frame) {
-            expect_same(self, detector.find_self(sheet.view(), query));
-            expect_same(between, detector.find_between(sheet.view(), other.view()));
+            expect_same(self, detector.find(sheet.view(), query));
+            expect_same(between, detector.find({sheet.view(), other.view()}));
         }
-        EXPECT_EQ(detector.partition(sheet.view(), 5)[2].mesh.ids, parts[2].mesh.ids);
+        EXPECT_EQ(detector.partition(sheet.view(), {}, 5)[2].mesh.ids, parts[2].mesh.ids);
         expect_same(of_part, detector.find(parts[2]));
-        EXPECT_TRUE(detector.has_collision(sheet.view()));
-        EXPECT_EQ(detector.find_self(sheet.view()).statistics.threads, executor->concurrency());
+        EXPECT_TRUE(detector.any(sheet.view()));
+        EXPECT_EQ(detector.find(sheet.view()).statistics.threads, executor->concurrency());
         EXPECT_GT(watched->loops, 0) << "it was not asked";
         EXPECT_FALSE(watched->overlapped) << "a loop within a loop";
         EXPECT_FALSE(watched->threw);
@@ -82,7 +82,7 @@ test::Soup<float> needles() {
 TEST(Executor, helps_with_one_large_leaf_without_nesting) {
     const auto soup = needles();
     Detector own({.backend = Backend::cpu, .threads = 1, .clusters = 1, .leaf_size = 100000});
-    const Collisions expected = own.find_self(soup.view());
+    const Intersections expected = own.find(soup.view());
     ASSERT_GT(expected.statistics.interval_tests, 5'000'000) << "enough for tiles";
     // The leaf's worker would sweep alone if each of its tiles were not a task.
     struct Counting : test::Threads {
@@ -100,7 +100,7 @@ TEST(Executor, helps_with_one_large_leaf_without_nesting) {
                            .clusters = alone ? 1 : 2,
                            .leaf_size = alone ? 100000 : 1000,
                            .executor = watched});
-        expect_same(expected, detector.find_self(soup.view()));
+        expect_same(expected, detector.find(soup.view()));
         EXPECT_FALSE(watched->overlapped);
         EXPECT_GE(counting->most, 4u);
     }
@@ -117,12 +117,12 @@ TEST(Executor, what_poll_throws_ends_the_call_and_does_not_reach_the_executor) {
     const auto sheet = test::wavy_sheet(60);
     const auto watched = std::make_shared<test::Watched>(std::make_shared<Slow>());
     Detector detector({.backend = Backend::cpu, .executor = watched});
-    const auto expected = test::pairs_of(detector.find_self(sheet.view()));
+    const auto expected = test::pairs_of(detector.find(sheet.view()));
     detector.set_poll([] { throw Interrupt{}; });
-    EXPECT_THROW(detector.find_self(sheet.view()), Interrupt);
+    EXPECT_THROW(detector.find(sheet.view()), Interrupt);
     EXPECT_FALSE(watched->threw);
     detector.set_poll({});
-    EXPECT_EQ(test::difference(expected, test::pairs_of(detector.find_self(sheet.view()))), "");
+    EXPECT_EQ(test::difference(expected, test::pairs_of(detector.find(sheet.view()))), "");
 }
 
 TEST(Executor, a_stop_ends_the_call) {
@@ -138,10 +138,10 @@ TEST(Executor, a_stop_ends_the_call) {
     const auto sheet = test::wavy_sheet(60);
     const auto stopping = std::make_shared<Stopping>();
     Detector detector({.backend = Backend::cpu, .leaf_size = 300, .executor = stopping});
-    const Error error = error_of([&] { detector.find_self(sheet.view(), {}, stopping->source.get_token()); });
+    const Error error = error_of([&] { detector.find(sheet.view(), {}, stopping->source.get_token()); });
     EXPECT_EQ(error.code, ErrorCode::cancelled);
     EXPECT_EQ(stopping->loops, 3) << "it went on";
-    EXPECT_FALSE(detector.find_self(sheet.view()).pairs.empty());
+    EXPECT_FALSE(detector.find(sheet.view()).pairs.empty());
 }
 
 TEST(Executor, that_fails_ends_the_call) {
@@ -155,11 +155,11 @@ TEST(Executor, that_fails_ends_the_call) {
     const auto sheet = test::wavy_sheet(60);
     const auto failing = std::make_shared<Failing>();
     Detector detector({.backend = Backend::cpu, .executor = failing});
-    const auto expected = test::pairs_of(detector.find_self(sheet.view()));
+    const auto expected = test::pairs_of(detector.find(sheet.view()));
     failing->fails = true;
-    EXPECT_THROW(detector.find_self(sheet.view()), std::runtime_error);
+    EXPECT_THROW(detector.find(sheet.view()), std::runtime_error);
     failing->fails = false;
-    EXPECT_EQ(test::difference(expected, test::pairs_of(detector.find_self(sheet.view()))), "");
+    EXPECT_EQ(test::difference(expected, test::pairs_of(detector.find(sheet.view()))), "");
 }
 
 TEST(Executor, without_workers_is_an_error) {
@@ -173,11 +173,11 @@ TEST(Executor, without_workers_is_an_error) {
 TEST(Executor, holds_under_a_memory_limit) {
     const auto soup = test::random_soup(3000, 0.7);
     Detector own({.backend = Backend::cpu, .threads = 1});
-    const Collisions expected = own.find_self(soup.view());
+    const Intersections expected = own.find(soup.view());
     for (const auto& executor : executors()) {
         const std::int64_t limit = expected.statistics.peak_memory_bytes * 3 / 5;
         Detector detector({.backend = Backend::cpu, .memory_limit = limit, .executor = executor});
-        expect_same(expected, detector.find_self(soup.view()));
+        expect_same(expected, detector.find(soup.view()));
     }
 }
 

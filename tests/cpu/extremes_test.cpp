@@ -25,11 +25,11 @@ void add(Soup<Scalar>& soup, std::array<Scalar, 3> a, std::array<Scalar, 3> b, s
 template <class Scalar>
 void expect_reference(const Soup<Scalar>& soup, const std::string& what) {
     Detector reference({.backend = Backend::reference});
-    const auto expected = pairs_of(reference.find_self(soup.view()));
+    const auto expected = pairs_of(reference.find(soup.view()));
     for (const Simd simd : {Simd::scalar, Simd::sse4, Simd::avx2, Simd::avx512, Simd::neon}) {
         try {
             Detector detector({.backend = Backend::cpu, .threads = 1, .simd = simd});
-            EXPECT_EQ(difference(expected, pairs_of(detector.find_self(soup.view()))), "")
+            EXPECT_EQ(difference(expected, pairs_of(detector.find(soup.view()))), "")
                 << what << ", instruction set " << static_cast<int>(simd);
         } catch (const Error& error) {
             EXPECT_EQ(error.code, ErrorCode::backend_unavailable);
@@ -65,7 +65,7 @@ TEST(Extremes, a_long_degenerate_triangle_against_points) {
         add<float>(b, {0, 0, 0}, {0, 0, 0}, {0, 0, 0});
         expected.push_back({0, t});
         Detector detector({.backend = Backend::cpu});
-        EXPECT_EQ(difference(expected, pairs_of(detector.find_between(a.view(), b.view()))), "") << t + 1 << " points";
+        EXPECT_EQ(difference(expected, pairs_of(detector.find({a.view(), b.view()}))), "") << t + 1 << " points";
     }
 }
 
@@ -149,11 +149,10 @@ TEST(Extremes, an_extent_of_subnormal_numbers_beside_a_coordinate_of_one) {
 TEST(Extremes, has_collision_keeps_to_a_memory_limit) {
     const auto soup = test::random_soup(20000, 1e-4);
     Detector free;
-    ASSERT_EQ(free.find_self(soup.view()).pairs.size(), 0u);
+    ASSERT_EQ(free.find(soup.view()).pairs.size(), 0u);
     Detector tiny({.memory_limit = 100000});
-    ASSERT_EQ(test::error_of([&] { tiny.has_collision(soup.view()); }).code, ErrorCode::memory_limit);
-    test::sufficient_limit({.memory_limit = 100000},
-                           [&](Detector& enough) { EXPECT_FALSE(enough.has_collision(soup.view())); });
+    ASSERT_EQ(test::error_of([&] { tiny.any(soup.view()); }).code, ErrorCode::memory_limit);
+    test::sufficient_limit({.memory_limit = 100000}, [&](Detector& enough) { EXPECT_FALSE(enough.any(soup.view())); });
 }
 
 }  // namespace

@@ -21,18 +21,18 @@ const char* name_of(Simd simd) {
 
 template <class Scalar>
 void compare_all(const Soup<Scalar>& soup, const std::string& what) {
-    for (const auto& [neighbours, intersections] : {std::pair{Neighbours::geometric, Intersections::all},
-                                                    {Neighbours::skip, Intersections::all},
-                                                    {Neighbours::geometric, Intersections::proper}}) {
-        Query query;
+    for (const auto& [neighbours, intersections] : {std::pair{Neighbours::geometric, IntersectionKind::all},
+                                                    {Neighbours::skip, IntersectionKind::all},
+                                                    {Neighbours::geometric, IntersectionKind::proper}}) {
+        IntersectionQuery query;
         query.neighbours = neighbours;
-        query.intersections = intersections;
+        query.kind = intersections;
         Detector reference({.backend = Backend::reference});
-        const auto expected = pairs_of(reference.find_self(soup.view(), query));
+        const auto expected = pairs_of(reference.find(soup.view(), query));
         for (const Simd simd : {Simd::scalar, Simd::sse4, Simd::avx2, Simd::avx512, Simd::neon}) {
             try {
                 Detector detector({.backend = Backend::cpu, .threads = 1, .simd = simd});
-                EXPECT_EQ(difference(expected, pairs_of(detector.find_self(soup.view(), query))), "")
+                EXPECT_EQ(difference(expected, pairs_of(detector.find(soup.view(), query))), "")
                     << what << ", " << name_of(simd) << ", neighbours " << static_cast<int>(neighbours)
                     << ", intersections " << static_cast<int>(intersections);
             } catch (const Error& error) {

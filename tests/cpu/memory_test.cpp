@@ -20,16 +20,16 @@ TEST(MemoryLimit, a_smaller_limit_gives_the_same_answer_or_names_what_is_needed_
         for (const bool contacts : {false, true}) {
             for (const MeshView& mesh : {sheet.view(), soup.view()}) {
                 if (backend == Backend::reference && mesh.triangles.rows > 1000) continue;
-                Query query;
-                query.contacts = contacts;
+                IntersectionQuery query;
+                query.output = contacts ? Output::contacts : Output::pairs;
                 Detector free({.backend = backend, .threads = 2});
-                const Collisions expected = free.find_self(mesh, query);
+                const Intersections expected = free.find(mesh, query);
                 bool refused = false;
                 for (std::int64_t limit = expected.statistics.peak_memory_bytes; limit > 10000; limit = limit * 3 / 5) {
                     const Options options{.backend = backend, .threads = 2, .memory_limit = limit};
                     Detector limited(options);
                     try {
-                        const Collisions& found = limited.find_self(mesh, query);
+                        const Intersections& found = limited.find(mesh, query);
                         EXPECT_EQ(difference(pairs_of(expected), pairs_of(found)), "") << limit << " bytes";
                         EXPECT_LE(found.statistics.peak_memory_bytes, limit);
                         EXPECT_EQ(found.contacts.points.size(), expected.contacts.points.size());
@@ -38,10 +38,10 @@ TEST(MemoryLimit, a_smaller_limit_gives_the_same_answer_or_names_what_is_needed_
                         EXPECT_GT(error.bytes_needed, limit);
                         refused = true;
                         test::sufficient_limit(options, [&](Detector& enough) {
-                            EXPECT_EQ(difference(pairs_of(expected), pairs_of(enough.find_self(mesh, query))), "");
+                            EXPECT_EQ(difference(pairs_of(expected), pairs_of(enough.find(mesh, query))), "");
                         });
                         // The one that threw is usable still.
-                        EXPECT_EQ(limited.find_self(MeshView()).pairs.size(), 0u);
+                        EXPECT_EQ(limited.find(MeshView()).pairs.size(), 0u);
                     }
                 }
                 EXPECT_TRUE(refused) << "no limit was too small";
@@ -54,25 +54,25 @@ TEST(MemoryLimit, holds_between_two_meshes_with_welding_and_groups) {
     auto a = test::wavy_sheet(50), b = test::wavy_sheet(60, 0.4);
     a.groups.assign(a.triangles.size(), 1);
     b.groups.assign(b.triangles.size(), 2);
-    Query query;
+    IntersectionQuery query;
     query.weld = true;
-    query.wanted = Wanted::between;
+    query.filter.groups = PairScope::between;
     Detector free;
-    const auto expected = pairs_of(free.find_between(a.view(), b.view(), query));
+    const auto expected = pairs_of(free.find({a.view(), b.view()}, query));
     ASSERT_GT(expected.size(), 100u);
     const std::int64_t enough = test::sufficient_limit({}, [&](Detector& detector) {
-        EXPECT_EQ(difference(expected, pairs_of(detector.find_between(a.view(), b.view(), query))), "");
+        EXPECT_EQ(difference(expected, pairs_of(detector.find({a.view(), b.view()}, query))), "");
     });
     EXPECT_GT(enough, 1);
 }
 
 TEST(MemoryLimit, what_earlier_calls_have_left_is_dropped_before_a_call_fails) {
     const auto a = test::wavy_sheet(50), b = test::wavy_sheet(60, 0.4), large = test::wavy_sheet(80);
-    Query query;
+    IntersectionQuery query;
     query.weld = true;
     const auto needed = [](auto call) { return test::sufficient_limit({}, call, 4); };
-    const auto between = [&](Detector& detector) { detector.find_between(a.view(), b.view(), query); };
-    const auto within = [&](Detector& detector) { detector.find_self(large.view()); };
+    const auto between = [&](Detector& detector) { detector.find({a.view(), b.view()}, query); };
+    const auto within = [&](Detector& detector) { detector.find(large.view()); };
     Detector enough({.memory_limit = std::max(needed(between), needed(within))});
     for (int round = 0; round < 2; ++round) {
         EXPECT_NO_THROW(within(enough));
@@ -98,7 +98,7 @@ TEST(MemoryLimit, pairs_of_duplicated_faces_that_do_not_fit_end_a_call) {
         const auto soup = stack(n, by_index), half = stack(n / 2, by_index);
         Detector detector({.threads = 2, .memory_limit = limit});
         for (int round = 0; round < 2; ++round) {
-            const Error error = error_of([&] { detector.find_self(soup.view()); });
+            const Error error = error_of([&] { detector.find(soup.view()); });
             EXPECT_EQ(error.code, ErrorCode::memory_limit);
             EXPECT_GT(error.bytes_needed, limit);
             EXPECT_LT(error.bytes_needed, std::int64_t{8} * n * (n - 1) / 2) << "it was counted on";
@@ -106,9 +106,9 @@ TEST(MemoryLimit, pairs_of_duplicated_faces_that_do_not_fit_end_a_call) {
                       std::string::npos)
                 << error.what();
         }
-        EXPECT_GT(error_of([&] { detector.find_between(half.view(), half.view()); }).bytes_needed, limit);
-        EXPECT_TRUE(detector.has_collision(soup.view()));
-        const Part part = detector.partition(soup.view(), 2)[0];
+        EXPECT_GT(error_of([&] { detector.find({half.view(), half.view()}); }).bytes_needed, limit);
+        EXPECT_TRUE(detector.any(soup.view()));
+        const Part part = detector.partition(soup.view(), {}, 2)[0];
         EXPECT_GT(error_of([&] { detector.find(part); }).bytes_needed, limit);
     }
 }
@@ -116,13 +116,13 @@ TEST(MemoryLimit, pairs_of_duplicated_faces_that_do_not_fit_end_a_call) {
 TEST(MemoryLimit, counting_ends_when_the_pairs_alone_exceed_it) {
     const auto soup = test::random_soup(4000, 1);
     Detector free;
-    const Collisions expected = free.find_self(soup.view());
+    const Intersections expected = free.find(soup.view());
     const auto pairs = static_cast<std::int64_t>(expected.pairs.size());
     ASSERT_GT(pairs, 200'000);
     const std::int64_t limit = pairs * 8 / 4;
     for (const int threads : {1, 2}) {
         Detector detector({.threads = threads, .memory_limit = limit});
-        const Error error = error_of([&] { detector.find_self(soup.view()); });
+        const Error error = error_of([&] { detector.find(soup.view()); });
         EXPECT_GT(error.bytes_needed, limit);
         EXPECT_LT(error.bytes_needed, 8 * pairs / 2) << "it was counted on";
     }
@@ -132,13 +132,13 @@ TEST(MemoryLimit, counting_ends_when_the_pairs_alone_exceed_it) {
 TEST(MemoryLimit, pairs_that_fit_in_chunks_only_are_found) {
     const auto soup = test::random_soup(3000, 0.7);
     Detector free;
-    const auto expected = pairs_of(free.find_self(soup.view()));
+    const auto expected = pairs_of(free.find(soup.view()));
     const std::int64_t limit = test::sufficient_limit(
-        {}, [&](Detector& detector) { detector.find_self(soup.view()); }, 4);
+        {}, [&](Detector& detector) { detector.find(soup.view()); }, 4);
     for (const int threads : {1, 2}) {
         Detector detector({.threads = threads, .memory_limit = limit});
         for (int round = 0; round < 2; ++round) {
-            const Collisions& found = detector.find_self(soup.view());
+            const Intersections& found = detector.find(soup.view());
             EXPECT_EQ(difference(expected, pairs_of(found)), "");
             EXPECT_LE(found.statistics.peak_memory_bytes, limit);
         }
@@ -150,10 +150,10 @@ TEST(MemoryLimit, what_earlier_calls_have_left_is_not_needed) {
     const auto small = test::wavy_sheet(60), large = test::wavy_sheet(80);
     const auto soup = stack(60000, true);
     const auto least_of = [&](Detector& detector) {
-        return error_of([&] { detector.find_self(soup.view()); }).bytes_needed;
+        return error_of([&] { detector.find(soup.view()); }).bytes_needed;
     };
     Detector fresh({.memory_limit = 20'000'000}), used({.memory_limit = 20'000'000});
-    for (const auto* mesh : {&large, &small}) used.find_self(mesh->view(), {.weld = true, .contacts = true});
+    for (const auto* mesh : {&large, &small}) used.find(mesh->view(), {.output = Output::contacts, .weld = true});
     const std::int64_t least = least_of(fresh);
     EXPECT_GT(least, 20'000'000);
     EXPECT_LT(least_of(used), least + 1'000'000) << "with what is kept it were several millions more";

@@ -22,14 +22,14 @@ using test::pairs_of;
 TEST(Options, clusters_leaves_and_threads_do_not_change_the_answer) {
     const auto sheet = test::wavy_sheet(60);
     Detector plain({.clusters = 1, .leaf_size = 1000000});
-    const Collisions expected = plain.find_self(sheet.view());
+    const Intersections expected = plain.find(sheet.view());
     ASSERT_GT(expected.pairs.size(), 100u);
     for (const int clusters : {0, 1, 2, 3, 7, 16, 31, 64})
         for (const int leaf_size : {3, 40, 500, 100000})
             for (const int threads : {1, 2, 5, 16}) {
                 Detector detector({.threads = threads, .clusters = clusters, .leaf_size = leaf_size});
                 for (int frame = 0; frame < 2; ++frame) {  // cold, then warm
-                    const Collisions& found = detector.find_self(sheet.view());
+                    const Intersections& found = detector.find(sheet.view());
                     EXPECT_EQ(difference(pairs_of(expected), pairs_of(found)), "")
                         << clusters << " clusters, leaves of " << leaf_size << ", " << threads << " threads";
                     EXPECT_TRUE(std::equal(found.offsets.begin(), found.offsets.end(), expected.offsets.begin()));
@@ -44,19 +44,19 @@ TEST(Options, clusters_leaves_and_threads_do_not_change_the_answer) {
 TEST(Options, a_warm_detector_splits_a_scene_as_a_new_one_does) {
     const auto small = test::wavy_sheet(20), large = test::wavy_sheet(60);
     const Options options{.leaf_size = 1200};  // 1 and 6 leaves
-    const auto clusters = Detector(options).find_self(large.view()).statistics.clusters;
+    const auto clusters = Detector(options).find(large.view()).statistics.clusters;
     ASSERT_GT(clusters, 1);
     Detector detector(options);
-    EXPECT_EQ(detector.find_self(small.view()).statistics.clusters, 1);
-    EXPECT_EQ(detector.find_self(large.view()).statistics.clusters, clusters);
-    EXPECT_EQ(detector.find_self(small.view()).statistics.clusters, 1);
-    EXPECT_EQ(detector.find_self(large.view()).statistics.clusters, clusters);
+    EXPECT_EQ(detector.find(small.view()).statistics.clusters, 1);
+    EXPECT_EQ(detector.find(large.view()).statistics.clusters, clusters);
+    EXPECT_EQ(detector.find(small.view()).statistics.clusters, 1);
+    EXPECT_EQ(detector.find(large.view()).statistics.clusters, clusters);
 }
 
 TEST(Options, fuzziness_and_iterations_do_not_change_the_answer) {
     const auto soup = test::random_soup(4000, 0.08);
     Detector plain;
-    const auto expected = pairs_of(plain.find_self(soup.view()));
+    const auto expected = pairs_of(plain.find(soup.view()));
     for (const double fuzziness : {1.01, 1.5, 2.0, 5.0, 100.0})
         for (const int iterations : {0, 1, 20}) {
             Detector detector(
@@ -65,7 +65,7 @@ TEST(Options, fuzziness_and_iterations_do_not_change_the_answer) {
                  .fuzzy_c_means = {
                      .fuzziness = fuzziness, .max_iterations = iterations, .first_iterations = iterations}});
             for (int frame = 0; frame < 3; ++frame)
-                EXPECT_EQ(difference(expected, pairs_of(detector.find_self(soup.view()))), "")
+                EXPECT_EQ(difference(expected, pairs_of(detector.find(soup.view()))), "")
                     << "t = " << fuzziness << ", " << iterations << " iterations, frame " << frame;
         }
 }
@@ -73,7 +73,7 @@ TEST(Options, fuzziness_and_iterations_do_not_change_the_answer) {
 TEST(Options, large_scenes_are_subdivided_twice) {
     const auto sheet = test::wavy_sheet(200);  // 80,000 triangles
     Detector detector;
-    const Statistics& statistics = detector.find_self(sheet.view()).statistics;
+    const Statistics& statistics = detector.find(sheet.view()).statistics;
     EXPECT_EQ(statistics.clusters, 8);
     EXPECT_GT(statistics.leaves, statistics.clusters);
     EXPECT_LT(statistics.members, 2 * statistics.triangles);

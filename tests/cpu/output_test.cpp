@@ -29,7 +29,7 @@ TEST(Output, of_millions_of_triangles_that_lie_apart_but_for_a_few) {
     for (const std::int32_t t : twice) add(t);
 
     Detector detector({.backend = Backend::cpu});
-    const Collisions& found = detector.find_self({vertices, triangles});
+    const Intersections& found = detector.find({vertices, triangles});
     ASSERT_EQ(found.pairs.size(), twice.size());
     ASSERT_EQ(found.offsets.size(), static_cast<std::size_t>(count) + 1);
     for (std::size_t i = 0; i < twice.size(); ++i) {

@@ -52,7 +52,7 @@ bool overlap(const Boxes& boxes, std::size_t i, std::size_t j) {
 std::multiset<std::pair<int, int>> candidates_of(const StageKernels& kernels, const SortedLeaf& leaf,
                                                  std::int64_t capacity) {
     std::multiset<std::pair<int, int>> found;
-    Candidates out(nullptr);
+    CandidateChunk out(nullptr);
     out.column.resize(static_cast<std::size_t>(capacity + block_stride + 4 * padding));
     out.row.resize(out.column.size());
     for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {

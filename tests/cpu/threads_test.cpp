@@ -28,7 +28,7 @@ bool same(const Array<T>& a, const Array<T>& b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-void expect_same(const Collisions& expected, const Collisions& found, int threads) {
+void expect_same(const Intersections& expected, const Intersections& found, int threads) {
     EXPECT_EQ(difference(pairs_of(expected), pairs_of(found)), "") << threads << " threads";
     EXPECT_TRUE(same(expected.offsets, found.offsets)) << threads << " threads";
     EXPECT_TRUE(same(expected.hit, found.hit)) << threads << " threads";
@@ -41,27 +41,27 @@ void expect_same(const Collisions& expected, const Collisions& found, int thread
 TEST(Threads, one_soup_with_contacts_and_groups) {
     auto sheet = test::wavy_sheet(70);
     for (std::size_t t = 0; t < sheet.triangles.size(); ++t) sheet.groups.push_back(static_cast<std::int32_t>(t % 3));
-    Query query;
-    query.contacts = true;
-    query.wanted = Wanted::between;
+    IntersectionQuery query;
+    query.output = Output::contacts;
+    query.filter.groups = PairScope::between;
     Detector one({.threads = 1, .leaf_size = 500});
-    const Collisions expected = one.find_self(sheet.view(), query);
+    const Intersections expected = one.find(sheet.view(), query);
     ASSERT_GT(expected.pairs.size(), 100u);
     for (const int threads : {2, 5, 16}) {
         Detector detector({.threads = threads, .leaf_size = 500});
-        for (int frame = 0; frame < 2; ++frame) expect_same(expected, detector.find_self(sheet.view(), query), threads);
-        EXPECT_TRUE(detector.has_collision(sheet.view(), query));
+        for (int frame = 0; frame < 2; ++frame) expect_same(expected, detector.find(sheet.view(), query), threads);
+        EXPECT_TRUE(detector.any(sheet.view(), query));
     }
 }
 
 TEST(Threads, two_meshes) {
     const auto a = test::wavy_sheet(40), b = test::wavy_sheet(50, 0.4);
     Detector one({.threads = 1, .leaf_size = 300});
-    const Collisions expected = one.find_between(a.view(), b.view());
+    const Intersections expected = one.find({a.view(), b.view()});
     ASSERT_GT(expected.pairs.size(), 100u);
     for (const int threads : {2, 16}) {
         Detector detector({.threads = threads, .leaf_size = 300});
-        expect_same(expected, detector.find_between(a.view(), b.view()), threads);
+        expect_same(expected, detector.find({a.view(), b.view()}), threads);
     }
 }
 
@@ -78,11 +78,11 @@ TEST(Threads, one_large_leaf) {
         soup.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
     }
     Detector one({.threads = 1, .clusters = 1, .leaf_size = 100000});
-    const Collisions expected = one.find_self(soup.view());
+    const Intersections expected = one.find(soup.view());
     ASSERT_GT(expected.statistics.interval_tests, 5'000'000) << "enough for tiles";
     for (const int threads : {2, 8}) {
         Detector detector({.threads = threads, .clusters = 1, .leaf_size = 100000});
-        expect_same(expected, detector.find_self(soup.view()), threads);
+        expect_same(expected, detector.find(soup.view()), threads);
     }
 }
 

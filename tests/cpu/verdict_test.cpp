@@ -87,7 +87,7 @@ struct Filtered {
         records.sort(kernels.intersect, leaf);
         row.assign(leaf.position.begin(), leaf.position.begin() + n);
 
-        Candidates candidates(nullptr);
+        CandidateChunk candidates(nullptr);
         candidates.column.resize(static_cast<std::size_t>(n * n + 1000));
         candidates.row.resize(static_cast<std::size_t>(n * n + 1000));
         const std::int64_t end = kernels.stages.sweep(leaf, 0, n, n, static_cast<std::uint16_t>(n), n * n, candidates);
@@ -125,7 +125,7 @@ void check(const test::Tables& kernels, const Mesh& mesh, const std::vector<Rati
         for (std::size_t b = a + 1; b < n; ++b) {
             const bool expected =
                 collide(exact[a * n + b], policy.skip_neighbours ? Neighbours::skip : Neighbours::geometric,
-                        policy.proper ? Intersections::proper : Intersections::all);
+                        policy.proper ? IntersectionKind::proper : IntersectionKind::all);
             if (expected) {
                 ASSERT_TRUE(found.hits.contains({a, b}) || found.undecided.contains({a, b}))
                     << kernels.name << ": " << a << ' ' << b << " collide, and were dropped";

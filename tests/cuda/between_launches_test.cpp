@@ -22,32 +22,33 @@ class CudaBetweenLaunches : public testing::Test {
 
     void expect_features() {
         const VertexView end = end_.view().vertices;
-        EXPECT_TRUE(same_features(cuda_.find_impacts(start_.view(), end), cpu_.find_impacts(start_.view(), end)));
-        const Near near{.radius = 0.01};
-        EXPECT_TRUE(same_features(cuda_.find_near(start_.view(), near), cpu_.find_near(start_.view(), near)));
-        EXPECT_TRUE(
-            same_candidates(cuda_.find_candidates(start_.view(), end), cpu_.find_candidates(start_.view(), end)));
+        EXPECT_TRUE(same_features(cuda_.find(start_.view().moving_to(end), ImpactQuery()),
+                                  cpu_.find(start_.view().moving_to(end), ImpactQuery())));
+        const ProximityQuery near{.radius = 0.01};
+        EXPECT_TRUE(same_features(cuda_.find(start_.view(), near), cpu_.find(start_.view(), near)));
+        EXPECT_TRUE(same_candidates(cuda_.find(start_.view().moving_to(end), CandidateQuery()),
+                                    cpu_.find(start_.view().moving_to(end), CandidateQuery())));
     }
-    void expect_answer() { EXPECT_TRUE(shows(cuda_.wait(), device_.view(), nullptr, cpu_.find_self(start_.view()))); }
+    void expect_answer() { EXPECT_TRUE(shows(cuda_.wait(), device_.view(), nullptr, cpu_.find(start_.view()))); }
 };
 
 TEST_F(CudaBetweenLaunches, features_end_what_is_in_flight) {
     for (int round = 0; round < 3; ++round) {
-        cuda_.launch_self(device_.view());
-        if (round > 0) cuda_.launch_self(device_.view());
+        cuda_.launch(device_.view());
+        if (round > 0) cuda_.launch(device_.view());
         expect_features();
-        EXPECT_STREQ(error_of([&] { cuda_.wait(); }).what(), "wait() needs a launch before it");
+        EXPECT_STREQ(error_of([&] { cuda_.wait(); }).what(), "wait() for intersections needs a launch before it");
     }
-    cuda_.launch_self(device_.view());
+    cuda_.launch(device_.view());
     expect_answer();
 }
 
 TEST_F(CudaBetweenLaunches, features_come_after_an_answer) {
     for (int round = 0; round < 3; ++round) {
-        cuda_.launch_self(device_.view());
+        cuda_.launch(device_.view());
         expect_answer();
         expect_features();
-        EXPECT_STREQ(error_of([&] { cuda_.download(); }).what(), "download() needs a wait() before it");
+        EXPECT_STREQ(error_of([&] { cuda_.download(); }).what(), "download() needs a wait() for meshes before it");
     }
 }
 
@@ -57,19 +58,19 @@ TEST_F(CudaBetweenLaunches, features_end_a_captured_launch) {
     MeshView view = device_.view();
     view.stream = stream;
     for (int call = 0; call < 2; ++call) {
-        cuda_.launch_self(view);
+        cuda_.launch(view);
         cuda_.wait();
     }
     check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
-    cuda_.launch_self(view);
-    EXPECT_EQ(error_of([&] { cuda_.find_near(start_.view(), {}); }).code, ErrorCode::invalid_argument)
+    cuda_.launch(view);
+    EXPECT_EQ(error_of([&] { cuda_.find(start_.view(), ProximityQuery()); }).code, ErrorCode::invalid_argument)
         << "the capture has not ended";
     cudaGraph_t graph = nullptr;
     check(cudaStreamEndCapture(stream, &graph));
     check(cudaGraphDestroy(graph));
     expect_features();
-    EXPECT_STREQ(error_of([&] { cuda_.wait(); }).what(), "wait() needs a launch before it");
-    cuda_.launch_self(view);
+    EXPECT_STREQ(error_of([&] { cuda_.wait(); }).what(), "wait() for intersections needs a launch before it");
+    cuda_.launch(view);
     expect_answer();
     check(cudaStreamDestroy(stream));
 }

@@ -22,19 +22,19 @@
 namespace crumple::test {
 namespace {
 
-void warm_up(Detector& cuda, const MeshView& mesh, const Query& query = {}) {
+void warm_up(Detector& cuda, const MeshView& mesh, const IntersectionQuery& query = {}) {
     for (int call = 0; call < 2; ++call) {
-        cuda.launch_self(mesh, query);
+        cuda.launch(mesh, query);
         cuda.wait();
     }
 }
 
 /// Replays until the answer is complete: centres may move on, and triangles at one place change sides together, so that
 /// even a scene at rest can take a second replay.
-const DeviceCollisions& answer_of(const Recorder& recorder, Detector& cuda) {
+const DeviceIntersections& answer_of(const Recorder& recorder, Detector& cuda) {
     for (int replay = 0;; ++replay) {
         recorder.replay();
-        const DeviceCollisions& found = cuda.wait();
+        const DeviceIntersections& found = cuda.wait();
         if (found.complete || replay == 4) return found;
     }
 }
@@ -45,26 +45,26 @@ TEST(CudaCapture, answers_each_replay) {
     for (const int leaf_size : {3000, 60}) {
         for (const bool contacts : {false, true}) {
             SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", contacts " << contacts);
-            const Query query{.contacts = contacts};
+            const IntersectionQuery query{.output = contacts ? Output::contacts : Output::pairs};
             Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda, .leaf_size = leaf_size});
             DeviceMesh device(cloth(600, 70).view());
             Recorder recorder;
             const MeshView view = recorder.on(device.view());
             warm_up(cuda, view, query);
             recorder.begin();
-            cuda.launch_self(view, query);
+            cuda.launch(view, query);
             recorder.end();
             int complete = 0;
             for (int frame = 70; frame < 94; frame += 3) {
                 const io::TriangleMesh mesh = cloth(600, frame);
                 device.set_vertices(mesh.view());
                 recorder.replay();
-                const DeviceCollisions& found = cuda.wait();
+                const DeviceIntersections& found = cuda.wait();
                 if (!found.complete) continue;
                 ++complete;
-                const Collisions& expected = cpu.find_self(mesh.view(), query);
+                const Intersections& expected = cpu.find(mesh.view(), query);
                 EXPECT_TRUE(shows(found, view, nullptr, expected)) << "frame " << frame;
-                EXPECT_EQ(found.pairs_needed, found.pair_count);
+                EXPECT_EQ(found.pairs_needed, found.count);
                 EXPECT_TRUE(same_answer(cuda.download(), expected)) << "frame " << frame;
             }
             EXPECT_GE(complete, 4) << "of 8 frames that look like the ones before";
@@ -78,31 +78,31 @@ TEST(CudaCapture, tells_of_the_last_of_many_replays) {
     const DeviceMesh device(mesh.view());
     Recorder recorder;
     const MeshView view = recorder.on(device.view());
-    for (int call = 0; call < 2; ++call) cuda.find_self(device.view());  // any call that lists pairs warms up
+    for (int call = 0; call < 2; ++call) cuda.find(device.view());  // any call that lists pairs warms up
     recorder.begin();
-    cuda.launch_self(view);
+    cuda.launch(view);
     recorder.end();
     for (int replay = 0; replay < 3; ++replay) recorder.replay();
-    EXPECT_TRUE(shows(cuda.wait(), view, nullptr, cpu.find_self(mesh.view())));
+    EXPECT_TRUE(shows(cuda.wait(), view, nullptr, cpu.find(mesh.view())));
 }
 
 // What expansions cannot hold, and contacts in one plane, are the host's, in wait().
 TEST(CudaCapture, has_the_host_decide_what_only_it_can) {
-    const Query query{.contacts = true};
+    const IntersectionQuery query{.output = Output::contacts};
     std::int64_t rational = 0, beyond = 0;
     for (const NamedMesh& scene : hard_soups()) {
         SCOPED_TRACE(scene.name);
         const DeviceMesh device(scene.mesh.view());
         Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-        const Collisions& expected = cpu.find_self(scene.mesh.view(), query);
+        const Intersections& expected = cpu.find(scene.mesh.view(), query);
         Recorder recorder;
         const MeshView view = recorder.on(device.view());
         warm_up(cuda, view, query);
         recorder.begin();
-        cuda.launch_self(view, query);
+        cuda.launch(view, query);
         recorder.end();
         for (int replay = 0; replay < 2; ++replay) {
-            const DeviceCollisions& found = answer_of(recorder, cuda);
+            const DeviceIntersections& found = answer_of(recorder, cuda);
             EXPECT_TRUE(shows(found, view, nullptr, expected));
             rational += found.statistics.rational_contacts;
             beyond += found.statistics.rational_tests;
@@ -122,17 +122,19 @@ TEST(CudaCapture, answers_between_two_meshes_whose_streams_it_joins) {
     cudaEvent_t fork;
     check(cudaEventCreateWithFlags(&fork, cudaEventDisableTiming));
     for (int call = 0; call < 2; ++call) {
-        cuda.launch_between(first, second);
+        cuda.launch({first, second});
         cuda.wait();
     }
     recorder.begin();
-    EXPECT_EQ(message_of([&] { cuda.launch_between(first, second); }),
+    EXPECT_EQ(message_of([&] {
+                  cuda.launch({first, second});
+              }),
               "the streams of two meshes take part in one capture, or in none");
     check(cudaEventRecord(fork, recorder.stream()));
     check(cudaStreamWaitEvent(other.stream(), fork, 0));
-    cuda.launch_between(first, second);
+    cuda.launch({first, second});
     recorder.end();
-    EXPECT_TRUE(shows(answer_of(recorder, cuda), half.a, &half.b, cpu.find_between(half.a, half.b)));
+    EXPECT_TRUE(shows(answer_of(recorder, cuda), half.a, &half.b, cpu.find({half.a, half.b})));
     check(cudaEventDestroy(fork));
 }
 
@@ -151,8 +153,8 @@ TEST(CudaCapture, refuses_the_legacy_stream_beside_a_captured_one) {
         b.stream = legacy;
         check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
         const std::string refused = "the streams of two meshes take part in one capture, or in none";
-        EXPECT_EQ(message_of([&] { cuda.launch_between(a, b); }), refused);
-        EXPECT_EQ(message_of([&] { cuda.launch_between(b, a); }), refused);
+        EXPECT_EQ(message_of([&] { cuda.launch({a, b}); }), refused);
+        EXPECT_EQ(message_of([&] { cuda.launch({b, a}); }), refused);
         cudaGraph_t graph = nullptr;
         EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
         if (graph) check(cudaGraphDestroy(graph));
@@ -165,10 +167,10 @@ TEST(CudaCapture, goes_on_when_a_detector_ends) {
     const DeviceBytes bytes(std::vector<std::byte>(1));
     std::optional<Detector> cuda(std::in_place, Options{.backend = Backend::cuda});
     for (int call = 0; call < 3; ++call) {
-        cuda->launch_self(device.view());
+        cuda->launch(device.view());
         cuda->wait();
     }
-    cuda->launch_self(device.view());  // the detector's end waits for it
+    cuda->launch(device.view());  // the detector's end waits for it
     Recorder recorder;
     recorder.begin();
     check(cudaMemsetAsync(bytes.data(), 7, 1, recorder.stream()));
@@ -183,37 +185,37 @@ TEST(CudaCapture, says_what_a_replay_lacks) {
     constexpr int n = 1500;
     const Soup<float> sparse = random_soup(n, 1e-3), dense = random_soup(n, 0.6, 2);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    const std::int64_t pairs = static_cast<std::int64_t>(cpu.find_self(dense.view()).pairs.size());
+    const std::int64_t pairs = static_cast<std::int64_t>(cpu.find(dense.view()).pairs.size());
     ASSERT_GT(pairs, 3 * n);
     DeviceMesh device(sparse.view());
     Recorder recorder;
     const MeshView view = recorder.on(device.view());
     warm_up(cuda, view);
     recorder.begin();
-    cuda.launch_self(view);
+    cuda.launch(view);
     recorder.end();
     device.set_vertices(dense.view());
     for (int replay = 0; replay < 2; ++replay) {
         recorder.replay();
-        const DeviceCollisions found = cuda.wait();
+        const DeviceIntersections found = cuda.wait();
         EXPECT_FALSE(found.complete);
         EXPECT_GT(found.pairs_needed, 0);
         EXPECT_LE(found.pairs_needed, pairs);
-        EXPECT_EQ(found.pair_count, 0);
+        EXPECT_EQ(found.count, 0);
         EXPECT_EQ(found.pairs, nullptr);
         EXPECT_EQ(message_of([&] { cuda.download(); }), "download() needs an answer that is complete");
     }
     // The graph still answers what fits: a jump spoils one replay, and what it has left guides the next ones.
     device.set_vertices(sparse.view());
-    EXPECT_TRUE(shows(answer_of(recorder, cuda), view, nullptr, cpu.find_self(sparse.view())));
+    EXPECT_TRUE(shows(answer_of(recorder, cuda), view, nullptr, cpu.find(sparse.view())));
     device.set_vertices(dense.view());
     warm_up(cuda, view);
-    EXPECT_EQ(message_of([&] { cuda.download(), cuda.wait(); }), "wait() needs a launch before it");
+    EXPECT_EQ(message_of([&] { cuda.download(), cuda.wait(); }), "wait() for intersections needs a launch before it");
     warm_up(cuda, view);
     recorder.begin();
-    cuda.launch_self(view);
+    cuda.launch(view);
     recorder.end();
-    EXPECT_TRUE(shows(answer_of(recorder, cuda), view, nullptr, cpu.find_self(dense.view())));
+    EXPECT_TRUE(shows(answer_of(recorder, cuda), view, nullptr, cpu.find(dense.view())));
 }
 
 TEST(CudaCapture, reports_bad_input_and_goes_on) {
@@ -226,7 +228,7 @@ TEST(CudaCapture, reports_bad_input_and_goes_on) {
     const MeshView view = recorder.on(device.view());
     warm_up(cuda, view);
     recorder.begin();
-    cuda.launch_self(view);
+    cuda.launch(view);
     recorder.end();
     for (int turn = 0; turn < 3; ++turn) {
         device.set_vertices(bad.view());
@@ -234,7 +236,7 @@ TEST(CudaCapture, reports_bad_input_and_goes_on) {
         EXPECT_EQ(message_of([&] { cuda.wait(); }), "vertex 17 is not finite");
         device.set_vertices(good.view());
         ASSERT_TRUE(answer_of(recorder, cuda).complete);
-        EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(good.view())));
+        EXPECT_TRUE(same_answer(cuda.download(), cpu.find(good.view())));
     }
 }
 
@@ -245,14 +247,14 @@ TEST(CudaCapture, refuses_what_has_no_lists_and_spoils_nothing) {
     for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) mesh.groups.push_back(t % 3);
     const DeviceMesh device(mesh.view()), other(cloth(500, 93).view());
     const DeviceBytes bytes(std::vector<std::byte>(4));
-    const std::array some{GroupPair{0, 1}};
+    const std::vector<GroupPair> some{{0, 1}};
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     Recorder recorder;
     const MeshView view = recorder.on(device.view());
-    const auto expect_refused = [&](const MeshView& what, const Query& query) {
+    const auto expect_refused = [&](const MeshView& what, const IntersectionQuery& query) {
         recorder.begin();
         check(cudaMemsetAsync(bytes.data(), 7, 4, recorder.stream()));
-        EXPECT_EQ(message_of([&] { cuda.launch_self(what, query); }).substr(0, 48),
+        EXPECT_EQ(message_of([&] { cuda.launch(what, query); }).substr(0, 48),
                   "a launch in a capture needs two calls before it,");
         check(cudaMemsetAsync(bytes.data(), 9, 1, recorder.stream()));
         recorder.end();
@@ -260,21 +262,21 @@ TEST(CudaCapture, refuses_what_has_no_lists_and_spoils_nothing) {
         EXPECT_EQ(to_host(static_cast<const unsigned char*>(bytes.data()), 2), (std::vector<unsigned char>{9, 7}));
     };
     expect_refused(view, {});
-    cuda.launch_self(view);
+    cuda.launch(view);
     cuda.wait();
     expect_refused(view, {});
     warm_up(cuda, view);
     expect_refused(view, {.weld = true});
     warm_up(cuda, view);
-    expect_refused(view, {.excluded_groups = some});
+    expect_refused(view, {.filter = {.excluded_groups = some}});
     warm_up(cuda, view);
     expect_refused(recorder.on(other.view()), {});
     warm_up(cuda, view);
     recorder.begin();
-    cuda.launch_self(view);
+    cuda.launch(view);
     recorder.end();
     recorder.replay();
-    EXPECT_TRUE(shows(cuda.wait(), view, nullptr, cpu.find_self(mesh.view())));
+    EXPECT_TRUE(shows(cuda.wait(), view, nullptr, cpu.find(mesh.view())));
 }
 
 TEST(CudaCapture, tells_when_it_is_asked_out_of_turn) {
@@ -283,30 +285,31 @@ TEST(CudaCapture, tells_when_it_is_asked_out_of_turn) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     Recorder recorder;
     const MeshView view = recorder.on(device.view());
-    const Collisions expected = cpu.find_self(mesh.view());
+    const Intersections expected = cpu.find(mesh.view());
     warm_up(cuda, view);
-    cuda.launch_self(view);
+    cuda.launch(view);
     recorder.begin();
-    EXPECT_EQ(message_of([&] { cuda.launch_self(view); }),
-              "a launch in a capture comes after wait() for the one before");
+    EXPECT_EQ(message_of([&] { cuda.launch(view); }), "a launch in a capture comes after wait() for the one before");
     recorder.end();
     cuda.wait();
     recorder.begin();
-    cuda.launch_self(view);
-    EXPECT_EQ(message_of([&] { cuda.launch_self(view); }), "a detector's launches in a capture are one at most");
+    cuda.launch(view);
+    EXPECT_EQ(message_of([&] { cuda.launch(view); }), "a detector's launches in a capture are one at most");
     EXPECT_EQ(message_of([&] { cuda.wait(); }), "the capture that a launch was put into has not ended");
     recorder.end();
-    EXPECT_EQ(message_of([&] { cuda.wait(); }), "wait() needs a replay of the captured launch before it");
-    EXPECT_EQ(message_of([&] { cuda.download(); }), "download() needs a wait() before it");
+    EXPECT_EQ(message_of([&] { cuda.wait(); }),
+              "wait() for intersections needs a replay of the captured launch before it");
+    EXPECT_EQ(message_of([&] { cuda.download(); }), "download() needs a wait() for meshes before it");
     recorder.replay();
     EXPECT_TRUE(shows(cuda.wait(), view, nullptr, expected));
-    EXPECT_EQ(message_of([&] { cuda.wait(); }), "wait() needs a replay of the captured launch before it");
+    EXPECT_EQ(message_of([&] { cuda.wait(); }),
+              "wait() for intersections needs a replay of the captured launch before it");
     recorder.replay();
     EXPECT_TRUE(shows(cuda.wait(), view, nullptr, expected));
     EXPECT_TRUE(same_answer(cuda.download(), expected));
     // Another call may move its lists, so it is over.
-    EXPECT_TRUE(same_answer(cuda.find_self(mesh.view()), expected));
-    EXPECT_EQ(message_of([&] { cuda.wait(); }), "wait() needs a launch before it");
+    EXPECT_TRUE(same_answer(cuda.find(mesh.view()), expected));
+    EXPECT_EQ(message_of([&] { cuda.wait(); }), "wait() for intersections needs a launch before it");
 }
 
 }  // namespace

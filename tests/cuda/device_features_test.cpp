@@ -43,25 +43,25 @@ TYPED_TEST(CudaDeviceFeatures, are_found_where_they_lie) {
     for (const auto& [name, soup, unit] : some_moves<TypeParam>()) {
         SCOPED_TRACE(name);
         const DeviceStep<TypeParam> there(soup);
-        for (const Motion& asked : {Motion{.index = true}, Motion{.separation = unit > 1e300 ? 0 : unit / 2},
-                                    Motion{.wants = MotionWants::earliest}, Motion{.wants = MotionWants::any},
-                                    Motion{.weld = true}, Motion{.triangle_pairs = true}})
-            EXPECT_TRUE(same_features(this->cuda_.find_impacts(there.view(), there.end(), asked),
-                                      this->cpu_.find_impacts(soup.view(), soup.end_view(), asked)));
+        for (const ImpactQuery& asked :
+             {ImpactQuery{.index = true}, ImpactQuery{.min_distance = unit > 1e300 ? 0 : unit / 2},
+              ImpactQuery{.output = Output::first}, ImpactQuery{.output = Output::any}, ImpactQuery{.weld = true},
+              ImpactQuery{.triangle_pairs = true}})
+            EXPECT_TRUE(same_features(this->cuda_.find(there.view().moving_to(there.end()), asked),
+                                      this->cpu_.find(soup.view().moving_to(soup.end_view()), asked)));
         if (unit <= 1e300) {
-            for (const Near& asked :
-                 {Near{.radius = unit / 2, .index = true}, Near{.radius = unit / 2, .rings = 2},
-                  Near{.radius = unit / 4, .closest = true}, Near{.radius = unit / 4, .least = true},
-                  Near{.radius = unit / 4, .weld = true}, Near{.wants = NearWants::any}})
-                EXPECT_TRUE(same_features(this->cuda_.find_near(there.view(), asked),
-                                          this->cpu_.find_near(soup.view(), asked)));
+            for (const ProximityQuery& asked :
+                 {ProximityQuery{.radius = unit / 2, .index = true}, ProximityQuery{.radius = unit / 2, .rings = 2},
+                  ProximityQuery{.radius = unit / 4, .closest = true},
+                  ProximityQuery{.radius = unit / 4, .least = true}, ProximityQuery{.radius = unit / 4, .weld = true},
+                  ProximityQuery{.output = Output::any}})
+                EXPECT_TRUE(same_features(this->cuda_.find(there.view(), asked), this->cpu_.find(soup.view(), asked)));
         }
         for (const bool weld : {false, true}) {
-            const CandidateQuestion asked{.kinds = all_candidate_kinds(), .weld = weld};
-            EXPECT_TRUE(same_candidates(this->cuda_.find_candidates(there.view(), there.end(), asked),
-                                        this->cpu_.find_candidates(soup.view(), soup.end_view(), asked)));
-            EXPECT_TRUE(same_candidates(this->cuda_.find_candidates(there.view(), asked),
-                                        this->cpu_.find_candidates(soup.view(), asked)));
+            const CandidateQuery asked{.kinds = all_candidate_kinds(), .weld = weld};
+            EXPECT_TRUE(same_candidates(this->cuda_.find(there.view().moving_to(there.end()), asked),
+                                        this->cpu_.find(soup.view().moving_to(soup.end_view()), asked)));
+            EXPECT_TRUE(same_candidates(this->cuda_.find(there.view(), asked), this->cpu_.find(soup.view(), asked)));
         }
         if (this->HasFailure()) return;
     }
@@ -74,21 +74,21 @@ TYPED_TEST(CudaDeviceFeatures, stay_on_the_device) {
         SCOPED_TRACE(name);
         const DeviceStep<TypeParam> there(soup);
         const MeshView view = there.view(stream);
-        for (const MotionWants wants : {MotionWants::impacts, MotionWants::earliest, MotionWants::any}) {
-            const Motion asked{.wants = wants};
-            this->cuda_.launch_impacts(view, there.end(), asked);
-            EXPECT_TRUE(
-                shows(this->cuda_.wait_impacts(), this->cpu_.find_impacts(soup.view(), soup.end_view(), asked)));
+        for (const Output wants : {Output::pairs, Output::first, Output::any}) {
+            const ImpactQuery asked{.output = wants};
+            this->cuda_.launch(view.moving_to(there.end()), asked);
+            EXPECT_TRUE(shows(this->cuda_.template wait<ImpactQuery>(),
+                              this->cpu_.find(soup.view().moving_to(soup.end_view()), asked)));
         }
         if (unit <= 1e300) {
-            const Near asked{.radius = unit / 2};
-            this->cuda_.launch_near(view, asked);
-            EXPECT_TRUE(shows(this->cuda_.wait_near(), this->cpu_.find_near(soup.view(), asked)));
+            const ProximityQuery asked{.radius = unit / 2};
+            this->cuda_.launch(view, asked);
+            EXPECT_TRUE(shows(this->cuda_.template wait<ProximityQuery>(), this->cpu_.find(soup.view(), asked)));
         }
-        const CandidateQuestion asked{.kinds = all_candidate_kinds()};
-        this->cuda_.launch_candidates(view, there.end(), asked);
-        EXPECT_TRUE(
-            shows(this->cuda_.wait_candidates(), this->cpu_.find_candidates(soup.view(), soup.end_view(), asked)));
+        const CandidateQuery asked{.kinds = all_candidate_kinds()};
+        this->cuda_.launch(view.moving_to(there.end()), asked);
+        EXPECT_TRUE(shows(this->cuda_.template wait<CandidateQuery>(),
+                          this->cpu_.find(soup.view().moving_to(soup.end_view()), asked)));
         if (this->HasFailure()) return;
     }
     check(cudaStreamDestroy(stream));
@@ -102,18 +102,18 @@ TEST(CudaDeviceFeatures, have_radii_and_a_shape_at_rest) {
     const DeviceArray<double> radii_there{std::span<const double>(radii)};
     const DeviceArray<PointOf<float>> rest_there{std::span<const PointOf<float>>(soup.end)};
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    Near asked{.radii = radii, .rest = soup.end_view(), .rest_radius = 0.02}, asked_there = asked;
+    ProximityQuery asked{.radii = radii, .rest = soup.end_view(), .rest_radius = 0.02}, asked_there = asked;
     asked_there.radii = radii_there.span();
     asked_there.rest.data = rest_there.span().data();
-    const Nearby& expected = cpu.find_near(soup.view(), asked);
+    const Proximities& expected = cpu.find(soup.view(), asked);
     ASSERT_GT(expected.count, 0);
-    EXPECT_TRUE(same_features(cuda.find_near(there.view(), asked_there), expected));
+    EXPECT_TRUE(same_features(cuda.find(there.view(), asked_there), expected));
     for (int frame = 0; frame < 4; ++frame) {
-        cuda.launch_near(there.view(), asked_there);
-        EXPECT_TRUE(shows(cuda.wait_near(), expected)) << "frame " << frame;
+        cuda.launch(there.view(), asked_there);
+        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), expected)) << "frame " << frame;
     }
     asked.closest = asked_there.closest = true;
-    EXPECT_TRUE(same_features(cuda.find_near(there.view(), asked_there), cpu.find_near(soup.view(), asked)));
+    EXPECT_TRUE(same_features(cuda.find(there.view(), asked_there), cpu.find(soup.view(), asked)));
 }
 
 // What a frame's graph reads is this frame's, wherever it lies.
@@ -131,14 +131,15 @@ TEST(CudaDeviceFeatures, are_those_of_the_arrays_that_are_given) {
     std::int64_t near = 0;
     for (std::size_t frame = 0; frame < 16; ++frame) {
         const std::size_t r = frame / 4 % 2, t = frame % 2;
-        Near asked{.radii = t ? thick : thin, .rest = soup.end_view(), .rest_radius = 0.02}, asked_there = asked;
+        ProximityQuery asked{.radii = t ? thick : thin, .rest = soup.end_view(), .rest_radius = 0.02},
+            asked_there = asked;
         if (r) asked.rest.data = flat.data();
         asked_there.radii = radii[t].span();
         asked_there.rest.data = rest[r].span().data();
-        const Nearby& expected = cpu.find_near(soup.view(), asked);
+        const Proximities& expected = cpu.find(soup.view(), asked);
         near += expected.count;
-        cuda.launch_near(there.view(), asked_there);
-        ASSERT_TRUE(shows(cuda.wait_near(), expected)) << "frame " << frame;
+        cuda.launch(there.view(), asked_there);
+        ASSERT_TRUE(shows(cuda.wait<ProximityQuery>(), expected)) << "frame " << frame;
     }
     EXPECT_GT(near, 0);
 }
@@ -148,9 +149,9 @@ TEST(CudaDeviceFeatures, have_a_free_step) {
     const DeviceStep<float> there(soup);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     for (const double separation : {0.0, 0.01}) {
-        const Motion asked{.separation = separation};
-        const FreeStep expected = cpu.find_free_step(soup.view(), soup.end_view(), asked);
-        const FreeStep found = cuda.find_free_step(there.view(), there.end(), asked);
+        const ImpactQuery asked{.min_distance = separation};
+        const FreeStep expected = cpu.find(soup.view().moving_to(soup.end_view()), FreeStepQuery{asked});
+        const FreeStep found = cuda.find(there.view().moving_to(there.end()), FreeStepQuery{asked});
         EXPECT_EQ(found.share, expected.share);
         EXPECT_TRUE(std::ranges::equal(found.positions, expected.positions));
     }
@@ -181,12 +182,12 @@ TEST(CudaDeviceFeatures, are_read_as_they_lie) {
     view.memory = MemorySpace::cuda;
     const VertexView to{place(end, 3) + 8, n, 13, -4, ScalarType::float32};
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    const Impacts& expected = cpu.find_impacts(soup.view(), soup.end_view());
-    EXPECT_TRUE(same_features(cuda.find_impacts(view, to), expected));
-    cuda.launch_impacts(view, to);
-    EXPECT_TRUE(shows(cuda.wait_impacts(), expected));
-    EXPECT_TRUE(same_features(cuda.find_impacts(view, to, {.weld = true}),
-                              cpu.find_impacts(soup.view(), soup.end_view(), {.weld = true})));
+    const Impacts& expected = cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery());
+    EXPECT_TRUE(same_features(cuda.find(view.moving_to(to), ImpactQuery()), expected));
+    cuda.launch(view.moving_to(to), ImpactQuery());
+    EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), expected));
+    EXPECT_TRUE(same_features(cuda.find(view.moving_to(to), ImpactQuery{.weld = true}),
+                              cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.weld = true})));
 }
 
 TEST(CudaDeviceFeatures, know_groups) {
@@ -194,15 +195,15 @@ TEST(CudaDeviceFeatures, know_groups) {
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 3));
     const DeviceStep<float> there(soup);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    Near asked{.radius = 0.05};
-    for (const Wanted groups : {Wanted::between, Wanted::within, Wanted::both}) {
-        asked.rules.groups = groups;
-        asked.rules.excluded_groups = {{0, 1}};
-        const Nearby& expected = cpu.find_near(soup.view(), asked);
+    ProximityQuery asked{.radius = 0.05};
+    for (const PairScope groups : {PairScope::between, PairScope::within, PairScope::both}) {
+        asked.filter.groups = groups;
+        asked.filter.excluded_groups = {{0, 1}};
+        const Proximities& expected = cpu.find(soup.view(), asked);
         ASSERT_GT(expected.count, 0);
-        EXPECT_TRUE(same_features(cuda.find_near(there.view(), asked), expected));
-        cuda.launch_near(there.view(), asked);
-        EXPECT_TRUE(shows(cuda.wait_near(), expected));
+        EXPECT_TRUE(same_features(cuda.find(there.view(), asked), expected));
+        cuda.launch(there.view(), asked);
+        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), expected));
     }
 }
 
@@ -211,23 +212,25 @@ TEST(CudaDeviceFeatures, take_turns_with_other_launches) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const MovingSoup<float> first = falling(300, 85), second = falling(500, 88);
     const DeviceStep<float> a(first), b(second);
-    const Near near{.radius = 0.03};
+    const ProximityQuery near{.radius = 0.03};
     for (int round = 0; round < 3; ++round) {
-        cuda.launch_impacts(a.view(), a.end());
-        cuda.launch_near(b.view(), near);
-        EXPECT_STREQ(error_of([&] { cuda.launch_self(a.view()); }).what(),
+        cuda.launch(a.view().moving_to(a.end()), ImpactQuery());
+        cuda.launch(b.view(), near);
+        EXPECT_STREQ(error_of([&] { cuda.launch(a.view()); }).what(),
                      "two launches are in flight: the next one comes after a wait()");
-        EXPECT_STREQ(error_of([&] { cuda.wait_near(); }).what(), "the oldest launch is answered by wait_impacts()");
-        EXPECT_TRUE(shows(cuda.wait_impacts(), cpu.find_impacts(first.view(), first.end_view())));
-        cuda.launch_self(b.view());
-        EXPECT_TRUE(shows(cuda.wait_near(), cpu.find_near(second.view(), near)));
-        cuda.launch_candidates(b.view(), b.end());
-        EXPECT_STREQ(error_of([&] { cuda.wait_impacts(); }).what(), "the oldest launch is answered by wait()");
-        EXPECT_TRUE(shows(cuda.wait(), b.view(), nullptr, cpu.find_self(second.view())));
-        EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(second.view())));
-        EXPECT_TRUE(shows(cuda.wait_candidates(), cpu.find_candidates(second.view(), second.end_view())));
-        EXPECT_STREQ(error_of([&] { cuda.download(); }).what(), "download() needs a wait() before it");
-        EXPECT_STREQ(error_of([&] { cuda.wait_candidates(); }).what(), "wait_candidates() needs a launch before it");
+        EXPECT_STREQ(error_of([&] { cuda.wait<ProximityQuery>(); }).what(), "the oldest launch is one of impacts");
+        EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), cpu.find(first.view().moving_to(first.end_view()), ImpactQuery())));
+        cuda.launch(b.view());
+        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), cpu.find(second.view(), near)));
+        cuda.launch(b.view().moving_to(b.end()), CandidateQuery());
+        EXPECT_STREQ(error_of([&] { cuda.wait<ImpactQuery>(); }).what(), "the oldest launch is one of intersections");
+        EXPECT_TRUE(shows(cuda.wait(), b.view(), nullptr, cpu.find(second.view())));
+        EXPECT_TRUE(same_answer(cuda.download(), cpu.find(second.view())));
+        EXPECT_TRUE(
+            shows(cuda.wait<CandidateQuery>(), cpu.find(second.view().moving_to(second.end_view()), CandidateQuery())));
+        EXPECT_STREQ(error_of([&] { cuda.download(); }).what(), "download() needs a wait() for meshes before it");
+        EXPECT_STREQ(error_of([&] { cuda.wait<CandidateQuery>(); }).what(),
+                     "wait() for candidates needs a launch before it");
     }
 }
 
@@ -236,15 +239,17 @@ TEST(CudaDeviceFeatures, of_two_launches_are_both_right) {
     std::vector<MovingSoup<float>> frames;
     std::vector<DeviceStep<float>> there;
     for (int frame = 80; frame < 94; frame += 2) there.emplace_back(frames.emplace_back(falling(600, frame)));
-    cuda.launch_impacts(there[0].view(), there[0].end());
+    cuda.launch(there[0].view().moving_to(there[0].end()), ImpactQuery());
     std::int64_t impacts = 0;
     for (std::size_t i = 1; i < there.size(); ++i) {
-        cuda.launch_impacts(there[i].view(), there[i].end());
-        const DeviceImpacts found = cuda.wait_impacts();
+        cuda.launch(there[i].view().moving_to(there[i].end()), ImpactQuery());
+        const DeviceImpacts found = cuda.wait<ImpactQuery>();
         impacts += found.count;
-        EXPECT_TRUE(shows(found, cpu.find_impacts(frames[i - 1].view(), frames[i - 1].end_view()))) << i;
+        EXPECT_TRUE(shows(found, cpu.find((frames[i - 1].view()).moving_to(frames[i - 1].end_view()), ImpactQuery())))
+            << i;
     }
-    EXPECT_TRUE(shows(cuda.wait_impacts(), cpu.find_impacts(frames.back().view(), frames.back().end_view())));
+    EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(),
+                      cpu.find(frames.back().view().moving_to(frames.back().end_view()), ImpactQuery())));
     EXPECT_GT(impacts, 0);
 }
 
@@ -254,28 +259,28 @@ TEST(CudaDeviceFeatures, follow_a_mesh_that_tears) {
     std::swap(torn.triangles[7], torn.triangles[100]);
     torn.triangles[50] = torn.triangles[51];
     const DeviceStep<float> whole(soup), there(torn);
-    const Near near{.radius = 0.5};
-    const Nearby before = cpu.find_near(soup.view(), near);
-    const Nearby after = cpu.find_near(torn.view(), near);
+    const ProximityQuery near{.radius = 0.5};
+    const Proximities before = cpu.find(soup.view(), near);
+    const Proximities after = cpu.find(torn.view(), near);
     ASSERT_FALSE(same_features(before, after)) << before.count;
     for (int round = 0; round < 2; ++round) {
-        EXPECT_TRUE(same_features(cuda.find_near(whole.view(), near), before));
-        EXPECT_TRUE(same_features(cuda.find_near(there.view(), near), after));
-        cuda.launch_near(whole.view(), near);
-        cuda.launch_near(there.view(), near);
-        EXPECT_TRUE(shows(cuda.wait_near(), before));
-        EXPECT_TRUE(shows(cuda.wait_near(), after));
+        EXPECT_TRUE(same_features(cuda.find(whole.view(), near), before));
+        EXPECT_TRUE(same_features(cuda.find(there.view(), near), after));
+        cuda.launch(whole.view(), near);
+        cuda.launch(there.view(), near);
+        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), before));
+        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), after));
         // Other numbers of triangles, and lists.
         MovingSoup<float> fewer = soup;
         fewer.triangles.resize(200);
         fewer.edges = edges_of(MovingSoup<>{{}, {}, soup.triangles, {}});
         const DeviceStep<float> few(fewer);
-        cuda.launch_near(few.view(), near);
-        EXPECT_TRUE(shows(cuda.wait_near(), cpu.find_near(fewer.view(), near)));
+        cuda.launch(few.view(), near);
+        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), cpu.find(fewer.view(), near)));
         std::swap(fewer.edges->front(), fewer.edges->back());
         const DeviceStep<float> swapped(fewer);
-        cuda.launch_near(swapped.view(), near);
-        EXPECT_TRUE(shows(cuda.wait_near(), cpu.find_near(fewer.view(), near)));
+        cuda.launch(swapped.view(), near);
+        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), cpu.find(fewer.view(), near)));
     }
 }
 
@@ -312,7 +317,7 @@ TEST(CudaDeviceFeatures, report_bad_input_as_the_host_does) {
     };
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const DeviceStep<float> fine(good);
-    const Impacts fine_impacts = cpu.find_impacts(good.view(), good.end_view());
+    const Impacts fine_impacts = cpu.find(good.view().moving_to(good.end_view()), ImpactQuery());
     for (const Case& wrong : cases) {
         SCOPED_TRACE(wrong.name);
         const bool moving = wrong.moving;
@@ -321,11 +326,12 @@ TEST(CudaDeviceFeatures, report_bad_input_as_the_host_does) {
         wrong.spoil(soup, r);
         const DeviceStep<float> there(soup);
         const DeviceArray<double> radii_there{std::span<const double>(r)};
-        Near near{.radii = r, .rest = soup.end_view(), .rest_radius = 0.001}, near_there = near;
+        ProximityQuery near{.radii = r, .rest = soup.end_view(), .rest_radius = 0.001}, near_there = near;
         near_there.radii = radii_there.span();
         near_there.rest = there.end();
         const Error expected = error_of([&] {
-            moving ? (void)cpu.find_impacts(soup.view(), soup.end_view()) : (void)cpu.find_near(soup.view(), near);
+            moving ? (void)cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery())
+                   : (void)cpu.find(soup.view(), near);
         });
         const auto same = [&](const Error& error) {
             EXPECT_STREQ(error.what(), expected.what());
@@ -334,18 +340,19 @@ TEST(CudaDeviceFeatures, report_bad_input_as_the_host_does) {
             EXPECT_EQ(error.index, expected.index);
         };
         same(error_of([&] {
-            moving ? (void)cuda.find_impacts(there.view(), there.end())
-                   : (void)cuda.find_near(there.view(), near_there);
+            moving ? (void)cuda.find(there.view().moving_to(there.end()), ImpactQuery())
+                   : (void)cuda.find(there.view(), near_there);
         }));
         // After a launch that was fine, which is answered.
-        cuda.launch_impacts(fine.view(), fine.end());
+        cuda.launch(fine.view().moving_to(fine.end()), ImpactQuery());
         same(error_of([&] {
-            moving ? cuda.launch_impacts(there.view(), there.end()) : cuda.launch_near(there.view(), near_there);
-            EXPECT_TRUE(shows(cuda.wait_impacts(), fine_impacts));
-            moving ? (void)cuda.wait_impacts() : (void)cuda.wait_near();
+            moving ? cuda.launch(there.view().moving_to(there.end()), ImpactQuery())
+                   : cuda.launch(there.view(), near_there);
+            EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), fine_impacts));
+            moving ? (void)cuda.wait<ImpactQuery>() : (void)cuda.wait<ProximityQuery>();
         }));
-        cuda.launch_impacts(fine.view(), fine.end());
-        EXPECT_TRUE(shows(cuda.wait_impacts(), fine_impacts));
+        cuda.launch(fine.view().moving_to(fine.end()), ImpactQuery());
+        EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), fine_impacts));
     }
 }
 
@@ -354,25 +361,27 @@ TEST(CudaDeviceFeatures, refuse_what_launches_do_not) {
     const DeviceStep<float> there(soup);
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
     const auto refused = [](auto call) { return error_of(call).code == ErrorCode::invalid_argument; };
-    EXPECT_TRUE(refused([&] { cuda.launch_impacts(there.view(), there.end(), {.weld = true}); }));
-    EXPECT_TRUE(refused([&] { cuda.launch_impacts(there.view(), there.end(), {.triangle_pairs = true}); }));
-    EXPECT_TRUE(refused([&] { cuda.launch_near(there.view(), {.closest = true}); }));
-    EXPECT_TRUE(refused([&] { cuda.launch_near(there.view(), {.least = true}); }));
-    EXPECT_TRUE(refused([&] { cuda.launch_near(there.view(), {.radius = -1}); }));
-    EXPECT_TRUE(refused([&] { cuda.launch_candidates(there.view(), {.weld = true}); }));
-    EXPECT_TRUE(refused([&] { cuda.launch_impacts(soup.view(), soup.end_view()); }));
-    EXPECT_TRUE(refused([&] { cuda.launch_impacts(there.view(), soup.end_view()); })) << "the end on the host";
-    EXPECT_TRUE(refused([&] { cpu.launch_impacts(there.view(), there.end()); }));
-    EXPECT_TRUE(refused([&] { cpu.find_impacts(there.view(), there.end()); }));
+    EXPECT_TRUE(refused([&] { cuda.launch(there.view().moving_to(there.end()), ImpactQuery{.weld = true}); }));
+    EXPECT_TRUE(
+        refused([&] { cuda.launch(there.view().moving_to(there.end()), ImpactQuery{.triangle_pairs = true}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch(there.view(), ProximityQuery{.closest = true}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch(there.view(), ProximityQuery{.least = true}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch(there.view(), ProximityQuery{.radius = -1}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch(there.view(), CandidateQuery{.weld = true}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch(soup.view().moving_to(soup.end_view()), ImpactQuery()); }));
+    EXPECT_TRUE(refused([&] { cuda.launch(there.view().moving_to(soup.end_view()), ImpactQuery()); }))
+        << "the end on the host";
+    EXPECT_TRUE(refused([&] { cpu.launch(there.view().moving_to(there.end()), ImpactQuery()); }));
+    EXPECT_TRUE(refused([&] { cpu.find(there.view().moving_to(there.end()), ImpactQuery()); }));
     MeshView wrong = there.view();
     wrong.vertices.rows = -5;
     for (const bool copied : {false, true}) {
-        EXPECT_TRUE(refused([&] { cuda.find_near(wrong, {.weld = copied}); }));
-        EXPECT_TRUE(refused([&] { cuda.find_impacts(wrong, there.end(), {.weld = copied}); }));
+        EXPECT_TRUE(refused([&] { cuda.find(wrong, ProximityQuery{.weld = copied}); }));
+        EXPECT_TRUE(refused([&] { cuda.find(wrong.moving_to(there.end()), ImpactQuery{.weld = copied}); }));
     }
-    EXPECT_TRUE(refused([&] { cuda.find_free_step(wrong, there.end()); }));
-    EXPECT_TRUE(refused([&] { cpu.wait_near(); }));
-    EXPECT_TRUE(refused([&] { cuda.wait_near(); }));
+    EXPECT_TRUE(refused([&] { cuda.find(wrong.moving_to(there.end()), FreeStepQuery()); }));
+    EXPECT_TRUE(refused([&] { cpu.wait<ProximityQuery>(); }));
+    EXPECT_TRUE(refused([&] { cuda.wait<ProximityQuery>(); }));
 }
 
 // What does not fit is found in chunks, on the host, and brought back.
@@ -380,26 +389,26 @@ TEST(CudaDeviceFeatures, fit_a_memory_limit) {
     const MovingSoup<float> soup = falling(1500, 90);
     const DeviceStep<float> there(soup);
     Detector cpu({.backend = Backend::cpu});
-    const Motion asked{.separation = 0.02};
-    const Impacts& impacts = cpu.find_impacts(soup.view(), soup.end_view(), asked);
-    const CandidateLists& candidates = cpu.find_candidates(soup.view(), soup.end_view());
+    const ImpactQuery asked{.min_distance = 0.02};
+    const Impacts& impacts = cpu.find(soup.view().moving_to(soup.end_view()), asked);
+    const Candidates& candidates = cpu.find(soup.view().moving_to(soup.end_view()), CandidateQuery());
     ASSERT_GT(impacts.count, 100);
     for (const std::int64_t limit : {40'000'000, 17'000'000}) {
         Detector cuda({.backend = Backend::cuda, .memory_limit = limit});
         for (int call = 0; call < 2; ++call) {
-            cuda.launch_impacts(there.view(), there.end(), asked);
-            cuda.launch_impacts(there.view(), there.end(), asked);
-            EXPECT_TRUE(shows(cuda.wait_impacts(), impacts)) << limit;
-            EXPECT_TRUE(shows(cuda.wait_impacts(), impacts)) << limit;
-            EXPECT_TRUE(same_features(cuda.find_impacts(there.view(), there.end(), asked), impacts));
+            cuda.launch(there.view().moving_to(there.end()), asked);
+            cuda.launch(there.view().moving_to(there.end()), asked);
+            EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), impacts)) << limit;
+            EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), impacts)) << limit;
+            EXPECT_TRUE(same_features(cuda.find(there.view().moving_to(there.end()), asked), impacts));
         }
-        cuda.launch_candidates(there.view(), there.end());
-        EXPECT_TRUE(shows(cuda.wait_candidates(), candidates)) << limit;
+        cuda.launch(there.view().moving_to(there.end()), CandidateQuery());
+        EXPECT_TRUE(shows(cuda.wait<CandidateQuery>(), candidates)) << limit;
     }
     Detector cuda({.backend = Backend::cuda, .memory_limit = 100'000});
     const Error error = error_of([&] {
-        cuda.launch_impacts(there.view(), there.end(), asked);
-        cuda.wait_impacts();
+        cuda.launch(there.view().moving_to(there.end()), asked);
+        cuda.wait<ImpactQuery>();
     });
     EXPECT_EQ(error.code, ErrorCode::memory_limit);
     EXPECT_GT(error.bytes_needed, 100'000);
@@ -412,10 +421,10 @@ TEST(CudaDeviceFeatures, work_on_several_threads_at_once) {
             const MovingSoup<float> soup = falling(200 + 100 * i, 85);
             const DeviceStep<float> there(soup);
             Detector cpu({.backend = Backend::cpu, .threads = 1}), cuda({.backend = Backend::cuda});
-            const Impacts& expected = cpu.find_impacts(soup.view(), soup.end_view());
+            const Impacts& expected = cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery());
             for (int frame = 0; frame < 3; ++frame) {
-                cuda.launch_impacts(there.view(), there.end());
-                EXPECT_TRUE(shows(cuda.wait_impacts(), expected));
+                cuda.launch(there.view().moving_to(there.end()), ImpactQuery());
+                EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), expected));
             }
         });
     for (std::thread& thread : threads) thread.join();

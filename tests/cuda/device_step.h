@@ -85,7 +85,7 @@ inline testing::AssertionResult same_list(const DeviceImpactList& found, const I
     auto same = same_on_device(found.toi, expected.toi, "times");
     return same ? same_on_device(found.start, expected.start, "starts") : same;
 }
-inline testing::AssertionResult same_list(const DeviceNearList& found, const NearList& expected) {
+inline testing::AssertionResult same_list(const DeviceProximityList& found, const ProximityList& expected) {
     auto same = same_on_device(found.squared_distance, expected.squared_distance, "distances");
     return same ? same_on_device(found.touching, expected.touching, "touching") : same;
 }
@@ -119,11 +119,11 @@ inline testing::AssertionResult shows(const DeviceImpacts& found, const Impacts&
     if (auto same = same_first(found.first, expected.first); !same) return same;
     return shows_features(found, expected);
 }
-inline testing::AssertionResult shows(const DeviceNearby& found, const Nearby& expected) {
+inline testing::AssertionResult shows(const DeviceProximities& found, const Proximities& expected) {
     if (found.any != expected.any) return testing::AssertionFailure() << "any: " << found.any;
     return shows_features(found, expected);
 }
-inline testing::AssertionResult shows(const DeviceCandidates& found, const CandidateLists& expected) {
+inline testing::AssertionResult shows(const DeviceCandidates& found, const Candidates& expected) {
     return shows_features(found, expected);
 }
 

@@ -25,10 +25,10 @@ TEST(CudaDevice, takes_meshes_of_every_layout) {
         const DeviceMesh device(host);
         Detector reference({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
         for (const bool weld : {false, true}) {
-            const Query query{.weld = weld, .contacts = !weld};
-            EXPECT_TRUE(same_answer(cuda.find_self(device.view(), query), reference.find_self(host, query)));
+            const IntersectionQuery query{.output = !weld ? Output::contacts : Output::pairs, .weld = weld};
+            EXPECT_TRUE(same_answer(cuda.find(device.view(), query), reference.find(host, query)));
         }
-        EXPECT_EQ(cuda.has_collision(device.view()), reference.has_collision(host));
+        EXPECT_EQ(cuda.any(device.view()), reference.any(host));
     }
 }
 
@@ -42,14 +42,14 @@ TEST(CudaDevice, takes_int64_indices_and_strided_vertices) {
     with_wide.triangles = rows_of_three(wide.data(), host.triangles.rows);
     const DeviceMesh device(with_wide);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    EXPECT_TRUE(same_answer(cuda.find_self(device.view()), cpu.find_self(host)));
+    EXPECT_TRUE(same_answer(cuda.find(device.view()), cpu.find(host)));
 
     MeshView every_other = device.view(), host_every_other = host;
     for (MeshView* view : {&every_other, &host_every_other}) {
         view->triangles.rows /= 2;
         view->triangles.row_stride *= 2;
     }
-    EXPECT_TRUE(same_answer(cuda.find_self(every_other), cpu.find_self(host_every_other)));
+    EXPECT_TRUE(same_answer(cuda.find(every_other), cpu.find(host_every_other)));
 }
 
 TEST(CudaDevice, takes_arrays_that_are_not_aligned) {
@@ -73,8 +73,8 @@ TEST(CudaDevice, takes_arrays_that_are_not_aligned) {
                           3 * scalar, scalar, in_double ? IndexType::int64 : IndexType::int32};
         view.memory = MemorySpace::cuda;
         Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-        EXPECT_TRUE(
-            same_answer(cuda.find_self(view, {.contacts = true}), cpu.find_self(mesh.view(), {.contacts = true})));
+        EXPECT_TRUE(same_answer(cuda.find(view, {.output = Output::contacts}),
+                                cpu.find(mesh.view(), {.output = Output::contacts})));
     }
 }
 
@@ -88,14 +88,13 @@ TEST(CudaDevice, compares_two_meshes_with_groups_and_parts) {
     grouped.groups = groups;
     const DeviceMesh device_a(grouped), device_b(b);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    for (const Wanted wanted : {Wanted::both, Wanted::between, Wanted::within}) {
-        const Query query{.weld = true, .wanted = wanted};
-        EXPECT_TRUE(same_answer(cuda.find_between(device_a.view(), device_b.view(), query),
-                                cpu.find_between(grouped, b, query)));
+    for (const PairScope wanted : {PairScope::both, PairScope::between, PairScope::within}) {
+        const IntersectionQuery query{.weld = true, .filter = {.groups = wanted}};
+        EXPECT_TRUE(same_answer(cuda.find({device_a.view(), device_b.view()}, query), cpu.find({grouped, b}, query)));
     }
-    const Query contacts{.contacts = true, .wanted = Wanted::between};
+    const IntersectionQuery contacts{.output = Output::contacts, .filter = {.groups = PairScope::between}};
     for (const int count : {3, 70})
-        for (const Part& part : cpu.partition(grouped, b, count))
+        for (const Part& part : cpu.partition({grouped, b}, {}, count))
             EXPECT_TRUE(same_answer(cuda.find(part, contacts), cpu.find(part, contacts)));
 }
 
@@ -108,12 +107,12 @@ TEST(CudaDevice, splits_a_scene_64_ways_and_the_same_triangles_63_ways_between_t
     for (const int leaf_size : {3000, 3}) {  // one level and two
         Detector cuda({.backend = Backend::cuda, .clusters = 64, .leaf_size = leaf_size});
         for (int turn = 0; turn < 2; ++turn) {
-            const Collisions& self = cuda.find_self(whole.view());
+            const Intersections& self = cuda.find(whole.view());
             EXPECT_EQ(self.statistics.clusters, 64);
-            EXPECT_TRUE(same_answer(self, cpu.find_self(host)));
-            const Collisions& between = cuda.find_between(a.view(), b.view());
+            EXPECT_TRUE(same_answer(self, cpu.find(host)));
+            const Intersections& between = cuda.find({a.view(), b.view()});
             EXPECT_EQ(between.statistics.clusters, 63);
-            EXPECT_TRUE(same_answer(between, cpu.find_between(half.a, half.b)));
+            EXPECT_TRUE(same_answer(between, cpu.find({half.a, half.b})));
         }
     }
 }
@@ -140,15 +139,16 @@ TEST(CudaDevice, cuts_a_scene_into_the_parts_of_the_host) {
         }
     };
     for (const int count : {1, 3, 64, 100}) {
-        expect_same(cuda.partition(device.view(), count), cpu.partition(mesh.view(), count));
-        expect_same(cuda.partition(device_a.view(), device_b.view(), count), cpu.partition(half.a, half.b, count));
+        expect_same(cuda.partition(device.view(), {}, count), cpu.partition(mesh.view(), {}, count));
+        expect_same(cuda.partition({device_a.view(), device_b.view()}, {}, count),
+                    cpu.partition({half.a, half.b}, {}, count));
     }
-    expect_same(cuda.partition(DeviceMesh(MeshView()).view(), 2), cpu.partition(MeshView(), 2));
+    expect_same(cuda.partition(DeviceMesh(MeshView()).view(), {}, 2), cpu.partition(MeshView(), {}, 2));
     std::vector<Pair> joined;
-    for (const Part& part : cuda.partition(device.view(), 5))
+    for (const Part& part : cuda.partition(device.view(), {}, 5))
         for (const Pair& pair : cuda.find(part).pairs) joined.push_back(pair);
     std::sort(joined.begin(), joined.end());
-    const Collisions& whole = cpu.find_self(mesh.view());
+    const Intersections& whole = cpu.find(mesh.view());
     EXPECT_TRUE(std::equal(joined.begin(), joined.end(), whole.pairs.begin(), whole.pairs.end()));
 }
 
@@ -158,7 +158,7 @@ TEST(CudaDevice, names_what_is_wrong_on_the_device) {
         const DeviceMesh device(view);
         Detector cuda({.backend = Backend::cuda});
         try {
-            cuda.find_self(device.view());
+            cuda.find(device.view());
         } catch (const Error& error) {
             return error.what();
         }
@@ -178,7 +178,7 @@ TEST(CudaDevice, names_what_is_wrong_on_the_device) {
     const std::vector<std::array<std::int32_t, 3>> one{{0, 1, 2}};
     const DeviceMesh blown_up(MeshView(all_nan, one));
     try {
-        Detector({.backend = Backend::cuda}).find_self(blown_up.view(), Query{.weld = true});
+        Detector({.backend = Backend::cuda}).find(blown_up.view(), {.weld = true});
         ADD_FAILURE() << "no error";
     } catch (const Error& error) {
         EXPECT_STREQ(error.what(), "vertex 0 is not finite");
@@ -189,7 +189,7 @@ TEST(CudaDevice, is_not_blamed_for_errors_of_others) {
     const io::TriangleMesh mesh = cloth(300);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     ASSERT_NE(cudaSetDevice(1000), cudaSuccess);  // and nobody asks for the last error
-    EXPECT_TRUE(same_answer(cuda.find_self(mesh.view()), cpu.find_self(mesh.view())));
+    EXPECT_TRUE(same_answer(cuda.find(mesh.view()), cpu.find(mesh.view())));
 }
 
 TEST(CudaDevice, names_the_triangle_that_names_no_vertex_in_every_call) {
@@ -207,10 +207,10 @@ TEST(CudaDevice, names_the_triangle_that_names_no_vertex_in_every_call) {
             }
             return "nothing";
         };
-        const std::string expected = says([&] { cpu.find_self(mesh.view()); });
-        EXPECT_EQ(says([&] { cuda.find_self(bad.view()); }), expected);
-        EXPECT_EQ(says([&] { cuda.has_collision(bad.view()); }), expected);
-        EXPECT_EQ(says([&] { cuda.partition(bad.view(), 4); }), expected);
+        const std::string expected = says([&] { cpu.find(mesh.view()); });
+        EXPECT_EQ(says([&] { cuda.find(bad.view()); }), expected);
+        EXPECT_EQ(says([&] { cuda.any(bad.view()); }), expected);
+        EXPECT_EQ(says([&] { cuda.partition(bad.view(), {}, 4); }), expected);
     }
 }
 
@@ -226,9 +226,9 @@ TEST(CudaDevice, puts_long_rows_in_order) {
     }
     const MeshView mesh(vertices, triangles);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    const Collisions& found = cuda.find_self(mesh);
+    const Intersections& found = cuda.find(mesh);
     EXPECT_EQ(found.pairs.size(), 1000u);
-    EXPECT_TRUE(same_answer(found, cpu.find_self(mesh)));
+    EXPECT_TRUE(same_answer(found, cpu.find(mesh)));
 }
 
 // How blocks take turns must not show. On a device many repetitions are cheap: CRUMPLE_REPEATS.
@@ -238,14 +238,14 @@ TEST(CudaDevice, answers_the_same_bytes_every_time) {
     ASSERT_GT(repeats, 0);
     const io::TriangleMesh mesh = cloth(200 * repeats);
     const DeviceMesh device(mesh.view());
-    const Query query{.contacts = true};
+    const IntersectionQuery query{.output = Output::contacts};
     Detector cpu({.backend = Backend::cpu}), warm({.backend = Backend::cuda});
-    const Collisions& expected = cpu.find_self(mesh.view(), query);
+    const Intersections& expected = cpu.find(mesh.view(), query);
     ASSERT_GT(expected.pairs.size(), 0u);
     for (int i = 0; i < repeats; ++i) {
         Detector cold({.backend = Backend::cuda});
-        ASSERT_TRUE(same_answer(warm.find_self(device.view(), query), expected)) << "warm, run " << i;
-        ASSERT_TRUE(same_answer(cold.find_self(device.view(), query), expected)) << "new, run " << i;
+        ASSERT_TRUE(same_answer(warm.find(device.view(), query), expected)) << "warm, run " << i;
+        ASSERT_TRUE(same_answer(cold.find(device.view(), query), expected)) << "new, run " << i;
     }
 }
 
@@ -253,12 +253,12 @@ TEST(CudaDevice, tells_meshes_apart_from_those_of_the_host) {
     const io::TriangleMesh mesh = cloth(100);
     const DeviceMesh device(mesh.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    EXPECT_THROW(cpu.find_self(device.view()), Error);
-    EXPECT_THROW(cpu.launch_self(device.view()), Error);
-    EXPECT_THROW(cuda.launch_self(mesh.view()), Error);
-    EXPECT_THROW(cuda.find_between(device.view(), mesh.view()), Error);
-    EXPECT_THROW(cuda.find_between(mesh.view(), device.view()), Error);
-    EXPECT_THROW(cpu.partition(device.view(), 4), Error);
+    EXPECT_THROW(cpu.find(device.view()), Error);
+    EXPECT_THROW(cpu.launch(device.view()), Error);
+    EXPECT_THROW(cuda.launch(mesh.view()), Error);
+    EXPECT_THROW(cuda.find({device.view(), mesh.view()}), Error);
+    EXPECT_THROW(cuda.find({mesh.view(), device.view()}), Error);
+    EXPECT_THROW(cpu.partition(device.view(), {}, 4), Error);
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ class DeviceWorld {
 };
 
 /// Does the device hold the expected answer, all of its arrays?
-inline testing::AssertionResult shows_world(const DeviceWorldCollisions& found, const WorldCollisions& expected) {
+inline testing::AssertionResult shows_world(const DeviceIntersections& found, const Intersections& expected) {
     const auto same = [](const auto& device, const auto& host, const char* what) {
         return std::equal(device.begin(), device.end(), host.begin(), host.end())
                    ? testing::AssertionSuccess()

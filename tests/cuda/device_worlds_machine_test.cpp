@@ -43,35 +43,35 @@ class CudaMachineDeviceWorlds : public testing::Test {
 // One node more than a mesh on the device has: the kernel that names bodies.
 TEST_F(CudaMachineDeviceWorlds, are_a_graph_of_few_nodes) {
     const DeviceWorld device(world());
-    for (const Wants wants : {Wants::any_by_world, Wants::pairs}) {
+    for (const Output wants : {Output::any_by_world, Output::pairs}) {
         Detector cuda({.backend = Backend::cuda});
         for (int frame = 0; frame < 5; ++frame) {
-            cuda.launch(device.view(), {.wants = wants});
-            cuda.wait_worlds();
+            cuda.launch(device.view(), {.output = wants});
+            cuda.wait();
         }
         EXPECT_EQ(cuda_on_cpu::graph_count().chain, 15u);
         EXPECT_EQ(cuda_on_cpu::graph_count().nodes, 17u);
         // No kernel beside the graph, and no memory.
         settings().launches_before_failure = settings().allocations_before_failure = 0;
-        cuda.launch(device.view(), {.wants = wants});
-        EXPECT_TRUE(cuda.wait_worlds().complete);
+        cuda.launch(device.view(), {.output = wants});
+        EXPECT_TRUE(cuda.wait().complete);
         settings().launches_before_failure = settings().allocations_before_failure = -1;
     }
 }
 
 TEST_F(CudaMachineDeviceWorlds, may_have_too_little_memory) {
     const DeviceWorld device(world());
-    for (const Wants wants : {Wants::any, Wants::any_by_world, Wants::body_pairs, Wants::contacts}) {
+    for (const Output wants : {Output::any, Output::any_by_world, Output::body_pairs, Output::contacts}) {
         SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(wants));
-        const Intersect question{.wants = wants};
-        const WorldCollisions expected = Detector({.backend = Backend::cpu}).find(world(), question);
+        const IntersectionQuery question{.output = wants};
+        const Intersections expected = Detector({.backend = Backend::cpu}).find(world(), question);
         Detector free({.backend = Backend::cuda});
         std::int64_t limit = free.find(device.view(), question).statistics.peak_memory_bytes;
         int answers = 0;
         for (;; limit = limit * 2 / 3, ++answers) {
             Detector detector({.backend = Backend::cuda, .memory_limit = limit});
             try {
-                const WorldCollisions& found = detector.find(device.view(), question);
+                const Intersections& found = detector.find(device.view(), question);
                 ASSERT_TRUE(same_world_answer(found, expected)) << limit;
                 EXPECT_LE(found.statistics.peak_memory_bytes, limit);
             } catch (const Error& error) {
@@ -85,7 +85,7 @@ TEST_F(CudaMachineDeviceWorlds, may_have_too_little_memory) {
 
 TEST_F(CudaMachineDeviceWorlds, may_run_out_of_memory_at_any_allocation_or_launch) {
     const DeviceWorld device(world());
-    const WorldCollisions expected = Detector({.backend = Backend::cpu}).find(world());
+    const Intersections expected = Detector({.backend = Backend::cpu}).find(world());
     for (int before = 0; before < 24; ++before) {
         SCOPED_TRACE(before);
         Detector first({.backend = Backend::cuda}), second({.backend = Backend::cuda});
@@ -100,10 +100,10 @@ TEST_F(CudaMachineDeviceWorlds, may_run_out_of_memory_at_any_allocation_or_launc
 
 TEST_F(CudaMachineDeviceWorlds, say_what_limit_a_launch_needs) {
     const DeviceWorld device(world());
-    const WorldCollisions expected = Detector({.backend = Backend::cpu}).find(world());
+    const Intersections expected = Detector({.backend = Backend::cpu}).find(world());
     const auto answer = [&](Detector& detector) {
         detector.launch(device.view());
-        return shows_world(detector.wait_worlds(), expected);
+        return shows_world(detector.wait(), expected);
     };
     std::int64_t limit = 1 << 24;
     int answers = 0;
@@ -124,20 +124,20 @@ TEST_F(CudaMachineDeviceWorlds, say_what_limit_a_launch_needs) {
 
 TEST_F(CudaMachineDeviceWorlds, are_told_when_the_device_lacks_memory) {
     const DeviceWorld device(world());
-    const WorldCollisions expected = Detector({.backend = Backend::cpu}).find(world());
+    const Intersections expected = Detector({.backend = Backend::cpu}).find(world());
     Detector cuda({.backend = Backend::cuda});
     for (int before = 0; before < 6; ++before) {
         settings().allocations_before_failure = before;
         try {
             cuda.launch(device.view());
-            EXPECT_TRUE(shows_world(cuda.wait_worlds(), expected)) << before;
+            EXPECT_TRUE(shows_world(cuda.wait(), expected)) << before;
         } catch (const Error& error) {
             EXPECT_EQ(error.code, ErrorCode::device) << error.what();
         }
         settings().allocations_before_failure = -1;
     }
     cuda.launch(device.view());
-    EXPECT_TRUE(shows_world(cuda.wait_worlds(), expected));
+    EXPECT_TRUE(shows_world(cuda.wait(), expected));
 }
 
 TEST_F(CudaMachineDeviceWorlds, may_be_more_than_a_scene_holds) {
@@ -153,8 +153,9 @@ TEST_F(CudaMachineDeviceWorlds, may_be_more_than_a_scene_holds) {
         }
     const DeviceWorld device({shapes, bodies, poses});
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
-    const Intersect question{.wants = Wants::any_by_world};
-    EXPECT_TRUE(same_world_answer(cuda.find(device.view(), question), cpu.find({shapes, bodies, poses}, question)));
+    const IntersectionQuery question{.output = Output::any_by_world};
+    EXPECT_TRUE(
+        same_world_answer(cuda.find(device.view(), question), cpu.find(World{shapes, bodies, poses}, question)));
     EXPECT_STREQ(error_of([&] { cuda.launch(device.view(), question); }).what(),
                  "a launch takes at most 65535 worlds, and 16777216 triangles together");
 }

@@ -21,8 +21,8 @@
 namespace crumple::test {
 namespace {
 
-constexpr std::array every_wants{Wants::any,   Wants::any_by_world, Wants::body_pairs,
-                                 Wants::count, Wants::pairs,        Wants::contacts};
+constexpr std::array every_wants{Output::any,   Output::any_by_world, Output::body_pairs,
+                                 Output::count, Output::pairs,        Output::contacts};
 
 /// A random world with poses, whose named shapes have names of their own.
 std::unique_ptr<RandomWorld> posed_world(unsigned seed, const WorldKind& kind) {
@@ -58,10 +58,11 @@ TEST(CudaDeviceWorlds, have_the_answers_of_brute_force) {
             const unsigned number = 100 * seed + static_cast<unsigned>(k);
             const auto world = posed_world(number, kinds[k]);
             const DeviceWorld device(world->view());
-            for (const Wants wants : every_wants) {
+            for (const Output wants : every_wants) {
                 SCOPED_TRACE(testing::Message() << "world " << number << ", wants " << static_cast<int>(wants));
-                Intersect question = random_question(7 * number + static_cast<unsigned>(wants), kinds[k].bodies);
-                question.wants = wants;
+                IntersectionQuery question =
+                    random_question(7 * number + static_cast<unsigned>(wants), kinds[k].bodies);
+                question.output = wants;
                 Detector& detector = number % 2 ? small : cuda;
                 ASSERT_TRUE(
                     same_world_answer(detector.find(device.view(), question), reference.find(world->view(), question)));
@@ -75,11 +76,11 @@ TEST(CudaDeviceWorlds, may_have_poses_in_float32) {
         for (double& x : pose.rows) x = static_cast<double>(static_cast<float>(x));
     const DeviceWorld device(world->view(), true);
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
-    const WorldCollisions& expected = cpu.find(world->view());
+    const Intersections& expected = cpu.find(world->view());
     ASSERT_GT(expected.count, 0);
     EXPECT_TRUE(same_world_answer(cuda.find(device.view()), expected));
     cuda.launch(device.view());
-    EXPECT_TRUE(shows_world(cuda.wait_worlds(), expected));
+    EXPECT_TRUE(shows_world(cuda.wait(), expected));
 }
 
 TEST(CudaDeviceWorlds, leave_their_answers_on_the_device) {
@@ -89,22 +90,22 @@ TEST(CudaDeviceWorlds, leave_their_answers_on_the_device) {
     for (std::size_t k = 0; k < kinds.size(); ++k) {
         const auto world = posed_world(500 + static_cast<unsigned>(k), kinds[k]);
         DeviceWorld device(world->view());
-        for (const Wants wants : every_wants) {
-            if (wants == Wants::body_pairs) continue;
-            Intersect question = random_question(11 * static_cast<unsigned>(k), kinds[k].bodies);
+        for (const Output wants : every_wants) {
+            if (wants == Output::body_pairs) continue;
+            IntersectionQuery question = random_question(11 * static_cast<unsigned>(k), kinds[k].bodies);
             question.index = false;
             for (int frame = 0; frame < 4; ++frame) {
                 SCOPED_TRACE(testing::Message()
                              << "kind " << k << ", wants " << static_cast<int>(wants) << ", frame " << frame);
                 const auto poses = moved(world->poses, static_cast<unsigned>(frame / 2));
                 device.set_poses(poses);
-                question.wants = wants;
+                question.output = wants;
                 cuda.launch(device.view(stream), question);
-                const DeviceWorldCollisions& found = cuda.wait_worlds();
-                EXPECT_EQ(found.pairs != nullptr, wants >= Wants::pairs);
-                EXPECT_EQ(found.contact_kinds != nullptr, wants == Wants::contacts);
-                question.wants = std::max(wants, Wants::pairs);
-                ASSERT_TRUE(shows_world(found, cpu.find({world->shapes, world->bodies, poses}, question)));
+                const DeviceIntersections& found = cuda.wait();
+                EXPECT_EQ(found.pairs != nullptr, wants >= Output::pairs);
+                EXPECT_EQ(found.contact_kinds != nullptr, wants == Output::contacts);
+                question.output = std::max(wants, Output::pairs);
+                ASSERT_TRUE(shows_world(found, cpu.find(World{world->shapes, world->bodies, poses}, question)));
             }
         }
     }
@@ -119,7 +120,7 @@ TEST(CudaDeviceWorlds, may_be_launched_twice_before_a_wait) {
     one->shapes[0] = Shape(many.view(), 77);
     const DeviceWorld first(one->view()), second(two->view());
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
-    const WorldCollisions of_one = cpu.find(one->view()), of_two = cpu.find(two->view());
+    const Intersections of_one = cpu.find(one->view()), of_two = cpu.find(two->view());
     ASSERT_GT(of_one.count, 3000);
     const auto mesh = random_soup<float>(90, 0.4, 9);
     const DeviceMesh device(mesh.view());
@@ -129,54 +130,52 @@ TEST(CudaDeviceWorlds, may_be_launched_twice_before_a_wait) {
         cuda.launch(second.view());
         EXPECT_STREQ(error_of([&] { cuda.launch(first.view()); }).what(),
                      "two launches are in flight: the next one comes after a wait()");
-        EXPECT_TRUE(shows_world(cuda.wait_worlds(), of_one));
+        EXPECT_TRUE(shows_world(cuda.wait(), of_one));
         cuda.launch(first.view());
-        EXPECT_TRUE(shows_world(cuda.wait_worlds(), of_two));
-        if (turn == 2) cuda.launch_self(device.view());
-        EXPECT_TRUE(shows_world(cuda.wait_worlds(), of_one));
+        EXPECT_TRUE(shows_world(cuda.wait(), of_two));
+        if (turn == 2) cuda.launch(device.view());
+        EXPECT_TRUE(shows_world(cuda.wait(), of_one));
         if (turn != 2) continue;
-        const Collisions& of_mesh = cpu.find_self(mesh.view());
+        const Intersections& of_mesh = cpu.find(mesh.view());
         EXPECT_TRUE(shows(cuda.wait(), mesh.view(), nullptr, of_mesh));
     }
 }
 
-TEST(CudaDeviceWorlds, are_waited_for_by_their_own_call) {
+TEST(CudaDeviceWorlds, take_turns_with_meshes) {
     const auto world = posed_world(31, {.bodies = 8, .worlds = 3});
     const DeviceWorld device(world->view());
     const auto mesh = random_soup<float>(90, 0.4, 9);
     const DeviceMesh there(mesh.view());
     Detector cuda({.backend = Backend::cuda});
     const auto message_of = [](auto call) { return std::string(error_of(call).what()); };
-    EXPECT_EQ(message_of([&] { cuda.wait_worlds(); }), "wait_worlds() needs a launch before it");
+    EXPECT_EQ(message_of([&] { cuda.wait(); }), "wait() for intersections needs a launch before it");
     cuda.launch(device.view());
-    cuda.launch_self(there.view());
-    EXPECT_EQ(message_of([&] { cuda.wait(); }), "the oldest launch is answered by wait_worlds()");
-    EXPECT_TRUE(cuda.wait_worlds().complete);
-    EXPECT_EQ(message_of([&] { cuda.download(); }), "download() needs a wait() before it");
-    cuda.launch_self(there.view());
-    EXPECT_EQ(message_of([&] { cuda.wait_worlds(); }), "the oldest launch is answered by wait()");
-    EXPECT_TRUE(cuda.wait().complete);
-    EXPECT_TRUE(cuda.wait().complete);
+    cuda.launch(there.view());
+    EXPECT_EQ(cuda.wait().worlds, 3);
+    EXPECT_EQ(message_of([&] { cuda.download(); }), "download() needs a wait() for meshes before it");
+    cuda.launch(device.view());
+    EXPECT_EQ(cuda.wait().hit_count, 90);
+    EXPECT_EQ(cuda.wait().worlds, 3);
 }
 
 TEST(CudaDeviceWorlds, may_change_between_calls) {
     const auto world = posed_world(41, {.bodies = 16, .worlds = 4, .named = 0.5});
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
-    const auto compare = [&](const Intersect& question = {}) {
+    const auto compare = [&](const IntersectionQuery& question = {}) {
         const DeviceWorld device(world->view());
-        const WorldCollisions& expected = cpu.find(world->view(), question);
+        const Intersections& expected = cpu.find(world->view(), question);
         EXPECT_TRUE(same_world_answer(cuda.find(device.view(), question), expected));
         cuda.launch(device.view(), question);
-        EXPECT_TRUE(shows_world(cuda.wait_worlds(), expected));
+        EXPECT_TRUE(shows_world(cuda.wait(), expected));
         return expected.count;
     };
     const std::int64_t before = compare();
     ASSERT_GT(before, 0);
-    Intersect question;
-    question.rules.excluded_bodies = {{0, 1}, {2, 5}};
-    question.rules.bodies = Wanted::between;
+    IntersectionQuery question;
+    question.filter.excluded_bodies = {{0, 1}, {2, 5}};
+    question.filter.bodies = PairScope::between;
     compare(question);
-    question.rules.excluded_groups = {{0, 0}};
+    question.filter.excluded_groups = {{0, 0}};
     compare(question);
     world->bodies[3].self = !world->bodies[3].self;
     compare();
@@ -216,7 +215,7 @@ TEST(CudaDeviceWorlds, name_the_body_of_a_bad_pose) {
     huge[4].rows[3] = 1e39;
     DeviceWorld device({shapes, bodies, good});
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
-    const WorldCollisions expected = cpu.find({shapes, bodies, good});
+    const Intersections expected = cpu.find(World{shapes, bodies, good});
     const auto expect_bad = [&](auto call) {
         device.set_poses(nan);
         Error error = error_of(call);
@@ -229,20 +228,20 @@ TEST(CudaDeviceWorlds, name_the_body_of_a_bad_pose) {
         EXPECT_EQ(error.code, ErrorCode::not_finite);
         device.set_poses(good);
     };
-    for (const Wants wants : {Wants::any_by_world, Wants::pairs}) {
-        expect_bad([&] { cuda.find(device.view(), {.wants = wants}); });
-        EXPECT_EQ(cuda.find(device.view(), {.wants = wants}).any, expected.any);
+    for (const Output wants : {Output::any_by_world, Output::pairs}) {
+        expect_bad([&] { cuda.find(device.view(), {.output = wants}); });
+        EXPECT_EQ(cuda.find(device.view(), {.output = wants}).any, expected.any);
     }
-    expect_bad([&] { cuda.launch(device.view()), cuda.wait_worlds(); });
+    expect_bad([&] { cuda.launch(device.view()), cuda.wait(); });
     Recorder recorder;
-    for (int call = 0; call < 2; ++call) cuda.launch(device.view(recorder.stream())), cuda.wait_worlds();
+    for (int call = 0; call < 2; ++call) cuda.launch(device.view(recorder.stream())), cuda.wait();
     recorder.begin();
     cuda.launch(device.view(recorder.stream()));
     recorder.end();
     for (int turn = 0; turn < 2; ++turn) {
-        expect_bad([&] { recorder.replay(), cuda.wait_worlds(); });
+        expect_bad([&] { recorder.replay(), cuda.wait(); });
         recorder.replay();
-        EXPECT_TRUE(shows_world(cuda.wait_worlds(), expected));
+        EXPECT_TRUE(shows_world(cuda.wait(), expected));
     }
 }
 
@@ -250,16 +249,17 @@ TEST(CudaDeviceWorlds, are_part_of_a_callers_graph) {
     const auto world = posed_world(51, {.bodies = 40, .worlds = 12, .named = 1});
     DeviceWorld device(world->view());
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
-    for (const Intersect& question : {Intersect{.wants = Wants::any_by_world}, Intersect{.wants = Wants::contacts},
-                                      Intersect{.wants = Wants::pairs, .weld = true}}) {
-        SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(question.wants));
+    for (const IntersectionQuery& question : {IntersectionQuery{.output = Output::any_by_world},
+                                              {.output = Output::contacts},
+                                              IntersectionQuery{.output = Output::pairs, .weld = true}}) {
+        SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(question.output));
         Recorder recorder;
         const World view = device.view(recorder.stream());
         recorder.begin();
         EXPECT_EQ(std::string(error_of([&] { cuda.launch(view, question); }).what()).substr(0, 97),
                   "a launch in a capture needs two calls before it, outside of the capture, with the same bodies and");
         recorder.end();
-        for (int call = 0; call < 3; ++call) cuda.launch(view, question), cuda.wait_worlds();
+        for (int call = 0; call < 3; ++call) cuda.launch(view, question), cuda.wait();
         recorder.begin();
         cuda.launch(view, question);
         recorder.end();
@@ -268,15 +268,15 @@ TEST(CudaDeviceWorlds, are_part_of_a_callers_graph) {
             const auto poses = moved(world->poses, frame / 2, 1.5);
             device.set_poses(poses);
             recorder.replay();
-            const DeviceWorldCollisions& found = cuda.wait_worlds();
+            const DeviceIntersections& found = cuda.wait();
             if (!found.complete) {
                 EXPECT_EQ(found.world_hit, nullptr);
                 continue;
             }
             ++complete;
-            Intersect all = question;
-            all.wants = std::max(question.wants, Wants::pairs);
-            EXPECT_TRUE(shows_world(found, cpu.find({world->shapes, world->bodies, poses}, all))) << frame;
+            IntersectionQuery all = question;
+            all.output = std::max(question.output, Output::pairs);
+            EXPECT_TRUE(shows_world(found, cpu.find(World{world->shapes, world->bodies, poses}, all))) << frame;
         }
         EXPECT_GE(complete, 3);
         device.set_poses(world->poses);
@@ -296,11 +296,12 @@ TEST(CudaDeviceWorlds, answer_all_other_questions_by_copies_of_their_poses) {
     World there = start.view();
     there.device_end_poses = end.view().device_poses;
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
-    EXPECT_GT(cpu.find_impacts(host).count, 0);
-    EXPECT_TRUE(same_whole(cuda.find_impacts(there), cpu.find_impacts(host)));
-    EXPECT_TRUE(same_whole(cuda.find_impacts(start.view()), cpu.find_impacts(world->view())));
-    EXPECT_TRUE(same_whole(cuda.find_near(there, Near{.radius = 0.1}), cpu.find_near(host, Near{.radius = 0.1})));
-    EXPECT_TRUE(same_whole(cuda.find_candidates(there), cpu.find_candidates(host)));
+    EXPECT_GT(cpu.find(host, ImpactQuery()).count, 0);
+    EXPECT_TRUE(same_whole(cuda.find(there, ImpactQuery()), cpu.find(host, ImpactQuery())));
+    EXPECT_TRUE(same_whole(cuda.find(start.view(), ImpactQuery()), cpu.find(world->view(), ImpactQuery())));
+    EXPECT_TRUE(
+        same_whole(cuda.find(there, ProximityQuery{.radius = 0.1}), cpu.find(host, ProximityQuery{.radius = 0.1})));
+    EXPECT_TRUE(same_whole(cuda.find(there, CandidateQuery()), cpu.find(host, CandidateQuery())));
 }
 
 TEST(CudaDeviceWorlds, refuse_what_they_cannot) {
@@ -312,7 +313,7 @@ TEST(CudaDeviceWorlds, refuse_what_they_cannot) {
         EXPECT_EQ(error.code, ErrorCode::invalid_argument);
         return std::string(error.what());
     };
-    EXPECT_EQ(message_of([&] { cuda.launch(device.view(), {.wants = Wants::body_pairs}); }),
+    EXPECT_EQ(message_of([&] { cuda.launch(device.view(), {.output = Output::body_pairs}); }),
               "which bodies collide is told by find(), not by a launch");
     EXPECT_EQ(message_of([&] { cuda.launch(device.view(), {.index = true}); }),
               "index must be false: of a launch there are offsets of worlds only");
@@ -320,22 +321,22 @@ TEST(CudaDeviceWorlds, refuse_what_they_cannot) {
     EXPECT_EQ(message_of([&] { cpu.launch(device.view()); }),
               "poses in device memory need the cuda backend (Options::backend)");
     for (const auto& call : std::vector<std::function<void()>>{
-             [&] { cpu.find(device.view()); }, [&] { cpu.find_near(device.view(), Near{.radius = 1}); },
-             [&] { cpu.find_nearest(device.view()); },
-             [&] { cpu.stream(device.view(), [](const WorldCollisions&) {}); }})
+             [&] { cpu.find(device.view()); }, [&] { cpu.find(device.view(), ProximityQuery{.radius = 1}); },
+             [&] { cpu.find(device.view(), DistanceQuery()); },
+             [&] { cpu.stream(device.view(), IntersectionQuery(), [](const Intersections&) {}); }})
         EXPECT_EQ(message_of(call), "poses in device memory need the cuda backend (Options::backend)");
     World wrong = device.view();
     wrong.end_poses = world->poses;
-    EXPECT_EQ(message_of([&] { cuda.find_impacts(wrong); }),
+    EXPECT_EQ(message_of([&] { cuda.find(wrong, ImpactQuery()); }),
               "poses lie in device memory or in host memory, not in both");
     wrong = world->view();
     wrong.device_end_poses = device.view().device_poses;
     wrong.poses = {};
-    EXPECT_EQ(message_of([&] { cuda.find_impacts(wrong); }),
+    EXPECT_EQ(message_of([&] { cuda.find(wrong, ImpactQuery()); }),
               "poses at the end lie in device memory, and those at the start do not");
     wrong = device.view();
     wrong.device_end_poses = {static_cast<const double*>(wrong.device_poses.data), 7};
-    EXPECT_EQ(message_of([&] { cuda.find_impacts(wrong); }), "there are 7 poses for 6 bodies");
+    EXPECT_EQ(message_of([&] { cuda.find(wrong, ImpactQuery()); }), "there are 7 poses for 6 bodies");
     wrong = device.view();
     wrong.device_poses.count = 5;
     EXPECT_EQ(message_of([&] { cuda.find(wrong); }), "there are 5 poses for 6 bodies");

@@ -41,15 +41,15 @@ TEST_F(Devices, share_meshes_that_move_and_change) {
         for (const bool contacts : {false, true})
             for (int frame = 0; frame < 3; ++frame) {
                 const WholeMesh sheet(wavy_sheet<float>(14, 0.3 + 0.01 * frame));
-                const Query query{.contacts = contacts};
-                ASSERT_TRUE(same_answer(several.find_self(sheet.view(), query), one.find_self(sheet.view(), query)));
-                EXPECT_TRUE(several.has_collision(sheet.view()));
+                const IntersectionQuery query{.output = contacts ? Output::contacts : Output::pairs};
+                ASSERT_TRUE(same_answer(several.find(sheet.view(), query), one.find(sheet.view(), query)));
+                EXPECT_TRUE(several.any(sheet.view()));
             }
         const WholeMesh soup(random_soup<double>(120, 0.2));
-        ASSERT_TRUE(same_answer(several.find_self(soup.view()), one.find_self(soup.view())));
+        ASSERT_TRUE(same_answer(several.find(soup.view()), one.find(soup.view())));
         const WholeMesh nothing(Soup<float>{});
-        EXPECT_FALSE(several.has_collision(nothing.view()));
-        EXPECT_EQ(several.find_self(soup.view()).statistics.backend, "cuda");
+        EXPECT_FALSE(several.any(nothing.view()));
+        EXPECT_EQ(several.find(soup.view()).statistics.backend, "cuda");
     }
 }
 
@@ -57,12 +57,14 @@ TEST_F(Devices, share_hard_soups) {
     Detector several(some({0, 1, 2})), one({.backend = Backend::cpu});
     std::size_t number = 0;
     for (const NamedMesh& soup : hard_soups()) {
-        const std::array wanted{Wanted::both, Wanted::between, Wanted::within};
-        Query query{.weld = number % 2 == 0, .contacts = number % 3 == 0, .wanted = wanted[number % 3]};
-        const std::array<GroupPair, 1> excluded{{{0, 1}}};
-        if (number % 4 == 3) query.excluded_groups = excluded;
+        const std::array wanted{PairScope::both, PairScope::between, PairScope::within};
+        IntersectionQuery query{.output = number % 3 == 0 ? Output::contacts : Output::pairs,
+                                .weld = number % 2 == 0,
+                                .filter = {.groups = wanted[number % 3]}};
+        const std::vector<GroupPair> excluded{{0, 1}};
+        if (number % 4 == 3) query.filter.excluded_groups = excluded;
         const WholeMesh mesh(soup.mesh);
-        ASSERT_TRUE(same_answer(several.find_self(mesh.view(), query), one.find_self(mesh.view(), query))) << soup.name;
+        ASSERT_TRUE(same_answer(several.find(mesh.view(), query), one.find(mesh.view(), query))) << soup.name;
         ++number;
     }
 }
@@ -70,15 +72,14 @@ TEST_F(Devices, share_hard_soups) {
 TEST_F(Devices, share_motion_and_nearness) {
     Detector several(some({0, 1, 2})), one({.backend = Backend::cpu});
     for (const Step& step : {Step(WholeMesh(wavy_sheet<float>(8))), Step(WholeMesh(random_soup<double>(60, 0.3)))}) {
-        for (const MotionWants wants : {MotionWants::impacts, MotionWants::earliest, MotionWants::any}) {
-            const Motion motion{.wants = wants, .separation = 0.01, .index = wants == MotionWants::impacts};
-            ASSERT_TRUE(same_features(several.find_impacts(step.start.view(), step.end_view(), motion),
-                                      one.find_impacts(step.start.view(), step.end_view(), motion)));
+        for (const Output wants : {Output::pairs, Output::first, Output::any}) {
+            const ImpactQuery motion{.output = wants, .min_distance = 0.01, .index = wants == Output::pairs};
+            ASSERT_TRUE(same_features(several.find(step.start.view().moving_to(step.end_view()), motion),
+                                      one.find(step.start.view().moving_to(step.end_view()), motion)));
         }
-        for (const NearWants wants : {NearWants::pairs, NearWants::any}) {
-            const Near near{.wants = wants, .radius = 0.05, .closest = true};
-            ASSERT_TRUE(
-                same_features(several.find_near(step.start.view(), near), one.find_near(step.start.view(), near)));
+        for (const Output wants : {Output::pairs, Output::any}) {
+            const ProximityQuery near{.output = wants, .radius = 0.05, .closest = true};
+            ASSERT_TRUE(same_features(several.find(step.start.view(), near), one.find(step.start.view(), near)));
         }
     }
 }
@@ -86,18 +87,17 @@ TEST_F(Devices, share_motion_and_nearness) {
 TEST_F(Devices, leave_the_rest_to_the_first) {
     Detector several(some({1, 0})), one({.backend = Backend::cpu});
     const WholeMesh sheet(wavy_sheet<float>(10)), soup(random_soup<float>(80, 0.3));
-    EXPECT_TRUE(
-        same_answer(several.find_between(sheet.view(), soup.view()), one.find_between(sheet.view(), soup.view())));
-    const Near rings{.radius = 0.05, .rings = 2};
-    EXPECT_TRUE(same_features(several.find_near(sheet.view(), rings), one.find_near(sheet.view(), rings)));
+    EXPECT_TRUE(same_answer(several.find({sheet.view(), soup.view()}), one.find({sheet.view(), soup.view()})));
+    const ProximityQuery rings{.radius = 0.05, .rings = 2};
+    EXPECT_TRUE(same_features(several.find(sheet.view(), rings), one.find(sheet.view(), rings)));
     const std::vector<Shape> shapes{Shape(sheet.view()), Shape(soup.view())};
     const std::vector<Body> bodies{{0}, {1}};
     const World world{shapes, bodies, {}};
-    EXPECT_EQ(several.find(world, Intersect()).count, one.find(world, Intersect()).count);
+    EXPECT_EQ(several.find(world).count, one.find(world).count);
     Options limited = some({0, 1});
     limited.memory_limit = 64 << 20;
     Detector with_less(limited);
-    EXPECT_TRUE(same_answer(with_less.find_self(sheet.view()), one.find_self(sheet.view())));
+    EXPECT_TRUE(same_answer(with_less.find(sheet.view()), one.find(sheet.view())));
 }
 
 TEST_F(Devices, fail_together_and_go_on) {
@@ -112,26 +112,26 @@ TEST_F(Devices, fail_together_and_go_on) {
     Detector several(some({0, 1, 2})), one({.backend = Backend::cpu});
     WholeMesh broken = sheet;
     std::get<std::vector<float>>(broken.vertices)[5] = std::numeric_limits<float>::quiet_NaN();
-    const Error error = error_of([&] { several.find_self(broken.view()); });
+    const Error error = error_of([&] { several.find(broken.view()); });
     EXPECT_EQ(error.code, ErrorCode::not_finite);
     EXPECT_EQ(error.index, 1);
     EXPECT_EQ(error.rank, -1);
 
     std::stop_source stop;
     stop.request_stop();
-    EXPECT_EQ(error_of([&] { several.find_self(sheet.view(), {}, stop.get_token()); }).code, ErrorCode::cancelled);
+    EXPECT_EQ(error_of([&] { several.find(sheet.view(), {}, stop.get_token()); }).code, ErrorCode::cancelled);
     int polls = 0;
     several.set_poll([&] {
         if (++polls == 1) throw std::domain_error("enough");
     });
     // Polls come every 20 ms at most: once there has been one, its exception arrives here as it is.
     try {
-        while (polls == 0) several.find_self(WholeMesh(wavy_sheet<float>(40)).view());
+        while (polls == 0) several.find(WholeMesh(wavy_sheet<float>(40)).view());
         FAIL() << "nothing was thrown";
     } catch (const std::domain_error&) {
     }
     several.set_poll({});
-    EXPECT_TRUE(same_answer(several.find_self(sheet.view()), one.find_self(sheet.view())));
+    EXPECT_TRUE(same_answer(several.find(sheet.view()), one.find(sheet.view())));
 }
 
 // What ranks bring may lie on their devices; it goes through the host.
@@ -139,8 +139,8 @@ TEST_F(Devices, may_hold_what_ranks_bring) {
     constexpr int ranks = 2;
     const Step step(WholeMesh(wavy_sheet<float>(10)));
     Detector one({.backend = Backend::cpu});
-    const Collisions pairs = one.find_self(step.start.view());
-    const Impacts impacts = one.find_impacts(step.start.view(), step.end_view());
+    const Intersections pairs = one.find(step.start.view());
+    const Impacts impacts = one.find(step.start.view().moving_to(step.end_view()), ImpactQuery());
     Verdicts verdicts;
     run_ranks(ranks, [&](distribute::Transport& transport) {
         const int rank = transport.rank();
@@ -153,9 +153,9 @@ TEST_F(Devices, may_hold_what_ranks_bring) {
         MeshShare share = start.share();
         share.mesh = there.view();
         for (int frame = 0; frame < 2; ++frame)
-            verdicts.add(rank, rows_are(detector.find_self(share, {}), start.triangle_ids, pairs));
-        verdicts.add(rank, rows_are(detector.find_impacts(share, there_at_end.view().vertices, {}), start.triangle_ids,
-                                    impacts, step.start));
+            verdicts.add(rank, rows_are(detector.find(share), start.triangle_ids, pairs));
+        verdicts.add(rank, rows_are(detector.find(share.moving_to(there_at_end.view().vertices), ImpactQuery()),
+                                    start.triangle_ids, impacts, step.start));
     });
     EXPECT_TRUE(verdicts.all());
 }

@@ -29,26 +29,26 @@ TEST(CudaFeatureCapture, answers_each_replay) {
     DeviceStep<float> there(falling(500, 70));
     Recorder recorder;
     const MeshView view = there.view(recorder.stream());
-    const Motion asked{.separation = 0.01};
+    const ImpactQuery asked{.min_distance = 0.01};
     for (int call = 0; call < 2; ++call) {
-        cuda.launch_impacts(view, there.end(), asked);
-        cuda.wait_impacts();
+        cuda.launch(view.moving_to(there.end()), asked);
+        cuda.wait<ImpactQuery>();
     }
     recorder.begin();
-    cuda.launch_impacts(view, there.end(), asked);
+    cuda.launch(view.moving_to(there.end()), asked);
     recorder.end();
-    EXPECT_STREQ(error_of([&] { cuda.wait_impacts(); }).what(),
-                 "wait_impacts() needs a replay of the captured launch before it");
+    EXPECT_STREQ(error_of([&] { cuda.wait<ImpactQuery>(); }).what(),
+                 "wait() for impacts needs a replay of the captured launch before it");
     int complete = 0;
     for (int frame = 70; frame < 94; frame += 4) {
         const MovingSoup<float> soup = falling(500, frame);
         there.move(soup);
         recorder.replay();
-        EXPECT_EQ(error_of([&] { cuda.wait_near(); }).code, ErrorCode::invalid_argument);
-        const DeviceImpacts& found = cuda.wait_impacts();
+        EXPECT_EQ(error_of([&] { cuda.wait<ProximityQuery>(); }).code, ErrorCode::invalid_argument);
+        const DeviceImpacts& found = cuda.wait<ImpactQuery>();
         if (!found.complete) continue;
         ++complete;
-        EXPECT_TRUE(shows(found, cpu.find_impacts(soup.view(), soup.end_view(), asked))) << "frame " << frame;
+        EXPECT_TRUE(shows(found, cpu.find(soup.view().moving_to(soup.end_view()), asked))) << "frame " << frame;
     }
     EXPECT_GE(complete, 3) << "of 6 frames that look like the ones before";
 }
@@ -66,16 +66,16 @@ TEST(CudaFeatureCapture, answers_every_question) {
         recorder.end();
         return answer_of(recorder, wait);
     };
-    for (const MotionWants wants : {MotionWants::impacts, MotionWants::earliest, MotionWants::any})
-        EXPECT_TRUE(shows(record([&] { cuda.launch_impacts(view, there.end(), {.wants = wants}); },
-                                 [&] { return cuda.wait_impacts(); }),
-                          cpu.find_impacts(soup.view(), soup.end_view(), {.wants = wants})));
-    const Near near{.radius = 0.02, .rings = 1};
-    EXPECT_TRUE(shows(record([&] { cuda.launch_near(view, near); }, [&] { return cuda.wait_near(); }),
-                      cpu.find_near(soup.view(), near)));
-    EXPECT_TRUE(
-        shows(record([&] { cuda.launch_candidates(view, there.end()); }, [&] { return cuda.wait_candidates(); }),
-              cpu.find_candidates(soup.view(), soup.end_view())));
+    for (const Output wants : {Output::pairs, Output::first, Output::any})
+        EXPECT_TRUE(shows(record([&] { cuda.launch(view.moving_to(there.end()), ImpactQuery{.output = wants}); },
+                                 [&] { return cuda.wait<ImpactQuery>(); }),
+                          cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.output = wants})));
+    const ProximityQuery near{.radius = 0.02, .rings = 1};
+    EXPECT_TRUE(shows(record([&] { cuda.launch(view, near); }, [&] { return cuda.wait<ProximityQuery>(); }),
+                      cpu.find(soup.view(), near)));
+    EXPECT_TRUE(shows(record([&] { cuda.launch(view.moving_to(there.end()), CandidateQuery()); },
+                             [&] { return cuda.wait<CandidateQuery>(); }),
+                      cpu.find(soup.view().moving_to(soup.end_view()), CandidateQuery())));
 }
 
 // A graph cannot take other edges: the answer is not complete, and a call outside of it makes them anew.
@@ -88,28 +88,28 @@ TEST(CudaFeatureCapture, says_when_the_mesh_is_another) {
     Recorder recorder;
     MeshView view = there.view(recorder.stream());
     view.triangles = rows_of_three(triangles.span()[0].data(), host.triangles.rows);
-    const Near near{.radius = 0.5};
-    const Nearby before = cpu.find_near(soup.view(), near);
-    for (int call = 0; call < 2; ++call) cuda.launch_near(view, near), cuda.wait_near();
+    const ProximityQuery near{.radius = 0.5};
+    const Proximities before = cpu.find(soup.view(), near);
+    for (int call = 0; call < 2; ++call) cuda.launch(view, near), cuda.wait<ProximityQuery>();
     recorder.begin();
-    cuda.launch_near(view, near);
+    cuda.launch(view, near);
     recorder.end();
-    EXPECT_TRUE(shows(answer_of(recorder, [&] { return cuda.wait_near(); }), before));
+    EXPECT_TRUE(shows(answer_of(recorder, [&] { return cuda.wait<ProximityQuery>(); }), before));
     std::swap(soup.triangles[3], soup.triangles[90]);
     triangles.set(soup.triangles);
     for (int replay = 0; replay < 2; ++replay) {
         recorder.replay();
-        const DeviceNearby found = cuda.wait_near();
+        const DeviceProximities found = cuda.wait<ProximityQuery>();
         EXPECT_FALSE(found.complete);
         EXPECT_EQ(found.count, 0);
     }
     std::swap(soup.triangles[3], soup.triangles[90]);
     triangles.set(soup.triangles);
-    EXPECT_TRUE(shows(answer_of(recorder, [&] { return cuda.wait_near(); }), before));
+    EXPECT_TRUE(shows(answer_of(recorder, [&] { return cuda.wait<ProximityQuery>(); }), before));
     std::swap(soup.triangles[3], soup.triangles[90]);
     triangles.set(soup.triangles);
-    cuda.launch_near(view, near);
-    EXPECT_TRUE(shows(cuda.wait_near(), cpu.find_near(soup.view(), near)));
+    cuda.launch(view, near);
+    EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), cpu.find(soup.view(), near)));
 }
 
 TEST(CudaFeatureCapture, needs_calls_before_it) {
@@ -120,22 +120,23 @@ TEST(CudaFeatureCapture, needs_calls_before_it) {
     const MeshView view = there.view(recorder.stream());
     const auto refused = [&] {
         recorder.begin();
-        const Error error = error_of([&] { cuda.launch_impacts(view, there.end()); });
+        const Error error = error_of([&] { cuda.launch(view.moving_to(there.end()), ImpactQuery()); });
         recorder.end();
         return error.code == ErrorCode::invalid_argument;
     };
     EXPECT_TRUE(refused()) << "nothing came before";
-    cuda.launch_near(view, {.radius = 0.01});
-    cuda.wait_near();
+    cuda.launch(view, ProximityQuery{.radius = 0.01});
+    cuda.wait<ProximityQuery>();
     EXPECT_TRUE(refused()) << "another question";
     for (int call = 0; call < 2; ++call)
-        cuda.launch_impacts(another.view(recorder.stream()), another.end()), cuda.wait_impacts();
+        cuda.launch(another.view(recorder.stream()).moving_to(another.end()), ImpactQuery()), cuda.wait<ImpactQuery>();
     EXPECT_TRUE(refused()) << "another mesh";
     recorder.begin();
-    EXPECT_EQ(error_of([&] { cuda.find_impacts(view, there.end()); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { cuda.find(view.moving_to(there.end()), ImpactQuery()); }).code,
+              ErrorCode::invalid_argument);
     recorder.end();
-    cuda.launch_impacts(view, there.end());
-    EXPECT_TRUE(shows(cuda.wait_impacts(), cpu.find_impacts(soup.view(), soup.end_view())));
+    cuda.launch(view.moving_to(there.end()), ImpactQuery());
+    EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery())));
 }
 
 }  // namespace

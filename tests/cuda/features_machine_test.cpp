@@ -25,13 +25,14 @@ class CudaMachineFeatures : public testing::Test {
         settings().multiprocessors = 1;
     }
     void ask(Detector& cuda, const DeviceStep<float>& there) const {
-        cuda.launch_impacts(there.view(), there.end());
-        EXPECT_TRUE(shows(cuda.wait_impacts(), expected_));
+        cuda.launch(there.view().moving_to(there.end()), ImpactQuery());
+        EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), expected_));
     }
 
     const MovingSoup<float> soup_ = falling(200, 90);
     const DeviceStep<float> there_{soup_};
-    const Impacts expected_ = Detector({.backend = Backend::cpu}).find_impacts(soup_.view(), soup_.end_view());
+    const Impacts expected_ =
+        Detector({.backend = Backend::cpu}).find(soup_.view().moving_to(soup_.end_view()), ImpactQuery());
 };
 
 TEST_F(CudaMachineFeatures, are_graphs_of_few_nodes) {
@@ -42,15 +43,19 @@ TEST_F(CudaMachineFeatures, are_graphs_of_few_nodes) {
         std::function<void(Detector&)> ask;
         std::size_t chain, nodes;
     };
-    const auto impacts = [&](MotionWants wants) {
-        return [&view, &end, wants](Detector& d) { d.launch_impacts(view, end, {.wants = wants}), d.wait_impacts(); };
+    const auto impacts = [&](Output wants) {
+        return [&view, &end, wants](Detector& d) {
+            d.launch(view.moving_to(end), ImpactQuery{.output = wants}), d.wait<ImpactQuery>();
+        };
     };
     for (const auto& [name, ask, chain, nodes] :
-         {Case{"impacts", impacts(MotionWants::impacts), 20, 26},
-          {"first", impacts(MotionWants::earliest), 16, 22},
-          {"any", impacts(MotionWants::any), 14, 20},
-          {"near", [&](Detector& d) { d.launch_near(view, {.radius = 0.01}), d.wait_near(); }, 17, 23},
-          {"candidates", [&](Detector& d) { d.launch_candidates(view, end), d.wait_candidates(); }, 15, 21}}) {
+         {Case{"impacts", impacts(Output::pairs), 20, 26},
+          {"first", impacts(Output::first), 16, 22},
+          {"any", impacts(Output::any), 14, 20},
+          {"near", [&](Detector& d) { d.launch(view, ProximityQuery{.radius = 0.01}), d.wait<ProximityQuery>(); }, 17,
+           23},
+          {"candidates",
+           [&](Detector& d) { d.launch(view.moving_to(end), CandidateQuery()), d.wait<CandidateQuery>(); }, 15, 21}}) {
         SCOPED_TRACE(name);
         Detector cuda({.backend = Backend::cuda, .clusters = 3});
         for (int frame = 0; frame < 5; ++frame) ask(cuda);
@@ -81,10 +86,10 @@ TEST_F(CudaMachineFeatures, may_run_out_of_memory_at_any_allocation_or_launch) {
         const auto answers_or_says_so = [&](Detector& cuda, int& failure) {
             failure = before;
             try {
-                EXPECT_TRUE(same_features(cuda.find_impacts(there_.view(), there_.end()), expected_));
-                cuda.launch_impacts(there_.view(), there_.end());
-                cuda.launch_impacts(there_.view(), there_.end());
-                for (int launch = 0; launch < 2; ++launch) EXPECT_TRUE(shows(cuda.wait_impacts(), expected_));
+                EXPECT_TRUE(same_features(cuda.find(there_.view().moving_to(there_.end()), ImpactQuery()), expected_));
+                cuda.launch(there_.view().moving_to(there_.end()), ImpactQuery());
+                cuda.launch(there_.view().moving_to(there_.end()), ImpactQuery());
+                for (int launch = 0; launch < 2; ++launch) EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), expected_));
             } catch (const Error& error) {
                 EXPECT_EQ(error.code, ErrorCode::device) << error.what();
             }

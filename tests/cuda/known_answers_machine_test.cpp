@@ -117,7 +117,7 @@ TEST_F(KnownAnswersOfAMachine, need_every_path_of_the_arithmetic) {
         };
         const Triangle a = triangle(0), b = triangle(3);
         ExactSigns signs;
-        const Verdict verdict = decide(a, b, Neighbours::geometric, Intersections::all, signs);
+        const Verdict verdict = decide(a, b, Neighbours::geometric, IntersectionKind::all, signs);
         collide += verdict == Verdict::collides;
         apart += verdict == Verdict::apart;
         undecided_pairs += verdict == Verdict::undecided;

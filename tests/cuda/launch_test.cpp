@@ -44,11 +44,11 @@ TEST(CudaLaunch, answers_frames_of_a_simulation) {
                 device.emplace(mesh.view());
             MeshView view = device->view();
             view.stream = stream;
-            const Query query{.contacts = frame % 24 == 0};
-            cuda.launch_self(view, query);
-            const DeviceCollisions& found = cuda.wait();
-            const Collisions& expected = cpu.find_self(mesh.view(), query);
-            pairs += found.pair_count;
+            const IntersectionQuery query{.output = frame % 24 == 0 ? Output::contacts : Output::pairs};
+            cuda.launch(view, query);
+            const DeviceIntersections& found = cuda.wait();
+            const Intersections& expected = cpu.find(mesh.view(), query);
+            pairs += found.count;
             ASSERT_TRUE(shows(found, view, nullptr, expected)) << "frame " << frame;
             ASSERT_TRUE(same_answer(cuda.download(), expected)) << "frame " << frame;
         }
@@ -102,7 +102,7 @@ TEST(CudaLaunch, answers_when_the_scene_jumps) {
                 !std::ranges::all_of(host.vertices, [&](const auto& p) { return p[1] < inf && p[2] < inf; });
             device.set_vertices(host.view());
             for (int repeat = 0; repeat < (frame % 3 == 0 ? 4 : 1); ++repeat) {
-                cuda.launch_self(device.view());
+                cuda.launch(device.view());
                 if (std::exchange(waiting, bad && frame % 2)) {
                     EXPECT_THROW(cuda.wait(), Error);
                 }
@@ -110,10 +110,10 @@ TEST(CudaLaunch, answers_when_the_scene_jumps) {
                 if (bad)
                     EXPECT_THROW(cuda.wait(), Error);
                 else
-                    EXPECT_TRUE(shows(cuda.wait(), host.view(), nullptr, cpu.find_self(host.view())));
+                    EXPECT_TRUE(shows(cuda.wait(), host.view(), nullptr, cpu.find(host.view())));
             }
             if (!bad) {
-                EXPECT_EQ(cuda.has_collision(device.view()), !cpu.find_self(host.view()).pairs.empty());
+                EXPECT_EQ(cuda.any(device.view()), !cpu.find(host.view()).pairs.empty());
             }
             check(cudaDeviceSynchronize());  // or the next frame's vertices would come too early
         }
@@ -138,13 +138,13 @@ TEST(CudaLaunch, puts_long_rows_in_order) {
             add({x, y, z - 0.5f}, {x, y, z + 0.5f}, {x + 1e-3f, y, z + 0.5f});
         }
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    const Collisions& expected = cpu.find_self(soup.view());
+    const Intersections& expected = cpu.find(soup.view());
     for (std::size_t k = 0; k < 5; ++k) ASSERT_EQ(expected.offsets[k + 1] - expected.offsets[k], counts[k]);
     const DeviceMesh device(soup.view());
-    cuda.launch_self(device.view());
+    cuda.launch(device.view());
     EXPECT_TRUE(shows(cuda.wait(), soup.view(), nullptr, expected));
     Detector chunked({.backend = Backend::cuda, .memory_limit = 2'000'000});
-    EXPECT_TRUE(same_answer(chunked.find_self(device.view()), expected));
+    EXPECT_TRUE(same_answer(chunked.find(device.view()), expected));
 }
 
 // A cluster of more units of work than there was room for.
@@ -155,8 +155,8 @@ TEST(CudaLaunch, sweeps_all_units_in_chunks) {
     const DeviceMesh device(soup.view());
     Detector cpu({.backend = Backend::cpu});
     const Options options{.backend = Backend::cuda, .memory_limit = 1'900'000, .leaf_size = 100'000};
-    EXPECT_TRUE(same_answer(Detector(options).find_self(device.view()), cpu.find_self(soup.view())));
-    EXPECT_TRUE(Detector(options).has_collision(device.view()));
+    EXPECT_TRUE(same_answer(Detector(options).find(device.view()), cpu.find(soup.view())));
+    EXPECT_TRUE(Detector(options).any(device.view()));
 }
 
 // One pair among many triangles, none, or thousands; with room for a pass, and in chunks.
@@ -172,11 +172,11 @@ TEST(CudaLaunch, tells_whether_anything_collides) {
             SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", limit " << limit);
             Detector cuda({.backend = Backend::cuda, .memory_limit = limit, .leaf_size = leaf_size});
             for (int repeat = 0; repeat < 2; ++repeat) {
-                EXPECT_FALSE(cuda.has_collision(apart.view()));
-                EXPECT_TRUE(cuda.has_collision(one_pair.view()));
-                EXPECT_TRUE(cuda.has_collision(many.view()));
-                EXPECT_EQ(cuda.find_self(one_pair.view()).pairs.size(), 1u);
-                EXPECT_FALSE(cuda.has_collision(apart.view()));
+                EXPECT_FALSE(cuda.any(apart.view()));
+                EXPECT_TRUE(cuda.any(one_pair.view()));
+                EXPECT_TRUE(cuda.any(many.view()));
+                EXPECT_EQ(cuda.find(one_pair.view()).pairs.size(), 1u);
+                EXPECT_FALSE(cuda.any(apart.view()));
             }
         }
     }
@@ -187,9 +187,9 @@ TEST(CudaLaunch, answers_from_two_buffers_in_turn) {
     const DeviceMesh buffers[2] = {DeviceMesh(meshes[0].view()), DeviceMesh(meshes[1].view())};
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     for (int frame = 0; frame < 6; ++frame) {
-        cuda.launch_self(buffers[frame % 2].view());
+        cuda.launch(buffers[frame % 2].view());
         const MeshView mesh = meshes[frame % 2].view();
-        EXPECT_TRUE(shows(cuda.wait(), mesh, nullptr, cpu.find_self(mesh))) << "frame " << frame;
+        EXPECT_TRUE(shows(cuda.wait(), mesh, nullptr, cpu.find(mesh))) << "frame " << frame;
     }
 }
 
@@ -204,12 +204,12 @@ TEST(CudaLaunch, obeys_the_excluded_groups_of_each_query) {
     const std::span<const GroupPair> none, lists[] = {some, some, others, fewer, none, fewer, some};
     std::vector<std::size_t> counts;
     for (const auto& excluded : lists) {
-        const Query query{.excluded_groups = excluded};
-        const Collisions& expected = cpu.find_self(mesh.view(), query);
+        const IntersectionQuery query{.filter = {.excluded_groups = {excluded.begin(), excluded.end()}}};
+        const Intersections& expected = cpu.find(mesh.view(), query);
         counts.push_back(expected.pairs.size());
-        cuda.launch_self(device.view(), query);
+        cuda.launch(device.view(), query);
         EXPECT_TRUE(shows(cuda.wait(), mesh.view(), nullptr, expected)) << "list " << counts.size();
-        const Part part = cpu.partition(mesh.view(), 2)[0];
+        const Part part = cpu.partition(mesh.view(), {}, 2)[0];
         EXPECT_TRUE(same_answer(cuda.find(part, query), cpu.find(part, query)));
     }
     EXPECT_NE(counts[1], counts[2]);
@@ -222,19 +222,19 @@ TEST(CudaLaunch, downloads_only_what_wait_has_found) {
     const DeviceMesh device(mesh.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const std::vector<std::function<void()>> later_calls{
-        [&] { cuda.find_self(mesh.view()); },
-        [&] { cuda.has_collision(device.view()); },
-        [&] { EXPECT_THROW(cuda.launch_self(mesh.view()), Error); },
+        [&] { cuda.find(mesh.view()); },
+        [&] { cuda.any(device.view()); },
+        [&] { EXPECT_THROW(cuda.launch(mesh.view()), Error); },
         [&] { EXPECT_THROW(cuda.find(Part{}), Error); },
-        [&] { EXPECT_THROW(cuda.partition(mesh.view(), 0), Error); },
-        [&] { cuda.launch_self(device.view()); },
+        [&] { EXPECT_THROW(cuda.partition(mesh.view(), {}, 0), Error); },
+        [&] { cuda.launch(device.view()); },
     };
     EXPECT_THROW(cuda.download(), Error);
     for (const auto& call : later_calls) {
-        cuda.launch_self(device.view());
+        cuda.launch(device.view());
         cuda.wait();
-        EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(mesh.view())));
-        EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(mesh.view())));
+        EXPECT_TRUE(same_answer(cuda.download(), cpu.find(mesh.view())));
+        EXPECT_TRUE(same_answer(cuda.download(), cpu.find(mesh.view())));
         call();
         EXPECT_THROW(cuda.download(), Error);
     }
@@ -246,8 +246,8 @@ TEST(CudaLaunch, answers_between_two_meshes) {
     const DeviceMesh a(half.a), b(half.b);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     for (int repeat = 0; repeat < 3; ++repeat) {
-        cuda.launch_between(a.view(), b.view());
-        EXPECT_TRUE(shows(cuda.wait(), half.a, &half.b, cpu.find_between(half.a, half.b)));
+        cuda.launch({a.view(), b.view()});
+        EXPECT_TRUE(shows(cuda.wait(), half.a, &half.b, cpu.find({half.a, half.b})));
     }
 }
 
@@ -255,13 +255,13 @@ TEST(CudaLaunch, forgets_launches_that_nobody_waited_for) {
     const io::TriangleMesh first = cloth(300), second = cloth(500);
     const DeviceMesh device_first(first.view()), device_second(second.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    cuda.launch_self(device_first.view());
-    cuda.launch_self(device_first.view());
-    EXPECT_TRUE(same_answer(cuda.find_self(second.view()), cpu.find_self(second.view())));
+    cuda.launch(device_first.view());
+    cuda.launch(device_first.view());
+    EXPECT_TRUE(same_answer(cuda.find(second.view()), cpu.find(second.view())));
     EXPECT_THROW(cuda.wait(), Error);
-    cuda.launch_self(device_second.view());
-    EXPECT_TRUE(shows(cuda.wait(), second.view(), nullptr, cpu.find_self(second.view())));
-    cuda.launch_self(device_first.view());
+    cuda.launch(device_second.view());
+    EXPECT_TRUE(shows(cuda.wait(), second.view(), nullptr, cpu.find(second.view())));
+    cuda.launch(device_first.view());
 }
 
 /// A stream of the test's own.
@@ -281,7 +281,7 @@ TEST(CudaLaunch, answers_two_frames_in_flight) {
         for (const int leaf_size : {3000, 60}) {
             for (const bool contacts : {false, true}) {
                 SCOPED_TRACE(testing::Message() << streams << " streams, leaves of " << leaf_size << contacts);
-                const Query query{.contacts = contacts};
+                const IntersectionQuery query{.output = contacts ? Output::contacts : Output::pairs};
                 const OwnStream stream[2];
                 std::vector<io::TriangleMesh> meshes;
                 std::vector<DeviceMesh> buffers;
@@ -292,19 +292,19 @@ TEST(CudaLaunch, answers_two_frames_in_flight) {
                     views.push_back(stream[streams == 2 ? frame % 2 : 0].on(buffers.back().view()));
                 }
                 Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda, .leaf_size = leaf_size});
-                const auto expect_right = [&](const DeviceCollisions& found, std::size_t frame) {
-                    const Collisions& expected = cpu.find_self(meshes[frame].view(), query);
+                const auto expect_right = [&](const DeviceIntersections& found, std::size_t frame) {
+                    const Intersections& expected = cpu.find(meshes[frame].view(), query);
                     EXPECT_TRUE(shows(found, views[frame], nullptr, expected)) << "frame " << frame;
                 };
-                cuda.launch_self(views[0], query);
+                cuda.launch(views[0], query);
                 for (std::size_t frame = 1; frame < 8; ++frame) {
-                    cuda.launch_self(views[frame], query);
-                    const DeviceCollisions& found = cuda.wait();
+                    cuda.launch(views[frame], query);
+                    const DeviceIntersections& found = cuda.wait();
                     expect_right(found, frame - 1);
-                    EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(meshes[frame - 1].view(), query)));
+                    EXPECT_TRUE(same_answer(cuda.download(), cpu.find(meshes[frame - 1].view(), query)));
                 }
-                const DeviceCollisions& last = cuda.wait();
-                cuda.launch_self(views[0], query);
+                const DeviceIntersections& last = cuda.wait();
+                cuda.launch(views[0], query);
                 expect_right(last, 7);
                 cuda.wait();
                 expect_right(last, 7);
@@ -317,7 +317,7 @@ TEST(CudaLaunch, answers_two_frames_in_flight) {
 // right, too.
 TEST(CudaLaunch, answers_two_frames_in_flight_of_which_any_is_hard) {
     const std::vector<NamedMesh> scenes = hard_soups();
-    const Query query{.contacts = true};
+    const IntersectionQuery query{.output = Output::contacts};
     Detector cpu({.backend = Backend::cpu});
     Detector cuda({.backend = Backend::cuda, .leaf_size = 30});
     const OwnStream stream[2];
@@ -327,16 +327,16 @@ TEST(CudaLaunch, answers_two_frames_in_flight_of_which_any_is_hard) {
             if (sanitized && other != (i + 1) % scenes.size()) continue;  // which are slow
             SCOPED_TRACE(scenes[i].name + " and " + scenes[other].name);
             const DeviceMesh first(scenes[i].mesh.view()), second(scenes[other].mesh.view());
-            cuda.launch_self(stream[0].on(first.view()), query);
-            cuda.launch_self(stream[1].on(second.view()), {.weld = true});
-            const DeviceCollisions found = cuda.wait();
+            cuda.launch(stream[0].on(first.view()), query);
+            cuda.launch(stream[1].on(second.view()), {.weld = true});
+            const DeviceIntersections found = cuda.wait();
             if (found.statistics.rational_tests > 0) {
                 ++again;
                 EXPECT_EQ(cudaStreamQuery(stream[1].stream), cudaSuccess) << "it ran again while its lists were in use";
             }
-            EXPECT_TRUE(shows(found, first.view(), nullptr, cpu.find_self(scenes[i].mesh.view(), query)));
+            EXPECT_TRUE(shows(found, first.view(), nullptr, cpu.find(scenes[i].mesh.view(), query)));
             EXPECT_TRUE(
-                shows(cuda.wait(), second.view(), nullptr, cpu.find_self(scenes[other].mesh.view(), {.weld = true})));
+                shows(cuda.wait(), second.view(), nullptr, cpu.find(scenes[other].mesh.view(), {.weld = true})));
         }
     }
     EXPECT_GT(again, 0);
@@ -349,12 +349,12 @@ TEST(CudaLaunch, grows_lists_with_two_frames_in_flight) {
     std::vector<DeviceMesh> devices;
     for (const Soup<float>& soup : soups) devices.emplace_back(soup.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    std::vector<Collisions> expected;
-    for (const Soup<float>& soup : soups) expected.push_back(cpu.find_self(soup.view()));
+    std::vector<Intersections> expected;
+    for (const Soup<float>& soup : soups) expected.push_back(cpu.find(soup.view()));
     ASSERT_GT(expected[1].pairs.size(), 3u * n);
     ASSERT_GT(expected[2].pairs.size(), expected[1].pairs.size() * 5 / 4);
     for (std::size_t frame = 0; frame < std::size(frames); ++frame) {
-        cuda.launch_self(devices[static_cast<std::size_t>(frames[frame])].view());
+        cuda.launch(devices[static_cast<std::size_t>(frames[frame])].view());
         if (frame == 0) continue;
         const auto before = static_cast<std::size_t>(frames[frame - 1]);
         EXPECT_TRUE(shows(cuda.wait(), soups[before].view(), nullptr, expected[before])) << "frame " << frame - 1;
@@ -373,21 +373,21 @@ TEST(CudaLaunch, runs_passes_of_all_streams_one_after_the_other) {
     Detector cuda({.backend = Backend::cuda});
     const auto is_done = [&](int i) { return cudaStreamQuery(stream[i].stream) == cudaSuccess; };
     for (int frame = 0; frame < 6; ++frame) {
-        cuda.launch_self(stream[0].on(first.view()));
-        cuda.launch_self(stream[1].on(second.view()));
+        cuda.launch(stream[0].on(first.view()));
+        cuda.launch(stream[1].on(second.view()));
         check(cudaStreamSynchronize(stream[1].stream));
         EXPECT_TRUE(is_done(0)) << "frame " << frame;
         cuda.wait();
         cuda.wait();
     }
     first.set_vertices(dense.view());
-    cuda.launch_self(stream[0].on(first.view()));
-    cuda.launch_self(stream[1].on(second.view()));
-    EXPECT_GT(cuda.wait().pair_count, n);
+    cuda.launch(stream[0].on(first.view()));
+    cuda.launch(stream[1].on(second.view()));
+    EXPECT_GT(cuda.wait().count, n);
     EXPECT_TRUE(is_done(1)) << "when lists of the first grow";
     cuda.wait();
-    cuda.launch_self(stream[0].on(first.view()));
-    cuda.launch_self(stream[1].on(larger.view()));
+    cuda.launch(stream[0].on(first.view()));
+    cuda.launch(stream[1].on(larger.view()));
     EXPECT_TRUE(is_done(0)) << "when lists are laid out for another scene";
     cuda.wait();
     cuda.wait();
@@ -398,13 +398,13 @@ TEST(CudaLaunch, refuses_a_third_launch_and_keeps_the_others) {
     const DeviceMesh first(meshes[0].view()), second(meshes[1].view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     for (int turn = 0; turn < 3; ++turn) {
-        cuda.launch_self(first.view());
-        cuda.launch_self(second.view());
-        EXPECT_STREQ(error_of([&] { cuda.launch_self(first.view()); }).what(),
+        cuda.launch(first.view());
+        cuda.launch(second.view());
+        EXPECT_STREQ(error_of([&] { cuda.launch(first.view()); }).what(),
                      "two launches are in flight: the next one comes after a wait()");
-        EXPECT_THROW(cuda.launch_self(meshes[0].view()), Error);
-        EXPECT_TRUE(shows(cuda.wait(), first.view(), nullptr, cpu.find_self(meshes[0].view())));
-        EXPECT_TRUE(shows(cuda.wait(), second.view(), nullptr, cpu.find_self(meshes[1].view())));
+        EXPECT_THROW(cuda.launch(meshes[0].view()), Error);
+        EXPECT_TRUE(shows(cuda.wait(), first.view(), nullptr, cpu.find(meshes[0].view())));
+        EXPECT_TRUE(shows(cuda.wait(), second.view(), nullptr, cpu.find(meshes[1].view())));
     }
 }
 
@@ -415,7 +415,7 @@ TEST(CudaLaunch, reports_bad_input_of_each_frame_in_flight) {
     bad.vertices[17][1] = std::numeric_limits<float>::infinity();
     const DeviceMesh device[2] = {DeviceMesh(good.view()), DeviceMesh(bad.view())};
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    const Collisions& expected = cpu.find_self(good.view());
+    const Intersections& expected = cpu.find(good.view());
     const int frames[] = {0, 0, 0, 1, 0, 1, 1, 0, 0, 0};
     const auto expect_answer = [&](int which) {
         if (which)
@@ -424,7 +424,7 @@ TEST(CudaLaunch, reports_bad_input_of_each_frame_in_flight) {
             EXPECT_TRUE(shows(cuda.wait(), good.view(), nullptr, expected));
     };
     for (std::size_t frame = 0; frame < std::size(frames); ++frame) {
-        cuda.launch_self(device[frames[frame]].view());
+        cuda.launch(device[frames[frame]].view());
         if (frame > 0) expect_answer(frames[frame - 1]);
     }
     expect_answer(0);
@@ -434,9 +434,9 @@ TEST(CudaLaunch, answers_two_frames_in_flight_under_a_memory_limit) {
     const io::TriangleMesh meshes[2] = {cloth(600, 80), cloth(600, 93)};
     const DeviceMesh devices[2] = {DeviceMesh(meshes[0].view()), DeviceMesh(meshes[1].view())};
     Detector cpu({.backend = Backend::cpu});
-    const std::vector<Collisions> expected{cpu.find_self(meshes[0].view()), cpu.find_self(meshes[1].view())};
+    const std::vector<Intersections> expected{cpu.find(meshes[0].view()), cpu.find(meshes[1].view())};
     Detector unlimited({.backend = Backend::cuda});
-    const std::int64_t all = unlimited.find_self(devices[1].view()).statistics.peak_memory_bytes;
+    const std::int64_t all = unlimited.find(devices[1].view()).statistics.peak_memory_bytes;
     // How many frames are answered, `ahead` of which are in flight at each wait().
     const auto answers = [&](std::int64_t limit, std::size_t ahead) {
         SCOPED_TRACE(testing::Message() << limit << " bytes");
@@ -444,7 +444,7 @@ TEST(CudaLaunch, answers_two_frames_in_flight_under_a_memory_limit) {
         std::size_t answered = 0;
         try {
             for (std::size_t frame = 0; frame < 6; ++frame) {
-                cuda.launch_self(devices[frame % 2].view());
+                cuda.launch(devices[frame % 2].view());
                 if (frame < ahead) continue;
                 const std::size_t asked = answered % 2;
                 EXPECT_TRUE(shows(cuda.wait(), meshes[asked].view(), nullptr, expected[asked])) << answered;
@@ -471,24 +471,24 @@ TEST(CudaLaunch, answers_for_empty_meshes) {
     const DeviceMesh nothing{MeshView()}, something(mesh.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     for (int repeat = 0; repeat < 3; ++repeat) {
-        cuda.launch_self(nothing.view());
-        EXPECT_TRUE(shows(cuda.wait(), MeshView(), nullptr, cpu.find_self(MeshView())));
+        cuda.launch(nothing.view());
+        EXPECT_TRUE(shows(cuda.wait(), MeshView(), nullptr, cpu.find(MeshView())));
     }
     const MeshView host_of[2] = {MeshView(), mesh.view()};
     const MeshView device_of[2] = {nothing.view(), something.view()};
     for (const int first : {0, 1}) {
         for (int repeat = 0; repeat < 3; ++repeat) {
-            const Query query{.weld = repeat > 0, .contacts = true};
-            cuda.launch_between(device_of[first], device_of[1 - first], query);
+            const IntersectionQuery query{.output = Output::contacts, .weld = repeat > 0};
+            cuda.launch({device_of[first], device_of[1 - first]}, query);
             EXPECT_TRUE(shows(cuda.wait(), host_of[first], &host_of[1 - first],
-                              cpu.find_between(host_of[first], host_of[1 - first], query)));
+                              cpu.find({host_of[first], host_of[1 - first]}, query)));
         }
     }
 }
 
 TEST(CudaLaunch, leaves_the_capture_of_another_thread_alone) {
     const io::TriangleMesh mesh = cloth(300, 93);
-    const Collisions expected = Detector({.backend = Backend::cpu}).find_self(mesh.view());
+    const Intersections expected = Detector({.backend = Backend::cpu}).find(mesh.view());
     const DeviceMesh device(mesh.view());
     const DeviceBytes bytes(std::vector<std::byte>(4));
     cudaStream_t stream;
@@ -497,13 +497,13 @@ TEST(CudaLaunch, leaves_the_capture_of_another_thread_alone) {
     check(cudaMemsetAsync(bytes.data(), 0, 4, stream));
     std::thread([&] {
         Detector cuda({.backend = Backend::cuda});
-        EXPECT_TRUE(same_answer(cuda.find_self(mesh.view()), expected));
+        EXPECT_TRUE(same_answer(cuda.find(mesh.view()), expected));
         for (int frame = 0; frame < 4; ++frame) {
-            cuda.launch_self(device.view());
-            EXPECT_EQ(cuda.wait().pair_count, static_cast<std::int64_t>(expected.pairs.size()));
+            cuda.launch(device.view());
+            EXPECT_EQ(cuda.wait().count, static_cast<std::int64_t>(expected.pairs.size()));
         }
         EXPECT_TRUE(same_answer(cuda.download(), expected));
-        cuda.launch_self(device.view());  // the detector's end waits for it
+        cuda.launch(device.view());  // the detector's end waits for it
     }).join();
     cudaGraph_t graph = nullptr;
     EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
@@ -513,7 +513,7 @@ TEST(CudaLaunch, leaves_the_capture_of_another_thread_alone) {
 
 TEST(CudaLaunch, works_on_default_streams_while_another_thread_captures) {
     const io::TriangleMesh mesh = cloth(300, 93);
-    const Collisions expected = Detector({.backend = Backend::cpu}).find_self(mesh.view());
+    const Intersections expected = Detector({.backend = Backend::cpu}).find(mesh.view());
     const DeviceMesh device(mesh.view());
     cudaStream_t captured;
     check(cudaStreamCreateWithFlags(&captured, cudaStreamNonBlocking));
@@ -524,9 +524,9 @@ TEST(CudaLaunch, works_on_default_streams_while_another_thread_captures) {
                 MeshView view = device.view();
                 view.stream = stream;
                 Detector cuda({.backend = Backend::cuda});
-                EXPECT_TRUE(same_answer(cuda.find_self(view), expected));
+                EXPECT_TRUE(same_answer(cuda.find(view), expected));
                 for (int frame = 0; frame < 3; ++frame) {
-                    cuda.launch_self(view);
+                    cuda.launch(view);
                     EXPECT_TRUE(shows(cuda.wait(), view, nullptr, expected));
                 }
             }).join();
@@ -550,14 +550,14 @@ TEST(CudaLaunch, does_not_join_the_capture_of_a_meshs_stream) {
     MeshView view = device.view();
     view.stream = stream;
     Detector cuda({.backend = Backend::cuda});
-    EXPECT_THROW(cuda.launch_self(view), Error);
-    EXPECT_THROW(cuda.find_self(view), Error);
-    EXPECT_THROW(cuda.launch_between(device.view(), view), Error);
+    EXPECT_THROW(cuda.launch(view), Error);
+    EXPECT_THROW(cuda.find(view), Error);
+    EXPECT_THROW(cuda.launch({device.view(), view}), Error);
     cudaGraph_t graph = nullptr;
     EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
     if (graph) check(cudaGraphDestroy(graph));
-    cuda.launch_self(view);
-    EXPECT_GT(cuda.wait().pair_count, 0);
+    cuda.launch(view);
+    EXPECT_GT(cuda.wait().count, 0);
     check(cudaStreamDestroy(stream));
 }
 
@@ -566,29 +566,29 @@ TEST(CudaLaunch, reports_bad_input_when_waited_for) {
     mesh.triangles[5] = 1'000'000;
     const DeviceMesh bad(mesh.view());
     Detector cuda({.backend = Backend::cuda});
-    cuda.launch_self(bad.view());
+    cuda.launch(bad.view());
     EXPECT_THROW(cuda.wait(), Error);
     const io::TriangleMesh good = cloth(300);
     const DeviceMesh device(good.view());
-    cuda.launch_self(device.view());
-    EXPECT_EQ(cuda.wait().pair_count, static_cast<std::int64_t>(Detector().find_self(good.view()).pairs.size()));
+    cuda.launch(device.view());
+    EXPECT_EQ(cuda.wait().count, static_cast<std::int64_t>(Detector().find(good.view()).pairs.size()));
 }
 
 TEST(CudaLaunch, answers_under_any_memory_limit_or_names_what_is_needed_at_least) {
     const io::TriangleMesh mesh = cloth(600);
     const DeviceMesh device(mesh.view());
-    const Query query{.contacts = true};
+    const IntersectionQuery query{.output = Output::contacts};
     Detector cpu({.backend = Backend::cpu});
-    const Collisions& expected = cpu.find_self(mesh.view(), query);
+    const Intersections& expected = cpu.find(mesh.view(), query);
     const auto shows_all = [&](Detector& cuda) {
-        cuda.launch_self(device.view(), query);
+        cuda.launch(device.view(), query);
         EXPECT_TRUE(shows(cuda.wait(), mesh.view(), nullptr, expected));
         EXPECT_TRUE(same_answer(cuda.download(), expected));
     };
     Detector unlimited({.backend = Backend::cuda});
     shows_all(unlimited);
     int failures = 0;
-    for (std::int64_t limit = unlimited.find_self(device.view(), query).statistics.peak_memory_bytes; limit > 1'000;
+    for (std::int64_t limit = unlimited.find(device.view(), query).statistics.peak_memory_bytes; limit > 1'000;
          limit -= limit / 5) {
         SCOPED_TRACE(testing::Message() << limit << " bytes");
         Detector limited({.backend = Backend::cuda, .memory_limit = limit});
@@ -609,12 +609,12 @@ TEST(CudaLaunch, stops_counting_when_the_pairs_alone_exceed_the_limit) {
     const Soup<float> soup = random_soup(2000, 1);
     const DeviceMesh device(soup.view());
     Detector unlimited({.backend = Backend::cpu});
-    const auto pairs = static_cast<std::int64_t>(unlimited.find_self(soup.view()).pairs.size());
+    const auto pairs = static_cast<std::int64_t>(unlimited.find(soup.view()).pairs.size());
     ASSERT_GT(pairs, 50'000);
     const std::int64_t limit = 12 * pairs / 2, all = 12 * pairs;
     Detector cuda({.backend = Backend::cuda, .memory_limit = limit});
     const Error error = error_of([&] {
-        cuda.launch_self(device.view());
+        cuda.launch(device.view());
         cuda.wait();
     });
     EXPECT_GT(error.bytes_needed, limit);

@@ -81,7 +81,7 @@ TEST_F(CudaMachine, is_taken_by_the_automatic_backend_if_it_has_a_device) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 100, .frame = 40});
     const auto chosen = [&](const Options& options) {
         Detector detector(options);
-        const std::string backend(detector.find_self(mesh.view()).statistics.backend);
+        const std::string backend(detector.find(mesh.view()).statistics.backend);
         return backend + (detector.fallback().empty() ? "" : ": " + std::string(detector.fallback()));
     };
     EXPECT_EQ(chosen({}), "cuda");
@@ -93,20 +93,20 @@ TEST_F(CudaMachine, is_taken_by_the_automatic_backend_if_it_has_a_device) {
 
 TEST_F(CudaMachine, may_run_out_of_memory_anywhere) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 93});
-    for (const Query& query : {Query{}, Query{.contacts = true}}) {
-        const Collisions expected = Detector({.backend = Backend::cpu}).find_self(mesh.view(), query);
+    for (const IntersectionQuery& query : {IntersectionQuery{}, {.output = Output::contacts}}) {
+        const Intersections expected = Detector({.backend = Backend::cpu}).find(mesh.view(), query);
         int failures = 0;
         for (int allocations = 0; allocations < 14; ++allocations) {
             Detector detector({.backend = Backend::cuda});
             settings().allocations_before_failure = allocations;
             try {
-                EXPECT_TRUE(same_answer(detector.find_self(mesh.view(), query), expected));
+                EXPECT_TRUE(same_answer(detector.find(mesh.view(), query), expected));
             } catch (const Error& error) {
                 ++failures;
                 EXPECT_EQ(error.code, ErrorCode::device) << error.what();
             }
             settings().allocations_before_failure = -1;
-            EXPECT_TRUE(same_answer(detector.find_self(mesh.view(), query), expected)) << "after " << allocations;
+            EXPECT_TRUE(same_answer(detector.find(mesh.view(), query), expected)) << "after " << allocations;
         }
         EXPECT_LT(failures, 8);
     }
@@ -118,8 +118,8 @@ TEST_F(CudaMachine, makes_a_graph_of_what_it_is_asked_for_again) {
     const auto frames = [&](const DeviceMesh& device, int count) {
         const std::size_t before = cuda_on_cpu::graph_count().instantiated;
         for (int frame = 0; frame < count; ++frame) {
-            cuda.launch_self(device.view());
-            EXPECT_GT(cuda.wait().pair_count, 0);
+            cuda.launch(device.view());
+            EXPECT_GT(cuda.wait().count, 0);
         }
         return cuda_on_cpu::graph_count().instantiated - before;
     };
@@ -142,8 +142,8 @@ TEST_F(CudaMachine, makes_one_graph_for_arrays_that_move_and_lists_that_grow) {
     constexpr int n = 1500;
     const Soup<float> soups[] = {random_soup(n, 1e-3), random_soup(n, 0.5, 2), random_soup(n, 0.8, 3)};
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    std::vector<Collisions> expected;
-    for (const Soup<float>& soup : soups) expected.push_back(cpu.find_self(soup.view()));
+    std::vector<Intersections> expected;
+    for (const Soup<float>& soup : soups) expected.push_back(cpu.find(soup.view()));
     ASSERT_GT(expected[1].pairs.size(), 2u * n);
     ASSERT_GT(expected[2].pairs.size(), expected[1].pairs.size() * 5 / 4);
     const std::size_t before = cuda_on_cpu::graph_count().instantiated;
@@ -154,7 +154,7 @@ TEST_F(CudaMachine, makes_one_graph_for_arrays_that_move_and_lists_that_grow) {
     };
     for (std::size_t frame = 0; frame < 18; ++frame) {
         frames.emplace_back(soups[soup_of(frame)].view());
-        cuda.launch_self(frames.back().view());
+        cuda.launch(frames.back().view());
         if (frame > 0) expect_right(frame - 1);
     }
     expect_right(17);
@@ -189,7 +189,7 @@ TEST_F(CudaMachine, makes_graphs_of_few_nodes) {
          {Case{1, 3000, 14, 16}, {3, 3000, 14, 20}, {2, 15, 15, 26}}) {
         Detector cuda({.backend = Backend::cuda, .clusters = clusters, .leaf_size = leaf_size});
         for (int frame = 0; frame < 5; ++frame) {
-            cuda.launch_self(device.view());
+            cuda.launch(device.view());
             cuda.wait();
         }
         EXPECT_EQ(cuda_on_cpu::graph_count().chain, chain) << "leaves of " << leaf_size;
@@ -206,13 +206,13 @@ TEST_F(CudaMachine, puts_the_same_nodes_into_a_callers_graph) {
     MeshView view = device.view();
     view.stream = stream;
     for (int call = 0; call < 2; ++call) {
-        cuda.launch_self(view);
+        cuda.launch(view);
         cuda.wait();
     }
     const std::size_t used = cuda_on_cpu::memory::used(), graphs = cuda_on_cpu::graph_count().instantiated;
     settings().allocations_before_failure = 0;
     check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
-    cuda.launch_self(view);
+    cuda.launch(view);
     cudaGraph_t graph = nullptr;
     check(cudaStreamEndCapture(stream, &graph));
     EXPECT_EQ(cuda_on_cpu::memory::used(), used);
@@ -234,18 +234,18 @@ TEST_F(CudaMachine, may_have_no_memory_for_contacts_of_a_replay) {
     const io::TriangleMesh few = scenes::make("cloth", {.triangles = 300, .frame = 80}),
                            many = scenes::make("cloth", {.triangles = 300, .frame = 93});
     DeviceMesh device(few.view());
-    const Query query{.contacts = true};
+    const IntersectionQuery query{.output = Output::contacts};
     Detector cuda({.backend = Backend::cuda});
     cudaStream_t stream;
     check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
     MeshView view = device.view();
     view.stream = stream;
     for (int call = 0; call < 2; ++call) {
-        cuda.launch_self(view, query);
+        cuda.launch(view, query);
         cuda.wait();
     }
     check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
-    cuda.launch_self(view, query);
+    cuda.launch(view, query);
     cudaGraph_t graph = nullptr;
     check(cudaStreamEndCapture(stream, &graph));
     cudaGraphExec_t executable = nullptr;
@@ -262,7 +262,7 @@ TEST_F(CudaMachine, may_have_no_memory_for_contacts_of_a_replay) {
     }
     settings().allocations_before_failure = -1;
     EXPECT_THROW(cuda.wait(), Error) << "the launch is over";
-    cuda.launch_self(view, query);
+    cuda.launch(view, query);
     EXPECT_GT(cuda.wait().contact_point_count, 0);
     check(cudaGraphExecDestroy(executable));
     check(cudaGraphDestroy(graph));
@@ -281,19 +281,19 @@ TEST_F(CudaMachine, may_fail_at_any_launch_in_a_capture) {
         SCOPED_TRACE(testing::Message() << "after " << launches);
         Detector cuda({.backend = Backend::cuda});
         for (int call = 0; call < 2; ++call) {
-            cuda.launch_self(view);
+            cuda.launch(view);
             cuda.wait();
         }
-        const std::int64_t pairs = cuda.find_self(view).statistics.pairs;
+        const std::int64_t pairs = cuda.find(view).statistics.pairs;
         check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
         settings().launches_before_failure = launches;
-        EXPECT_THROW(cuda.launch_self(view), Error);
+        EXPECT_THROW(cuda.launch(view), Error);
         settings().launches_before_failure = -1;
         cudaGraph_t graph = nullptr;
         EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
         if (graph) check(cudaGraphDestroy(graph));
-        cuda.launch_self(view);
-        EXPECT_EQ(cuda.wait().pair_count, pairs);
+        cuda.launch(view);
+        EXPECT_EQ(cuda.wait().count, pairs);
     }
     check(cudaStreamDestroy(stream));
 }
@@ -302,16 +302,16 @@ TEST_F(CudaMachine, may_fail_at_any_launch_in_a_capture) {
 TEST_F(CudaMachine, may_run_out_of_memory_at_any_launch) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 93});
     const DeviceMesh device(mesh.view());
-    const Query query{.contacts = true};
-    const Collisions expected = Detector({.backend = Backend::cpu}).find_self(mesh.view(), query);
+    const IntersectionQuery query{.output = Output::contacts};
+    const Intersections expected = Detector({.backend = Backend::cpu}).find(mesh.view(), query);
     for (int launches = 0; launches < 40; launches += 3) {
         SCOPED_TRACE(testing::Message() << "after " << launches);
         Detector first({.backend = Backend::cuda}), second({.backend = Backend::cuda});
         settings().launches_before_failure = launches;
-        EXPECT_TRUE(same_answer(first.find_self(mesh.view(), query), expected));
+        EXPECT_TRUE(same_answer(first.find(mesh.view(), query), expected));
         settings().launches_before_failure = launches;
-        second.launch_self(device.view(), query);
-        EXPECT_EQ(second.wait().pair_count, static_cast<std::int64_t>(expected.pairs.size()));
+        second.launch(device.view(), query);
+        EXPECT_EQ(second.wait().count, static_cast<std::int64_t>(expected.pairs.size()));
         settings().launches_before_failure = -1;
     }
 }
@@ -347,21 +347,21 @@ TEST_F(CudaMachine, is_not_given_arrays_that_it_cannot_read) {
     MeshView wrong = device.view();
     wrong.vertices = mesh.view().vertices;
     for (int repeat = 0; repeat < 2; ++repeat)
-        EXPECT_EQ(message([&] { cuda.find_self(wrong); }),
-                  "vertices lie in host memory, which CUDA device 0 cannot read");
-    EXPECT_EQ(message([&] { cuda.launch_between(device.view(), wrong); }),
+        EXPECT_EQ(message([&] { cuda.find(wrong); }), "vertices lie in host memory, which CUDA device 0 cannot read");
+    EXPECT_EQ(message([&] {
+                  cuda.launch({device.view(), wrong});
+              }),
               "vertices of the second mesh lie in host memory, which CUDA device 0 cannot read");
     wrong = device.view();
     wrong.triangles = mesh.view().triangles;
-    EXPECT_EQ(message([&] { cuda.has_collision(wrong); }),
-              "triangles lie in host memory, which CUDA device 0 cannot read");
+    EXPECT_EQ(message([&] { cuda.any(wrong); }), "triangles lie in host memory, which CUDA device 0 cannot read");
     settings().devices = 2;
     check(cudaSetDevice(1));
     const DeviceMesh other(mesh.view());
     check(cudaSetDevice(0));
-    EXPECT_EQ(message([&] { cuda.partition(other.view(), 2); }),
+    EXPECT_EQ(message([&] { cuda.partition(other.view(), {}, 2); }),
               "vertices lie in the memory of CUDA device 1, which CUDA device 0 cannot read");
-    EXPECT_EQ(message([&] { cuda.find_self(device.view()); }), "no error");
+    EXPECT_EQ(message([&] { cuda.find(device.view()); }), "no error");
 }
 
 TEST_F(CudaMachine, may_break_for_good) {
@@ -379,27 +379,27 @@ TEST_F(CudaMachine, may_break_for_good) {
         }
         return ErrorCode::cancelled;
     };
-    cuda.launch_self(device.view());
+    cuda.launch(device.view());
     settings().broken = cudaErrorIllegalAddress;
     EXPECT_EQ(code([&] { cuda.wait(); }), ErrorCode::device);
     EXPECT_EQ(code([&] { cuda.wait(); }), ErrorCode::invalid_argument) << "the launch is forgotten";
-    EXPECT_EQ(code([&] { cuda.find_self(mesh.view()); }), ErrorCode::device);
-    EXPECT_EQ(code([&] { cuda.launch_self(device.view()); }), ErrorCode::device);
+    EXPECT_EQ(code([&] { cuda.find(mesh.view()); }), ErrorCode::device);
+    EXPECT_EQ(code([&] { cuda.launch(device.view()); }), ErrorCode::device);
 }
 
 // As much memory as a limit that suffices is enough, too.
 TEST_F(CudaMachine, may_have_little_memory) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 600, .frame = 93});
-    const Query query{.contacts = true};
-    const Collisions expected = Detector({.backend = Backend::cpu}).find_self(mesh.view(), query);
-    const auto most = Detector({.backend = Backend::cuda}).find_self(mesh.view(), query).statistics.peak_memory_bytes;
+    const IntersectionQuery query{.output = Output::contacts};
+    const Intersections expected = Detector({.backend = Backend::cpu}).find(mesh.view(), query);
+    const auto most = Detector({.backend = Backend::cuda}).find(mesh.view(), query).statistics.peak_memory_bytes;
     int answers = 0, failures = 0;
     for (std::int64_t bytes = most; bytes > 10'000; bytes -= bytes / 5) {
         SCOPED_TRACE(testing::Message() << bytes << " bytes");
         const auto answers_with = [&](const Options& options) {
             try {
                 Detector detector(options);
-                EXPECT_TRUE(same_answer(detector.find_self(mesh.view(), query), expected));
+                EXPECT_TRUE(same_answer(detector.find(mesh.view(), query), expected));
                 return true;
             } catch (const Error& error) {
                 EXPECT_EQ(error.code, options.memory_limit ? ErrorCode::memory_limit : ErrorCode::device);

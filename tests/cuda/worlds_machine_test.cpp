@@ -41,7 +41,7 @@ class CudaMachineWorlds : public testing::Test {
     World world() const { return world(bodies_.size()); }
 
     /// Kernels that a detector without memories takes for the answer.
-    static int launches(const World& world, const Intersect& question) {
+    static int launches(const World& world, const IntersectionQuery& question) {
         Detector detector({.backend = Backend::cuda});
         constexpr int many = 1 << 30;
         settings().launches_before_failure = many;
@@ -56,8 +56,8 @@ class CudaMachineWorlds : public testing::Test {
 };
 
 TEST_F(CudaMachineWorlds, take_one_pass_however_many_there_are) {
-    for (const Wants wants : {Wants::any, Wants::any_by_world, Wants::body_pairs, Wants::pairs}) {
-        const Intersect question{.wants = wants};
+    for (const Output wants : {Output::any, Output::any_by_world, Output::body_pairs, Output::pairs}) {
+        const IntersectionQuery question{.output = wants};
         EXPECT_EQ(launches(world(), question), launches(world(4), question)) << "wants " << static_cast<int>(wants);
     }
     Detector detector({.backend = Backend::cuda});
@@ -65,10 +65,11 @@ TEST_F(CudaMachineWorlds, take_one_pass_however_many_there_are) {
 }
 
 TEST_F(CudaMachineWorlds, that_do_not_fit_in_memory_are_searched_in_halves) {
-    for (const Wants wants : {Wants::any, Wants::any_by_world, Wants::body_pairs, Wants::pairs, Wants::contacts}) {
+    for (const Output wants :
+         {Output::any, Output::any_by_world, Output::body_pairs, Output::pairs, Output::contacts}) {
         SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(wants));
-        const Intersect question{.wants = wants};
-        const WorldCollisions expected = Detector({.backend = Backend::cpu}).find(world(), question);
+        const IntersectionQuery question{.output = wants};
+        const Intersections expected = Detector({.backend = Backend::cpu}).find(world(), question);
         const int one_pass = launches(world(), question);
         Detector free({.backend = Backend::cuda});
         std::int64_t limit = free.find(world(), question).statistics.peak_memory_bytes;
@@ -76,7 +77,7 @@ TEST_F(CudaMachineWorlds, that_do_not_fit_in_memory_are_searched_in_halves) {
         for (;; limit = limit * 2 / 3, ++answers) {
             Detector detector({.backend = Backend::cuda, .memory_limit = limit});
             try {
-                const WorldCollisions& found = detector.find(world(), question);
+                const Intersections& found = detector.find(world(), question);
                 ASSERT_TRUE(same_world_answer(found, expected)) << limit;
                 EXPECT_LE(found.statistics.peak_memory_bytes, limit);
             } catch (const Error& error) {
@@ -92,9 +93,9 @@ TEST_F(CudaMachineWorlds, that_do_not_fit_in_memory_are_searched_in_halves) {
 }
 
 TEST_F(CudaMachineWorlds, may_run_out_of_memory_at_any_allocation_or_launch) {
-    for (const Wants wants : {Wants::any_by_world, Wants::contacts}) {
-        const Intersect question{.wants = wants};
-        const WorldCollisions expected = Detector({.backend = Backend::cpu}).find(world(), question);
+    for (const Output wants : {Output::any_by_world, Output::contacts}) {
+        const IntersectionQuery question{.output = wants};
+        const Intersections expected = Detector({.backend = Backend::cpu}).find(world(), question);
         for (int before = 0; before < 30; ++before) {
             SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(wants) << ", after " << before);
             Detector first({.backend = Backend::cuda}), second({.backend = Backend::cuda});

@@ -21,12 +21,12 @@ TEST(CudaWorlds, that_are_decided_are_swept_no_further) {
     const std::vector<Shape> shapes{Shape(a.view()), Shape(b.view()), Shape(c.view()), Shape(d.view())};
     std::vector<Body> bodies;
     for (int i = 0; i < 4; ++i) bodies.push_back({.shape = i, .world = i / 2});
-    Intersect question;
-    question.rules.excluded_groups.push_back({1, 2});
+    IntersectionQuery question;
+    question.filter.excluded_groups.push_back({1, 2});
     Detector detector({.backend = Backend::cuda});
-    const WorldCollisions all = detector.find({shapes, bodies, {}}, question);
-    question.wants = Wants::any_by_world;
-    const WorldCollisions& flags = detector.find({shapes, bodies, {}}, question);
+    const Intersections all = detector.find(World{shapes, bodies, {}}, question);
+    question.output = Output::any_by_world;
+    const Intersections& flags = detector.find(World{shapes, bodies, {}}, question);
     ASSERT_GT(all.world_counts[0], 100);
     ASSERT_EQ(all.world_counts[1], 0);
     EXPECT_TRUE(same_bytes(flags.world_hit, all.world_hit, "flags of worlds"));
@@ -50,8 +50,8 @@ TEST(CudaWorlds, that_only_the_host_can_decide_have_flags) {
     const std::vector<Shape> shapes{Shape(MeshView(touching, triangles)), Shape(MeshView(apart, triangles))};
     std::vector<Body> bodies;
     for (int w = 0; w < 7; ++w) bodies.push_back({.shape = w % 2, .world = w, .self = true});
-    const WorldCollisions found =
-        Detector({.backend = Backend::cuda}).find({shapes, bodies, {}}, {.wants = Wants::any_by_world});
+    const Intersections found =
+        Detector({.backend = Backend::cuda}).find(World{shapes, bodies, {}}, {.output = Output::any_by_world});
     EXPECT_EQ(std::vector<int>(found.world_hit.begin(), found.world_hit.end()), (std::vector{1, 0, 1, 0, 1, 0, 1}));
     EXPECT_GT(found.statistics.rational_tests, 0);
 }
@@ -68,11 +68,11 @@ TEST(CudaWorlds, of_hard_soups_have_the_answers_of_the_cpu) {
     }
     for (const int leaf_size : {3000, 40}) {
         Detector cuda({.backend = Backend::cuda, .leaf_size = leaf_size}), cpu({.backend = Backend::cpu});
-        for (const Wants wants : {Wants::any_by_world, Wants::contacts, Wants::any_by_world})
+        for (const Output wants : {Output::any_by_world, Output::contacts, Output::any_by_world})
             for (const bool weld : {false, true}) {
                 SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", wants " << static_cast<int>(wants)
                                                 << ", weld " << weld);
-                const Intersect question{.wants = wants, .weld = weld};
+                const IntersectionQuery question{.output = wants, .weld = weld};
                 const World world{shapes, bodies, {}};
                 EXPECT_TRUE(same_world_answer(cuda.find(world, question), cpu.find(world, question)));
             }
@@ -89,7 +89,7 @@ TEST(CudaWorlds, of_very_different_sizes_do_not_share_a_pass) {
         for (int b = 0; b < 2; ++b) bodies.push_back({.shape = w == 2 && b == 0 ? 2 : b, .world = w, .self = true});
     const World world{shapes, bodies, {}};
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
-    const WorldCollisions& found = cuda.find(world);
+    const Intersections& found = cuda.find(world);
     EXPECT_TRUE(same_world_answer(found, cpu.find(world)));
     EXPECT_LT(found.statistics.leaves, 80) << "small worlds are a leaf each";
 }

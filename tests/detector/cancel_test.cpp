@@ -38,7 +38,7 @@ Options reference() {
 
 Options with_limit(const MeshView& mesh) {
     Options options;
-    options.memory_limit = Detector().find_self(mesh).statistics.peak_memory_bytes * 3 / 5;
+    options.memory_limit = Detector().find(mesh).statistics.peak_memory_bytes * 3 / 5;
     return options;
 }
 
@@ -81,14 +81,13 @@ TEST(Cancel, ends_the_running_call_and_leaves_the_detector_usable) {
         SCOPED_TRACE(c.name);
         const auto soup = test::random_soup(c.triangles, c.size);
         Detector detector(c.options);
-        const auto expected = pairs_of(detector.find_self(soup.view()));
-        EXPECT_TRUE(cancelled([&](std::stop_token stop) { detector.find_self(soup.view(), {}, stop); }));
-        EXPECT_TRUE(detector.take_result().pairs.empty());
+        const auto expected = pairs_of(detector.find(soup.view()));
+        EXPECT_TRUE(cancelled([&](std::stop_token stop) { detector.find(soup.view(), {}, stop); }));
+        EXPECT_TRUE(detector.take_result<Intersections>().pairs.empty());
         if (c.options.memory_limit == 0) {  // one that suffices within a mesh does not for all pairs between two
-            EXPECT_TRUE(
-                cancelled([&](std::stop_token stop) { detector.find_between(soup.view(), soup.view(), {}, stop); }));
+            EXPECT_TRUE(cancelled([&](std::stop_token stop) { detector.find({soup.view(), soup.view()}, {}, stop); }));
         }
-        EXPECT_EQ(difference(expected, pairs_of(detector.find_self(soup.view()))), "");
+        EXPECT_EQ(difference(expected, pairs_of(detector.find(soup.view()))), "");
     }
 }
 
@@ -100,8 +99,8 @@ TEST(Cancel, a_stop_that_was_requested_before_ends_every_call) {
     const std::stop_token stop = source.get_token();
     for (const Backend backend : {Backend::cpu, Backend::reference}) {
         Detector detector({.backend = backend});
-        const auto expected = pairs_of(detector.find_self(mesh));
-        const Part part = detector.partition(mesh, 3)[1], part_between = detector.partition(mesh, mesh, 3)[1];
+        const auto expected = pairs_of(detector.find(mesh));
+        const Part part = detector.partition(mesh, {}, 3)[1], part_between = detector.partition({mesh, mesh}, {}, 3)[1];
         const auto ends = [&](const char* what, auto call) {
             try {
                 call();
@@ -110,21 +109,21 @@ TEST(Cancel, a_stop_that_was_requested_before_ends_every_call) {
                 EXPECT_EQ(error.code, ErrorCode::cancelled) << what;
             }
         };
-        ends("find_self", [&] { detector.find_self(mesh, {}, stop); });
-        ends("find_self, a query", [&] { detector.find_self(mesh, Query{.weld = true}, stop); });
+        ends("find_self", [&] { detector.find(mesh, {}, stop); });
+        ends("find_self, a query", [&] { detector.find(mesh, {.weld = true}, stop); });
         ends("find, a part", [&] { detector.find(part, {}, stop); });
-        ends("find_between", [&] { detector.find_between(mesh, mesh, {}, stop); });
+        ends("find_between", [&] { detector.find({mesh, mesh}, {}, stop); });
         ends("find, a part of two meshes", [&] { detector.find(part_between, {}, stop); });
-        ends("has_collision", [&] { detector.has_collision(mesh, {}, stop); });
-        ends("has_collision, two", [&] { detector.has_collision(mesh, mesh, {}, stop); });
-        const auto never = [](const Collisions&) { FAIL(); };
-        ends("stream_self", [&] { detector.stream_self(mesh, never, {}, {}, stop); });
-        ends("stream_between", [&] { detector.stream_between(mesh, mesh, never, {}, {}, stop); });
-        ends("partition", [&] { detector.partition(mesh, 3, stop); });
-        ends("partition, two", [&] { detector.partition(mesh, mesh, 3, stop); });
-        ends("nothing to do", [&] { detector.find_self(MeshView(), {}, stop); });
-        EXPECT_EQ(difference(expected, pairs_of(detector.find_self(mesh))), "") << "the next call has no token";
-        EXPECT_EQ(difference(expected, pairs_of(detector.find_self(mesh, {}, std::stop_source().get_token()))), "");
+        ends("has_collision", [&] { detector.any(mesh, {}, stop); });
+        ends("has_collision, two", [&] { detector.any({mesh, mesh}, {}, stop); });
+        const auto never = [](const Intersections&) { FAIL(); };
+        ends("stream_self", [&] { detector.stream(mesh, {}, never, {}, stop); });
+        ends("stream_between", [&] { detector.stream({mesh, mesh}, {}, never, {}, stop); });
+        ends("partition", [&] { detector.partition(mesh, {}, 3, stop); });
+        ends("partition, two", [&] { detector.partition({mesh, mesh}, {}, 3, stop); });
+        ends("nothing to do", [&] { detector.find(MeshView(), {}, stop); });
+        EXPECT_EQ(difference(expected, pairs_of(detector.find(mesh))), "") << "the next call has no token";
+        EXPECT_EQ(difference(expected, pairs_of(detector.find(mesh, {}, std::stop_source().get_token()))), "");
     }
 }
 
@@ -138,17 +137,17 @@ TEST(Cancel, what_poll_throws_ends_the_call) {
             EXPECT_EQ(std::this_thread::get_id(), caller);
             throw Interrupt{};
         });
-        EXPECT_THROW(detector.find_self(soup.view()), Interrupt);
+        EXPECT_THROW(detector.find(soup.view()), Interrupt);
         std::stop_source source;
         detector.set_poll([&] { source.request_stop(); });
         try {
-            detector.find_self(soup.view(), {}, source.get_token());
+            detector.find(soup.view(), {}, source.get_token());
             ADD_FAILURE() << "not cancelled";
         } catch (const Error& error) {
             EXPECT_EQ(error.code, ErrorCode::cancelled);
         }
         detector.set_poll({});
-        EXPECT_FALSE(detector.find_self(soup.view()).pairs.empty());
+        EXPECT_FALSE(detector.find(soup.view()).pairs.empty());
     }
 }
 

@@ -22,7 +22,7 @@ using test::pairs_of;
 TEST(Detector, results_are_sorted_and_consistent) {
     const auto soup = test::random_soup(2000, 0.1);
     Detector detector;
-    const Collisions& c = detector.find_self(soup.view());
+    const Intersections& c = detector.find(soup.view());
     ASSERT_GT(c.pairs.size(), 100u);
     EXPECT_TRUE(std::is_sorted(c.pairs.begin(), c.pairs.end()));
     ASSERT_EQ(c.offsets.size(), 2001u);
@@ -43,29 +43,29 @@ TEST(Detector, results_are_sorted_and_consistent) {
 TEST(Detector, a_copied_result_outlives_the_next_call) {
     const auto soup = test::random_soup(500, 0.2);
     Detector detector;
-    const Collisions copy = detector.find_self(soup.view());
+    const Intersections copy = detector.find(soup.view());
     const std::vector<Pair> before = pairs_of(copy);
-    detector.find_self(test::random_soup(700, 0.3, 9).view());
+    detector.find(test::random_soup(700, 0.3, 9).view());
     EXPECT_EQ(difference(before, pairs_of(copy)), "");
 }
 
 TEST(Detector, a_result_taken_over_outlives_the_detector_and_its_storage_can_be_used_again) {
     const auto soup = test::random_soup(500, 0.2), other = test::random_soup(700, 0.3, 9);
     std::vector<Pair> before;
-    Collisions taken;
+    Intersections taken;
     {
         Detector detector;
-        before = pairs_of(detector.find_self(soup.view()));
-        taken = detector.take_result();
-        const auto expected = pairs_of(detector.find_self(other.view()));
-        const Pair* storage = detector.find_self(other.view()).pairs.data();
-        Collisions second = detector.take_result();
+        before = pairs_of(detector.find(soup.view()));
+        taken = detector.take_result<Intersections>();
+        const auto expected = pairs_of(detector.find(other.view()));
+        const Pair* storage = detector.find(other.view()).pairs.data();
+        Intersections second = detector.take_result<Intersections>();
         EXPECT_EQ(second.pairs.data(), storage) << "nothing is copied";
         EXPECT_EQ(difference(expected, pairs_of(second)), "");
         EXPECT_TRUE(detector.take_result(std::move(second)).pairs.empty()) << "the detector's own result is empty";
-        EXPECT_TRUE(detector.take_result(detector.take_result()).pairs.empty())
+        EXPECT_TRUE(detector.take_result(detector.take_result<Intersections>()).pairs.empty())
             << "a spare result's content is dropped";
-        EXPECT_EQ(detector.find_self(other.view()).pairs.data(), storage) << "spare storage is used";
+        EXPECT_EQ(detector.find(other.view()).pairs.data(), storage) << "spare storage is used";
     }
     EXPECT_EQ(difference(before, pairs_of(taken)), "");
 }
@@ -73,14 +73,14 @@ TEST(Detector, a_result_taken_over_outlives_the_detector_and_its_storage_can_be_
 TEST(Detector, two_results_that_are_swapped_serve_all_frames) {
     const auto soup = test::random_soup(500, 0.2);
     Detector detector;
-    const auto expected = pairs_of(detector.find_self(soup.view()));
-    std::array<Collisions, 2> results;
+    const auto expected = pairs_of(detector.find(soup.view()));
+    std::array<Intersections, 2> results;
     std::set<const Pair*> storage;
     for (std::size_t frame = 0; frame < 6; ++frame) {
-        Collisions& result = results[frame % 2];
+        Intersections& result = results[frame % 2];
         detector.swap_result(result);
         EXPECT_EQ(result.statistics.pairs, frame == 0 ? static_cast<std::int64_t>(expected.size()) : 0);
-        detector.find_self(soup.view());
+        detector.find(soup.view());
         detector.swap_result(result);
         EXPECT_EQ(difference(expected, pairs_of(result)), "");
         EXPECT_EQ(result.statistics.pairs, static_cast<std::int64_t>(expected.size()));
@@ -91,14 +91,14 @@ TEST(Detector, two_results_that_are_swapped_serve_all_frames) {
 
 TEST(Detector, results_taken_over_do_not_count_under_a_memory_limit) {
     const auto soup = test::random_soup(3000, 0.1);
-    const auto peak = Detector().find_self(soup.view()).statistics.peak_memory_bytes;
+    const auto peak = Detector().find(soup.view()).statistics.peak_memory_bytes;
     Detector limited({.memory_limit = peak});
-    std::vector<Collisions> held;
+    std::vector<Intersections> held;
     for (int i = 0; i < 5; ++i) {
-        limited.find_self(soup.view());
-        held.push_back(limited.take_result(i ? held[0] : Collisions{}));
+        limited.find(soup.view());
+        held.push_back(limited.take_result(i ? held[0] : Intersections{}));
     }
-    for (const Collisions& result : held) EXPECT_EQ(difference(pairs_of(held[0]), pairs_of(result)), "");
+    for (const Intersections& result : held) EXPECT_EQ(difference(pairs_of(held[0]), pairs_of(result)), "");
 }
 
 TEST(Detector, frames_of_changing_topology_need_no_new_detector) {
@@ -106,22 +106,22 @@ TEST(Detector, frames_of_changing_topology_need_no_new_detector) {
     for (const int count : {1000, 10, 3000, 0, 2, 1500}) {
         const auto soup = test::random_soup(count, 0.08, static_cast<unsigned>(count) + 1);
         Detector cold;
-        const auto expected = pairs_of(cold.find_self(soup.view()));
-        EXPECT_EQ(difference(expected, pairs_of(warm.find_self(soup.view()))), "") << count << " triangles";
+        const auto expected = pairs_of(cold.find(soup.view()));
+        EXPECT_EQ(difference(expected, pairs_of(warm.find(soup.view()))), "") << count << " triangles";
     }
 }
 
 TEST(Detector, two_detectors_work_at_the_same_time) {
     const auto soup = test::random_soup(3000, 0.06);
     Detector detector;
-    const auto expected = pairs_of(detector.find_self(soup.view()));
+    const auto expected = pairs_of(detector.find(soup.view()));
     std::vector<std::string> results(4);
     std::vector<std::thread> threads;
     for (std::size_t i = 0; i < results.size(); ++i)
         threads.emplace_back([&, i] {
             Detector own({.threads = 2});
             for (int repeat = 0; repeat < 3; ++repeat)
-                results[i] += difference(expected, pairs_of(own.find_self(soup.view())));
+                results[i] += difference(expected, pairs_of(own.find(soup.view())));
         });
     for (std::thread& thread : threads) thread.join();
     for (const std::string& result : results) EXPECT_EQ(result, "");
@@ -130,24 +130,24 @@ TEST(Detector, two_detectors_work_at_the_same_time) {
 TEST(Detector, has_collision_says_whether_there_is_any) {
     for (const Backend backend : {Backend::reference, Backend::cpu}) {
         Detector detector({.backend = backend});
-        EXPECT_TRUE(detector.has_collision(test::random_soup(300, 0.3).view()));
-        EXPECT_FALSE(detector.has_collision(test::random_soup(50, 1e-4).view()));
+        EXPECT_TRUE(detector.any(test::random_soup(300, 0.3).view()));
+        EXPECT_FALSE(detector.any(test::random_soup(50, 1e-4).view()));
         const auto a = test::random_soup(100, 0.3), b = test::random_soup(100, 0.3, 2);
-        EXPECT_TRUE(detector.has_collision(a.view(), b.view()));
+        EXPECT_TRUE(detector.any({a.view(), b.view()}));
         const std::vector<std::int32_t> one_group(100, 7);
         MeshView grouped = a.view();
         grouped.groups = one_group;
-        const Query none{.wanted = Wanted::between};
-        EXPECT_FALSE(detector.has_collision(grouped, none)) << "one group, so nothing lies between groups";
+        const IntersectionQuery none{.filter = {.groups = PairScope::between}};
+        EXPECT_FALSE(detector.any(grouped, none)) << "one group, so nothing lies between groups";
     }
 }
 
 TEST(Detector, a_moved_detector_keeps_its_result) {
     const auto soup = test::random_soup(300, 0.2);
     Detector first;
-    const auto expected = pairs_of(first.find_self(soup.view()));
+    const auto expected = pairs_of(first.find(soup.view()));
     Detector second = std::move(first);
-    EXPECT_EQ(difference(expected, pairs_of(second.find_self(soup.view()))), "");
+    EXPECT_EQ(difference(expected, pairs_of(second.find(soup.view()))), "");
 }
 
 // The answer may not depend on the caller's rounding mode or flush-to-zero, and both must be back afterwards.
@@ -156,7 +156,7 @@ TEST(Detector, sets_and_restores_the_floating_point_environment) {
     for (auto& vertex : soup.vertices)
         for (float& value : vertex) value *= 0x1p-130f;  // many become subnormal
     Detector detector({.threads = 2});
-    const auto expected = pairs_of(detector.find_self(soup.view()));
+    const auto expected = pairs_of(detector.find(soup.view()));
     ASSERT_GT(expected.size(), 10u);
     for (const int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO, FE_TONEAREST}) {
         std::fesetround(mode);
@@ -164,9 +164,9 @@ TEST(Detector, sets_and_restores_the_floating_point_environment) {
         const unsigned before = _mm_getcsr();
         _mm_setcsr(before | 0x8040u);  // flush to zero, denormals are zero
 #endif
-        const auto found = pairs_of(detector.find_self(soup.view()));
+        const auto found = pairs_of(detector.find(soup.view()));
         Detector fresh({.threads = 2});
-        const auto found_fresh = pairs_of(fresh.find_self(soup.view()));
+        const auto found_fresh = pairs_of(fresh.find(soup.view()));
         EXPECT_EQ(std::fegetround(), mode);
 #if defined(__SSE2__)
         EXPECT_EQ(_mm_getcsr() & 0x8040u, 0x8040u);

@@ -61,7 +61,7 @@ TEST(FeaturePairs, ImpactsAreThoseOfRationalArithmetic) {
             for (std::size_t i = 0; i < pairs; ++i) {
                 std::array<MovingPoint, 4> p{};
                 for (std::size_t k = 0; k < points; ++k) p[k] = {vec(start[i * points + k]), vec(end[i * points + k])};
-                const Impact impact = rational(kind.kinds, p, {question.separation, question.separation_share});
+                const Impact impact = rational(kind.kinds, p, {question.min_distance, question.min_distance_share});
                 hits += impact.meets;
                 ASSERT_EQ(found.hit[i], impact.meets) << "pair " << i;
                 ASSERT_EQ(found.toi[i], impact.meets ? impact.toi : std::numeric_limits<double>::infinity());
@@ -117,7 +117,7 @@ TEST(FeaturePairs, NameWhatIsWrong) {
     EXPECT_STREQ(error.what(), "points must have 4 points a pair, and 11 are no multiple of that");
     error = test::error_of([&] { vertex_edge_impacts(view(good), view(lattice(9, 6, 3))); });
     EXPECT_STREQ(error.what(), "end must have as many pairs as start, 4, not 3");
-    error = test::error_of([&] { edge_edge_impacts(view(good), view(good), {.separation_share = 1}); });
+    error = test::error_of([&] { edge_edge_impacts(view(good), view(good), {.min_distance_share = 1}); });
     EXPECT_EQ(error.code, ErrorCode::invalid_argument);
     error = test::error_of([&] { edge_edge_distances(view(good), -1); });
     EXPECT_EQ(error.code, ErrorCode::invalid_argument);

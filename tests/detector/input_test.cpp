@@ -23,11 +23,11 @@ const std::vector<Pair> expected{{0, 1}};
 
 TEST(Input, takes_every_index_type) {
     Detector detector;
-    EXPECT_EQ(pairs_of(detector.find_self({vertices, triangles})), expected);
+    EXPECT_EQ(pairs_of(detector.find({vertices, triangles})), expected);
     const std::vector<std::array<std::uint32_t, 3>> unsigned_triangles{{0, 1, 2}, {3, 4, 5}};
-    EXPECT_EQ(pairs_of(detector.find_self({vertices, unsigned_triangles})), expected);
+    EXPECT_EQ(pairs_of(detector.find({vertices, unsigned_triangles})), expected);
     const std::vector<std::array<std::int64_t, 3>> long_triangles{{0, 1, 2}, {3, 4, 5}};
-    EXPECT_EQ(pairs_of(detector.find_self({vertices, long_triangles})), expected);
+    EXPECT_EQ(pairs_of(detector.find({vertices, long_triangles})), expected);
 }
 
 TEST(Input, takes_column_major_and_interleaved_and_unaligned_arrays) {
@@ -36,28 +36,28 @@ TEST(Input, takes_column_major_and_interleaved_and_unaligned_arrays) {
     for (std::size_t i = 0; i < 6; ++i)
         for (std::size_t axis = 0; axis < 3; ++axis) columns[6 * axis + i] = vertices[i][axis];
     const VertexView by_column{columns.data(), 6, sizeof(double), 6 * sizeof(double), ScalarType::float64};
-    EXPECT_EQ(pairs_of(detector.find_self({by_column, rows_of_three(triangles[0].data(), 2)})), expected);
+    EXPECT_EQ(pairs_of(detector.find({by_column, rows_of_three(triangles[0].data(), 2)})), expected);
 
     std::vector<float> interleaved(6 * 8, 99.0f);  // position, then five other numbers
     for (std::size_t i = 0; i < 6; ++i) std::copy(vertices[i].begin(), vertices[i].end(), interleaved.data() + 8 * i);
     const VertexView rows{interleaved.data(), 6, 8 * sizeof(float), sizeof(float), ScalarType::float32};
-    EXPECT_EQ(pairs_of(detector.find_self({rows, rows_of_three(triangles[0].data(), 2)})), expected);
+    EXPECT_EQ(pairs_of(detector.find({rows, rows_of_three(triangles[0].data(), 2)})), expected);
 
     std::vector<char> bytes(1 + sizeof(float) * 18 + sizeof(std::int32_t) * 6);
     std::memcpy(bytes.data() + 1, vertices.data(), sizeof(float) * 18);
     std::memcpy(bytes.data() + 1 + sizeof(float) * 18, triangles.data(), sizeof(std::int32_t) * 6);
     const VertexView odd{bytes.data() + 1, 6, 12, 4, ScalarType::float32};
     const TriangleView odd_triangles{bytes.data() + 1 + sizeof(float) * 18, 2, 12, 4, IndexType::int32};
-    EXPECT_EQ(pairs_of(detector.find_self({odd, odd_triangles})), expected);
+    EXPECT_EQ(pairs_of(detector.find({odd, odd_triangles})), expected);
 }
 
 TEST(Input, empty_soups_have_no_collisions) {
     Detector detector;
-    EXPECT_TRUE(detector.find_self(MeshView()).pairs.empty());
-    EXPECT_EQ(detector.find_self(MeshView()).offsets.size(), 1u);
-    EXPECT_TRUE(detector.find_between({vertices, triangles}, MeshView()).pairs.empty());
-    EXPECT_TRUE(detector.find_between(MeshView(), {vertices, triangles}).pairs.empty());
-    EXPECT_FALSE(detector.has_collision(MeshView()));
+    EXPECT_TRUE(detector.find(MeshView()).pairs.empty());
+    EXPECT_EQ(detector.find(MeshView()).offsets.size(), 1u);
+    EXPECT_TRUE(detector.find({{vertices, triangles}, MeshView()}).pairs.empty());
+    EXPECT_TRUE(detector.find({MeshView(), {vertices, triangles}}).pairs.empty());
+    EXPECT_FALSE(detector.any(MeshView()));
 }
 
 TEST(Input, a_vertex_that_is_not_finite_is_named_even_if_no_triangle_uses_it) {
@@ -68,14 +68,14 @@ TEST(Input, a_vertex_that_is_not_finite_is_named_even_if_no_triangle_uses_it) {
             auto broken = vertices;
             broken.push_back({0, 0, 0});
             broken[v][v % 3] = bad;
-            const Error error = error_of([&] { detector.find_self({broken, triangles}); });
+            const Error error = error_of([&] { detector.find({broken, triangles}); });
             EXPECT_EQ(error.code, ErrorCode::not_finite);
             EXPECT_EQ(error.element, Element::vertex);
             EXPECT_EQ(error.index, static_cast<std::int64_t>(v));
             EXPECT_EQ(std::string(error.what()), "vertex " + std::to_string(v) + " is not finite");
         }
     }
-    EXPECT_EQ(pairs_of(detector.find_self({vertices, triangles})), expected) << "still usable";
+    EXPECT_EQ(pairs_of(detector.find({vertices, triangles})), expected) << "still usable";
 }
 
 // Sixteen rows are checked at once, and chunks by several threads.
@@ -88,7 +88,7 @@ void expect_bad_values_named_anywhere() {
         auto broken = points;
         broken[v][v % 3] = v % 2 ? std::numeric_limits<Scalar>::quiet_NaN() : std::numeric_limits<Scalar>::infinity();
         const std::vector<std::array<std::int32_t, 3>> triangle{{0, 1, 2}};
-        const Error error = error_of([&] { detector.find_self({broken, triangle}); });
+        const Error error = error_of([&] { detector.find({broken, triangle}); });
         EXPECT_EQ(std::string(error.what()), "vertex " + std::to_string(v) + " is not finite");
     }
 }
@@ -105,7 +105,7 @@ void expect_bad_indices_named_anywhere(Index bad) {
     for (std::size_t t = 0; t < faces.size(); t = t < 20 || t > 8180 ? t + 1 : 8181) {
         auto broken = faces;
         broken[t][t % 3] = bad;
-        const Error error = error_of([&] { detector.find_self({vertices, broken}); });
+        const Error error = error_of([&] { detector.find({vertices, broken}); });
         EXPECT_EQ(std::string(error.what()),
                   "triangle " + std::to_string(t) + " names vertex " + std::to_string(bad) + " of 6");
     }
@@ -126,47 +126,47 @@ TEST(Input, an_index_out_of_range_is_named) {
     for (const std::int32_t bad : {-1, 6, 90, std::numeric_limits<std::int32_t>::min()}) {
         auto broken = triangles;
         broken[1][2] = bad;
-        const Error error = error_of([&] { detector.find_self({vertices, broken}); });
+        const Error error = error_of([&] { detector.find({vertices, broken}); });
         EXPECT_EQ(error.code, ErrorCode::index_out_of_range);
         EXPECT_EQ(error.element, Element::triangle);
         EXPECT_EQ(error.index, 1);
         EXPECT_EQ(std::string(error.what()), "triangle 1 names vertex " + std::to_string(bad) + " of 6");
     }
     const std::vector<std::array<std::int64_t, 3>> far{{0, 1, std::int64_t{1} << 32}};
-    EXPECT_EQ(error_of([&] { detector.find_self({vertices, far}); }).code, ErrorCode::index_out_of_range);
+    EXPECT_EQ(error_of([&] { detector.find({vertices, far}); }).code, ErrorCode::index_out_of_range);
 }
 
 TEST(Input, between_two_meshes_the_message_says_which) {
     Detector detector;
     auto broken = triangles;
     broken[0][0] = 77;
-    const Error error = error_of([&] { detector.find_between({vertices, triangles}, {vertices, broken}); });
+    const Error error = error_of([&] { detector.find({{vertices, triangles}, {vertices, broken}}); });
     EXPECT_EQ(std::string(error.what()), "second mesh: triangle 0 names vertex 77 of 6");
 }
 
 TEST(Input, wrong_shapes_and_options_are_errors) {
     Detector detector;
     const std::vector<std::int32_t> one_group{1};
-    EXPECT_EQ(error_of([&] {
-                  detector.find_self({vertices, triangles, one_group});
-              }).code,
-              ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { detector.find({vertices, triangles, one_group}); }).code, ErrorCode::invalid_argument);
     MeshView negative({vertices, triangles});
     negative.triangles.rows = -1;
-    EXPECT_EQ(error_of([&] { detector.find_self(negative); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { detector.find(negative); }).code, ErrorCode::invalid_argument);
     MeshView null({vertices, triangles});
     null.vertices.data = nullptr;
-    EXPECT_EQ(error_of([&] { detector.find_self(null); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { detector.find(null); }).code, ErrorCode::invalid_argument);
     MeshView device({vertices, triangles});
     device.memory = MemorySpace::cuda;
-    EXPECT_EQ(error_of([&] { detector.find_self(device); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { detector.find(device); }).code, ErrorCode::invalid_argument);
     for (const Options& options :
          {Options{.threads = -1}, Options{.memory_limit = -5}, Options{.clusters = 65}, Options{.leaf_size = 0},
           Options{.fuzzy_c_means = {.fuzziness = 1.0}}, Options{.fuzzy_c_means = {.max_iterations = -1}},
           Options{.fuzzy_c_means = {.stop = -1.0}}})
         EXPECT_EQ(error_of([&] { Detector{options}; }).code, ErrorCode::invalid_argument);
-    EXPECT_EQ(error_of([&] { detector.partition({vertices, triangles}, 0); }).code, ErrorCode::invalid_argument);
-    EXPECT_EQ(error_of([&] { detector.partition({vertices, triangles}, 262145); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { detector.partition({vertices, triangles}, {}, 0); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] {
+                  detector.partition({vertices, triangles}, {}, 262145);
+              }).code,
+              ErrorCode::invalid_argument);
     EXPECT_EQ(error_of([&] { detector.find(Part{}); }).code, ErrorCode::invalid_argument);
 }
 
@@ -174,16 +174,16 @@ TEST(Input, after_an_error_the_result_is_empty) {
     Detector detector;
     const MeshView mesh(vertices, triangles);
     const std::vector<std::function<void()>> wrong_calls{
-        [&] { detector.find_self(mesh, Query{.wanted = Wanted::between}); },
+        [&] { detector.find(mesh, {.filter = {.groups = PairScope::between}}); },
         [&] { detector.find(Part{}); },
-        [&] { detector.launch_self(mesh); },
-        [&] { detector.partition(mesh, 0); },
+        [&] { detector.launch(mesh); },
+        [&] { detector.partition(mesh, {}, 0); },
         [&] {
-            detector.find_self({vertices, std::vector<std::array<std::int32_t, 3>>{{0, 1, 6}}});
+            detector.find({vertices, std::vector<std::array<std::int32_t, 3>>{{0, 1, 6}}});
         },
     };
     for (const auto& call : wrong_calls) {
-        const Collisions& result = detector.find_self(mesh);
+        const Intersections& result = detector.find(mesh);
         ASSERT_EQ(pairs_of(result), expected);
         error_of(call);
         EXPECT_TRUE(result.pairs.empty());
@@ -196,7 +196,7 @@ TEST(Input, a_wrong_number_of_parts_is_found_before_the_mesh_is_read) {
     Detector detector;
     const std::vector<std::array<std::int32_t, 3>> out_of_range{{0, 1, 6}};
     const MeshView wrong(vertices, out_of_range);
-    const Error error = error_of([&] { detector.partition(wrong, 262145); });
+    const Error error = error_of([&] { detector.partition(wrong, {}, 262145); });
     EXPECT_EQ(error.what(), std::string("the number of parts must be 1 to 262144"));
     EXPECT_EQ(error.element, Element::option);
 }
@@ -206,43 +206,43 @@ TEST(Input, a_wrong_shape_names_the_mesh) {
     const std::vector<std::int32_t> groups{1, 2, 3};
     const MeshView good(vertices, triangles), bad(vertices, triangles, groups);
     const std::string rest = " has 3 group ids for 2 triangles";
-    EXPECT_EQ(error_of([&] { detector.find_self(bad); }).what(), "the mesh" + rest);
-    EXPECT_EQ(error_of([&] { detector.find_between(bad, good); }).what(), "the first mesh" + rest);
-    EXPECT_EQ(error_of([&] { detector.find_between(good, bad); }).what(), "the second mesh" + rest);
+    EXPECT_EQ(error_of([&] { detector.find(bad); }).what(), "the mesh" + rest);
+    EXPECT_EQ(error_of([&] { detector.find({bad, good}); }).what(), "the first mesh" + rest);
+    EXPECT_EQ(error_of([&] { detector.find({good, bad}); }).what(), "the second mesh" + rest);
 }
 
 TEST(Input, between_groups_needs_groups) {
     Detector detector;
     const std::vector<std::int32_t> groups{1, 2};
     const MeshView plain(vertices, triangles), grouped(vertices, triangles, groups), none;
-    const Query between{.wanted = Wanted::between};
+    const IntersectionQuery between{.filter = {.groups = PairScope::between}};
     const auto expect_refused = [&](auto call) {
         const Error error = error_of(call);
         EXPECT_EQ(error.code, ErrorCode::invalid_argument);
         EXPECT_NE(std::string(error.what()).find("needs groups"), std::string::npos) << error.what();
     };
-    expect_refused([&] { detector.find_self(plain, between); });
-    expect_refused([&] { detector.has_collision(plain, between); });
-    expect_refused([&] { detector.find_between(plain, plain, between); });
-    expect_refused([&] { detector.has_collision(plain, plain, between); });
-    EXPECT_EQ(pairs_of(detector.find_self(grouped, between)), expected);
-    EXPECT_EQ(detector.find_between(plain, grouped, between).pairs.size(), 4u) << "plain is in group 0";
-    EXPECT_EQ(detector.find_between(grouped, plain, between).pairs.size(), 4u);
-    EXPECT_TRUE(detector.find_self(none, between).pairs.empty()) << "an empty mesh may have had groups";
-    EXPECT_TRUE(detector.find_between(plain, none, between).pairs.empty());
-    EXPECT_EQ(pairs_of(detector.find_self(plain, {.wanted = Wanted::within})), expected) << "all in group 0";
+    expect_refused([&] { detector.find(plain, between); });
+    expect_refused([&] { detector.any(plain, between); });
+    expect_refused([&] { detector.find({plain, plain}, between); });
+    expect_refused([&] { detector.any({plain, plain}, between); });
+    EXPECT_EQ(pairs_of(detector.find(grouped, between)), expected);
+    EXPECT_EQ(detector.find({plain, grouped}, between).pairs.size(), 4u) << "plain is in group 0";
+    EXPECT_EQ(detector.find({grouped, plain}, between).pairs.size(), 4u);
+    EXPECT_TRUE(detector.find(none, between).pairs.empty()) << "an empty mesh may have had groups";
+    EXPECT_TRUE(detector.find({plain, none}, between).pairs.empty());
+    EXPECT_EQ(pairs_of(detector.find(plain, {.filter = {.groups = PairScope::within}})), expected) << "all in group 0";
 }
 
 TEST(Input, empty_braces_are_the_default_query) {
     Detector detector;
     const MeshView mesh(vertices, triangles);
-    EXPECT_EQ(pairs_of(detector.find_self(mesh, {})), expected);
-    EXPECT_EQ(pairs_of(detector.find_self({vertices, triangles}, {})), expected);
-    EXPECT_TRUE(detector.has_collision(mesh, {}));
-    EXPECT_EQ(detector.find_between(mesh, mesh, {}).pairs.size(), 4u);
-    EXPECT_TRUE(detector.has_collision(mesh, mesh, {}));
-    EXPECT_EQ(detector.find_self(mesh, {.contacts = true}).contacts.kinds.size(), 1u);
-    const Part whole = detector.partition(mesh, 1)[0];
+    EXPECT_EQ(pairs_of(detector.find(mesh)), expected);
+    EXPECT_EQ(pairs_of(detector.find({vertices, triangles})), expected);
+    EXPECT_TRUE(detector.any(mesh));
+    EXPECT_EQ(detector.find({mesh, mesh}).pairs.size(), 4u);
+    EXPECT_TRUE(detector.any({mesh, mesh}));
+    EXPECT_EQ(detector.find(mesh, {.output = Output::contacts}).contacts.kinds.size(), 1u);
+    const Part whole = detector.partition(mesh, {}, 1)[0];
     EXPECT_EQ(pairs_of(detector.find(whole, {})), expected);
     EXPECT_EQ(error_of([&] { detector.find(Part{}); }).code, ErrorCode::invalid_argument);
 }
@@ -272,7 +272,7 @@ void expect_matrices_are_read() {
         for (std::size_t i = 0; i < 2; ++i) t(i, k) = triangles[i][k];
     }
     Detector detector;
-    EXPECT_EQ(pairs_of(detector.find_self(MeshView(v, t))), expected);
+    EXPECT_EQ(pairs_of(detector.find(MeshView(v, t))), expected);
 }
 
 TEST(Input, takes_matrices_in_the_order_in_which_they_lie) {
@@ -294,18 +294,20 @@ TEST(Input, refuses_to_exclude_groups_where_there_are_none) {
     const std::vector<std::int32_t> groups{0, 1};
     grouped.groups = groups;
     Detector detector;
-    const Query query{.excluded_groups = excluded};
-    EXPECT_STREQ(error_of([&] { detector.find_self(mesh, query); }).what(),
+    const IntersectionQuery query{.filter = {.excluded_groups = excluded}};
+    EXPECT_STREQ(error_of([&] { detector.find(mesh, query); }).what(),
                  "excluded_groups need groups, and the mesh has none");
-    EXPECT_STREQ(error_of([&] { detector.find_between(mesh, mesh, query); }).what(),
+    EXPECT_STREQ(error_of([&] {
+                     detector.find({mesh, mesh}, query);
+                 }).what(),
                  "excluded_groups need groups, and neither mesh has any");
-    EXPECT_TRUE(detector.find_self(grouped, query).pairs.empty());
-    EXPECT_FALSE(detector.find_between(mesh, grouped, query).pairs.empty()) << "the first is in group 0";
-    Near near{.radius = 9};
-    near.rules.excluded_groups = excluded;
-    EXPECT_STREQ(error_of([&] { detector.find_near(mesh, near); }).what(),
+    EXPECT_TRUE(detector.find(grouped, query).pairs.empty());
+    EXPECT_FALSE(detector.find({mesh, grouped}, query).pairs.empty()) << "the first is in group 0";
+    ProximityQuery near{.radius = 9};
+    near.filter.excluded_groups = excluded;
+    EXPECT_STREQ(error_of([&] { detector.find(mesh, near); }).what(),
                  "excluded_groups need groups, and the mesh has none");
-    EXPECT_NO_THROW(detector.find_near(grouped, near));
+    EXPECT_NO_THROW(detector.find(grouped, near));
 }
 
 }  // namespace

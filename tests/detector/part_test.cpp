@@ -22,7 +22,7 @@ using test::pairs_of;
 /// Owned pairs with their contacts' bytes.
 using Answer = std::map<Pair, std::vector<std::array<double, 3>>>;
 
-void add(const Collisions& found, Answer& answer) {
+void add(const Intersections& found, Answer& answer) {
     for (std::size_t i = 0; i < found.pairs.size(); ++i) {
         std::vector<std::array<double, 3>> contact;
         if (!found.contacts.kinds.empty()) {
@@ -40,7 +40,8 @@ std::vector<Pair> pairs_of(const Answer& answer) {
     return pairs;
 }
 
-void expect_union(const Collisions& whole, const std::vector<Part>& parts, const Query& query, Detector& elsewhere) {
+void expect_union(const Intersections& whole, const std::vector<Part>& parts, const IntersectionQuery& query,
+                  Detector& elsewhere) {
     Answer expected, joined;
     add(whole, expected);
     for (const Part& part : parts) add(elsewhere.find(part, query), joined);
@@ -69,16 +70,16 @@ TYPED_TEST_SUITE(PartOf, Scalars, );
 const std::vector<GroupPair> excluded{{0, 1}, {2, 2}};
 
 /// The first one asks for most.
-std::vector<Query> queries() {
-    return {{.contacts = true},
+std::vector<IntersectionQuery> queries() {
+    return {{.output = Output::contacts},
             {.neighbours = Neighbours::skip, .weld = true},
-            {.weld = true, .contacts = true, .wanted = Wanted::between},
-            {.intersections = Intersections::proper, .wanted = Wanted::within},
-            {.excluded_groups = excluded}};
+            {.output = Output::contacts, .weld = true, .filter = {.groups = PairScope::between}},
+            {.kind = IntersectionKind::proper, .filter = {.groups = PairScope::within}},
+            {.filter = {.excluded_groups = excluded}}};
 }
 
-std::vector<int> counts(const Query& query) {
-    if (query.contacts && !query.weld) return {1, 2, 3, 64, 65, 1000};
+std::vector<int> counts(const IntersectionQuery& query) {
+    if (query.contacts() && !query.weld) return {1, 2, 3, 64, 65, 1000};
     return {3, 64, 65};
 }
 
@@ -86,11 +87,11 @@ TYPED_TEST(PartOf, a_soup_unite_to_the_whole_answer) {
     const auto soup = TestFixture::soup(1200, 0.12);
     Detector detector({.threads = 2, .leaf_size = 100}), elsewhere({.threads = 1, .leaf_size = 50}),
         reference({.backend = Backend::reference});
-    for (const Query& query : queries()) {
-        const Collisions whole = detector.find_self(soup.view(), query);
+    for (const IntersectionQuery& query : queries()) {
+        const Intersections whole = detector.find(soup.view(), query);
         ASSERT_GT(whole.pairs.size(), 100u);
         for (const int count : counts(query)) {
-            const auto parts = detector.partition(soup.view(), count);
+            const auto parts = detector.partition(soup.view(), {}, count);
             expect_union(whole, parts, query, elsewhere);
             if (count == 3 || count == 1000) expect_union(whole, parts, query, reference);
         }
@@ -103,11 +104,11 @@ TYPED_TEST(PartOf, two_meshes_unite_to_the_whole_answer) {
     Detector detector({.threads = 2, .leaf_size = 100}), elsewhere({.threads = 1, .leaf_size = 50}),
         reference({.backend = Backend::reference});
     for (const auto& second : {b.view(), ungrouped.view()}) {
-        for (const Query& query : queries()) {
-            const Collisions whole = detector.find_between(a.view(), second, query);
+        for (const IntersectionQuery& query : queries()) {
+            const Intersections whole = detector.find({a.view(), second}, query);
             ASSERT_GT(whole.pairs.size(), 50u);
             for (const int count : counts(query)) {
-                const auto parts = detector.partition(a.view(), second, count);
+                const auto parts = detector.partition({a.view(), second}, {}, count);
                 expect_union(whole, parts, query, elsewhere);
                 if (count == 3) expect_union(whole, parts, query, reference);
             }
@@ -118,9 +119,9 @@ TYPED_TEST(PartOf, two_meshes_unite_to_the_whole_answer) {
 TEST(Part, holds_copies_and_both_triangles_of_its_pairs) {
     auto soup = test::wavy_sheet(40);
     Detector detector;
-    const std::vector<Pair> whole = test::pairs_of(detector.find_self(soup.view()));
+    const std::vector<Pair> whole = test::pairs_of(detector.find(soup.view()));
     ASSERT_GT(whole.size(), 50u);
-    const std::vector<Part> parts = detector.partition(soup.view(), 7);
+    const std::vector<Part> parts = detector.partition(soup.view(), {}, 7);
     for (const Part& part : parts) {
         EXPECT_EQ(part.count, 7);
         EXPECT_FALSE(part.second);
@@ -152,8 +153,8 @@ TEST(Part, offsets_and_hits_are_by_position_in_its_lists) {
     const auto a = test::random_soup(300, 0.3), b = test::random_soup(200, 0.3, 4);
     Detector detector;
     std::size_t found = 0;
-    for (const Part& part : detector.partition(a.view(), b.view(), 3)) {
-        const Collisions& answer = detector.find(part);
+    for (const Part& part : detector.partition({a.view(), b.view()}, {}, 3)) {
+        const Intersections& answer = detector.find(part);
         const auto &first = part.mesh.ids, &second = part.second->ids;
         ASSERT_EQ(answer.offsets.size(), first.size() + 1);
         ASSERT_EQ(answer.hit.size(), first.size());
@@ -170,13 +171,13 @@ TEST(Part, offsets_and_hits_are_by_position_in_its_lists) {
         EXPECT_TRUE(std::ranges::equal(hit, answer.hit));
         EXPECT_TRUE(std::ranges::equal(hit_second, answer.hit_second));
     }
-    EXPECT_EQ(found, detector.find_between(a.view(), b.view()).pairs.size());
+    EXPECT_EQ(found, detector.find({a.view(), b.view()}).pairs.size());
 }
 
 TEST(Part, makes_the_same_parts_on_any_number_of_threads) {
     const auto soup = test::wavy_sheet(120);
     const auto parts_of = [&](int threads, Backend backend) {
-        return Detector({.backend = backend, .threads = threads}).partition(soup.view(), 100);
+        return Detector({.backend = backend, .threads = threads}).partition(soup.view(), {}, 100);
     };
     const auto expected = parts_of(1, Backend::reference);
     for (const int threads : {1, 7}) {
@@ -201,7 +202,7 @@ TEST(Part, members_are_found_from_any_slice) {
     const auto soup = test::random_soup<double>(500, 0.1);
     ParallelFor serial;
     SceneBuffers buffers;
-    const Scene scene = prepare_scene(soup.view(), nullptr, false, serial, buffers);
+    const PreparedScene scene = prepare_scene(soup.view(), nullptr, false, serial, buffers);
     for (const int count : {5, 64, 65, 1000, 5000}) {
         const PartCentres centres = place_parts(scene, count, serial);
         const PartTree tree = centres.tree();
@@ -211,7 +212,7 @@ TEST(Part, members_are_found_from_any_slice) {
             alone.triangles = {soup.triangles.begin() + begin,
                                soup.triangles.begin() + std::min<std::int64_t>(begin + 50, 500)};
             SceneBuffers own;
-            const Scene slice = prepare_scene(alone.view(), nullptr, false, serial, own);
+            const PreparedScene slice = prepare_scene(alone.view(), nullptr, false, serial, own);
             const auto ball = [&](std::int64_t t) { return PartBall(slice.triangle(t), tree.normalise); };
             const PartMembers members = list_members(tree, count, ball, 0, slice.triangle_count());
             std::size_t listed = 0;
@@ -237,7 +238,7 @@ TEST(Part, levels_are_as_few_as_hold_the_parts) {
     const auto soup = test::random_soup(2000, 0.05);
     Detector detector;
     for (const auto& [count, levels] : {std::pair{1, 1u}, {64, 1u}, {65, 2u}, {4096, 2u}, {4097, 3u}}) {
-        const auto parts = detector.partition(soup.view(), count);
+        const auto parts = detector.partition(soup.view(), {}, count);
         ASSERT_EQ(parts.size(), static_cast<std::size_t>(count));
         std::vector<std::vector<std::int32_t>> paths;
         for (const Part& part : parts) {
@@ -266,7 +267,7 @@ TEST(Part, shares_are_in_proportion_and_fit) {
 TEST(Part, a_part_that_cannot_be_is_refused) {
     const auto soup = test::random_soup(40, 0.4), other = test::random_soup(30, 0.4, 2);
     Detector detector;
-    const Part good = detector.partition(soup.view(), other.view(), 3)[1];
+    const Part good = detector.partition({soup.view(), other.view()}, {}, 3)[1];
     const auto refused = [&](auto spoil) {
         Part part = good;
         spoil(part);
@@ -290,8 +291,8 @@ TEST(Part, a_part_that_cannot_be_is_refused) {
     EXPECT_EQ(refused([](Part& p) { p.mesh.groups = {1}; }).code, ErrorCode::invalid_argument);
     EXPECT_EQ(refused([](Part& p) { std::get<std::vector<float>>(p.mesh.vertices)[4] = NAN; }).code,
               ErrorCode::not_finite);
-    EXPECT_EQ(error_of([&] { detector.partition(soup.view(), 0); }).code, ErrorCode::invalid_argument);
-    EXPECT_EQ(error_of([&] { detector.partition(soup.view(), 262145); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { detector.partition(soup.view(), {}, 0); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { detector.partition(soup.view(), {}, 262145); }).code, ErrorCode::invalid_argument);
 }
 
 // Centres are found in float32, where the largest number rounds up.
@@ -301,10 +302,10 @@ TEST(Part, a_scene_as_large_as_numbers_are_has_parts) {
     soup.vertices = {{-most, most, -most}, {-most, most, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     soup.triangles = {{0, 0, 0}, {0, 0, 0}, {0, 0, 1}, {2, 3, 4}};
     Detector detector;
-    const Query query{.weld = true};
-    const Collisions whole = detector.find_self(soup.view(), query);
+    const IntersectionQuery query{.weld = true};
+    const Intersections whole = detector.find(soup.view(), query);
     for (const int count : {1, 2, 4, 65, 1000})
-        expect_union(whole, detector.partition(soup.view(), count), query, detector);
+        expect_union(whole, detector.partition(soup.view(), {}, count), query, detector);
 }
 
 TEST(Part, far_from_the_origin_is_no_place_of_its_own) {
@@ -312,9 +313,9 @@ TEST(Part, far_from_the_origin_is_no_place_of_its_own) {
     for (auto& vertex : soup.vertices)
         for (double& x : vertex) x = (x + 1e6) * 1e200;
     Detector detector;
-    const Collisions whole = detector.find_self(soup.view());
+    const Intersections whole = detector.find(soup.view());
     ASSERT_GT(whole.pairs.size(), 50u);
-    for (const int count : {3, 65, 1000}) expect_union(whole, detector.partition(soup.view(), count), {}, detector);
+    for (const int count : {3, 65, 1000}) expect_union(whole, detector.partition(soup.view(), {}, count), {}, detector);
 }
 
 // Where no centre parts the triangles, one part has them all, and the others are empty.
@@ -323,9 +324,9 @@ TEST(Part, triangles_at_one_place_are_in_one_part) {
     stack.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     for (int i = 0; i < 50; ++i) stack.triangles.push_back({0, 1, 2});
     Detector detector;
-    const Collisions whole = detector.find_self(stack.view());
+    const Intersections whole = detector.find(stack.view());
     for (const int count : {2, 64, 65, 1000}) {
-        const auto parts = detector.partition(stack.view(), count);
+        const auto parts = detector.partition(stack.view(), {}, count);
         expect_union(whole, parts, {}, detector);
         std::int64_t members = 0;
         for (const Part& part : parts) members += part.triangle_count();
@@ -336,13 +337,13 @@ TEST(Part, triangles_at_one_place_are_in_one_part) {
 TEST(Part, of_nothing_are_empty) {
     Detector detector;
     for (const int count : {1, 64, 1000}) {
-        for (const Part& part : detector.partition(MeshView(), count)) {
+        for (const Part& part : detector.partition(MeshView(), {}, count)) {
             EXPECT_EQ(part.triangle_count(), 0);
             EXPECT_TRUE(detector.find(part).pairs.empty());
         }
         const auto soup = test::random_soup(20, 0.3);
-        for (const Part& part : detector.partition(soup.view(), MeshView(), count))
-            EXPECT_TRUE(detector.find(part, {.contacts = true}).pairs.empty());
+        for (const Part& part : detector.partition({soup.view(), MeshView()}, {}, count))
+            EXPECT_TRUE(detector.find(part, {.output = Output::contacts}).pairs.empty());
     }
 }
 
@@ -351,7 +352,7 @@ TEST(Part, parts_overlap_little_and_are_balanced) {
     Detector detector;
     for (const auto& [count, most_members, most_share] : {std::tuple{8, 1.5, 2.0}, {64, 1.8, 2.5}, {200, 2.5, 3.0}}) {
         std::int64_t members = 0, largest = 0;
-        for (const Part& part : detector.partition(soup.view(), count)) {
+        for (const Part& part : detector.partition(soup.view(), {}, count)) {
             members += part.triangle_count();
             largest = std::max(largest, part.triangle_count());
         }

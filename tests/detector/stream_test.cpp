@@ -28,7 +28,7 @@ struct Whole {
     std::vector<std::array<double, 3>> points;
     std::int64_t blocks = 0, largest = 0;
 
-    void add(const Collisions& block) {
+    void add(const Intersections& block) {
         ++blocks;
         largest = std::max(largest, static_cast<std::int64_t>(block.pairs.size()));
         EXPECT_FALSE(block.pairs.empty());
@@ -36,7 +36,7 @@ struct Whole {
         EXPECT_TRUE(block.hit.empty());
         append(block);
     }
-    void append(const Collisions& block) {
+    void append(const Intersections& block) {
         pairs.insert(pairs.end(), block.pairs.begin(), block.pairs.end());
         const Contacts& c = block.contacts;
         kinds.insert(kinds.end(), c.kinds.begin(), c.kinds.end());
@@ -68,16 +68,17 @@ struct Meshes {
     MeshView a;
     const MeshView* b = nullptr;
 
-    const Collisions& find(Detector& by, const Query& query) const {
-        return b ? by.find_between(a, *b, query) : by.find_self(a, query);
+    const Intersections& find(Detector& by, const IntersectionQuery& query) const {
+        return b ? by.find({a, *b}, query) : by.find(a, query);
     }
-    Statistics stream(Detector& by, Detector::TakeBlock take, const Query& query, const Streaming& how) const {
-        return b ? by.stream_between(a, *b, take, query, how) : by.stream_self(a, take, query, how);
+    Statistics stream(Detector& by, FunctionRef<void(const Intersections&)> take, const IntersectionQuery& query,
+                      const Streaming& how) const {
+        return b ? by.stream({a, *b}, query, take, how) : by.stream(a, query, take, how);
     }
 };
 
-void compare(const Meshes& meshes, const Query& query, const Options& options, std::initializer_list<int> sizes,
-             std::int64_t least_pairs) {
+void compare(const Meshes& meshes, const IntersectionQuery& query, const Options& options,
+             std::initializer_list<int> sizes, std::int64_t least_pairs) {
     Detector plain;
     Whole expected;
     expected.append(meshes.find(plain, query));
@@ -88,7 +89,7 @@ void compare(const Meshes& meshes, const Query& query, const Options& options, s
         for (const int size : sizes) {
             SCOPED_TRACE(testing::Message() << "blocks of " << size << (ordered ? "" : ", in any order"));
             Whole found;
-            const auto take = [&](const Collisions& block) { found.add(block); };
+            const auto take = [&](const Intersections& block) { found.add(block); };
             const Statistics statistics = meshes.stream(detector, take, query, {size, ordered});
             EXPECT_EQ(statistics.pairs, count);
             EXPECT_LE(found.largest, size);
@@ -129,7 +130,7 @@ std::vector<Options> ways() {
 TEST(Stream, of_one_soup_is_the_whole_answer) {
     const auto soup = test::random_soup(200 / part, 0.8);
     for (const Options& options : ways())
-        compare({soup.view()}, {.contacts = true}, options, {1, 7, 300 / part, 1 << 18}, 500 / (part * part));
+        compare({soup.view()}, {.output = Output::contacts}, options, {1, 7, 300 / part, 1 << 18}, 500 / (part * part));
 }
 
 TEST(Stream, of_two_soups_is_the_whole_answer) {
@@ -137,15 +138,15 @@ TEST(Stream, of_two_soups_is_the_whole_answer) {
     const auto b = test::random_soup<double>(120 / part, 0.9, 2);
     const MeshView second = b.view();
     for (const Options& options : ways())
-        compare({a.view(), &second}, {.contacts = true}, options, {1, 50, 4000}, 400 / (part * part));
+        compare({a.view(), &second}, {.output = Output::contacts}, options, {1, 50, 4000}, 400 / (part * part));
 }
 
 TEST(Stream, of_a_sheet_is_the_whole_answer) {
     auto sheet = test::wavy_sheet(60);
     for (std::size_t t = 0; t < sheet.triangles.size(); ++t) sheet.groups.push_back(static_cast<std::int32_t>(t % 5));
     const std::vector<GroupPair> excluded{{0, 1}, {3, 3}};
-    Query query;
-    query.excluded_groups = excluded;
+    IntersectionQuery query;
+    query.filter.excluded_groups = excluded;
     for (std::size_t way = 0; way < 3; ++way) {
         compare({sheet.view()}, {}, ways()[way], {40, 1000, 100000}, 1000);
         compare({sheet.view()}, query, ways()[way], {40, 1000}, 500);
@@ -176,18 +177,18 @@ TEST(Stream, repeats_the_pairs_of_copies) {
     const auto other = test::random_soup(40, 0.9, 7);
     const MeshView second = other.view();
     for (const Options& options : ways()) {
-        compare({soup.view()}, {.contacts = true}, options, {1, 10, 500}, 350);
+        compare({soup.view()}, {.output = Output::contacts}, options, {1, 10, 500}, 350);
         compare({soup.view(), &second}, {}, options, {3, 200}, 100);
     }
 }
 
 TEST(Stream, of_nothing_has_no_blocks) {
     Detector detector;
-    const auto never = [](const Collisions&) { FAIL(); };
-    EXPECT_EQ(detector.stream_self(MeshView(), never).pairs, 0);
+    const auto never = [](const Intersections&) { FAIL(); };
+    EXPECT_EQ(detector.stream(MeshView(), {}, never).pairs, 0);
     const auto apart = test::random_soup(1, 0.1);
-    EXPECT_EQ(detector.stream_self(apart.view(), never).triangles, 1);
-    EXPECT_EQ(detector.stream_between(apart.view(), MeshView(), never).pairs, 0);
+    EXPECT_EQ(detector.stream(apart.view(), {}, never).triangles, 1);
+    EXPECT_EQ(detector.stream({apart.view(), MeshView()}, {}, never).pairs, 0);
 }
 
 TEST(Stream, ends_by_what_a_block_throws_and_by_a_stop) {
@@ -195,46 +196,44 @@ TEST(Stream, ends_by_what_a_block_throws_and_by_a_stop) {
     for (const bool ordered : {true, false}) {
         Detector detector({.threads = 2});
         std::atomic<int> blocks{0};
-        const auto refuse = [&](const Collisions&) {
+        const auto refuse = [&](const Intersections&) {
             if (++blocks == 3) throw std::runtime_error("full");
         };
-        EXPECT_THROW(detector.stream_self(soup.view(), refuse, {}, {50, ordered}), std::runtime_error);
+        EXPECT_THROW(detector.stream(soup.view(), {}, refuse, {50, ordered}), std::runtime_error);
         EXPECT_EQ(blocks, 3);
         std::stop_source stop;
-        const auto ask = [&](const Collisions&) { stop.request_stop(); };
-        const Error error = error_of([&] {
-            detector.stream_self(soup.view(), ask, {}, {50, ordered}, stop.get_token());
-        });
+        const auto ask = [&](const Intersections&) { stop.request_stop(); };
+        const Error error = error_of([&] { detector.stream(soup.view(), {}, ask, {50, ordered}, stop.get_token()); });
         EXPECT_EQ(error.code, ErrorCode::cancelled);
         // The detector is usable still.
         Whole found;
-        detector.stream_self(soup.view(), [&](const Collisions& block) { found.add(block); }, {}, {1000, ordered});
+        detector.stream(soup.view(), {}, [&](const Intersections& block) { found.add(block); }, {1000, ordered});
         found.sort();
-        EXPECT_EQ(difference(pairs_of(Detector().find_self(soup.view())), found.pairs), "");
+        EXPECT_EQ(difference(pairs_of(Detector().find(soup.view())), found.pairs), "");
     }
 }
 
 TEST(Stream, fits_a_limit_that_the_answer_does_not_fit_or_names_one) {
     const auto soup = test::random_soup(4000, 0.9);
-    const auto count = static_cast<std::int64_t>(Detector().find_self(soup.view()).pairs.size());
+    const auto count = static_cast<std::int64_t>(Detector().find(soup.view()).pairs.size());
     constexpr std::int64_t limit = 2'500'000;
     ASSERT_GT(count * 8, limit);
     for (const bool ordered : {true, false}) {
         Detector detector({.memory_limit = limit});
-        EXPECT_EQ(error_of([&] { detector.find_self(soup.view()); }).code, ErrorCode::memory_limit);
+        EXPECT_EQ(error_of([&] { detector.find(soup.view()); }).code, ErrorCode::memory_limit);
         std::int64_t pairs = 0;
-        const auto take = [&](const Collisions& block) { pairs += static_cast<std::int64_t>(block.pairs.size()); };
-        const Statistics statistics = detector.stream_self(soup.view(), take, {}, {20'000, ordered});
+        const auto take = [&](const Intersections& block) { pairs += static_cast<std::int64_t>(block.pairs.size()); };
+        const Statistics statistics = detector.stream(soup.view(), {}, take, {20'000, ordered});
         EXPECT_EQ(pairs, count);
         EXPECT_LE(statistics.peak_memory_bytes, limit);
 
         pairs = 0;
-        const Error error = error_of([&] { detector.stream_self(soup.view(), take, {}, {1'000'000, ordered}); });
+        const Error error = error_of([&] { detector.stream(soup.view(), {}, take, {1'000'000, ordered}); });
         EXPECT_EQ(error.code, ErrorCode::memory_limit);
         EXPECT_GT(error.bytes_needed, limit);
         test::sufficient_limit({.memory_limit = limit}, [&](Detector& enough) {
             pairs = 0;
-            enough.stream_self(soup.view(), take, {}, {1'000'000, ordered});
+            enough.stream(soup.view(), {}, take, {1'000'000, ordered});
             EXPECT_EQ(pairs, count);
         });
     }
@@ -244,7 +243,7 @@ TEST(Stream, refuses_what_is_no_size_of_a_block) {
     const auto soup = test::random_soup(10, 0.2);
     for (const std::int64_t size : {std::int64_t{0}, std::int64_t{-5}, (std::int64_t{1} << 40) + 1}) {
         const Error error = error_of([&] {
-            Detector().stream_self(soup.view(), [](const Collisions&) {}, {}, {size, true});
+            Detector().stream(soup.view(), {}, [](const Intersections&) {}, {size, true});
         });
         EXPECT_EQ(error.code, ErrorCode::invalid_argument);
         EXPECT_EQ(error.element, Element::option);

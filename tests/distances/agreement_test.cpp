@@ -16,15 +16,15 @@ using test::Dice;
 using test::random_world;
 using test::same_nearest;
 
-Nearest random_nearest(unsigned seed, int bodies) {
+DistanceQuery random_nearest(unsigned seed, int bodies) {
     Dice dice(seed);
-    Nearest question;
+    DistanceQuery question;
     if (dice.chance(0.4)) question.radius = dice.chance(0.2) ? 0 : dice.between(0, 0.5);
-    if (dice.chance(0.2)) question.rules.bodies = Wanted::between;
-    question.rules.groups = static_cast<Wanted>(dice.chance(0.5) ? 0 : dice.below(3));
+    if (dice.chance(0.2)) question.filter.bodies = PairScope::between;
+    question.filter.groups = static_cast<PairScope>(dice.chance(0.5) ? 0 : dice.below(3));
     for (int i = dice.below(3); i > 0 && bodies > 0; --i)
-        question.rules.excluded_bodies.push_back({dice.below(bodies), dice.below(bodies)});
-    for (int i = dice.below(3); i > 0; --i) question.rules.excluded_groups.push_back({dice.below(3), dice.below(3)});
+        question.filter.excluded_bodies.push_back({dice.below(bodies), dice.below(bodies)});
+    for (int i = dice.below(3); i > 0; --i) question.filter.excluded_groups.push_back({dice.below(3), dice.below(3)});
     return question;
 }
 
@@ -36,12 +36,12 @@ class NearestAgreement : public testing::TestWithParam<int> {
     void compare(unsigned seed, const test::WorldKind& kind) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         const auto world = random_world(seed, kind);
-        const Nearest question = random_nearest(7 * seed, kind.bodies);
+        const DistanceQuery question = random_nearest(7 * seed, kind.bodies);
         // Under other names each time, for a detector holds on to what it knows.
         for (Shape& shape : world->shapes)
             if (shape.name != 0) shape.name += 1000 * (seed + 1);
-        const NearestBodies& found = detector_.find_nearest(world->view(), question);
-        ASSERT_TRUE(same_nearest(found, reference_.find_nearest(world->view(), question)));
+        const Distances& found = detector_.find(world->view(), question);
+        ASSERT_TRUE(same_nearest(found, reference_.find(world->view(), question)));
         rows_ += found.bodies.size();
         for (const std::uint8_t touches : found.touching) touching_ += touches;
     }
@@ -113,7 +113,7 @@ TEST_P(NearestAgreement, of_symmetric_shapes) {
             const Pose poses[]{turn, moved};
             SCOPED_TRACE(testing::Message() << step[0] << ' ' << step[1] << ' ' << step[2] << " turned " << turned);
             const World world{shapes, bodies, poses};
-            ASSERT_TRUE(same_nearest(detector_.find_nearest(world), reference_.find_nearest(world)));
+            ASSERT_TRUE(same_nearest(detector_.find(world, DistanceQuery()), reference_.find(world, DistanceQuery())));
         }
     }
 }
@@ -134,11 +134,10 @@ TEST_P(NearestAgreement, of_the_largest_and_the_smallest_numbers) {
         const Pose poses[] = {at(0), at(2.5), at(-7)};
         const World world{shapes, bodies, poses};
         SCOPED_TRACE(size);
-        ASSERT_TRUE(same_nearest(detector_.find_nearest(world), reference_.find_nearest(world)));
+        ASSERT_TRUE(same_nearest(detector_.find(world, DistanceQuery()), reference_.find(world, DistanceQuery())));
         for (const double radius : {0.25, 0.5, 1.0}) {
-            const Nearest question{.radius = radius * size};
-            ASSERT_TRUE(
-                same_nearest(detector_.find_nearest(world, question), reference_.find_nearest(world, question)));
+            const DistanceQuery question{.radius = radius * size};
+            ASSERT_TRUE(same_nearest(detector_.find(world, question), reference_.find(world, question)));
         }
     }
 }

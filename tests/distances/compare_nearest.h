@@ -7,7 +7,7 @@
 namespace crumple::test {
 
 /// Everything byte for byte; a failure names the bodies.
-inline testing::AssertionResult same_nearest(const NearestBodies& found, const NearestBodies& expected) {
+inline testing::AssertionResult same_nearest(const Distances& found, const Distances& expected) {
     testing::AssertionResult same = same_bytes(found.bodies, expected.bodies, "bodies");
     if (same) same = same_bytes(found.touching, expected.touching, "flags");
     if (same) same = same_bytes(found.squared_distance, expected.squared_distance, "squared distances");

@@ -25,9 +25,9 @@ const std::vector<std::array<std::int32_t, 3>> halves{{0, 1, 2}, {0, 2, 3}};
 
 class NearestBodiesOf : public testing::TestWithParam<Backend> {
    protected:
-    const NearestBodies& find(const std::vector<Body>& bodies, const std::vector<Pose>& poses,
-                              const Nearest& question = {}) {
-        return detector_.find_nearest({shapes_, bodies, poses}, question);
+    const Distances& find(const std::vector<Body>& bodies, const std::vector<Pose>& poses,
+                          const DistanceQuery& question = {}) {
+        return detector_.find(World{shapes_, bodies, poses}, question);
     }
 
     Detector detector_{Options{.backend = GetParam(), .threads = 2}};
@@ -35,14 +35,14 @@ class NearestBodiesOf : public testing::TestWithParam<Backend> {
 };
 
 using Rows = std::vector<std::array<std::int32_t, 2>>;
-Rows rows(const NearestBodies& answer) {
+Rows rows(const Distances& answer) {
     Rows rows;
     for (const BodyPair& pair : answer.bodies) rows.push_back({pair.first, pair.second});
     return rows;
 }
 
 TEST_P(NearestBodiesOf, two_squares_above_each_other) {
-    const NearestBodies& found = find({{}, {}}, {{}, moved(0.25, 0.5, 3)});
+    const Distances& found = find({{}, {}}, {{}, moved(0.25, 0.5, 3)});
     ASSERT_EQ(rows(found), (Rows{{0, 1}}));
     EXPECT_EQ(found.squared_distance[0], 9);
     EXPECT_EQ(found.touching[0], 0);
@@ -53,7 +53,7 @@ TEST_P(NearestBodiesOf, two_squares_above_each_other) {
     EXPECT_EQ(found.statistics.pairs, 1);
 }
 TEST_P(NearestBodiesOf, bodies_that_touch) {
-    const NearestBodies& found = find({{}, {}, {}}, {{}, moved(1, 0.5), moved(0.5, 0.5, 0)});
+    const Distances& found = find({{}, {}, {}}, {{}, moved(1, 0.5), moved(0.5, 0.5, 0)});
     ASSERT_EQ(found.bodies.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i) {
         EXPECT_EQ(found.touching[i], 1);
@@ -82,14 +82,14 @@ TEST_P(NearestBodiesOf, those_within_the_radius_which_counts) {
 TEST_P(NearestBodiesOf, what_the_rules_want) {
     const std::vector<Body> bodies{{.group = 0}, {.group = 1}, {.group = 1}};
     const std::vector<Pose> poses{{}, moved(2), moved(4)};
-    Nearest question;
-    question.rules.excluded_bodies = {{1, 0}};
+    DistanceQuery question;
+    question.filter.excluded_bodies = {{1, 0}};
     EXPECT_EQ(rows(find(bodies, poses, question)), (Rows{{0, 2}, {1, 2}}));
-    question.rules = {};
-    question.rules.groups = Wanted::between;
+    question.filter = {};
+    question.filter.groups = PairScope::between;
     EXPECT_EQ(rows(find(bodies, poses, question)), (Rows{{0, 1}, {0, 2}}));
-    question.rules = {};
-    question.rules.excluded_groups = {{1, 1}};
+    question.filter = {};
+    question.filter.excluded_groups = {{1, 1}};
     EXPECT_EQ(rows(find(bodies, poses, question)), (Rows{{0, 1}, {0, 2}}));
 }
 /// The nearer half of the square is of an excluded group, so that the other one counts.
@@ -99,12 +99,12 @@ TEST_P(NearestBodiesOf, triangles_of_wanted_groups_alone) {
     const std::vector<Body> bodies{{.shape = 0, .group = 0}, {.shape = 1}};
     const std::vector<Pose> poses{moved(3), {}};
     EXPECT_EQ(find(bodies, poses).triangles[0], (Pair{0, 0}));
-    Nearest question;
-    question.rules.excluded_groups = {{0, 5}};
-    const NearestBodies& found = find(bodies, poses, question);
+    DistanceQuery question;
+    question.filter.excluded_groups = {{0, 5}};
+    const Distances& found = find(bodies, poses, question);
     EXPECT_EQ(found.triangles[0].b, 1);
     EXPECT_EQ(found.squared_distance[0], 4);
-    question.rules.excluded_groups = {{0, 5}, {0, 6}};
+    question.filter.excluded_groups = {{0, 5}, {0, 6}};
     EXPECT_EQ(rows(find(bodies, poses, question)), Rows{}) << "no pair of triangles is wanted";
 }
 TEST_P(NearestBodiesOf, nothing) {
@@ -122,8 +122,8 @@ TEST_P(NearestBodiesOf, no_world_that_is_wrong) {
     };
     for (const double radius : {-1.0, std::numeric_limits<double>::quiet_NaN(), -infinity})
         EXPECT_EQ(refused([&] { find({{}}, {}, {.radius = radius}); }).code, ErrorCode::invalid_argument);
-    Nearest within;
-    within.rules.bodies = Wanted::within;
+    DistanceQuery within;
+    within.filter.bodies = PairScope::within;
     EXPECT_EQ(refused([&] { find({{}}, {}, within); }).element, Element::option);
     EXPECT_EQ(refused([&] { find({{.shape = 4}}, {}); }).element, Element::body);
     const Error infinite = refused([&] { find({{}, {}}, {{}, moved(std::numeric_limits<double>::max())}); });
@@ -135,7 +135,7 @@ TEST_P(NearestBodiesOf, no_world_that_is_wrong) {
     std::stop_source stop;
     stop.request_stop();
     const std::vector<Body> bodies(2);
-    const auto stopped = [&] { detector_.find(World{shapes_, bodies, {}}, Nearest(), stop.get_token()); };
+    const auto stopped = [&] { detector_.find(World{shapes_, bodies, {}}, DistanceQuery(), stop.get_token()); };
     EXPECT_EQ(refused(stopped).code, ErrorCode::cancelled);
 }
 
@@ -147,13 +147,13 @@ TEST(NearestBodies, AreHandedOver) {
     const std::vector<Body> bodies(2);
     const std::vector<Pose> poses{{}, moved(0, 0, 3)};
     Detector detector({.backend = Backend::cpu});
-    const BodyPair* const storage = detector.find_nearest({shapes, bodies, poses}).bodies.data();
-    NearestBodies taken;
+    const BodyPair* const storage = detector.find(World{shapes, bodies, poses}, DistanceQuery()).bodies.data();
+    Distances taken;
     detector.swap_result(taken);
     EXPECT_EQ(taken.bodies.data(), storage);
     EXPECT_EQ(taken.squared_distance[0], 9);
     EXPECT_EQ(taken.statistics.pairs, 1);
-    EXPECT_TRUE(detector.find_nearest({shapes, {}, {}}).bodies.empty());
+    EXPECT_TRUE(detector.find(World{shapes, {}, {}}, DistanceQuery()).bodies.empty());
 }
 
 /// Trees of named shapes are those of other questions about worlds.
@@ -163,15 +163,16 @@ TEST(NearestBodies, KnowNamedShapes) {
     const std::vector<Body> bodies(2);
     const std::vector<Pose> poses{{}, moved(3)};
     Detector detector({.backend = Backend::cpu});
-    detector.find(World{shapes, bodies, poses}, {.wants = Wants::any});
-    const NearestBodies expected = detector.find_nearest({shapes, bodies, poses});
+    detector.find(World{shapes, bodies, poses}, {.output = Output::any});
+    const Distances expected = detector.find(World{shapes, bodies, poses}, DistanceQuery());
     auto other = soup;
     for (auto& p : other.vertices) p = {9, 9, 9};
     shapes[0] = Shape(other.view(), 7);
-    EXPECT_TRUE(same_nearest(detector.find_nearest({shapes, bodies, poses}), expected)) << "it is not read again";
+    EXPECT_TRUE(same_nearest(detector.find(World{shapes, bodies, poses}, DistanceQuery()), expected))
+        << "it is not read again";
     other.triangles.pop_back();
     shapes[0] = Shape(other.view(), 7);
-    EXPECT_EQ(error_of([&] { detector.find_nearest({shapes, bodies, poses}); }).element, Element::shape);
+    EXPECT_EQ(error_of([&] { detector.find(World{shapes, bodies, poses}, DistanceQuery()); }).element, Element::shape);
 }
 
 /// The first of all pairs that intersect, however many there are, and where their contact begins.
@@ -182,10 +183,10 @@ TEST(NearestBodies, ThatTouchNameTheFirstPair) {
         const auto a = random_soup(400, 0.2, 2 * seed + 1), b = random_soup(400, 0.2, 2 * seed + 2);
         const std::vector<Shape> shapes{Shape(a.view()), Shape(b.view())};
         const std::vector<Pose> poses{{}, moved(0.001 * seed, 0.3)};
-        Intersect question{.wants = Wants::contacts};
-        question.rules.bodies = Wanted::between;
-        const WorldCollisions& all = other.find({shapes, bodies, poses}, question);
-        const NearestBodies& found = detector.find_nearest({shapes, bodies, poses});
+        IntersectionQuery question{.output = Output::contacts};
+        question.filter.bodies = PairScope::between;
+        const Intersections& all = other.find(World{shapes, bodies, poses}, question);
+        const Distances& found = detector.find(World{shapes, bodies, poses}, DistanceQuery());
         ASSERT_GT(all.count, 20);
         ASSERT_EQ(found.triangles[0], all.pairs[0]) << "seed " << seed;
         ASSERT_EQ(found.points[0][0], all.contacts.points[0]);
@@ -202,7 +203,7 @@ TEST(NearestBodies, EndSoonAfterAStop) {
     std::stop_source stop;
     int polls = 0;
     detector.set_poll([&] { ++polls, stop.request_stop(); });
-    const auto call = [&] { detector.find_nearest({shapes, bodies, poses}, {}, stop.get_token()); };
+    const auto call = [&] { detector.find(World{shapes, bodies, poses}, DistanceQuery(), stop.get_token()); };
     EXPECT_EQ(error_of(call).code, ErrorCode::cancelled);
     EXPECT_EQ(polls, 1);
 }
@@ -214,8 +215,8 @@ TEST_P(NearestMemory, HoldsToTheLimit) {
     const auto world = random_world(3, {.shapes = 4, .bodies = 30, .triangles = 300, .named = 0.7, .reach = 3});
     const Options options{.backend = Backend::cpu, .threads = GetParam()};
     Detector free(options);
-    const std::int64_t peak = free.find_nearest(world->view()).statistics.peak_memory_bytes;
-    NearestBodies expected;
+    const std::int64_t peak = free.find(world->view(), DistanceQuery()).statistics.peak_memory_bytes;
+    Distances expected;
     free.swap_result(expected);
     bool refused = false, kept = false;
     for (std::int64_t limit = peak; limit > 1000; limit = limit * 3 / 5) {
@@ -224,7 +225,7 @@ TEST_P(NearestMemory, HoldsToTheLimit) {
         tight.memory_limit = limit;
         Detector limited(tight);
         try {
-            const NearestBodies& found = limited.find_nearest(world->view());
+            const Distances& found = limited.find(world->view(), DistanceQuery());
             EXPECT_LE(found.statistics.peak_memory_bytes, limit);
             EXPECT_TRUE(same_nearest(found, expected));
             kept = true;
@@ -233,14 +234,14 @@ TEST_P(NearestMemory, HoldsToTheLimit) {
             ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
             EXPECT_GT(error.bytes_needed, limit);
             tight.memory_limit =
-                sufficient_limit(tight, [&](Detector& detector) { detector.find_nearest(world->view()); });
+                sufficient_limit(tight, [&](Detector& detector) { detector.find(world->view(), DistanceQuery()); });
             for (int again = 0; again < 3; ++again) {
                 Detector enough(tight);
-                const NearestBodies& found = enough.find_nearest(world->view());
+                const Distances& found = enough.find(world->view(), DistanceQuery());
                 EXPECT_LE(found.statistics.peak_memory_bytes, tight.memory_limit);
                 EXPECT_TRUE(same_nearest(found, expected));
             }
-            EXPECT_NO_THROW(limited.find_nearest(World())) << "usable still";
+            EXPECT_NO_THROW(limited.find(World(), DistanceQuery())) << "usable still";
         }
     }
     EXPECT_TRUE(refused && kept);

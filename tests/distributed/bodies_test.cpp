@@ -38,17 +38,17 @@ WorldKind one_world(int bodies) {
 }
 
 /// As random_question, but for what ranks refuse.
-Intersect question_for_ranks(unsigned seed, RandomWorld& world) {
-    Intersect question = random_question(seed, static_cast<int>(world.bodies.size()));
+IntersectionQuery question_for_ranks(unsigned seed, RandomWorld& world) {
+    IntersectionQuery question = random_question(seed, static_cast<int>(world.bodies.size()));
     question.index = false;
-    if (seed % 2 == 0) question.wants = Wants::contacts;
+    if (seed % 2 == 0) question.output = Output::contacts;
     if (seed % 3 == 0) {
-        question.rules.bodies = Wanted::both;
-        question.rules.excluded_bodies.clear();
+        question.filter.bodies = PairScope::both;
+        question.filter.excluded_bodies.clear();
         for (Body& body : world.bodies) body.self = true;
     } else {
-        question.rules.groups = Wanted::both;
-        question.rules.excluded_groups.clear();
+        question.filter.groups = PairScope::both;
+        question.filter.excluded_groups.clear();
         if (seed % 3 == 1)
             for (Body& body : world.bodies) body.self = false;
     }
@@ -76,10 +76,11 @@ std::unique_ptr<RandomWorld> touching_world(int soups) {
     return world;
 }
 
-testing::AssertionResult same_in_world(const World& world, Distribution how, int ranks, const Intersect& question,
+testing::AssertionResult same_in_world(const World& world, Distribution how, int ranks,
+                                       const IntersectionQuery& question,
                                        const DistributedOptions& options = for_bodies()) {
     Detector one({.backend = Backend::cpu, .threads = 1});
-    const WorldCollisions expected = one.find(world, question);
+    const Intersections expected = one.find(world, question);
     Verdicts verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const WorldPiece piece(world, how, transport.rank(), ranks);
@@ -93,7 +94,7 @@ TEST(RankBodies, have_the_answer_of_one_machine) {
     std::int64_t rows = 0;
     for (unsigned seed = 1; seed <= 72; ++seed) {
         const auto world = random_world(seed, one_world(2 + static_cast<int>(seed % 9)));
-        const Intersect question = question_for_ranks(seed, *world);
+        const IntersectionQuery question = question_for_ranks(seed, *world);
         Detector one({.backend = Backend::cpu, .threads = 1});
         rows += one.find(world->view(), question).count;
         const int ranks = seed % 20 == 0 ? 64 : rank_counts[seed % 4];
@@ -104,13 +105,13 @@ TEST(RankBodies, have_the_answer_of_one_machine) {
 
 TEST(RankBodies, have_all_that_is_wanted_of_bodies_that_touch) {
     const auto world = touching_world(5);
-    for (const Wants wants :
-         {Wants::any, Wants::any_by_world, Wants::body_pairs, Wants::count, Wants::pairs, Wants::contacts})
+    for (const Output wants :
+         {Output::any, Output::any_by_world, Output::body_pairs, Output::count, Output::pairs, Output::contacts})
         for (const int ranks : rank_counts)
             for (const bool weld : {false, true}) {
-                Intersect question;
-                question.wants = wants, question.weld = weld;
-                question.rules.excluded_bodies = {{2, 1}, {0, 0}};
+                IntersectionQuery question;
+                question.output = wants, question.weld = weld;
+                question.filter.excluded_bodies = {{2, 1}, {0, 0}};
                 ASSERT_TRUE(same_in_world(world->view(), Distribution::round_robin, ranks, question, for_bodies(7)))
                     << ranks << " ranks, wants " << static_cast<int>(wants);
             }
@@ -119,7 +120,7 @@ TEST(RankBodies, have_all_that_is_wanted_of_bodies_that_touch) {
 TEST(RankBodies, are_those_of_rank_after_rank_without_ids) {
     const auto world = random_world(12, one_world(7));
     Detector one({.backend = Backend::cpu, .threads = 1});
-    const WorldCollisions expected = one.find(world->view());
+    const Intersections expected = one.find(world->view());
     ASSERT_GT(expected.count, 0);
     Verdicts verdicts;
     run_ranks(3, [&](Transport& transport) {
@@ -127,7 +128,7 @@ TEST(RankBodies, are_those_of_rank_after_rank_without_ids) {
         WorldShare share = piece.share();
         share.body_ids = {};
         RankDetector detector(transport, for_bodies());
-        verdicts.add(transport.rank(), rows_are(detector.find(share, {}), piece, expected));
+        verdicts.add(transport.rank(), rows_are(detector.find(share), piece, expected));
     });
     EXPECT_TRUE(verdicts.all());
 }
@@ -148,7 +149,7 @@ TEST(RankBodies, move_by_coordinates_alone) {
         for (int frame = 0; frame < frames; ++frame) {
             const World now = worlds[static_cast<std::size_t>(frame)]->view();
             piece.follow(now);
-            const DistributedWorldCollisions& found = detector.find(piece.share(), {});
+            const DistributedIntersections& found = detector.find(piece.share());
             verdicts.add(transport.rank(), rows_are(found, piece, one.find(now)));
             if (found.statistics.moved != (frame > 0))
                 verdicts.add(transport.rank(), testing::AssertionFailure() << "moved in frame " << frame);
@@ -156,7 +157,7 @@ TEST(RankBodies, move_by_coordinates_alone) {
         // A body that is another one moves nothing.
         piece.bodies[0].shape = static_cast<std::int32_t>(piece.shapes.size()) - 1;
         if (transport.rank() == 1) piece.shapes.back() = Shape(worlds[0]->floats[0].view());
-        if (detector.find(piece.share(), {}).statistics.moved)
+        if (detector.find(piece.share()).statistics.moved)
             verdicts.add(transport.rank(), testing::AssertionFailure() << "another body moved");
     });
     EXPECT_TRUE(verdicts.all());
@@ -180,19 +181,19 @@ TEST(RankBodies, have_impacts_and_near_pairs_of_one_machine) {
         WorldKind kind = one_world(2 + static_cast<int>(seed % 6));
         kind.triangles = 12;
         const auto random = random_world(seed, kind);
-        const Intersect like = question_for_ranks(seed, *random);
+        const IntersectionQuery like = question_for_ranks(seed, *random);
         const std::vector<Pose> ends = end_poses_of(*random, seed);
         World world = random->view();
         world.end_poses = ends;
-        Motion motion;
-        motion.rules = like.rules, motion.weld = like.weld;
-        motion.separation = seed % 2 ? 0.01 : 0;
-        Near near;
-        near.rules = like.rules, near.weld = like.weld;
+        ImpactQuery motion;
+        motion.filter = like.filter, motion.weld = like.weld;
+        motion.min_distance = seed % 2 ? 0.01 : 0;
+        ProximityQuery near;
+        near.filter = like.filter, near.weld = like.weld;
         near.radius = 0.05, near.closest = seed % 2 == 0;
         Detector one({.backend = Backend::cpu, .threads = 1});
-        const Impacts impacts = one.find_impacts(world, motion);
-        const Nearby nearby = one.find_near(world, near);
+        const Impacts impacts = one.find(world, motion);
+        const Proximities nearby = one.find(world, near);
         rows += impacts.count + nearby.count;
         const int ranks = rank_counts[seed % 4];
         Verdicts verdicts;
@@ -200,19 +201,19 @@ TEST(RankBodies, have_impacts_and_near_pairs_of_one_machine) {
             const int rank = transport.rank();
             const WorldPiece piece(world, every_distribution[seed / 4 % 4], rank, ranks);
             RankDetector detector(transport, for_bodies(seed % 2 ? 0 : 5));
-            const DistributedImpacts& found = detector.find_impacts(piece.share(), motion);
+            const DistributedImpacts& found = detector.find(piece.share(), motion);
             verdicts.add(rank, feature_rows_are(found, piece, impacts));
             if (!(found.first == impacts.first)) verdicts.add(rank, testing::AssertionFailure() << "first impact");
             if (seed % 3 == 0) {
-                Motion asked = motion;
-                asked.wants = MotionWants::earliest;
-                if (!(detector.find_impacts(piece.share(), asked).first == impacts.first))
+                ImpactQuery asked = motion;
+                asked.output = Output::first;
+                if (!(detector.find(piece.share(), asked).first == impacts.first))
                     verdicts.add(rank, testing::AssertionFailure() << "earliest");
-                asked.wants = MotionWants::any;
-                if (detector.find_impacts(piece.share(), asked).any != impacts.any)
+                asked.output = Output::any;
+                if (detector.find(piece.share(), asked).any != impacts.any)
                     verdicts.add(rank, testing::AssertionFailure() << "any");
             }
-            verdicts.add(rank, feature_rows_are(detector.find_near(piece.share(), near), piece, nearby));
+            verdicts.add(rank, feature_rows_are(detector.find(piece.share(), near), piece, nearby));
         });
         ASSERT_TRUE(verdicts.all()) << "seed " << seed;
     }
@@ -224,7 +225,7 @@ TEST(RankBodies, may_have_other_triangles_of_the_same_number) {
     Soup<float> fan = random_soup<float>(8, 0.5), loose = fan;
     for (std::size_t t = 1; t < fan.triangles.size(); ++t) fan.triangles[t][0] = 0, fan.triangles[t][1] = 1;
     const std::vector<Body> bodies(3, Body{.self = true});
-    Near near;
+    ProximityQuery near;
     near.radius = 0.2;
     Verdicts verdicts;
     run_ranks(2, [&](Transport& transport) {
@@ -235,7 +236,7 @@ TEST(RankBodies, may_have_other_triangles_of_the_same_number) {
             const World world{{&shape, 1}, bodies, {}};
             const WorldPiece piece(world, Distribution::round_robin, transport.rank(), 2);
             verdicts.add(transport.rank(),
-                         feature_rows_are(detector.find_near(piece.share(), near), piece, one.find_near(world, near)));
+                         feature_rows_are(detector.find(piece.share(), near), piece, one.find(world, near)));
         }
     });
     EXPECT_TRUE(verdicts.all());
@@ -246,8 +247,8 @@ TEST(RankBodies, may_be_few_or_none) {
         const auto world = random_world(5, one_world(bodies));
         world->poses.clear();
         ASSERT_TRUE(same_in_world(world->view(), Distribution::round_robin, 3, {}));
-        Intersect question;
-        question.wants = Wants::body_pairs, question.rules.bodies = Wanted::between;
+        IntersectionQuery question;
+        question.output = Output::body_pairs, question.filter.bodies = PairScope::between;
         ASSERT_TRUE(same_in_world(world->view(), Distribution::round_robin, 3, question));
     }
 }
@@ -257,7 +258,7 @@ template <class Spoil>
 std::string refused(Spoil spoil, ErrorCode code = ErrorCode::invalid_argument, std::int64_t index = -1) {
     const auto world = touching_world(4);
     Detector one({.backend = Backend::cpu, .threads = 1});
-    const WorldCollisions expected = one.find(world->view());
+    const Intersections expected = one.find(world->view());
     std::vector<std::string> told(3);
     run_ranks(3, [&](Transport& transport) {
         const auto rank = static_cast<std::size_t>(transport.rank());
@@ -266,7 +267,7 @@ std::string refused(Spoil spoil, ErrorCode code = ErrorCode::invalid_argument, s
         for (int frame = 0; frame < 2; ++frame) {
             WorldPiece piece = good;
             WorldShare share;
-            Intersect question;
+            IntersectionQuery question;
             try {
                 share = piece.share();
                 spoil(transport.rank(), piece, share, question);
@@ -277,7 +278,8 @@ std::string refused(Spoil spoil, ErrorCode code = ErrorCode::invalid_argument, s
                 if (error.code != code || (index >= 0 && (error.index != index || error.element != Element::body)))
                     told[rank] += ", of another kind";
             }
-            if (!rows_are(detector.find(good.share(), {}), good, expected)) told[rank] += ", and does not go on";
+            if (!rows_are(detector.find(good.share(), IntersectionQuery()), good, expected))
+                told[rank] += ", and does not go on";
         }
     });
     return told[1] == told[0] && told[2] == told[0] ? told[0] : told[0] + "; " + told[1] + "; " + told[2];
@@ -286,59 +288,61 @@ std::string refused(Spoil spoil, ErrorCode code = ErrorCode::invalid_argument, s
 TEST(RankBodies, are_refused_alike_on_all_ranks) {
     using Share = WorldShare;
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, Share& share, Intersect&) {
+                  [](int rank, WorldPiece& piece, Share& share, IntersectionQuery&) {
                       if (rank == 1) piece.ids[0] = 0, share = piece.share();
                   },
                   ErrorCode::invalid_argument, 0),
               "rank 0: body 0 is brought 2 times");
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, Share& share, Intersect&) {
+                  [](int rank, WorldPiece& piece, Share& share, IntersectionQuery&) {
                       if (rank == 0) piece.ids[0] = 1, share = piece.share();
                   },
                   ErrorCode::invalid_argument, 0),
               "rank 0: body 0 is missing: no rank brings it");
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, Share& share, Intersect&) {
+                  [](int rank, WorldPiece& piece, Share& share, IntersectionQuery&) {
                       if (rank == 2) piece.ids[1] = 6, share = piece.share();
                   },
                   ErrorCode::invalid_argument, 6),
               "rank 2: body 1 has the id 6, but ids are 0 to 5");
-    EXPECT_EQ(refused([](int rank, WorldPiece&, Share& share, Intersect&) {
+    EXPECT_EQ(refused([](int rank, WorldPiece&, Share& share, IntersectionQuery&) {
                   if (rank == 2) share.body_ids = {};
               }),
               "rank 2: another rank gives body ids, and this one has none");
-    EXPECT_EQ(refused([](int rank, WorldPiece&, Share& share, Intersect&) {
+    EXPECT_EQ(refused([](int rank, WorldPiece&, Share& share, IntersectionQuery&) {
                   if (rank == 1) share.body_ids = share.body_ids.first(1);
               }),
               "rank 1: there are 1 body ids for 2 bodies");
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, Share& share, Intersect&) {
+                  [](int rank, WorldPiece& piece, Share& share, IntersectionQuery&) {
                       if (rank == 1) piece.poses[1].rows[3] = 1e300, share = piece.share();
                   },
                   ErrorCode::not_finite, 4),
               "rank 1: body 1: vertex 0 is posed to infinity (body 4 over all ranks)");
-    EXPECT_EQ(refused([](int rank, WorldPiece& piece, Share& share, Intersect&) {
+    EXPECT_EQ(refused([](int rank, WorldPiece& piece, Share& share, IntersectionQuery&) {
                   if (rank == 2) piece.bodies[1].world = 1, share = piece.share();
               }),
               "rank 2: body 1: its world must be 0, for ranks share one world (body 5 over all ranks)");
-    EXPECT_EQ(refused([](int rank, WorldPiece& piece, Share& share, Intersect&) {
+    EXPECT_EQ(refused([](int rank, WorldPiece& piece, Share& share, IntersectionQuery&) {
                   static const std::vector<Edge> edges{{0, 1}};
                   if (rank == 1) piece.shapes[0].edges = edges, share = piece.share();
               }),
               "rank 1: body 0: ranks do not read a shape's list of edges or points (body 1 over all ranks)");
-    EXPECT_EQ(refused([](int, WorldPiece&, Share&, Intersect& question) { question.rules.groups = Wanted::within; }),
+    EXPECT_EQ(refused([](int, WorldPiece&, Share&, IntersectionQuery& question) {
+                  question.filter.groups = PairScope::within;
+              }),
               "rank 0: rules about groups and rules about bodies (Body::self, too) exclude each other on ranks");
     EXPECT_EQ(refused(
-                  [](int, WorldPiece&, Share&, Intersect& question) {
-                      question.rules.excluded_bodies = {{0, 6}};
+                  [](int, WorldPiece&, Share&, IntersectionQuery& question) {
+                      question.filter.excluded_bodies = {{0, 6}};
                   },
                   ErrorCode::invalid_argument, 6),
               "rank 0: excluded_bodies names body 6 of 6");
-    EXPECT_EQ(refused([](int rank, WorldPiece&, Share&, Intersect& question) {
-                  if (rank == 2) question.rules.excluded_bodies = {{0, 1}};
+    EXPECT_EQ(refused([](int rank, WorldPiece&, Share&, IntersectionQuery& question) {
+                  if (rank == 2) question.filter.excluded_bodies = {{0, 1}};
               }),
               "rank 0: the ranks ask different questions, or have different options");
-    EXPECT_EQ(refused([](int, WorldPiece&, Share&, Intersect& question) { question.index = true; }),
+    EXPECT_EQ(refused([](int, WorldPiece&, Share&, IntersectionQuery& question) { question.index = true; }),
               "rank 0: index must be false: ranks have no offsets by body");
 }
 
@@ -352,9 +356,9 @@ TEST(RankBodies, are_not_asked_about_as_triangles) {
         RankDetector detector(transport, for_bodies());
         try {
             if (rank == 1)
-                detector.find_self({}, {});
+                detector.find(MeshShare());
             else
-                detector.find(piece.share(), {});
+                detector.find(piece.share());
         } catch (const Error& error) {
             told[rank] = error.what();
         }

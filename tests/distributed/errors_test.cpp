@@ -59,7 +59,7 @@ template <class Spoil>
 Seen seen_by_all(Spoil spoil, const DistributedOptions& options = small()) {
     const WholeMesh mesh(wavy_sheet<float>(16));
     Detector one({.backend = Backend::cpu});
-    const Collisions expected = one.find_self(mesh.view());
+    const Intersections expected = one.find(mesh.view());
     std::vector<Seen> seen(ranks);
     std::vector<testing::AssertionResult> after(ranks, testing::AssertionSuccess());
     run_ranks(ranks, [&](Transport& transport) {
@@ -68,10 +68,10 @@ Seen seen_by_all(Spoil spoil, const DistributedOptions& options = small()) {
         RankDetector detector(transport, options);
         for (int frame = 0; frame < 2; ++frame) {  // a first one, and one in which only vertices have moved
             MeshPiece piece = good;
-            Query query;
+            IntersectionQuery query;
             spoil(transport.rank(), piece, query);
-            seen[rank] = seen_by([&] { detector.find_self(piece.share(), query); });
-            after[rank] = rows_are(detector.find_self(good.share(), {}), good.triangle_ids, expected);
+            seen[rank] = seen_by([&] { detector.find(piece.share(), query); });
+            after[rank] = rows_are(detector.find(good.share()), good.triangle_ids, expected);
             if (!after[rank]) return;
         }
     });
@@ -85,7 +85,7 @@ Seen seen_by_all(Spoil spoil, const DistributedOptions& options = small()) {
 TEST(RankErrors, are_the_same_on_all_ranks_at_each_phase) {
     const WholeMesh mesh(wavy_sheet<float>(16));
     Detector one({.backend = Backend::cpu});
-    const Collisions expected = one.find_self(mesh.view());
+    const Intersections expected = one.find(mesh.view());
     std::vector<int> failures(ranks, 0);
     std::vector<std::string> wrong(ranks);
     run_ranks(ranks, [&](Transport& transport) {
@@ -96,20 +96,20 @@ TEST(RankErrors, are_the_same_on_all_ranks_at_each_phase) {
             for (int failing = 0; failing < ranks; ++failing)
                 for (const bool warm : {false, true}) {
                     RankDetector detector(transport, small());
-                    if (warm) detector.find_self(piece.share(), {});
+                    if (warm) detector.find(piece.share());
                     const std::string name(phase_name(static_cast<Phase>(phase)));
                     detector.set_hook([&](Phase now) {
                         if (rank == failing && now == static_cast<Phase>(phase))
                             throw Error(ErrorCode::invalid_argument, "fault in " + name, Element::option);
                     });
-                    const Seen seen = seen_by([&] { detector.find_self(piece.share(), {}); });
+                    const Seen seen = seen_by([&] { detector.find(piece.share()); });
                     detector.set_hook({});
                     // Where only vertices have moved, centres are not made anew.
                     const bool skipped = warm && static_cast<Phase>(phase) == Phase::place;
                     const std::string message = "rank " + std::to_string(failing) + ": fault in " + name;
                     if (seen.message != (skipped ? "" : message) || (!skipped && seen.rank != failing))
                         wrong[r] += name + ": \"" + seen.message + "\"; ";
-                    if (!rows_are(detector.find_self(piece.share(), {}), piece.triangle_ids, expected))
+                    if (!rows_are(detector.find(piece.share()), piece.triangle_ids, expected))
                         wrong[r] += "after " + name + "; ";
                     ++failures[r];
                 }
@@ -121,7 +121,7 @@ TEST(RankErrors, are_the_same_on_all_ranks_at_each_phase) {
 }
 
 TEST(RankErrors, name_the_least_element_over_all_ranks) {
-    const auto spoil = [](int rank, MeshPiece& piece, Query&) {
+    const auto spoil = [](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 0) return;
         auto& xyz = std::get<0>(piece.vertices);
         xyz[3 * 5 + 1] = std::numeric_limits<float>::quiet_NaN();
@@ -138,7 +138,7 @@ TEST(RankErrors, name_the_least_element_over_all_ranks) {
 }
 
 TEST(RankErrors, name_what_is_out_of_range) {
-    const Seen seen = seen_by_all([](int rank, MeshPiece& piece, Query&) {
+    const Seen seen = seen_by_all([](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 2) piece.corners[3 * 7 + 2] = 100000;
     });
     EXPECT_EQ(seen.code, ErrorCode::index_out_of_range);
@@ -147,24 +147,24 @@ TEST(RankErrors, name_what_is_out_of_range) {
 }
 
 TEST(RankErrors, tell_of_ids_that_are_not_there_once) {
-    Seen seen = seen_by_all([](int rank, MeshPiece& piece, Query&) {
+    Seen seen = seen_by_all([](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 1) piece.triangle_ids[3] = 2;
     });
     EXPECT_EQ(seen.message.substr(7), " triangle 2 is brought twice, by rank 0 and by rank 1");
     EXPECT_EQ(seen.index, 2);
-    seen = seen_by_all([](int rank, MeshPiece& piece, Query&) {
+    seen = seen_by_all([](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 1) piece.triangle_ids[3] = 512;
     });
     EXPECT_EQ(seen.message, "rank 1: triangle 3 has the id 512, but ids are 0 to 511");
-    seen = seen_by_all([](int rank, MeshPiece& piece, Query&) {
+    seen = seen_by_all([](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 2) piece.vertex_ids[0] = -4;
     });
     EXPECT_EQ(seen.message.substr(0, 35), "rank 2: vertex 0 has the id -4, but");
-    seen = seen_by_all([](int rank, MeshPiece& piece, Query&) {
+    seen = seen_by_all([](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 0) piece.vertex_ids[3] = 2'000'000'000;
     });
     EXPECT_EQ(seen.message.substr(0, 56), "rank 0: there is a vertex with the id 2000000000, but al");
-    seen = seen_by_all([](int, MeshPiece& piece, Query&) {
+    seen = seen_by_all([](int, MeshPiece& piece, IntersectionQuery&) {
         for (std::int64_t& id : piece.vertex_ids) id += id >= 100;
     });
     EXPECT_EQ(seen.message.substr(7), " no rank brings vertex 100");
@@ -178,7 +178,7 @@ TEST(RankErrors, tell_of_copies_that_differ) {
     while (std::find(first.vertex_ids.begin(), first.vertex_ids.end(), second.vertex_ids[shared]) ==
            first.vertex_ids.end())
         ++shared;
-    const Seen seen = seen_by_all([&](int rank, MeshPiece& piece, Query&) {
+    const Seen seen = seen_by_all([&](int rank, MeshPiece& piece, IntersectionQuery&) {
         float& x = std::get<0>(piece.vertices)[3 * shared];
         if (rank == 1) x = std::nextafter(x, 2.0f);
     });
@@ -189,29 +189,34 @@ TEST(RankErrors, tell_of_copies_that_differ) {
 
 TEST(RankErrors, tell_of_ranks_that_ask_different_questions) {
     const std::string expected = "rank 0: the ranks ask different questions, or have different options";
-    EXPECT_EQ(seen_by_all([](int rank, MeshPiece&, Query& query) { query.contacts = rank == 1; }).message, expected);
-    static constexpr std::array<GroupPair, 1> one{{{1, 2}}}, other{{{1, 3}}};
-    EXPECT_EQ(
-        seen_by_all([](int rank, MeshPiece&, Query& query) { query.excluded_groups = rank ? one : other; }).message,
-        expected);
+    EXPECT_EQ(seen_by_all([](int rank, MeshPiece&, IntersectionQuery& query) {
+                  query.output = rank == 1 ? Output::contacts : Output::pairs;
+              }).message,
+              expected);
+    static const std::vector<GroupPair> one{{1, 2}}, other{{1, 3}};
+    EXPECT_EQ(seen_by_all([](int rank, MeshPiece&, IntersectionQuery& query) {
+                  query.filter.excluded_groups = rank ? one : other;
+              }).message,
+              expected);
     std::vector<Seen> seen(2);
     run_ranks(2, [&](Transport& transport) {
         DistributedOptions options = small();
         options.parts = 3 + transport.rank();
         RankDetector detector(transport, options);
-        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.count({}, {}); });
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { count_pairs(detector, {}); });
     });
     EXPECT_EQ(seen[0].message, expected);
     EXPECT_EQ(seen[1], seen[0]);
     run_ranks(2, [&](Transport& transport) {
         const MeshPiece piece(WholeMesh(wavy_sheet<float>(8)), Distribution::blocks, transport.rank(), 2);
         RankDetector detector(transport, small());
-        const Near near{.radius = transport.rank() ? 0.1 : std::nextafter(0.1, 1.0)};
-        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find_near(piece.share(), near); });
+        const ProximityQuery near{.radius = transport.rank() ? 0.1 : std::nextafter(0.1, 1.0)};
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find(piece.share(), near); });
     });
     EXPECT_EQ(seen[0].message, expected);
     EXPECT_EQ(seen[1], seen[0]);
-    const Seen lonely = seen_by_all([](int, MeshPiece&, Query& query) { query.wanted = Wanted::between; });
+    const Seen lonely =
+        seen_by_all([](int, MeshPiece&, IntersectionQuery& query) { query.filter.groups = PairScope::between; });
     EXPECT_EQ(lonely.message,
               "rank 0: wanted between needs groups, and no rank has any: nothing lies between different groups");
 }
@@ -223,7 +228,7 @@ TEST(RankErrors, tell_of_ids_that_only_some_ranks_give) {
         MeshShare share = piece.share();
         if (transport.rank() == 1) share.vertex_ids = {};
         RankDetector detector(transport, small());
-        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.count(share, {}); });
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { count_pairs(detector, share); });
     });
     EXPECT_EQ(seen[0].message, "rank 1: another rank gives vertex ids, and this one has none");
     EXPECT_EQ(seen[1], seen[0]);
@@ -254,7 +259,7 @@ TEST(RankErrors, end_a_call_on_all_ranks_where_one_is_stopped) {
         std::stop_source source;
         if (transport.rank() == 1) source.request_stop();
         seen[static_cast<std::size_t>(transport.rank())] =
-            seen_by([&] { detector.find_self(piece.share(), {}, source.get_token()); });
+            seen_by([&] { detector.find(piece.share(), IntersectionQuery(), source.get_token()); });
     });
     for (const Seen& by_one : seen) {
         EXPECT_EQ(by_one.code, ErrorCode::cancelled);
@@ -272,7 +277,7 @@ TEST(RankErrors, of_a_foreign_kind_are_thrown_as_they_are_where_they_began) {
             if (transport.rank() == 2 && phase == Phase::search) throw std::out_of_range("an interrupt");
         });
         try {
-            detector.find_self(piece.share(), {});
+            detector.find(piece.share());
         } catch (const std::exception& error) {
             seen[static_cast<std::size_t>(transport.rank())] = error.what();
         }
@@ -292,7 +297,7 @@ TEST(RankErrors, in_what_shows_progress_end_a_call_on_all_ranks) {
             if (transport.rank() == 1 && progress.parts_done == 1)
                 throw Error(ErrorCode::cancelled, "enough", Element::none);
         });
-        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find_self(piece.share(), {}); });
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find(piece.share()); });
     });
     for (const Seen& by_one : seen) {
         EXPECT_EQ(by_one.code, ErrorCode::cancelled);
@@ -308,7 +313,7 @@ TEST(RankErrors, tell_what_memory_the_rank_that_lacks_most_needs) {
         DistributedOptions options = small();
         options.detector.memory_limit = 20000;
         RankDetector detector(transport, options);
-        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find_self(piece.share(), {}); });
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find(piece.share()); });
     });
     EXPECT_EQ(seen[0].code, ErrorCode::memory_limit);
     EXPECT_GT(seen[0].bytes_needed, 20000);
@@ -337,7 +342,7 @@ TEST(RankErrors, stay_within_their_memory_while_a_scene_moves_through_the_parts)
                     xyz[i] = start[i] * (1 + 0.2f * std::sin(1.5f * static_cast<float>(f)));
                 piece.follow();
                 Seen& mine = seen[static_cast<std::size_t>(transport.rank())];
-                if (mine == Seen{}) mine = seen_by([&] { detector.find_self(piece.share(), {}); });
+                if (mine == Seen{}) mine = seen_by([&] { detector.find(piece.share()); });
             }
         });
         return seen[0];

@@ -57,7 +57,7 @@ std::vector<std::int64_t> owner_of_first(const WholeMesh& mesh, const Answer& wh
 inline bool same_values(const ImpactList& found, std::size_t i, const ImpactList& whole, std::size_t j) {
     return std::memcmp(&found.toi[i], &whole.toi[j], sizeof(double)) == 0 && found.start[i] == whole.start[j];
 }
-inline bool same_values(const NearList& found, std::size_t i, const NearList& whole, std::size_t j) {
+inline bool same_values(const ProximityList& found, std::size_t i, const ProximityList& whole, std::size_t j) {
     if (found.type.empty() != whole.type.empty()) return false;
     const bool same = std::memcmp(&found.squared_distance[i], &whole.squared_distance[j], sizeof(double)) == 0 &&
                       found.touching[i] == whole.touching[j];
@@ -97,8 +97,8 @@ testing::AssertionResult rows_are(const Rows& rows, std::vector<std::int64_t> id
         }
         if (i != found.pairs.size()) return testing::AssertionFailure() << feature_kind_name(kind) << ": too many rows";
     }
-    if (rows.total != count || rows.any != whole.any)
-        return testing::AssertionFailure() << rows.total << " rows over all ranks instead of " << count;
+    if (rows.count != count || rows.any != whole.any)
+        return testing::AssertionFailure() << rows.count << " rows over all ranks instead of " << count;
     return testing::AssertionSuccess();
 }
 

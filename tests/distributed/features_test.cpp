@@ -28,43 +28,43 @@ DistributedOptions single_thread(int parts = 0) {
     return options;
 }
 
-testing::AssertionResult same_impacts(const Step& step, Distribution how, int ranks, const Motion& question,
+testing::AssertionResult same_impacts(const Step& step, Distribution how, int ranks, const ImpactQuery& question,
                                       const DistributedOptions& options = single_thread()) {
     Detector one({.backend = Backend::cpu});
-    const Impacts expected = one.find_impacts(step.start.view(), step.end_view(), question);
+    const Impacts expected = one.find(step.start.view().moving_to(step.end_view()), question);
     Verdicts verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const int rank = transport.rank();
         const MeshPiece start(step.start, how, rank, ranks), end(step.end, how, rank, ranks);
         const VertexView end_view = end.share().mesh.vertices;
         RankDetector detector(transport, options);
-        const DistributedImpacts& found = detector.find_impacts(start.share(), end_view, question);
+        const DistributedImpacts& found = detector.find(start.share().moving_to(end_view), question);
         verdicts.add(rank, rows_are(found, start.triangle_ids, expected, step.start));
         if (!(found.first == expected.first)) verdicts.add(rank, testing::AssertionFailure() << "first impact");
-        Motion asked = question;
-        asked.wants = MotionWants::any;
-        if (detector.find_impacts(start.share(), end_view, asked).any != expected.any)
+        ImpactQuery asked = question;
+        asked.output = Output::any;
+        if (detector.find(start.share().moving_to(end_view), asked).any != expected.any)
             verdicts.add(rank, testing::AssertionFailure() << "any");
-        asked.wants = MotionWants::earliest;
-        if (!(detector.find_impacts(start.share(), end_view, asked).first == expected.first))
+        asked.output = Output::first;
+        if (!(detector.find(start.share().moving_to(end_view), asked).first == expected.first))
             verdicts.add(rank, testing::AssertionFailure() << "earliest");
     });
     return verdicts.all();
 }
 
-testing::AssertionResult same_near(const WholeMesh& mesh, Distribution how, int ranks, const Near& question,
+testing::AssertionResult same_near(const WholeMesh& mesh, Distribution how, int ranks, const ProximityQuery& question,
                                    const DistributedOptions& options = single_thread()) {
     Detector one({.backend = Backend::cpu});
-    const Nearby expected = one.find_near(mesh.view(), question);
+    const Proximities expected = one.find(mesh.view(), question);
     Verdicts verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const int rank = transport.rank();
         const MeshPiece piece(mesh, how, rank, ranks);
         RankDetector detector(transport, options);
-        verdicts.add(rank, rows_are(detector.find_near(piece.share(), question), piece.triangle_ids, expected, mesh));
-        Near asked = question;
-        asked.wants = NearWants::any;
-        if (detector.find_near(piece.share(), asked).any != expected.any)
+        verdicts.add(rank, rows_are(detector.find(piece.share(), question), piece.triangle_ids, expected, mesh));
+        ProximityQuery asked = question;
+        asked.output = Output::any;
+        if (detector.find(piece.share(), asked).any != expected.any)
             verdicts.add(rank, testing::AssertionFailure() << "any");
     });
     return verdicts.all();
@@ -92,16 +92,19 @@ TEST(RankFeatures, have_the_answers_of_one_machine_on_hard_soups) {
     std::size_t number = 0;
     for (const NamedMove<double>& soup : moving_soups<double>()) {
         const Step step(soup.soup);
-        Motion motion;
+        ImpactQuery motion;
         motion.weld = number % 2 == 0;
-        motion.separation = number % 3 == 0 ? 0.25 : 0;
-        motion.separation_share = number % 4 == 0 ? 0.1 : 0;
+        motion.min_distance = number % 3 == 0 ? 0.25 : 0;
+        motion.min_distance_share = number % 4 == 0 ? 0.1 : 0;
         if (!step.start.groups.empty())
-            motion.rules.groups = number % 5 == 1 ? Wanted::between : number % 5 == 2 ? Wanted::within : Wanted::both;
+            motion.filter.groups = number % 5 == 1   ? PairScope::between
+                                   : number % 5 == 2 ? PairScope::within
+                                                     : PairScope::both;
         const Distribution how = every_distribution[number % 2 == 0 ? 2 : 1];
         ASSERT_TRUE(same_impacts(step, how, 3, motion)) << soup.name;
-        Near near{.radius = 0.5, .strict = number % 2 == 1, .closest = number % 3 == 1, .weld = number % 3 == 0};
-        near.rules.groups = motion.rules.groups;
+        ProximityQuery near{
+            .radius = 0.5, .strict = number % 2 == 1, .closest = number % 3 == 1, .weld = number % 3 == 0};
+        near.filter.groups = motion.filter.groups;
         ASSERT_TRUE(same_near(step.start, how, 3, near)) << soup.name;
         ++number;
     }
@@ -135,16 +138,17 @@ TEST(RankFeatures, may_be_asked_for_in_turn_while_the_scene_moves) {
             const MeshPiece start(step.start, Distribution::random, rank, ranks),
                 end(step.end, Distribution::random, rank, ranks);
             if (f == 4) {
-                const Near question{.radius = 0.03};
-                verdicts.add(rank, rows_are(detector.find_near(start.share(), question), start.triangle_ids,
-                                            one.find_near(step.start.view(), question), step.start));
-                verdicts.add(rank, test::rows_are(detector.find_self(start.share(), {}), start.triangle_ids,
-                                                  one.find_self(step.start.view())));
+                const ProximityQuery question{.radius = 0.03};
+                verdicts.add(rank, rows_are(detector.find(start.share(), question), start.triangle_ids,
+                                            one.find(step.start.view(), question), step.start));
+                verdicts.add(rank, test::rows_are(detector.find(start.share()), start.triangle_ids,
+                                                  one.find(step.start.view())));
             }
-            const Motion question{.separation = f < 6 ? 0.0 : 0.01};
-            const DistributedImpacts& found = detector.find_impacts(start.share(), end.share().mesh.vertices, question);
+            const ImpactQuery question{.min_distance = f < 6 ? 0.0 : 0.01};
+            const DistributedImpacts& found =
+                detector.find(start.share().moving_to(end.share().mesh.vertices), question);
             verdicts.add(rank, rows_are(found, start.triangle_ids,
-                                        one.find_impacts(step.start.view(), step.end_view(), question), step.start));
+                                        one.find(step.start.view().moving_to(step.end_view()), question), step.start));
             if (rank == 0) moved += found.statistics.moved;
         }
     });
@@ -162,13 +166,13 @@ TEST(RankFeatures, own_a_vertex_once_that_a_rank_lists_twice) {
     listed.triangles = {{0, 1, 2}, {3, 4, 5}};
     const std::vector<std::int64_t> ids{0, 0, 1, 2, 3, 4};
     Detector one({.backend = Backend::cpu});
-    const Near question{.radius = 10};
-    const Nearby& expected = one.find_near(mesh.view(), question);
+    const ProximityQuery question{.radius = 10};
+    const Proximities& expected = one.find(mesh.view(), question);
     ASSERT_GT(expected.count, 0);
     Verdicts verdicts;
     run_ranks(1, [&](Transport& transport) {
         RankDetector detector(transport, single_thread());
-        verdicts.add(0, rows_are(detector.find_near({listed.view(), {}, ids}, question), {0, 1}, expected, mesh));
+        verdicts.add(0, rows_are(detector.find(MeshShare{listed.view(), {}, ids}, question), {0, 1}, expected, mesh));
     });
     EXPECT_TRUE(verdicts.all());
 }

@@ -47,16 +47,16 @@ DistributedOptions one_thread() {
 
 class MpiRanks : public testing::Test {
    protected:
-    void expect_same(const WholeMesh& mesh, std::span<const Distribution> each, const Query& query,
+    void expect_same(const WholeMesh& mesh, std::span<const Distribution> each, const IntersectionQuery& query,
                      const std::string& name, const DistributedOptions& options = one_thread()) const {
         Detector one({.backend = Backend::cpu, .threads = 1});
-        const Collisions& expected = one.find_self(mesh.view(), query);
+        const Intersections& expected = one.find(mesh.view(), query);
         for (const Distribution how : each) {
             const MeshPiece piece(mesh, how, rank, ranks);
             mpi::Detector detector(MPI_COMM_WORLD, options);
-            const DistributedCollisions found = detector.find_self(piece.share(), query);
-            const bool any = detector.has_collision(piece.share(), query);
-            const std::int64_t count = detector.count(piece.share(), query);
+            const DistributedIntersections found = detector.find(piece.share(), query);
+            const bool any = detector.any(piece.share(), query);
+            const std::int64_t count = count_pairs(detector, piece.share(), query);
             detector.close();
             EXPECT_TRUE(rows_are(found, piece.triangle_ids, expected)) << name << ", rank " << rank;
             EXPECT_EQ(any, !expected.pairs.empty()) << name;
@@ -70,7 +70,8 @@ TEST_F(MpiRanks, have_the_answer_of_one_machine_on_soups) {
     std::size_t number = 0;
     for (const NamedMesh& soup : hard_soups()) {
         const WholeMesh mesh(soup.mesh);
-        expect_same(mesh, every_distribution, {.weld = number % 3 == 0, .contacts = number % 2 == 0}, soup.name);
+        expect_same(mesh, every_distribution,
+                    {.output = number % 2 == 0 ? Output::contacts : Output::pairs, .weld = number % 3 == 0}, soup.name);
         ++number;
     }
 }
@@ -78,7 +79,7 @@ TEST_F(MpiRanks, have_the_answer_of_one_machine_on_soups) {
 TEST_F(MpiRanks, have_the_answer_of_one_machine_on_scenes) {
     for (const scenes::Description& scene : scenes::descriptions()) {
         const WholeMesh mesh = last_frame(scene, 1000);
-        expect_same(mesh, every_distribution, {.contacts = true}, std::string(scene.name));
+        expect_same(mesh, every_distribution, {.output = Output::contacts}, std::string(scene.name));
     }
 }
 
@@ -94,7 +95,7 @@ TEST_F(MpiRanks, have_the_answer_of_one_machine_on_real_scenes) {
           "scalable-ccd/cloth-ball/frames/cloth_ball92.ply", "scalable-ccd/cloth-funnel/frames/227.ply",
           "scalable-ccd/n-body-simulation/frames/balls16_18.ply"}) {
         const WholeMesh mesh(io::read_mesh(*folder / name, {.triangulation = io::Triangulation::fan}));
-        expect_same(mesh, std::span(every_distribution).subspan(number++ % 4, 1), {.contacts = true}, name);
+        expect_same(mesh, std::span(every_distribution).subspan(number++ % 4, 1), {.output = Output::contacts}, name);
     }
 }
 
@@ -103,13 +104,14 @@ TEST_F(MpiRanks, have_impacts_and_near_pairs_of_one_machine) {
     mpi::Detector detector(MPI_COMM_WORLD, one_thread());
     for (const NamedMove<double>& soup : moving_soups<double>(0.5)) {
         const Step step(soup.soup);
-        const Near near{.radius = 0.25, .closest = true};
-        const Impacts expected = one.find_impacts(step.start.view(), step.end_view());
-        const Nearby& expected_nearby = one.find_near(step.start.view(), near);
+        const ProximityQuery near{.radius = 0.25, .closest = true};
+        const Impacts expected = one.find(step.start.view().moving_to(step.end_view()), ImpactQuery());
+        const Proximities& expected_nearby = one.find(step.start.view(), near);
         for (const Distribution how : {Distribution::blocks, Distribution::random}) {
             const MeshPiece start(step.start, how, rank, ranks), end(step.end, how, rank, ranks);
-            const DistributedImpacts impacts = detector.find_impacts(start.share(), end.share().mesh.vertices);
-            const DistributedNearby nearby = detector.find_near(start.share(), near);
+            const DistributedImpacts impacts =
+                detector.find(start.share().moving_to(end.share().mesh.vertices), ImpactQuery());
+            const DistributedProximities nearby = detector.find(start.share(), near);
             EXPECT_TRUE(rows_are(impacts, start.triangle_ids, expected, step.start)) << soup.name;
             EXPECT_TRUE(impacts.first == expected.first) << soup.name;
             EXPECT_TRUE(rows_are(nearby, start.triangle_ids, expected_nearby, step.start)) << soup.name;
@@ -130,14 +132,14 @@ TEST_F(MpiRanks, have_the_answer_of_one_machine_about_bodies) {
         World world = random->view();
         world.end_poses = ends;
         const WorldPiece piece(world, every_distribution[seed % 4], rank, ranks);
-        const Intersect question{.wants = seed % 2 ? Wants::contacts : Wants::body_pairs};
-        const DistributedWorldCollisions found = detector.find(piece.share(), question);
-        const DistributedImpacts impacts = detector.find_impacts(piece.share());
-        const Near near{.radius = 0.05, .closest = true};
-        const DistributedNearby nearby = detector.find_near(piece.share(), near);
+        const IntersectionQuery question{.output = seed % 2 ? Output::contacts : Output::body_pairs};
+        const DistributedIntersections found = detector.find(piece.share(), question);
+        const DistributedImpacts impacts = detector.find(piece.share(), ImpactQuery());
+        const ProximityQuery near{.radius = 0.05, .closest = true};
+        const DistributedProximities nearby = detector.find(piece.share(), near);
         EXPECT_TRUE(rows_are(found, piece, one.find(world, question))) << seed;
-        EXPECT_TRUE(feature_rows_are(impacts, piece, one.find_impacts(world))) << seed;
-        EXPECT_TRUE(feature_rows_are(nearby, piece, one.find_near(world, near))) << seed;
+        EXPECT_TRUE(feature_rows_are(impacts, piece, one.find(world, ImpactQuery()))) << seed;
+        EXPECT_TRUE(feature_rows_are(nearby, piece, one.find(world, near))) << seed;
     }
     detector.close();
 }
@@ -145,7 +147,8 @@ TEST_F(MpiRanks, have_the_answer_of_one_machine_about_bodies) {
 TEST_F(MpiRanks, send_in_rounds_of_a_kilobyte) {
     DistributedOptions options = one_thread();
     options.round_bytes = 1024;
-    expect_same(WholeMesh(wavy_sheet<double>(24)), every_distribution, {.contacts = true}, "wavy sheet", options);
+    expect_same(WholeMesh(wavy_sheet<double>(24)), every_distribution, {.output = Output::contacts}, "wavy sheet",
+                options);
 }
 
 TEST_F(MpiRanks, follow_frames_of_a_scene) {
@@ -160,8 +163,8 @@ TEST_F(MpiRanks, follow_frames_of_a_scene) {
             xyz[i] = std::get<0>(start.vertices)[i] +
                      0.03f * std::sin(static_cast<float>(frame) + 0.01f * static_cast<float>(i % 700));
         piece.follow();
-        const DistributedCollisions& found = detector.find_self(piece.share());
-        EXPECT_TRUE(rows_are(found, piece.triangle_ids, one.find_self(now.view()))) << "frame " << frame;
+        const DistributedIntersections& found = detector.find(piece.share());
+        EXPECT_TRUE(rows_are(found, piece.triangle_ids, one.find(now.view()))) << "frame " << frame;
     }
     detector.close();
 }
@@ -174,14 +177,14 @@ TEST_F(MpiRanks, fail_together_and_go_on) {
     for (int failing = 0; failing < ranks; ++failing) {
         MeshPiece bad = good;
         if (rank == failing) std::get<0>(bad.vertices)[7] = std::numeric_limits<float>::quiet_NaN();
-        const Error error = error_of([&] { detector.find_self(bad.share()); });
-        const DistributedCollisions& found = detector.find_self(good.share());
+        const Error error = error_of([&] { detector.find(bad.share()); });
+        const DistributedIntersections& found = detector.find(good.share());
         EXPECT_EQ(error.code, ErrorCode::not_finite);
         EXPECT_EQ(error.rank, failing);
-        EXPECT_TRUE(rows_are(found, good.triangle_ids, one.find_self(mesh.view())));
+        EXPECT_TRUE(rows_are(found, good.triangle_ids, one.find(mesh.view())));
     }
     detector.close();
-    EXPECT_EQ(error_of([&] { detector.count(good.share()); }).code, ErrorCode::communication);
+    EXPECT_EQ(error_of([&] { count_pairs(detector, good.share()); }).code, ErrorCode::communication);
 }
 
 TEST_F(MpiRanks, share_the_cores_of_their_machine) {

@@ -36,22 +36,25 @@ DistributedOptions one_thread(int parts = 0, std::int64_t round_bytes = std::int
     return options;
 }
 
-Collisions answer_of_one(const WholeMesh& mesh, const Query& query = {}) {
+Intersections answer_of_one(const WholeMesh& mesh, const IntersectionQuery& query = {}) {
     Detector one({.backend = Backend::cpu});
-    return one.find_self(mesh.view(), query);
+    return one.find(mesh.view(), query);
 }
 
-testing::AssertionResult same_as_one(const WholeMesh& mesh, Distribution how, int ranks, const Query& query = {},
+testing::AssertionResult same_as_one(const WholeMesh& mesh, Distribution how, int ranks,
+                                     const IntersectionQuery& query = {},
                                      const DistributedOptions& options = one_thread()) {
-    const Collisions expected = answer_of_one(mesh, query);
+    const Intersections expected = answer_of_one(mesh, query);
     Verdicts verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const int rank = transport.rank();
         const MeshPiece piece(mesh, how, rank, ranks);
         RankDetector detector(transport, options);
-        verdicts.add(rank, rows_are(detector.find_self(piece.share(), query), piece.triangle_ids, expected));
-        const bool any = detector.has_collision(piece.share(), query);
-        const std::int64_t count = detector.count(piece.share(), query);
+        verdicts.add(rank, rows_are(detector.find(piece.share(), query), piece.triangle_ids, expected));
+        IntersectionQuery whether = query;
+        whether.output = Output::any;
+        const bool any = detector.find(piece.share(), whether).any;
+        const std::int64_t count = count_pairs(detector, piece.share(), query);
         if (any != (count > 0) || count != static_cast<std::int64_t>(expected.pairs.size()))
             verdicts.add(rank, testing::AssertionFailure() << "any " << any << ", count " << count);
     });
@@ -64,22 +67,22 @@ TEST(Ranks, have_the_answer_of_one_machine) {
         for (const Distribution how : every_distribution)
             for (const WholeMesh* mesh : {&sheet, &soup})
                 for (const bool contacts : {false, true})
-                    ASSERT_TRUE(same_as_one(*mesh, how, ranks, {.contacts = contacts}))
+                    ASSERT_TRUE(same_as_one(*mesh, how, ranks, {.output = contacts ? Output::contacts : Output::pairs}))
                         << ranks << " ranks, distribution " << static_cast<int>(how) << ", contacts " << contacts;
 }
 
 TEST(Ranks, have_the_answer_of_one_machine_on_hard_soups) {
     std::size_t number = 0;
     for (const NamedMesh& soup : hard_soups()) {
-        Query query;
-        query.contacts = number % 2 == 0;
+        IntersectionQuery query;
+        query.output = number % 2 == 0 ? Output::contacts : Output::pairs;
         query.weld = number % 3 == 0;
         query.neighbours = number % 5 == 0 ? Neighbours::skip : Neighbours::geometric;
-        query.intersections = number % 7 == 0 ? Intersections::proper : Intersections::all;
-        const std::array wanted{Wanted::both, Wanted::between, Wanted::within};
-        query.wanted = wanted[number % 3];
-        const std::array<GroupPair, 1> excluded{{{0, 1}}};
-        if (number % 4 == 3) query.excluded_groups = excluded;
+        query.kind = number % 7 == 0 ? IntersectionKind::proper : IntersectionKind::all;
+        const std::array wanted{PairScope::both, PairScope::between, PairScope::within};
+        query.filter.groups = wanted[number % 3];
+        const std::vector<GroupPair> excluded{{0, 1}};
+        if (number % 4 == 3) query.filter.excluded_groups = excluded;
         ASSERT_TRUE(
             same_as_one(WholeMesh(soup.mesh), every_distribution[number % 4], 2 + static_cast<int>(number % 3), query))
             << soup.name;
@@ -92,21 +95,21 @@ TEST(Ranks, have_the_answer_of_one_machine_on_scenes) {
     for (const scenes::Description& scene : scenes::descriptions()) {
         const WholeMesh mesh = last_frame(scene, 1500);
         EXPECT_TRUE(!scene.simulated || !answer_of_one(mesh).pairs.empty()) << scene.name;
-        ASSERT_TRUE(same_as_one(mesh, every_distribution[number++ % 4], 3, {.contacts = true})) << scene.name;
+        ASSERT_TRUE(same_as_one(mesh, every_distribution[number++ % 4], 3, {.output = Output::contacts})) << scene.name;
     }
 }
 
 TEST(Ranks, may_be_many_and_have_parts_on_two_levels) {
     const WholeMesh sheet(wavy_sheet<float>(40));
     for (const Distribution how : {Distribution::blocks, Distribution::random})
-        ASSERT_TRUE(same_as_one(sheet, how, 64, {.contacts = true}));
+        ASSERT_TRUE(same_as_one(sheet, how, 64, {.output = Output::contacts}));
     ASSERT_TRUE(same_as_one(sheet, Distribution::round_robin, 3, {}, one_thread(200)));
 }
 
 TEST(Ranks, may_send_in_rounds_of_a_kilobyte) {
     const WholeMesh sheet(wavy_sheet<double>(30));
     for (const Distribution how : every_distribution)
-        ASSERT_TRUE(same_as_one(sheet, how, 4, {.contacts = true}, one_thread(0, 1024)));
+        ASSERT_TRUE(same_as_one(sheet, how, 4, {.output = Output::contacts}, one_thread(0, 1024)));
 }
 
 TEST(Ranks, may_have_little_or_nothing) {
@@ -114,8 +117,8 @@ TEST(Ranks, may_have_little_or_nothing) {
     for (const int ranks : {1, 2, 5})
         for (const WholeMesh* mesh : {&nothing, &one, &two})
             for (const int parts : {0, 7})
-                ASSERT_TRUE(
-                    same_as_one(*mesh, Distribution::round_robin, ranks, {.contacts = true}, one_thread(parts)));
+                ASSERT_TRUE(same_as_one(*mesh, Distribution::round_robin, ranks, {.output = Output::contacts},
+                                        one_thread(parts)));
     // All at one place: every centre is the same.
     Soup<float> stack;
     stack.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -125,7 +128,7 @@ TEST(Ranks, may_have_little_or_nothing) {
 
 TEST(Ranks, need_no_ids_for_what_they_do_not_share) {
     const Soup<float> soup = random_soup<float>(300, 0.3);
-    const Collisions expected = answer_of_one(WholeMesh(soup));
+    const Intersections expected = answer_of_one(WholeMesh(soup));
     Verdicts verdicts;
     run_ranks(3, [&](Transport& transport) {
         const int rank = transport.rank();
@@ -138,7 +141,7 @@ TEST(Ranks, need_no_ids_for_what_they_do_not_share) {
             mine.triangles.push_back({3 * (t - begin), 3 * (t - begin) + 1, 3 * (t - begin) + 2});
         }
         RankDetector detector(transport, one_thread());
-        verdicts.add(rank, rows_are(detector.find_self({mine.view(), {}, {}}, {}), ids, expected));
+        verdicts.add(rank, rows_are(detector.find(MeshShare{mine.view(), {}, {}}), ids, expected));
     });
     EXPECT_TRUE(verdicts.all());
 }
@@ -164,7 +167,7 @@ TEST(Ranks, follow_a_scene_that_moves_through_their_parts) {
     const WholeMesh start(wavy_sheet<float>(24));
     constexpr int ranks = 3, frames = 50;
     std::vector<WholeMesh> meshes(frames, start);
-    std::vector<Collisions> expected;
+    std::vector<Intersections> expected;
     for (int f = 0; f < frames; ++f) {
         move(meshes[static_cast<std::size_t>(f)], start, 0.1 * f);
         expected.push_back(answer_of_one(meshes[static_cast<std::size_t>(f)]));
@@ -181,7 +184,7 @@ TEST(Ranks, follow_a_scene_that_moves_through_their_parts) {
             for (std::size_t f = 0; f < frames; ++f) {
                 now.vertices = meshes[f].vertices;
                 piece.follow();
-                const DistributedCollisions& found = detector.find_self(piece.share(), {});
+                const DistributedIntersections& found = detector.find(piece.share());
                 verdicts.add(rank, rows_are(found, piece.triangle_ids, expected[f]));
                 if (rank == 0) moved += found.statistics.moved;
             }
@@ -211,7 +214,7 @@ TEST(Ranks, follow_triangles_that_go_from_part_to_part) {
     constexpr int frames = 12;
     for (const double unit : {1.0, 1e-170}) {
         std::vector<WholeMesh> meshes;
-        std::vector<Collisions> expected;
+        std::vector<Intersections> expected;
         for (int f = 0; f < frames; ++f) {
             meshes.push_back(mingled(soup, f / (frames - 1.0), unit));
             expected.push_back(answer_of_one(meshes.back()));
@@ -226,7 +229,7 @@ TEST(Ranks, follow_triangles_that_go_from_part_to_part) {
             for (std::size_t f = 0; f < frames; ++f) {
                 now.vertices = meshes[f].vertices;
                 piece.follow();
-                const DistributedCollisions& found = detector.find_self(piece.share(), {});
+                const DistributedIntersections& found = detector.find(piece.share());
                 verdicts.add(transport.rank(), rows_are(found, piece.triangle_ids, expected[f]));
                 if (transport.rank() == 0) moved += found.statistics.moved;
             }
@@ -242,7 +245,7 @@ double pretended_time() { return time_now += time_of_search; }
 
 TEST(Ranks, give_parts_to_others_where_their_work_is_uneven) {
     const WholeMesh mesh(wavy_sheet<float>(24));
-    const Collisions expected = answer_of_one(mesh);
+    const Intersections expected = answer_of_one(mesh);
     constexpr int ranks = 3;
     std::vector<std::vector<int>> parts(ranks);
     Verdicts verdicts;
@@ -253,7 +256,7 @@ TEST(Ranks, give_parts_to_others_where_their_work_is_uneven) {
         RankDetector detector(transport, one_thread(9));
         detector.set_clock(pretended_time);
         for (int frame = 0; frame < 4; ++frame) {
-            const DistributedCollisions& found = detector.find_self(piece.share(), {});
+            const DistributedIntersections& found = detector.find(piece.share());
             verdicts.add(rank, rows_are(found, piece.triangle_ids, expected));
             parts[static_cast<std::size_t>(rank)].push_back(found.statistics.parts);
         }
@@ -275,7 +278,7 @@ TEST(Ranks, show_each_phase_and_each_part_once) {
         detector.set_progress([&](const DistributedProgress& progress) { seen.push_back(progress); });
         for (int frame = 0; frame < 2; ++frame) {
             seen.clear();
-            const DistributedStatistics did = detector.find_self(piece.share(), {}).statistics;
+            const DistributedStatistics did = detector.find(piece.share()).statistics;
             std::vector<Phase> phases;
             std::vector<int> done;
             bool even = true;
@@ -297,7 +300,7 @@ TEST(Ranks, show_each_phase_and_each_part_once) {
         }
         seen.clear();
         detector.set_progress({});
-        detector.count(piece.share(), {});
+        count_pairs(detector, piece.share());
         if (!seen.empty()) verdicts.add(transport.rank(), testing::AssertionFailure() << "still shown");
     });
     EXPECT_TRUE(verdicts.all());
@@ -317,18 +320,19 @@ TEST(Ranks, see_that_triangles_groups_owners_or_precision_are_others) {
     std::vector<double> xyz;
     for (const float x : std::get<0>(mesh.vertices)) xyz.push_back(1.0000001 * x);
     wide.vertices = xyz;
-    const Query between{.contacts = true, .wanted = Wanted::between}, all{.contacts = true};
+    const IntersectionQuery between{.output = Output::contacts, .filter = {.groups = PairScope::between}},
+        all{.output = Output::contacts};
     struct Step {
         const WholeMesh* mesh;
         Distribution how;
-        const Query* query;
+        const IntersectionQuery* query;
     };
     const std::vector<Step> steps{
         {&mesh, Distribution::blocks, &all},          {&torn, Distribution::blocks, &all},
         {&torn, Distribution::round_robin, &all},     {&grouped, Distribution::round_robin, &between},
         {&regrouped, Distribution::random, &between}, {&mesh, Distribution::all_on_one, &all},
         {&wide, Distribution::blocks, &all},          {&mesh, Distribution::blocks, &all}};
-    std::vector<Collisions> expected;
+    std::vector<Intersections> expected;
     for (const Step& step : steps) expected.push_back(answer_of_one(*step.mesh, *step.query));
     Verdicts verdicts;
     run_ranks(3, [&](Transport& transport) {
@@ -337,8 +341,8 @@ TEST(Ranks, see_that_triangles_groups_owners_or_precision_are_others) {
         for (std::size_t i = 0; i < steps.size(); ++i) {
             const MeshPiece piece(*steps[i].mesh, steps[i].how, rank, 3);
             for (int twice = 0; twice < 2; ++twice)
-                verdicts.add(rank, rows_are(detector.find_self(piece.share(), *steps[i].query), piece.triangle_ids,
-                                            expected[i]));
+                verdicts.add(rank,
+                             rows_are(detector.find(piece.share(), *steps[i].query), piece.triangle_ids, expected[i]));
         }
     });
     EXPECT_TRUE(verdicts.all());
@@ -348,14 +352,14 @@ TEST(Ranks, take_float64_from_all_where_one_has_it) {
     const Soup<float> narrow = wavy_sheet<float>(16);
     WholeMesh mesh(narrow), wide = mesh;
     wide.vertices = std::vector<double>(std::get<0>(mesh.vertices).begin(), std::get<0>(mesh.vertices).end());
-    const Collisions expected = answer_of_one(wide, {.contacts = true});
+    const Intersections expected = answer_of_one(wide, {.output = Output::contacts});
     Verdicts verdicts;
     run_ranks(3, [&](Transport& transport) {
         const int rank = transport.rank();
         const MeshPiece piece(rank == 1 ? wide : mesh, Distribution::random, rank, 3);
         RankDetector detector(transport, one_thread());
-        verdicts.add(rank,
-                     rows_are(detector.find_self(piece.share(), {.contacts = true}), piece.triangle_ids, expected));
+        verdicts.add(rank, rows_are(detector.find(piece.share(), IntersectionQuery{.output = Output::contacts}),
+                                    piece.triangle_ids, expected));
     });
     EXPECT_TRUE(verdicts.all());
 }

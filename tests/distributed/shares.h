@@ -17,6 +17,13 @@
 
 namespace crumple::test {
 
+/// How many pairs there are over all ranks.
+template <class Detector>
+std::int64_t count_pairs(Detector& detector, const MeshShare& share, IntersectionQuery query = {}) {
+    query.output = Output::count;
+    return detector.find(share, query).count;
+}
+
 enum class Distribution : std::uint8_t { blocks, round_robin, random, all_on_one };
 inline constexpr std::array every_distribution{Distribution::blocks, Distribution::round_robin, Distribution::random,
                                                Distribution::all_on_one};
@@ -124,8 +131,8 @@ class MeshPiece {
 
 /// Are these the rows of the whole answer whose first triangle is one of `ids`, in order? Where that holds on each
 /// rank, the rows of all ranks are the whole answer.
-inline testing::AssertionResult rows_are(const DistributedCollisions& rows, std::vector<std::int64_t> ids,
-                                         const Collisions& whole) {
+inline testing::AssertionResult rows_are(const DistributedIntersections& rows, std::vector<std::int64_t> ids,
+                                         const Intersections& whole) {
     std::sort(ids.begin(), ids.end());
     std::vector<Pair> pairs;
     Contacts contacts;
@@ -140,8 +147,8 @@ inline testing::AssertionResult rows_are(const DistributedCollisions& rows, std:
             contacts.points.push_back(whole.contacts.points[p]);
         contacts.offsets.push_back(static_cast<std::int64_t>(contacts.points.size()));
     }
-    if (rows.total != static_cast<std::int64_t>(whole.pairs.size()))
-        return testing::AssertionFailure() << rows.total << " pairs over all ranks instead of " << whole.pairs.size();
+    if (rows.count != static_cast<std::int64_t>(whole.pairs.size()))
+        return testing::AssertionFailure() << rows.count << " pairs over all ranks instead of " << whole.pairs.size();
     auto same = same_pairs(rows.pairs.span(), pairs);
     if (same) same = same_bytes(rows.contacts.kinds, contacts.kinds, "contact kinds");
     if (same) same = same_bytes(rows.contacts.offsets, contacts.offsets, "contact offsets");

@@ -56,8 +56,8 @@ class WorldPiece {
 };
 
 /// Are these the rows of the whole answer whose first body is this rank's, in order?
-inline testing::AssertionResult rows_are(const DistributedWorldCollisions& rows, const WorldPiece& piece,
-                                         const WorldCollisions& whole) {
+inline testing::AssertionResult rows_are(const DistributedIntersections& rows, const WorldPiece& piece,
+                                         const Intersections& whole) {
     std::vector<BodyPair> bodies;
     std::vector<Pair> pairs;
     Contacts contacts;
@@ -111,8 +111,8 @@ testing::AssertionResult feature_rows_are(const Rows& rows, const WorldPiece& pi
         if (i != found.pairs.size() || i != found.bodies.size())
             return testing::AssertionFailure() << "kind " << k << ": too many rows";
     }
-    if (rows.total != whole.count || rows.any != whole.any)
-        return testing::AssertionFailure() << rows.total << " rows over all ranks instead of " << whole.count;
+    if (rows.count != whole.count || rows.any != whole.any)
+        return testing::AssertionFailure() << rows.count << " rows over all ranks instead of " << whole.count;
     return testing::AssertionSuccess();
 }
 

@@ -25,7 +25,7 @@ int main() {
     const auto search = [&](std::size_t i) {
         crumple::Detector detector;
         for (int call = 0; call < 3; ++call)
-            counts[i] = detector.find_self({vertices, triangles}, {.contacts = true}).pairs.size();
+            counts[i] = detector.find({vertices, triangles}, {.output = crumple::Output::contacts}).pairs.size();
     };
     std::thread first(search, 0), second(search, 1);
     first.join();

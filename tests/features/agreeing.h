@@ -65,34 +65,35 @@ inline Detector& reference() {
 }
 
 template <class Scalar>
-void expect_impacts(const MovingSoup<Scalar>& soup, const Motion& asked, std::span<const Tested> by = tested()) {
-    Motion question = asked;
+void expect_impacts(const MovingSoup<Scalar>& soup, const ImpactQuery& asked, std::span<const Tested> by = tested()) {
+    ImpactQuery question = asked;
     question.index = true;
-    const Impacts& expected = reference().find_impacts(soup.view(), soup.end_view(), question);
+    const Impacts& expected = reference().find(soup.view().moving_to(soup.end_view()), question);
     const FirstImpact first = first_listed(expected);
     EXPECT_EQ(expected.any, first.found);
     EXPECT_TRUE(same_first(expected.first, first)) << "listed with all";
     for (const auto& [name, detector] : by) {
         SCOPED_TRACE(name);
-        const Impacts& found = detector->find_impacts(soup.view(), soup.end_view(), question);
+        const Impacts& found = detector->find(soup.view().moving_to(soup.end_view()), question);
         ASSERT_TRUE(same_features(found, expected));
         if (&detector != &tested()[1].detector) continue;  // others are as slow, and no different
-        EXPECT_TRUE(same_first(detector->time_of_first_impact(soup.view(), soup.end_view(), question), first));
-        EXPECT_EQ(detector->is_free(soup.view(), soup.end_view(), question), !first.found);
+        EXPECT_TRUE(
+            same_first(detector->find(soup.view().moving_to(soup.end_view()), FirstImpactQuery{question}), first));
+        EXPECT_EQ(!detector->any(soup.view().moving_to(soup.end_view()), question), !first.found);
     }
 }
 
 template <class Scalar>
-void expect_near(const MovingSoup<Scalar>& soup, const Near& asked) {
-    Near question = asked;
+void expect_near(const MovingSoup<Scalar>& soup, const ProximityQuery& asked) {
+    ProximityQuery question = asked;
     question.index = true;
-    const Nearby& expected = reference().find_near(soup.view(), question);
-    Near any = question;
-    any.wants = NearWants::any;
+    const Proximities& expected = reference().find(soup.view(), question);
+    ProximityQuery any = question;
+    any.output = Output::any;
     for (const auto& [name, detector] : tested()) {
         SCOPED_TRACE(name);
-        ASSERT_TRUE(same_features(detector->find_near(soup.view(), question), expected));
-        EXPECT_EQ(detector->find_near(soup.view(), any).any, expected.count > 0);
+        ASSERT_TRUE(same_features(detector->find(soup.view(), question), expected));
+        EXPECT_EQ(detector->find(soup.view(), any).any, expected.count > 0);
     }
 }
 

@@ -27,7 +27,7 @@ class FeatureAgreement : public testing::Test {
         const auto work = [&](const NamedMove<Scalar>& move) {
             const double distance = separation * move.unit;
             if (distance > 1e300) return;
-            const Motion question{.separation = distance, .separation_share = share};
+            const ImpactQuery question{.min_distance = distance, .min_distance_share = share};
             expect_impacts(move.soup, question, std::span(tested()).subspan(1, share > 0 ? 1 : 2));
         };
         for_each_soup(work, share > 0 ? 0.12 : 0.2);  // a share spares no pair the decision
@@ -95,8 +95,8 @@ TEST(FeatureExtremes, SmallStepsInALargeScene) {
             add(-1, 0.1 * i, 0.05, 0.01);
         }
         SCOPED_TRACE(step);
-        expect_impacts(soup, {.separation_share = 0.5}, std::span(tested()).subspan(1, 2));
-        expect_impacts(soup, {.separation = 2 * step}, std::span(tested()).subspan(1, 2));
+        expect_impacts(soup, {.min_distance_share = 0.5}, std::span(tested()).subspan(1, 2));
+        expect_impacts(soup, {.min_distance = 2 * step}, std::span(tested()).subspan(1, 2));
         if (HasFailure()) return;
     }
 }

@@ -34,7 +34,7 @@ class Leaf {
             const std::int32_t a = vertex();
             corners_.insert(corners_.end(), {a, vertex(), t % 17 ? vertex() : a});
         }
-        Scene scene;
+        PreparedScene scene;
         scene.vertices = {vertices, 0};
         scene.triangles = {triangles, 0};
         scene.corners = corners_.data();

@@ -40,8 +40,8 @@ TYPED_TEST(Codimensional, WeldedImpactsAreThoseOfBruteForce) {
 TYPED_TEST(Codimensional, WhatComesNearIsThatOfBruteForce) {
     this->for_each_soup(0.2, 3, [](const auto& soup, double unit) {
         if (unit > 1e300) return;
-        expect_impacts(soup, {.separation = 0.75 * unit}, std::span(tested()).subspan(1, 2));
-        expect_impacts(soup, {.separation_share = 0.5}, std::span(tested()).subspan(1, 1));
+        expect_impacts(soup, {.min_distance = 0.75 * unit}, std::span(tested()).subspan(1, 2));
+        expect_impacts(soup, {.min_distance_share = 0.5}, std::span(tested()).subspan(1, 1));
     });
 }
 TYPED_TEST(Codimensional, NearPairsAreThoseOfBruteForce) {
@@ -66,8 +66,8 @@ Pairs pairs_of(const List& list) {
 class ListsMean : public testing::TestWithParam<Backend> {
    protected:
     Detector detector_{Options{.backend = GetParam(), .threads = 2}};
-    const Nearby& near(const MovingSoup<>& soup, Near question = {.radius = 10}) {
-        return detector_.find_near(soup.view(), question);
+    const Proximities& near(const MovingSoup<>& soup, ProximityQuery question = {.radius = 10}) {
+        return detector_.find(soup.view(), question);
     }
     static MovingSoup<> points_on_a_line(int n) {
         MovingSoup<> soup;
@@ -79,7 +79,7 @@ class ListsMean : public testing::TestWithParam<Backend> {
 TEST_P(ListsMean, ParticlesMeetEachOther) {
     MovingSoup<> soup = points_on_a_line(4);
     soup.points = {3, 0, 2};
-    const Nearby& all = near(soup);
+    const Proximities& all = near(soup);
     EXPECT_EQ(pairs_of(all.vertex_vertices()), (Pairs{{0, 1}, {0, 2}, {1, 2}}));
     EXPECT_EQ(all.count, 3);
     EXPECT_EQ(std::vector<double>(all.vertex_vertices().squared_distance.begin(),
@@ -102,11 +102,11 @@ TEST_P(ListsMean, APointListedTwiceIsAnsweredTwice) {
 TEST_P(ListsMean, AParticleMeetsARodAndARodsEndItsOwnBend) {
     MovingSoup<> soup = points_on_a_line(5);
     soup.edges = {{1, 0}, {1, 2}};
-    const Nearby& two = near(soup);
+    const Proximities& two = near(soup);
     EXPECT_EQ(pairs_of(two.vertex_edges()), (Pairs{{0, 1}, {2, 0}})) << "vertices of edges are points";
     EXPECT_TRUE(two.edge_edges().pairs.empty());
     soup.points = {4, 2};
-    const Nearby& listed = near(soup);
+    const Proximities& listed = near(soup);
     EXPECT_EQ(pairs_of(listed.vertex_edges()), (Pairs{{0, 0}, {0, 1}, {1, 0}}));
     EXPECT_TRUE(listed.vertex_vertices().pairs.empty()) << "only one of them is on no edge";
     EXPECT_EQ(listed.edges[0], (Edge{1, 0})) << "as it was listed";
@@ -115,7 +115,7 @@ TEST_P(ListsMean, AParticleMeetsARodAndARodsEndItsOwnBend) {
 TEST_P(ListsMean, AnEdgeThatMeetsAnotherCoversItsVertices) {
     MovingSoup<> soup = points_on_a_line(5);
     soup.edges = {{0, 1}, {1, 2}, {2, 3}, {3, 4}};
-    const Nearby& chain = near(soup);
+    const Proximities& chain = near(soup);
     EXPECT_EQ(pairs_of(chain.edge_edges()), (Pairs{{0, 2}, {0, 3}, {1, 3}}));
     EXPECT_EQ(pairs_of(chain.vertex_edges()), (Pairs{{0, 1}, {4, 2}})) << "only the ends have no other edge";
 }
@@ -128,7 +128,7 @@ TEST_P(ListsMean, OnlyListedEdgesOfAMesh) {
     soup.end = soup.start;
     soup.triangles = {{0, 1, 3}, {0, 3, 2}};
     soup.edges = {{4, 5}, {3, 2}};
-    const Nearby& found = near(soup);
+    const Proximities& found = near(soup);
     EXPECT_EQ(pairs_of(found.edge_edges()), (Pairs{{0, 1}}));
     EXPECT_EQ(pairs_of(found.vertex_faces()), (Pairs{{1, 1}, {2, 0}, {4, 0}, {4, 1}, {5, 0}, {5, 1}}))
         << "points are those of faces and edges";
@@ -138,15 +138,17 @@ TEST_P(ListsMean, OnlyListedEdgesOfAMesh) {
 
 TEST_P(ListsMean, AMeshsOwnListsAreNoChange) {
     MovingSoup<> soup = moving_grid(4, 30, 24, 7);
-    const Impacts plain = detector_.find_impacts(soup.view(), soup.end_view(), {.index = true});
-    const Nearby near_plain = detector_.find_near(soup.view(), {.radius = 1, .closest = true, .least = true});
+    const Impacts plain = detector_.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true});
+    const Proximities near_plain =
+        detector_.find(soup.view(), ProximityQuery{.radius = 1, .closest = true, .least = true});
     soup.edges = edges_of(soup);
     soup.points.emplace(soup.start.size());
     std::iota(soup.points->begin(), soup.points->end(), 0);
-    const Impacts& listed = detector_.find_impacts(soup.view(), soup.end_view(), {.index = true});
+    const Impacts& listed = detector_.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true});
     for (std::size_t k = 0; k < 2; ++k) EXPECT_TRUE(same_list(listed.lists[k], plain.lists[k]));
     EXPECT_TRUE(same_first(listed.first, plain.first));
-    const Nearby& near_listed = detector_.find_near(soup.view(), {.radius = 1, .closest = true, .least = true});
+    const Proximities& near_listed =
+        detector_.find(soup.view(), ProximityQuery{.radius = 1, .closest = true, .least = true});
     for (std::size_t k = 0; k < 2; ++k) {
         EXPECT_TRUE(same_list(near_listed.lists[k], near_plain.lists[k]));
         EXPECT_TRUE(same_bytes(near_listed.lists[k].at, near_plain.lists[k].at, "parameters"));
@@ -161,7 +163,7 @@ TEST_P(ListsMean, AMeshsOwnListsAreNoChange) {
     Pairs expected[2];
     for (const Pair& p : plain.vertex_faces().pairs) expected[0].emplace_back(points - 1 - p.a, p.b);
     for (const Pair& p : plain.edge_edges().pairs) expected[1].emplace_back(edges - 1 - p.b, edges - 1 - p.a);
-    const Impacts& reversed = detector_.find_impacts(soup.view(), soup.end_view());
+    const Impacts& reversed = detector_.find(soup.view().moving_to(soup.end_view()), ImpactQuery());
     for (std::size_t k = 0; k < 2; ++k) {
         std::sort(expected[k].begin(), expected[k].end());
         EXPECT_EQ(pairs_of(reversed.lists[k]), expected[k]);
@@ -174,7 +176,7 @@ TEST_P(ListsMean, WhereTheNewKindsAreClosest) {
     soup.start[2] = {0.25, 0, 1};
     soup.edges = {{1, 0}};
     soup.points = {3, 2};
-    const Nearby& found = near(soup, {.radius = 9, .closest = true, .least = true});
+    const Proximities& found = near(soup, {.radius = 9, .closest = true, .least = true});
     ASSERT_EQ(pairs_of(found.vertex_edges()), (Pairs{{0, 0}, {1, 0}}));
     EXPECT_EQ(found.vertex_edges().type[0], static_cast<std::uint8_t>(VertexEdgeType::P_E));
     EXPECT_EQ(found.vertex_edges().at[0], (std::array{0.75, 0.0})) << "from the edge's first vertex as listed";
@@ -190,7 +192,7 @@ TEST_P(ListsMean, WhereTheNewKindsAreClosest) {
 TEST_P(ListsMean, LeastDistancesAreOverAllKinds) {
     for (unsigned seed = 1; seed < 20; ++seed) {
         const MovingSoup<> soup = with_lists(moving_grid(6, 30, 20, seed), 7 * seed + 1);
-        const Nearby& found = near(soup, {.radius = 3.5, .least = true});
+        const Proximities& found = near(soup, {.radius = 3.5, .least = true});
         std::vector<double> point(found.vertex_distance.size(), HUGE_VAL), edge(found.edge_distance.size(), HUGE_VAL),
             face(found.face_distance.size(), HUGE_VAL);
         const auto lower = [](std::vector<double>& of, std::int32_t i, double square) {
@@ -222,16 +224,16 @@ TEST_P(ListsMean, AFreeStepOfParticles) {
     soup.vertex({0, 0, 0}, {1, 0, 0});
     soup.vertex({1, 0, 0}, {0, 0, 0});
     soup.points = {0, 1};
-    const FirstImpact first = detector_.time_of_first_impact(soup.view(), soup.end_view());
+    const FirstImpact first = detector_.find(soup.view().moving_to(soup.end_view()), FirstImpactQuery());
     ASSERT_TRUE(first.found);
     EXPECT_EQ(first.kind, FeatureKind::vertex_vertex);
     EXPECT_EQ(first.toi, 0.5);
-    EXPECT_FALSE(detector_.is_free(soup.view(), soup.end_view()));
-    const FreeStep step = detector_.find_free_step(soup.view(), soup.end_view());
+    EXPECT_TRUE(detector_.any(soup.view().moving_to(soup.end_view()), ImpactQuery()));
+    const FreeStep step = detector_.find(soup.view().moving_to(soup.end_view()), FreeStepQuery());
     EXPECT_GT(step.share, 0.49);
     EXPECT_LT(step.share, 0.5);
     soup.points = {0};
-    EXPECT_EQ(detector_.find_free_step(soup.view(), soup.end_view()).share, 1);
+    EXPECT_EQ(detector_.find(soup.view().moving_to(soup.end_view()), FreeStepQuery()).share, 1);
 }
 
 TEST_P(ListsMean, WrongListsAreErrors) {
@@ -239,7 +241,7 @@ TEST_P(ListsMean, WrongListsAreErrors) {
         MovingSoup<> soup = points_on_a_line(4);
         soup.edges = std::move(edges);
         soup.points = std::move(points);
-        return error_of([&] { detector_.find_near(soup.view(), {.radius = 1}); });
+        return error_of([&] { detector_.find(soup.view(), ProximityQuery{.radius = 1}); });
     };
     const auto expect = [](const Error& e, ErrorCode code, Element element, std::int64_t index, const char* message) {
         EXPECT_EQ(e.code, code);
@@ -260,7 +262,7 @@ TEST_P(ListsMean, WrongListsAreErrors) {
     const Shape shape(soup.view());
     const std::vector<Body> bodies(2, Body{.self = true});
     EXPECT_STREQ(error_of([&] {
-                     detector_.find(World{{&shape, 1}, bodies, {}, {}}, Near{.radius = 1});
+                     detector_.find(World{{&shape, 1}, bodies, {}, {}}, ProximityQuery{.radius = 1});
                  }).what(),
                  "body 0: edge 0 has vertex 1 at both ends");
 }
@@ -342,9 +344,10 @@ TEST_P(ListsMean, BodiesCountWithinThemselves) {
         };
         const World world{shapes, bodies, {}, {}};
         Detector single({.backend = tested_backend});
-        expect_rows(detector_.find(world, Motion()), single.find_impacts(all.view(), all.end_view()));
-        expect_rows(detector_.find(world, Near{.radius = 1, .weld = true}),
-                    single.find_near(all.view(), {.radius = 1, .weld = true}));
+        expect_rows(detector_.find(world, ImpactQuery()),
+                    single.find(all.view().moving_to(all.end_view()), ImpactQuery()));
+        expect_rows(detector_.find(world, ProximityQuery{.radius = 1, .weld = true}),
+                    single.find(all.view(), ProximityQuery{.radius = 1, .weld = true}));
         if (HasFailure()) return;
     }
 }
@@ -358,15 +361,15 @@ TEST_P(ListsMean, GroupsAreThoseOfTriangles) {
     mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
     mesh.groups = {4, 5};
     mesh.points = {6, 7, 0, 0};
-    Near question{.radius = 10};
-    question.rules.groups = Wanted::between;
-    const Nearby& between = near(mesh, question);
+    ProximityQuery question{.radius = 10};
+    question.filter.groups = PairScope::between;
+    const Proximities& between = near(mesh, question);
     EXPECT_EQ(pairs_of(between.vertex_faces()), (Pairs{{0, 0}, {0, 1}, {1, 0}, {1, 1}, {2, 1}, {3, 1}}));
     EXPECT_EQ(pairs_of(between.vertex_vertices()), (Pairs{{0, 1}}));
 
     mesh.edges = {{0, 1}, {1, 0}, {3, 4}, {6, 7}};
-    question.rules.groups = Wanted::within;
-    const Nearby& within = near(mesh, question);
+    question.filter.groups = PairScope::within;
+    const Proximities& within = near(mesh, question);
     EXPECT_EQ(pairs_of(within.vertex_faces()), (Pairs{{0, 0}, {0, 1}, {1, 0}, {1, 1}}))
         << "what is listed twice is of its triangle's group both times";
     EXPECT_EQ(pairs_of(within.edge_edges()), (Pairs{{0, 3}, {1, 3}, {2, 3}}));
@@ -380,8 +383,8 @@ TEST_P(ListsMean, GroupsAreThoseOfTriangles) {
     const std::array shapes{Shape(dust.view())};
     const std::array bodies{Body{.shape = 0, .group = 1, .self = true}, Body{.shape = 0, .group = 1, .self = true},
                             Body{.shape = 0, .group = 2, .self = true}};
-    question.rules.groups = Wanted::between;
-    const Nearby& found = detector_.find(World{shapes, bodies, {}, {}}, question);
+    question.filter.groups = PairScope::between;
+    const Proximities& found = detector_.find(World{shapes, bodies, {}, {}}, question);
     const auto& list = found.vertex_vertices();
     ASSERT_EQ(list.pairs.size(), 2U);
     EXPECT_EQ(list.bodies[0], (BodyPair{0, 2}));

@@ -7,9 +7,9 @@
 namespace crumple::test {
 
 inline const Array<double>& values_of(const ImpactList& list) { return list.toi; }
-inline const Array<double>& values_of(const NearList& list) { return list.squared_distance; }
+inline const Array<double>& values_of(const ProximityList& list) { return list.squared_distance; }
 inline const Array<std::uint8_t>& flags_of(const ImpactList& list) { return list.start; }
-inline const Array<std::uint8_t>& flags_of(const NearList& list) { return list.touching; }
+inline const Array<std::uint8_t>& flags_of(const ProximityList& list) { return list.touching; }
 
 template <class List>
 testing::AssertionResult same_list(const List& found, const List& expected) {

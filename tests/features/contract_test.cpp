@@ -25,8 +25,8 @@ class FeatureErrors : public testing::TestWithParam<Backend> {
     /// The error of a call; before it the detector holds answers, afterwards none, and it works as if nothing had been.
     template <class Call>
     Error refused(Call call) {
-        const Impacts& impacts = detector_.find_impacts(soup_.view(), soup_.end_view());
-        const Nearby& nearby = detector_.find_near(soup_.view(), {.radius = 1});
+        const Impacts& impacts = detector_.find(soup_.view().moving_to(soup_.end_view()), ImpactQuery());
+        const Proximities& nearby = detector_.find(soup_.view(), ProximityQuery{.radius = 1});
         EXPECT_GT(impacts.count, 0);
         EXPECT_GT(nearby.count, 0);
         const Error error = error_of(call);
@@ -37,17 +37,17 @@ class FeatureErrors : public testing::TestWithParam<Backend> {
                      !nearby.edge_edges().pairs.empty())
             << "holds an empty result";
         Detector fresh(detector_.options());
-        EXPECT_TRUE(same_features(detector_.find_impacts(soup_.view(), soup_.end_view()),
-                                  fresh.find_impacts(soup_.view(), soup_.end_view())));
-        EXPECT_TRUE(same_features(detector_.find_near(soup_.view(), {.radius = 1}),
-                                  fresh.find_near(soup_.view(), {.radius = 1})));
+        EXPECT_TRUE(same_features(detector_.find(soup_.view().moving_to(soup_.end_view()), ImpactQuery()),
+                                  fresh.find(soup_.view().moving_to(soup_.end_view()), ImpactQuery())));
+        EXPECT_TRUE(same_features(detector_.find(soup_.view(), ProximityQuery{.radius = 1}),
+                                  fresh.find(soup_.view(), ProximityQuery{.radius = 1})));
         return error;
     }
-    Error refused(const MovingSoup<>& soup, const VertexView& end, const Motion& question = {}) {
-        return refused([&] { detector_.find_impacts(soup.view(), end, question); });
+    Error refused(const MovingSoup<>& soup, const VertexView& end, const ImpactQuery& question = {}) {
+        return refused([&] { detector_.find(soup.view().moving_to(end), question); });
     }
     Error refused(const World& world) {
-        return refused([&] { detector_.find(world, Motion()); });
+        return refused([&] { detector_.find(world, ImpactQuery()); });
     }
 };
 
@@ -63,8 +63,8 @@ TEST_P(FeatureErrors, of_an_end_of_another_shape) {
 TEST_P(FeatureErrors, but_not_of_an_end_of_another_precision) {
     const auto floats = rounded<float>(soup_);
     const auto doubles = rounded<double>(floats);
-    const Impacts expected = detector_.find_impacts(soup_.view(), doubles.end_view());
-    EXPECT_TRUE(same_features(detector_.find_impacts(soup_.view(), floats.end_view()), expected));
+    const Impacts expected = detector_.find(soup_.view().moving_to(doubles.end_view()), ImpactQuery());
+    EXPECT_TRUE(same_features(detector_.find(soup_.view().moving_to(floats.end_view()), ImpactQuery()), expected));
 }
 TEST_P(FeatureErrors, of_a_missing_end) {
     EXPECT_STREQ(refused(soup_, {}).what(), "the vertices at the end are missing");
@@ -84,31 +84,34 @@ TEST_P(FeatureErrors, of_ends_that_are_not_finite) {
         // Of a start that is not finite, too, the start is named.
         soup.start[12][0] = value;
         EXPECT_STREQ(refused(soup, soup.end_view()).what(), "vertex 12 is not finite");
-        EXPECT_STREQ(refused([&] { detector_.find_near(soup.view(), {}); }).what(), "vertex 12 is not finite");
+        EXPECT_STREQ(refused([&] { detector_.find(soup.view(), ProximityQuery()); }).what(), "vertex 12 is not finite");
     }
 }
 TEST_P(FeatureErrors, of_indices) {
     auto soup = soup_;
     soup.triangles[4][1] = 14;
     EXPECT_STREQ(refused(soup, soup.end_view()).what(), "triangle 4 names vertex 14 of 14");
-    EXPECT_STREQ(refused([&] { detector_.find_near(soup.view(), {}); }).what(), "triangle 4 names vertex 14 of 14");
+    EXPECT_STREQ(refused([&] { detector_.find(soup.view(), ProximityQuery()); }).what(),
+                 "triangle 4 names vertex 14 of 14");
 }
 TEST_P(FeatureErrors, of_distances) {
     const VertexView end = soup_.end_view();
     for (const double wrong : {nan, inf, -1.0, -std::numeric_limits<double>::denorm_min()}) {
-        EXPECT_EQ(refused(soup_, end, {.separation = wrong}).element, Element::option);
-        EXPECT_EQ(refused(soup_, end, {.separation_share = wrong}).element, Element::option);
-        EXPECT_EQ(refused([&] { detector_.find_near(soup_.view(), {.radius = wrong}); }).element, Element::option);
+        EXPECT_EQ(refused(soup_, end, {.min_distance = wrong}).element, Element::option);
+        EXPECT_EQ(refused(soup_, end, {.min_distance_share = wrong}).element, Element::option);
+        EXPECT_EQ(refused([&] { detector_.find(soup_.view(), ProximityQuery{.radius = wrong}); }).element,
+                  Element::option);
     }
-    EXPECT_EQ(refused(soup_, end, {.separation_share = 1}).code, ErrorCode::invalid_argument);
-    EXPECT_TRUE(same_features(Impacts(detector_.find_impacts(soup_.view(), end, {.separation = -0.0})),
-                              detector_.find_impacts(soup_.view(), end)));
+    EXPECT_EQ(refused(soup_, end, {.min_distance_share = 1}).code, ErrorCode::invalid_argument);
+    EXPECT_TRUE(same_features(Impacts(detector_.find(soup_.view().moving_to(end), ImpactQuery{.min_distance = -0.0})),
+                              detector_.find(soup_.view().moving_to(end), ImpactQuery())));
 }
 TEST_P(FeatureErrors, of_meshes_on_a_device) {
     MeshView mesh = soup_.view();
     mesh.memory = MemorySpace::cuda;
-    EXPECT_EQ(refused([&] { detector_.find_impacts(mesh, soup_.end_view()); }).code, ErrorCode::invalid_argument);
-    EXPECT_EQ(refused([&] { detector_.find_near(mesh, {}); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(refused([&] { detector_.find(mesh.moving_to(soup_.end_view()), ImpactQuery()); }).code,
+              ErrorCode::invalid_argument);
+    EXPECT_EQ(refused([&] { detector_.find(mesh, ProximityQuery()); }).code, ErrorCode::invalid_argument);
 }
 TEST_P(FeatureErrors, of_worlds) {
     std::vector<Shape> shapes{Shape(soup_.view()), Shape(soup_.view())};
@@ -136,32 +139,34 @@ TEST_P(FeatureErrors, of_worlds) {
     EXPECT_EQ(refused({shapes, bodies, {}, {}}).element, Element::shape) << "so many vertices, but no data";
 }
 TEST_P(FeatureErrors, of_rules_that_name_nobody) {
-    Motion question;
-    question.rules.excluded_bodies = {{0, 1}};
+    ImpactQuery question;
+    question.filter.excluded_bodies = {{0, 1}};
     EXPECT_EQ(refused(soup_, soup_.end_view(), question).element, Element::body);
 }
 TEST_P(FeatureErrors, of_groups_that_there_are_not) {
-    Rules rules;
-    rules.groups = Wanted::between;
+    PairFilter rules;
+    rules.groups = PairScope::between;
     const char* const message =
         "wanted between needs groups, and the mesh has none: nothing lies between different groups";
-    EXPECT_STREQ(refused(soup_, soup_.end_view(), {.rules = rules}).what(), message);
-    EXPECT_STREQ(refused([&] { detector_.find_near(soup_.view(), {.rules = rules}); }).what(), message);
-    EXPECT_STREQ(refused([&] { detector_.find_candidates(soup_.view(), {.rules = rules}); }).what(), message);
-    EXPECT_STREQ(refused([&] { detector_.stream_near(soup_.view(), [](const Nearby&) {}, {.rules = rules}); }).what(),
+    EXPECT_STREQ(refused(soup_, soup_.end_view(), {.filter = rules}).what(), message);
+    EXPECT_STREQ(refused([&] { detector_.find(soup_.view(), ProximityQuery{.filter = rules}); }).what(), message);
+    EXPECT_STREQ(refused([&] { detector_.find(soup_.view(), CandidateQuery{.filter = rules}); }).what(), message);
+    EXPECT_STREQ(refused([&] {
+                     detector_.stream(soup_.view(), ProximityQuery{.filter = rules}, [](const Proximities&) {});
+                 }).what(),
                  message);
     if (GetParam() == Backend::cuda) return;  // which has no parts
-    const auto parts = detector_.partition(soup_.view(), soup_.end_view(), Motion(), 1);
-    EXPECT_STREQ(refused([&] { detector_.find_impacts(parts[0], {.rules = rules}); }).what(), message);
+    const auto parts = detector_.partition(soup_.view().moving_to(soup_.end_view()), ImpactQuery(), 1);
+    EXPECT_STREQ(refused([&] { detector_.find(parts[0], ImpactQuery{.filter = rules}); }).what(), message);
     const MovingSoup<> none;
-    EXPECT_FALSE(detector_.find_near(none.view(), {.rules = rules}).any) << "there is nothing to have groups";
+    EXPECT_FALSE(detector_.find(none.view(), ProximityQuery{.filter = rules}).any) << "there is nothing to have groups";
 }
 /// Each row is the same vertex.
 TEST_P(FeatureErrors, of_more_vertices_than_both_ends_can_be_numbered) {
     MeshView mesh = soup_.view();
     mesh.vertices.rows = (std::int64_t{1} << 30) + 1;
     mesh.vertices.row_stride = 0;
-    EXPECT_STREQ(refused([&] { detector_.find_impacts(mesh, mesh.vertices); }).what(),
+    EXPECT_STREQ(refused([&] { detector_.find(mesh.moving_to(mesh.vertices), ImpactQuery()); }).what(),
                  "in motion there may be 1073741824 vertices at most");
 }
 TEST_P(FeatureErrors, of_calls_that_were_stopped) {
@@ -169,12 +174,14 @@ TEST_P(FeatureErrors, of_calls_that_were_stopped) {
     stop.request_stop();
     const auto code = [&](auto call) { return refused(call).code; };
     const auto token = stop.get_token();
-    EXPECT_EQ(code([&] { detector_.find_impacts(soup_.view(), soup_.end_view(), {}, token); }), ErrorCode::cancelled);
-    EXPECT_EQ(code([&] { detector_.find_near(soup_.view(), {}, token); }), ErrorCode::cancelled);
-    EXPECT_EQ(code([&] { detector_.is_free(soup_.view(), soup_.end_view(), {}, token); }), ErrorCode::cancelled);
+    EXPECT_EQ(code([&] { detector_.find(soup_.view().moving_to(soup_.end_view()), ImpactQuery(), token); }),
+              ErrorCode::cancelled);
+    EXPECT_EQ(code([&] { detector_.find(soup_.view(), ProximityQuery(), token); }), ErrorCode::cancelled);
+    EXPECT_EQ(code([&] { detector_.any(soup_.view().moving_to(soup_.end_view()), ImpactQuery(), token); }),
+              ErrorCode::cancelled);
     const std::vector<Shape> shapes{Shape(soup_.view())};
     const std::vector<Body> bodies(2, Body{.self = true});
-    EXPECT_EQ(code([&] { detector_.find({shapes, bodies, {}}, Near(), token); }), ErrorCode::cancelled);
+    EXPECT_EQ(code([&] { detector_.find(World{shapes, bodies, {}}, ProximityQuery(), token); }), ErrorCode::cancelled);
 }
 
 INSTANTIATE_TEST_SUITE_P(, FeatureErrors, testing::ValuesIn(tested_backends), name_of_backend);
@@ -193,13 +200,13 @@ TEST(FeatureCalls, LookForAStopBetweenTests) {
     // A machine that stands still meanwhile polls less.
     for (int call = 0; call < 5 && polls < 8; ++call) {
         polls = 0;
-        detector.find_impacts(soup.view(), soup.end_view(), {.separation = unit});
+        detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.min_distance = unit});
     }
     EXPECT_GE(polls, 8);
     std::stop_source stop;
     detector.set_poll([&] { stop.request_stop(); });
     const auto call = [&] {
-        detector.find_impacts(soup.view(), soup.end_view(), {.separation = unit}, stop.get_token());
+        detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.min_distance = unit}, stop.get_token());
     };
     EXPECT_EQ(error_of(call).code, ErrorCode::cancelled);
 }
@@ -227,46 +234,47 @@ TEST(FeatureCalls, FindTheFirstOfManyImpactsAtTheStart) {
     const MeshView mesh(start, triangles), moved(end, triangles);
     for (const int threads : {1, 2, 7}) {
         Detector detector({.backend = Backend::cpu, .threads = threads});
-        const Impacts& all = detector.find_impacts(mesh, moved.vertices);
+        const Impacts& all = detector.find(mesh.moving_to(moved.vertices), ImpactQuery());
         const FirstImpact expected = all.first;
         const std::int64_t decided = all.statistics.double_tests, exact = all.statistics.exact_tests;
         ASSERT_TRUE(expected.found && expected.toi == 0 && expected.start);
         for (int again = 0; again < 5; ++again) {
-            const Impacts& first = detector.find_impacts(mesh, moved.vertices, {.wants = MotionWants::earliest});
+            const Impacts& first = detector.find(mesh.moving_to(moved.vertices), ImpactQuery{.output = Output::first});
             EXPECT_TRUE(first.first.found && first.first.toi == 0 && first.first.start);
             EXPECT_EQ(first.first.kind, expected.kind);
             EXPECT_EQ(first.first.pair, expected.pair);
             EXPECT_EQ(first.statistics.double_tests, decided);
             EXPECT_LT(first.statistics.exact_tests, exact / 4) << "most pairs cannot be the first, and are not decided";
         }
-        EXPECT_EQ(detector.time_of_first_impact(mesh, moved.vertices).toi, 0);
-        EXPECT_EQ(detector.find_free_step(mesh, moved.vertices).share, 0);
+        EXPECT_EQ(detector.find(mesh.moving_to(moved.vertices), FirstImpactQuery()).toi, 0);
+        EXPECT_EQ(detector.find(mesh.moving_to(moved.vertices), FreeStepQuery()).share, 0);
     }
 }
 
 TEST(FeatureCalls, HandTheirAnswersOver) {
     const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
     Detector detector({.backend = tested_backend, .threads = 2}), fresh({.backend = tested_backend});
-    const Impacts& impacts = detector.find_impacts(soup.view(), soup.end_view(), {.index = true});
-    const Nearby& nearby = detector.find_near(soup.view(), {.radius = 1, .index = true});
+    const Impacts& impacts = detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true});
+    const Proximities& nearby = detector.find(soup.view(), ProximityQuery{.radius = 1, .index = true});
     const Pair* const storage = impacts.vertex_faces().pairs.data();
     Impacts taken;
-    Nearby near;
+    Proximities near;
     detector.swap_result(taken);
     detector.swap_result(near);
     EXPECT_EQ(taken.vertex_faces().pairs.data(), storage) << "nothing is copied";
     EXPECT_FALSE(impacts.any || impacts.first.found || impacts.count || !impacts.edge_edges().pairs.empty());
     EXPECT_FALSE(nearby.any || nearby.count || !nearby.edge_edges().pairs.empty());
     Impacts spare;
-    detector.find_impacts(soup.view(), soup.view().vertices);
+    detector.find(soup.view().moving_to(soup.view().vertices), ImpactQuery());
     detector.swap_result(spare);
-    detector.find_near(soup.view(), {});
-    const Impacts& expected = fresh.find_impacts(soup.view(), soup.end_view(), {.index = true});
+    detector.find(soup.view(), ProximityQuery());
+    const Impacts& expected = fresh.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true});
     EXPECT_TRUE(same_features(taken, expected));
-    EXPECT_TRUE(same_features(near, fresh.find_near(soup.view(), {.radius = 1, .index = true})));
+    EXPECT_TRUE(same_features(near, fresh.find(soup.view(), ProximityQuery{.radius = 1, .index = true})));
     detector.swap_result(taken);  // gives its storage for the next
     EXPECT_EQ(taken.count, 0);
-    EXPECT_TRUE(same_features(detector.find_impacts(soup.view(), soup.end_view(), {.index = true}), expected));
+    EXPECT_TRUE(
+        same_features(detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true}), expected));
 }
 
 TEST(FeatureCalls, DoNotDependOnThoseBefore) {
@@ -284,21 +292,22 @@ TEST(FeatureCalls, DoNotDependOnThoseBefore) {
             SCOPED_TRACE(s);
             const MovingSoup<>& soup = soups[s];
             Detector fresh({.backend = tested_backend, .threads = 2, .leaf_size = 8});
-            const Motion motion{.weld = s % 2 == 0, .index = true};
-            ASSERT_TRUE(same_features(warm.find_impacts(soup.view(), soup.end_view(), motion),
-                                      fresh.find_impacts(soup.view(), soup.end_view(), motion)));
-            ASSERT_TRUE(same_features(warm.find_near(soup.view(), {.radius = 0.1}),
-                                      fresh.find_near(soup.view(), {.radius = 0.1})));
-            const Near filtered{.radius = 0.1, .rings = 1 + round, .rest = soup.end_view(), .rest_radius = 0.05};
-            ASSERT_TRUE(same_features(warm.find_near(soup.view(), filtered), fresh.find_near(soup.view(), filtered)));
-            ASSERT_TRUE(same_answer(warm.find_self(soup.view()), fresh.find_self(soup.view())));
+            const ImpactQuery motion{.weld = s % 2 == 0, .index = true};
+            ASSERT_TRUE(same_features(warm.find(soup.view().moving_to(soup.end_view()), motion),
+                                      fresh.find(soup.view().moving_to(soup.end_view()), motion)));
+            ASSERT_TRUE(same_features(warm.find(soup.view(), ProximityQuery{.radius = 0.1}),
+                                      fresh.find(soup.view(), ProximityQuery{.radius = 0.1})));
+            const ProximityQuery filtered{
+                .radius = 0.1, .rings = 1 + round, .rest = soup.end_view(), .rest_radius = 0.05};
+            ASSERT_TRUE(same_features(warm.find(soup.view(), filtered), fresh.find(soup.view(), filtered)));
+            ASSERT_TRUE(same_answer(warm.find(soup.view()), fresh.find(soup.view())));
             std::vector<Shape> shapes{Shape(soup.view())};
             shapes[0].end = soup.end_view();
             const std::vector<Body> bodies{
                 {.world = 0, .self = true}, {.world = 1, .self = true}, {.world = 1, .self = true}};
-            const Motion in_worlds{.weld = motion.weld};
-            ASSERT_TRUE(
-                same_features(warm.find({shapes, bodies, {}}, in_worlds), fresh.find({shapes, bodies, {}}, in_worlds)));
+            const ImpactQuery in_worlds{.weld = motion.weld};
+            ASSERT_TRUE(same_features(warm.find(World{shapes, bodies, {}}, in_worlds),
+                                      fresh.find(World{shapes, bodies, {}}, in_worlds)));
         }
 }
 
@@ -308,23 +317,24 @@ TEST_P(FeatureMemory, IsBounded) {
     const MovingSoup<> soup = in_general(played ? 400 : 1500, played ? 0.14 : 0.07, played ? 0.12 : 0.06, 6);
     const Options options{.backend = tested_backend, .threads = GetParam(), .leaf_size = 40};
     const std::vector<double> radii(soup.start.size(), 0.005);
-    const Near one{.radius = 0.01}, filtered{.radii = radii, .rings = 3, .rest = soup.end_view(), .rest_radius = 0.01};
+    const ProximityQuery one{.radius = 0.01},
+        filtered{.radii = radii, .rings = 3, .rest = soup.end_view(), .rest_radius = 0.01};
     const auto questions = {0, 1, 2};
     for (const int question : questions) {
         const auto ask = [&](Detector& detector) -> std::int64_t {
-            return question
-                       ? detector.find_near(soup.view(), question == 1 ? one : filtered).statistics.peak_memory_bytes
-                       : detector.find_impacts(soup.view(), soup.end_view()).statistics.peak_memory_bytes;
+            return question ? detector.find(soup.view(), question == 1 ? one : filtered).statistics.peak_memory_bytes
+                            : detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery())
+                                  .statistics.peak_memory_bytes;
         };
         Detector free(options);
         const std::int64_t peak = ask(free);
         Impacts impacts;
-        Nearby nearby;
+        Proximities nearby;
         free.swap_result(impacts);
         free.swap_result(nearby);
         const auto same = [&](Detector& detector) {
             Impacts found;
-            Nearby found_near;
+            Proximities found_near;
             detector.swap_result(found);
             detector.swap_result(found_near);
             return question ? same_features(found_near, nearby) : same_features(found, impacts);
@@ -348,7 +358,7 @@ TEST_P(FeatureMemory, IsBounded) {
                     EXPECT_LE(ask(enough), tight.memory_limit);
                     EXPECT_TRUE(same(enough));
                 }
-                EXPECT_NO_THROW(limited.find_near(MeshView(), {})) << "usable still";
+                EXPECT_NO_THROW(limited.find(MeshView(), ProximityQuery())) << "usable still";
             }
         }
         EXPECT_TRUE(refused) << "no limit was too small";

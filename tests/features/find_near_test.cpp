@@ -34,21 +34,21 @@ class FindNear : public testing::TestWithParam<Backend> {
 
 TEST_P(FindNear, ListsPairsAndSquaredDistances) {
     const Two two;
-    const Nearby& nearby = detector.find_near(two.mesh, {.radius = 0.5});
+    const Proximities& nearby = detector.find(two.mesh, ProximityQuery{.radius = 0.5});
     ASSERT_EQ(nearby.vertex_faces().pairs.size(), 1);
     EXPECT_EQ(nearby.vertex_faces().pairs[0], (Pair{3, 0}));
     EXPECT_EQ(nearby.vertex_faces().squared_distance[0], 0.25);
     EXPECT_EQ(nearby.vertex_faces().touching[0], 0);
     EXPECT_EQ(nearby.edge_edges().pairs.size(), 0);
     EXPECT_EQ(nearby.count, 1);
-    EXPECT_FALSE(detector.find_near(two.mesh, {.radius = 0.5, .strict = true}).any);
-    EXPECT_TRUE(detector.find_near(two.mesh, {.wants = NearWants::any, .radius = 0.5}).any);
+    EXPECT_FALSE(detector.find(two.mesh, ProximityQuery{.radius = 0.5, .strict = true}).any);
+    EXPECT_TRUE(detector.find(two.mesh, ProximityQuery{.output = Output::any, .radius = 0.5}).any);
 }
 
 TEST_P(FindNear, TellsWhereTheyAreClosest) {
     const Two two;
-    const Nearby& nearby = detector.find_near(two.mesh, {.radius = 1.1, .closest = true});
-    const NearList& faces = nearby.vertex_faces();
+    const Proximities& nearby = detector.find(two.mesh, ProximityQuery{.radius = 1.1, .closest = true});
+    const ProximityList& faces = nearby.vertex_faces();
     ASSERT_EQ(faces.pairs.size(), 3);
     ASSERT_EQ(faces.type.size(), 3);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -57,7 +57,7 @@ TEST_P(FindNear, TellsWhereTheyAreClosest) {
         EXPECT_EQ(faces.at[i], (std::array{two.vertices[3 + i][0] / 8, two.vertices[3 + i][1] / 8}));
     }
     // The edge from (1, 2, 0.5) to (1, 4, 1), and that along the y axis: their ends have distances 1.118 and 1.414.
-    const NearList& edges = detector.find_near(two.mesh, {.radius = 1.12, .closest = true}).edge_edges();
+    const ProximityList& edges = detector.find(two.mesh, ProximityQuery{.radius = 1.12, .closest = true}).edge_edges();
     ASSERT_EQ(edges.pairs.size(), 2);  // with the two edges that end there
     for (std::size_t i = 0; i < 2; ++i) {
         EXPECT_EQ(edges.squared_distance[i], 1.25);
@@ -68,19 +68,19 @@ TEST_P(FindNear, TellsWhereTheyAreClosest) {
 
 TEST_P(FindNear, TellsTheLeastDistanceOfEachFeature) {
     const Two two;
-    const Nearby& nearby = detector.find_near(two.mesh, {.radius = 1.12, .least = true});
+    const Proximities& nearby = detector.find(two.mesh, ProximityQuery{.radius = 1.12, .least = true});
     const auto list = [](const Array<double>& values) { return std::vector<double>(values.begin(), values.end()); };
     EXPECT_EQ(list(nearby.vertex_distance), (std::vector{none, none, none, 0.5, 1.0, 1.0}));
     EXPECT_EQ(list(nearby.face_distance), (std::vector{0.5, none}));
     ASSERT_EQ(nearby.edge_distance.size(), 6);
     const double root = 0x1.1e3779b97f4a7p+0;  // of 1.25, rounded down
     EXPECT_EQ(list(nearby.edge_distance), (std::vector{none, root, none, root, root, none}));
-    EXPECT_TRUE(detector.find_near(two.mesh, {.radius = 1}).vertex_distance.empty());
+    EXPECT_TRUE(detector.find(two.mesh, ProximityQuery{.radius = 1}).vertex_distance.empty());
 }
 
 TEST_P(FindNear, FindsByFeature) {
     const Two two;
-    const NearList& faces = detector.find_near(two.mesh, {.radius = 1.1, .index = true}).vertex_faces();
+    const ProximityList& faces = detector.find(two.mesh, ProximityQuery{.radius = 1.1, .index = true}).vertex_faces();
     const auto list = [](const Array<std::int64_t>& values) {
         return std::vector<std::int64_t>(values.begin(), values.end());
     };

@@ -14,7 +14,7 @@ namespace {
 
 /// Of coordinates that are normalised already.
 Inflation inflation_of(const Separation& separation) {
-    Scene scene;
+    PreparedScene scene;
     scene.low = {-0.75, -0.75, -0.75};
     scene.high = {0.75, 0.75, 0.75};
     const SceneFeatures features(nullptr);
@@ -116,7 +116,7 @@ TEST(Inflation, IsHalfOfTheDistanceRoundedUp) {
 /// Radii of two triangles' vertices, of which three and three are theirs.
 struct RadiiOfTwo {
     explicit RadiiOfTwo(const std::vector<double>& radii) {
-        Scene scene;
+        PreparedScene scene;
         scene.low = {-0.75, -0.75, -0.75};
         scene.high = {0.75, 0.75, 0.75};
         scene.triangles = {2, 0};

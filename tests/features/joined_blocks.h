@@ -14,7 +14,9 @@ namespace crumple::test {
 
 // The arrays of a list that blocks have.
 inline auto rows_of(ImpactList& l) { return std::tie(l.pairs, l.bodies, l.toi, l.start); }
-inline auto rows_of(NearList& l) { return std::tie(l.pairs, l.bodies, l.squared_distance, l.touching, l.type, l.at); }
+inline auto rows_of(ProximityList& l) {
+    return std::tie(l.pairs, l.bodies, l.squared_distance, l.touching, l.type, l.at);
+}
 inline auto rows_of(CandidateList& l) { return std::tie(l.pairs, l.bodies); }
 
 /// Calls visit(array, array) for each.
@@ -75,8 +77,8 @@ struct Joined {
     }
 
    private:
-    void tell(const CandidateLists& block) { all.listed = block.listed; }
-    void tell(const Nearby& block) {
+    void tell(const Candidates& block) { all.listed = block.listed; }
+    void tell(const Proximities& block) {
         EXPECT_TRUE(block.any);
         EXPECT_TRUE(block.world_hit.empty());
         all.any = true;
@@ -91,9 +93,9 @@ struct Joined {
 };
 
 /// What blocks have of a whole answer.
-inline CandidateLists of_blocks(const CandidateLists& answer) { return answer; }
-inline Nearby of_blocks(const Nearby& answer) {
-    Nearby all = answer;
+inline Candidates of_blocks(const Candidates& answer) { return answer; }
+inline Proximities of_blocks(const Proximities& answer) {
+    Proximities all = answer;
     all.world_hit.clear();
     return all;
 }
@@ -105,13 +107,13 @@ inline Impacts of_blocks(const Impacts& answer) {
     return all;
 }
 
-inline testing::AssertionResult same_whole(const CandidateLists& found, const CandidateLists& expected) {
+inline testing::AssertionResult same_whole(const Candidates& found, const Candidates& expected) {
     return same_candidates(found, expected);
 }
 template <class Answer>
 testing::AssertionResult same_whole(const Answer& found, const Answer& expected) {
     testing::AssertionResult same = same_features(found, expected);
-    if constexpr (std::is_same_v<Answer, Nearby>)
+    if constexpr (std::is_same_v<Answer, Proximities>)
         for (std::size_t k = 0; same && k < feature_kinds; ++k) {
             same = same_bytes(found.lists[k].type, expected.lists[k].type, "types");
             if (same) same = same_bytes(found.lists[k].at, expected.lists[k].at, "parameters");

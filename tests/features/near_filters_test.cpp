@@ -34,8 +34,8 @@ class NearFilters : public testing::TestWithParam<Backend> {
    protected:
     Detector detector{Options{.backend = GetParam(), .threads = 2}};
 
-    std::size_t faces(const MovingSoup<>& soup, const Near& question) {
-        return detector.find_near(soup.view(), question).vertex_faces().pairs.size();
+    std::size_t faces(const MovingSoup<>& soup, const ProximityQuery& question) {
+        return detector.find(soup.view(), question).vertex_faces().pairs.size();
     }
 };
 INSTANTIATE_TEST_SUITE_P(, NearFilters, testing::ValuesIn(tested_backends), name_of_backend);
@@ -54,7 +54,8 @@ TEST_P(NearFilters, RadiiAddUpInRealNumbers) {
     const auto near = [&](double face, double vertex, double height, bool strict) {
         const std::vector<double> radii{face, 0, 0, vertex, 0, 0};
         const MovingSoup<> soup = two(height);
-        const auto& pairs = detector.find_near(soup.view(), {.radii = radii, .strict = strict}).vertex_faces().pairs;
+        const auto& pairs =
+            detector.find(soup.view(), ProximityQuery{.radii = radii, .strict = strict}).vertex_faces().pairs;
         return std::find(pairs.begin(), pairs.end(), Pair{3, 0}) != pairs.end();
     };
     EXPECT_TRUE(near(0.75, 0.25, 1, false)) << "at the sum";
@@ -84,7 +85,7 @@ TEST_P(NearFilters, AFeatureHasTheLargestRadiusOfItsVertices) {
     std::vector<double> radii(6, 0.25);
     radii[4] = radii[5] = 100;
     const MovingSoup<> soup = two();
-    const Nearby& nearby = detector.find_near(soup.view(), {.radii = radii});
+    const Proximities& nearby = detector.find(soup.view(), ProximityQuery{.radii = radii});
     const std::vector<Pair> expected{{0, 1}, {1, 1}, {2, 1}, {4, 0}, {5, 0}};
     EXPECT_TRUE(same_pairs(nearby.vertex_faces().pairs.span(), expected)) << "the vertex 3 has a radius of its own";
     EXPECT_EQ(nearby.edge_edges().pairs.size(), 9u);
@@ -100,8 +101,9 @@ TEST_P(NearFilters, WhatIsCloseAtRestIsLeftOut) {
         EXPECT_EQ(faces(soup, {.radius = 1, .rest = narrow.view().vertices, .rest_radius = 1}), 0u) << "rounded to 1";
         EXPECT_FALSE(
             detector
-                .find_near(soup.view(),
-                           {.wants = NearWants::any, .radius = 1, .rest = narrow.view().vertices, .rest_radius = 1})
+                .find(soup.view(),
+                      ProximityQuery{
+                          .output = Output::any, .radius = 1, .rest = narrow.view().vertices, .rest_radius = 1})
                 .any);
     }
     EXPECT_EQ(faces(soup, {.radius = 1, .rest = soup.view().vertices}), 1u) << "apart at rest, and that is enough";
@@ -125,7 +127,8 @@ TEST_P(NearFilters, NeighboursAreJoinedByEdges) {
     const MovingSoup<> soup = strip(8);
     // The vertex (0, 0), and the faces from x to x + 1: x edges lead to the one, x + 1 to the other.
     for (const std::int32_t rings : {0, 1, 2, 3, 7, 8, 1000}) {
-        const NearList& list = detector.find_near(soup.view(), {.radius = 100, .rings = rings}).vertex_faces();
+        const ProximityList& list =
+            detector.find(soup.view(), ProximityQuery{.radius = 100, .rings = rings}).vertex_faces();
         std::set<std::int32_t> of_first, expected;
         for (const Pair& pair : list.pairs)
             if (pair.a == 0) of_first.insert(pair.b);
@@ -135,16 +138,16 @@ TEST_P(NearFilters, NeighboursAreJoinedByEdges) {
     }
     MovingSoup<> apart = soup;
     apart.append(strip(2));
-    EXPECT_EQ(detector.find_near(apart.view(), {.radius = 0, .rings = 1000}).vertex_faces().pairs.size(), 27u)
+    EXPECT_EQ(detector.find(apart.view(), ProximityQuery{.radius = 0, .rings = 1000}).vertex_faces().pairs.size(), 27u)
         << "no path leads from one sheet to another, wherever they are";
-    EXPECT_FALSE(detector.find_near(apart.view(), {.radius = 0, .weld = true, .rings = 1000}).any)
+    EXPECT_FALSE(detector.find(apart.view(), ProximityQuery{.radius = 0, .weld = true, .rings = 1000}).any)
         << "unless vertices at equal positions are one";
 }
 
 TEST_P(NearFilters, LeastAndIndexAreThoseOfTheList) {
     const MovingSoup<> soup = strip(4);
-    const Nearby& all =
-        detector.find_near(soup.view(), {.radius = 10, .closest = true, .least = true, .rings = 1, .index = true});
+    const Proximities& all = detector.find(
+        soup.view(), ProximityQuery{.radius = 10, .closest = true, .least = true, .rings = 1, .index = true});
     ASSERT_GT(all.vertex_faces().pairs.size(), 0u);
     EXPECT_EQ(all.vertex_distance[0], 0x1.6a09e667f3bccp+0) << "that of (2, 0) to (1, 1)";
     EXPECT_EQ(all.vertex_faces().type.size(), all.vertex_faces().pairs.size());
@@ -153,7 +156,9 @@ TEST_P(NearFilters, LeastAndIndexAreThoseOfTheList) {
 
 TEST_P(NearFilters, ErrorsNameArgumentAndVertex) {
     const MovingSoup<> soup = two();
-    const auto of = [&](const Near& question) { return error_of([&] { detector.find_near(soup.view(), question); }); };
+    const auto of = [&](const ProximityQuery& question) {
+        return error_of([&] { detector.find(soup.view(), question); });
+    };
     std::vector<double> radii(5, 1);
     EXPECT_STREQ(of({.radii = radii}).what(), "there are 5 radii for 6 vertices");
     radii.resize(6, 1);
@@ -185,8 +190,8 @@ TEST_P(NearFilters, ErrorsNameArgumentAndVertex) {
 
     std::vector<Shape> shapes{Shape(soup.view()), Shape(soup.view())};
     const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
-    const auto of_world = [&](const Near& question) {
-        return error_of([&] { detector.find({shapes, bodies, {}}, question); });
+    const auto of_world = [&](const ProximityQuery& question) {
+        return error_of([&] { detector.find(World{shapes, bodies, {}}, question); });
     };
     EXPECT_STREQ(of_world({.radii = radii}).what(), "radii of a world are those of its shapes");
     EXPECT_STREQ(of_world({.rest = soup.view().vertices}).what(),
@@ -199,7 +204,7 @@ TEST_P(NearFilters, ErrorsNameArgumentAndVertex) {
     EXPECT_STREQ(of_world({.radius = 1}).what(), "radius is not asked for beside radii");
     shapes[1].rest = rest.view().vertices;
     EXPECT_STREQ(of_world({}).what(), "shape 1: at rest: vertex 3 is not finite");
-    EXPECT_FALSE(detector.find_near(soup.view(), {}).any) << "usable still";
+    EXPECT_FALSE(detector.find(soup.view(), ProximityQuery()).any) << "usable still";
 }
 
 TEST(NearFiltersOfWorlds, ConcernPairsWithinABody) {
@@ -209,8 +214,8 @@ TEST(NearFiltersOfWorlds, ConcernPairsWithinABody) {
         Detector detector({.backend = backend, .threads = 2});
         std::vector<Shape> shapes{Shape(soup.view()), Shape(soup.view())};
         const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
-        const auto count = [&](const Near& question) {
-            return detector.find({shapes, bodies, {}}, question).vertex_faces().pairs.size();
+        const auto count = [&](const ProximityQuery& question) {
+            return detector.find(World{shapes, bodies, {}}, question).vertex_faces().pairs.size();
         };
         // Each body's vertex above its face; each body's three and one vertices on the other's faces, and above them.
         const std::size_t between = 2 * 7, within = 2;
@@ -238,9 +243,10 @@ TEST(NearFiltersOfWorlds, RadiiAreNotPosed) {
     for (const double scale : {0.5, 1.0, 1.0 + ulp, 2.0}) {
         const std::vector<Pose> poses{{{scale, 0, 0, 1, 0, scale, 0, 1, 0, 0, scale, 0}}};
         shapes[0].rest = {};
-        EXPECT_EQ(detector.find({shapes, bodies, poses}, Near()).any, scale <= 1) << scale;
+        EXPECT_EQ(detector.find(World{shapes, bodies, poses}, ProximityQuery()).any, scale <= 1) << scale;
         shapes[0].rest = soup.view().vertices;
-        EXPECT_FALSE(detector.find({shapes, bodies, poses}, Near{.rest_radius = 1}).any) << "nor is the shape at rest";
+        EXPECT_FALSE(detector.find(World{shapes, bodies, poses}, ProximityQuery{.rest_radius = 1}).any)
+            << "nor is the shape at rest";
     }
 }
 
@@ -282,7 +288,8 @@ TYPED_TEST(NearFilterAgreement, OfShapesAtRest) {
     for (const double radius : {0.0, 0.1, 1.0})
         for_each_small_soup<TypeParam>(60, [&](const auto& move, unsigned seed) {
             SCOPED_TRACE(radius);
-            Near question{.radius = 2 * move.unit, .rest = move.soup.end_view(), .rest_radius = radius * move.unit};
+            ProximityQuery question{
+                .radius = 2 * move.unit, .rest = move.soup.end_view(), .rest_radius = radius * move.unit};
             question.rings = seed % 2 == 0 ? 1 : 0;
             expect_near(move.soup, question);
         });
@@ -317,7 +324,8 @@ TEST_P(NearFilters, ListedEdgesLeadToNeighbours) {
     for (int i = 0; i < 6; ++i) soup.vertex({1.0 * i, 0, 0}, {1.0 * i, 0, 0});
     soup.edges = {{0, 1}, {2, 1}, {2, 3}, {3, 4}};
     const auto pairs = [&](std::int32_t rings) {
-        const NearList& list = detector.find_near(soup.view(), {.radius = 10, .rings = rings})[FeatureKind::edge_edge];
+        const ProximityList& list =
+            detector.find(soup.view(), ProximityQuery{.radius = 10, .rings = rings})[FeatureKind::edge_edge];
         return std::vector<Pair>(list.pairs.begin(), list.pairs.end());
     };
     EXPECT_EQ(pairs(0), (std::vector<Pair>{{0, 2}, {0, 3}, {1, 3}}));
@@ -334,8 +342,9 @@ TYPED_TEST(NearFilterAgreement, EqualRadiiAreOneRadius) {
         const double radius = 0.25 * move.unit;
         const std::vector<double> radii(move.soup.start.size(), radius);
         for (const auto& [name, detector] : tested()) {
-            const Nearby expected = detector->find_near(move.soup.view(), {.radius = 2 * radius});
-            ASSERT_TRUE(same_features(detector->find_near(move.soup.view(), {.radii = radii}), expected)) << name;
+            const Proximities expected = detector->find(move.soup.view(), ProximityQuery{.radius = 2 * radius});
+            ASSERT_TRUE(same_features(detector->find(move.soup.view(), ProximityQuery{.radii = radii}), expected))
+                << name;
         }
     });
 }
@@ -343,10 +352,10 @@ TYPED_TEST(NearFilterAgreement, EqualRadiiAreOneRadius) {
 /// The contract, word by word, of a list of all pairs within a radius that holds everything.
 struct Oracle {
     const MovingSoup<>& soup;
-    const Near& question;
+    const ProximityQuery& question;
     std::set<Edge> edges;
 
-    Oracle(const MovingSoup<>& s, const Near& q) : soup(s), question(q) {
+    Oracle(const MovingSoup<>& s, const ProximityQuery& q) : soup(s), question(q) {
         for (const auto& corner : soup.triangles)
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::int32_t a = corner[k], b = corner[(k + 1) % 3];
@@ -397,14 +406,14 @@ TEST(NearFiltersOfTheReference, AreTheContract) {
         const MovingSoup<> soup = moving_grid(4, 14, 8, 50 + seed);
         Draw draw(seed);
         const std::vector<double> radii = random_radii(draw, soup.start.size(), 2);
-        const Near question{.radii = radii,
-                            .strict = seed % 2 == 0,
-                            .rings = static_cast<std::int32_t>(seed % 3),
-                            .rest = soup.end_view(),
-                            .rest_radius = 0.5 * draw.below(4)};
+        const ProximityQuery question{.radii = radii,
+                                      .strict = seed % 2 == 0,
+                                      .rings = static_cast<std::int32_t>(seed % 3),
+                                      .rest = soup.end_view(),
+                                      .rest_radius = 0.5 * draw.below(4)};
         const Oracle oracle(soup, question);
-        const Nearby all = reference().find_near(soup.view(), {.radius = 100});
-        const Nearby& found = reference().find_near(soup.view(), question);
+        const Proximities all = reference().find(soup.view(), ProximityQuery{.radius = 100});
+        const Proximities& found = reference().find(soup.view(), question);
         std::array<std::vector<Pair>, feature_kinds> expected;
         for (const Pair& pair : all.vertex_faces().pairs) {
             const auto& corner = soup.triangles[static_cast<std::size_t>(pair.b)];

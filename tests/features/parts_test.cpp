@@ -14,13 +14,15 @@
 namespace crumple::test {
 namespace {
 
-const Impacts& ask(Detector& by, const Part& part, const Motion& question) { return by.find_impacts(part, question); }
-const Nearby& ask(Detector& by, const Part& part, const Near& question) { return by.find_near(part, question); }
+const Impacts& ask(Detector& by, const Part& part, const ImpactQuery& question) { return by.find(part, question); }
+const Proximities& ask(Detector& by, const Part& part, const ProximityQuery& question) {
+    return by.find(part, question);
+}
 
 /// What a part knows already is not asked once more.
-Motion of_part(const Motion& question) { return question; }
-Near of_part(const Near& question) {
-    Near asked = question;
+ImpactQuery of_part(const ImpactQuery& question) { return question; }
+ProximityQuery of_part(const ProximityQuery& question) {
+    ProximityQuery asked = question;
     asked.radii = {};
     asked.rest = {};
     return asked;
@@ -73,20 +75,20 @@ Detector& by_brute_force() {
 }
 
 template <class Soup>
-std::vector<Part> partition(const Soup& soup, const Motion& question, int count) {
-    return at_home().partition(soup.view(), soup.end_view(), question, count);
+std::vector<Part> partition(const Soup& soup, const ImpactQuery& question, int count) {
+    return at_home().partition(soup.view().moving_to(soup.end_view()), question, count);
 }
 template <class Soup>
-std::vector<Part> partition(const Soup& soup, const Near& question, int count) {
+std::vector<Part> partition(const Soup& soup, const ProximityQuery& question, int count) {
     return at_home().partition(soup.view(), question, count);
 }
 template <class Soup>
-Impacts whole(const Soup& soup, const Motion& question) {
-    return at_home().find_impacts(soup.view(), soup.end_view(), question);
+Impacts whole(const Soup& soup, const ImpactQuery& question) {
+    return at_home().find(soup.view().moving_to(soup.end_view()), question);
 }
 template <class Soup>
-Nearby whole(const Soup& soup, const Near& question) {
-    return at_home().find_near(soup.view(), question);
+Proximities whole(const Soup& soup, const ProximityQuery& question) {
+    return at_home().find(soup.view(), question);
 }
 
 constexpr std::int64_t most_for_brute_force = 400;
@@ -125,24 +127,24 @@ TYPED_TEST_SUITE(PartsOfFeatures, Precisions, );
 
 TYPED_TEST(PartsOfFeatures, HaveTheImpactsOfTheWhole) {
     this->for_each_soup(0.4, [](const auto& move, unsigned) {
-        expect_union(move.soup, Motion{});
+        expect_union(move.soup, ImpactQuery{});
         if (move.unit > 1e100) return;
-        expect_union(move.soup, Motion{.separation = 0.1 * move.unit, .weld = true});
+        expect_union(move.soup, ImpactQuery{.min_distance = 0.1 * move.unit, .weld = true});
     });
 }
 
 TYPED_TEST(PartsOfFeatures, HaveWhatComesWithinAShareOfItsDistance) {
     this->for_each_soup(0.2, [](const auto& move, unsigned) {
-        if (move.unit < 1e100) expect_union(move.soup, Motion{.separation_share = 0.5});
+        if (move.unit < 1e100) expect_union(move.soup, ImpactQuery{.min_distance_share = 0.5});
     });
 }
 
 TYPED_TEST(PartsOfFeatures, HaveTheNearPairsOfTheWhole) {
     this->for_each_soup(0.4, [](const auto& move, unsigned) {
         if (move.unit > 1e100) return;
-        expect_union(move.soup, Near{.radius = 0.5 * move.unit, .closest = true});
-        expect_union(move.soup, Near{.radius = 0.7 * move.unit, .strict = true, .weld = true, .rings = 1});
-        expect_union(move.soup, Near{.radius = 0.7 * move.unit, .rings = 2});
+        expect_union(move.soup, ProximityQuery{.radius = 0.5 * move.unit, .closest = true});
+        expect_union(move.soup, ProximityQuery{.radius = 0.7 * move.unit, .strict = true, .weld = true, .rings = 1});
+        expect_union(move.soup, ProximityQuery{.radius = 0.7 * move.unit, .rings = 2});
     });
 }
 
@@ -151,9 +153,10 @@ TYPED_TEST(PartsOfFeatures, OfListedEdgesAndPoints) {
         if (move.unit > 1e100) return;
         for (unsigned lists = 0; lists < 4; ++lists) {
             const auto soup = with_lists(move.soup, 7 * seed + lists);
-            expect_union(soup, Motion{.separation = 0.1 * move.unit, .weld = lists == 2});
-            expect_union(soup,
-                         Near{.radius = 0.6 * move.unit, .closest = true, .weld = lists == 1, .rings = lists == 3});
+            expect_union(soup, ImpactQuery{.min_distance = 0.1 * move.unit, .weld = lists == 2});
+            expect_union(
+                soup,
+                ProximityQuery{.radius = 0.6 * move.unit, .closest = true, .weld = lists == 1, .rings = lists == 3});
         }
     });
 }
@@ -162,7 +165,7 @@ TYPED_TEST(PartsOfFeatures, KnowRadiiAndARestShape) {
     const auto soup = rounded<TypeParam>(moving_grid(5, 60, 70, 3));
     std::vector<double> radii;
     for (std::size_t v = 0; v < soup.start.size(); ++v) radii.push_back(0.1 * static_cast<double>(v % 7));
-    const Near question{.radii = radii, .closest = true, .rest = soup.end_view(), .rest_radius = 1.5};
+    const ProximityQuery question{.radii = radii, .closest = true, .rest = soup.end_view(), .rest_radius = 1.5};
     EXPECT_GT(whole(soup, question).count, 300);
     expect_union(soup, question);
 }
@@ -178,25 +181,25 @@ TYPED_TEST(PartsOfFeatures, HeedGroups) {
             for (std::size_t t = 0; t < soup.triangles.size(); ++t)
                 soup.groups.push_back(static_cast<std::int32_t>(t % 4) - 1);
         }
-        std::vector<Rules> all_rules(4);
-        all_rules[0].groups = Wanted::between;
-        all_rules[1].groups = Wanted::within;
+        std::vector<PairFilter> all_rules(4);
+        all_rules[0].groups = PairScope::between;
+        all_rules[1].groups = PairScope::within;
         all_rules[2].excluded_groups = {{-1, 0}, {2, 2}};
-        all_rules[3].bodies = Wanted::between;
-        for (const Rules& rules : all_rules) {
-            expect_union(soup, Motion{.separation = 0.2, .rules = rules});
-            expect_union(soup, Near{.radius = 0.5, .rules = rules});
+        all_rules[3].bodies = PairScope::between;
+        for (const PairFilter& rules : all_rules) {
+            expect_union(soup, ImpactQuery{.min_distance = 0.2, .filter = rules});
+            expect_union(soup, ProximityQuery{.radius = 0.5, .filter = rules});
         }
     }
 }
 
 TEST(PartOfFeatures, CountsOffsetsAndLeastDistancesInItsOwnLists) {
     const auto soup = moving_grid(5, 60, 70, 5);
-    const Near question{.radius = 1, .least = true, .index = true};
-    const Nearby all = whole(soup, question);
+    const ProximityQuery question{.radius = 1, .least = true, .index = true};
+    const Proximities all = whole(soup, question);
     std::vector<double> least(soup.start.size(), std::numeric_limits<double>::infinity());
     for (const Part& part : partition(soup, question, 5)) {
-        const Nearby& found = elsewhere().find_near(part, question);
+        const Proximities& found = elsewhere().find(part, question);
         const PartFeatures& known = *part.features;
         ASSERT_EQ(found.vertex_distance.size(), known.vertices.size());
         ASSERT_EQ(found.edge_distance.size(), known.edges.size());
@@ -213,22 +216,22 @@ TEST(PartOfFeatures, CountsOffsetsAndLeastDistancesInItsOwnLists) {
 
 TEST(PartOfFeatures, OutlivesTheMesh) {
     auto soup = moving_grid(6, 40, 30, 3);
-    const Impacts all = whole(soup, Motion{});
+    const Impacts all = whole(soup, ImpactQuery{});
     ASSERT_GT(all.count, 50);
-    const std::vector<Part> parts = partition(soup, Motion{}, 3);
+    const std::vector<Part> parts = partition(soup, ImpactQuery{}, 3);
     soup = {};
-    expect_union(all, parts, Motion{}, elsewhere());
+    expect_union(all, parts, ImpactQuery{}, elsewhere());
 }
 
 TEST(PartOfFeatures, AnswersAsMuchAsIsWanted) {
     const auto soup = moving_grid(6, 40, 30, 3);
-    for (const Part& part : partition(soup, Motion{}, 3)) {
-        const Impacts all = elsewhere().find_impacts(part);
-        const Impacts& first = elsewhere().find_impacts(part, {.wants = MotionWants::earliest});
+    for (const Part& part : partition(soup, ImpactQuery{}, 3)) {
+        const Impacts all = elsewhere().find(part, ImpactQuery());
+        const Impacts& first = elsewhere().find(part, ImpactQuery{.output = Output::first});
         EXPECT_TRUE(first.first == all.first);
         EXPECT_EQ(first.world_first.size(), 1u);
         EXPECT_TRUE(first.vertex_faces().pairs.empty());
-        const Impacts& any = elsewhere().find_impacts(part, {.wants = MotionWants::any});
+        const Impacts& any = elsewhere().find(part, ImpactQuery{.output = Output::any});
         EXPECT_EQ(any.any, all.count > 0);
         EXPECT_TRUE(any.world_hit.empty());
     }
@@ -237,47 +240,47 @@ TEST(PartOfFeatures, AnswersAsMuchAsIsWanted) {
 /// A question that asks for less than the part was made for is a question like any other.
 TEST(PartOfFeatures, AnswersLesserQuestions) {
     const auto soup = moving_grid(5, 60, 70, 6);
-    const auto parts = partition(soup, Motion{.separation = 1, .separation_share = 0.3}, 5);
-    expect_union(whole(soup, Motion{.separation = 0.25}), parts, Motion{.separation = 0.25}, elsewhere());
-    const auto at_rest = partition(soup, Near{.radius = 1}, 5);
-    expect_union(whole(soup, Near{.radius = 0.5}), at_rest, Near{.radius = 0.5}, elsewhere());
+    const auto parts = partition(soup, ImpactQuery{.min_distance = 1, .min_distance_share = 0.3}, 5);
+    expect_union(whole(soup, ImpactQuery{.min_distance = 0.25}), parts, ImpactQuery{.min_distance = 0.25}, elsewhere());
+    const auto at_rest = partition(soup, ProximityQuery{.radius = 1}, 5);
+    expect_union(whole(soup, ProximityQuery{.radius = 0.5}), at_rest, ProximityQuery{.radius = 0.5}, elsewhere());
 }
 
-std::string message(const Part& part, const Motion& question) {
-    return error_of([&] { elsewhere().find_impacts(part, question); }).what();
+std::string message(const Part& part, const ImpactQuery& question) {
+    return error_of([&] { elsewhere().find(part, question); }).what();
 }
-std::string message(const Part& part, const Near& question) {
-    return error_of([&] { elsewhere().find_near(part, question); }).what();
+std::string message(const Part& part, const ProximityQuery& question) {
+    return error_of([&] { elsewhere().find(part, question); }).what();
 }
 
 TEST(PartOfFeatures, RefusesOtherQuestions) {
     const auto soup = moving_grid(5, 30, 20, 6);
-    const Part moving = partition(soup, Motion{.separation = 1}, 2)[0];
-    const Part at_rest = partition(soup, Near{.radius = 1, .rings = 1}, 2)[0];
-    const Part plain = at_home().partition(soup.view(), 2)[0];
-    EXPECT_EQ(message(plain, Motion{}), "the part was not made for a question about features");
+    const Part moving = partition(soup, ImpactQuery{.min_distance = 1}, 2)[0];
+    const Part at_rest = partition(soup, ProximityQuery{.radius = 1, .rings = 1}, 2)[0];
+    const Part plain = at_home().partition(soup.view(), {}, 2)[0];
+    EXPECT_EQ(message(plain, ImpactQuery{}), "the part was not made for a query about features");
     EXPECT_EQ(error_of([&] { elsewhere().find(moving); }).what(),
-              std::string("the part was made for a question about features"));
-    EXPECT_EQ(message(moving, Near{}), "the part was made for a question about motion");
-    EXPECT_EQ(message(at_rest, Motion{}), "the part was made for a question about nearness");
-    EXPECT_EQ(message(moving, Motion{.separation = 2}),
-              "separation and separation_share must be at most those that the part was made for");
-    EXPECT_EQ(message(moving, Motion{.separation_share = 0.5}),
-              "separation and separation_share must be at most those that the part was made for");
-    EXPECT_EQ(message(moving, Motion{.weld = true}), "weld must be as the part was made");
-    EXPECT_EQ(message(moving, Motion{.triangle_pairs = true}),
+              std::string("the part was made for a query about features"));
+    EXPECT_EQ(message(moving, ProximityQuery{}), "the part was made for a question about motion");
+    EXPECT_EQ(message(at_rest, ImpactQuery{}), "the part was made for a question about nearness");
+    EXPECT_EQ(message(moving, ImpactQuery{.min_distance = 2}),
+              "min_distance and min_distance_share must be at most those that the part was made for");
+    EXPECT_EQ(message(moving, ImpactQuery{.min_distance_share = 0.5}),
+              "min_distance and min_distance_share must be at most those that the part was made for");
+    EXPECT_EQ(message(moving, ImpactQuery{.weld = true}), "weld must be as the part was made");
+    EXPECT_EQ(message(moving, ImpactQuery{.triangle_pairs = true}),
               "triangle_pairs must be false: parts of features have none");
-    EXPECT_EQ(message(at_rest, Near{.radius = 2, .rings = 1}),
+    EXPECT_EQ(message(at_rest, ProximityQuery{.radius = 2, .rings = 1}),
               "radius must be at most that which the part was made for");
-    EXPECT_EQ(message(at_rest, Near{.radius = 1}), "rings must be as the part was made");
-    EXPECT_EQ(message(at_rest, Near{.rest_radius = 1}), "rings must be as the part was made");
-    EXPECT_EQ(message(at_rest, Near{.rings = 1, .rest_radius = 1}),
+    EXPECT_EQ(message(at_rest, ProximityQuery{.radius = 1}), "rings must be as the part was made");
+    EXPECT_EQ(message(at_rest, ProximityQuery{.rest_radius = 1}), "rings must be as the part was made");
+    EXPECT_EQ(message(at_rest, ProximityQuery{.rings = 1, .rest_radius = 1}),
               "rest_radius needs a part that was made with a shape at rest");
-    EXPECT_EQ(message(moving, Motion{.separation = -1}), "separation must be finite and 0 or more");
-    EXPECT_EQ(error_of([&] { partition(soup, Motion{}, 0); }).what(),
+    EXPECT_EQ(message(moving, ImpactQuery{.min_distance = -1}), "min_distance must be finite and 0 or more");
+    EXPECT_EQ(error_of([&] { partition(soup, ImpactQuery{}, 0); }).what(),
               std::string("the number of parts must be 1 to 262144"));
     EXPECT_EQ(error_of([&] {
-                  Detector({.backend = Backend::reference}).partition(soup.view(), Near{.radius = -1}, 1);
+                  Detector({.backend = Backend::reference}).partition(soup.view(), ProximityQuery{.radius = -1}, 1);
               }).what(),
               std::string("radius must be finite and 0 or more"));
 }
@@ -285,13 +288,13 @@ TEST(PartOfFeatures, RefusesOtherQuestions) {
 /// Whatever is changed in a part that came from elsewhere is an error, or leaves a part that can be searched.
 TEST(PartOfFeatures, IsCheckedBeforeItIsSearched) {
     const auto soup = with_lists(moving_grid(5, 40, 40, 6), 4);
-    const Part good = partition(soup, Motion{}, 2)[0];
+    const Part good = partition(soup, ImpactQuery{}, 2)[0];
     ASSERT_GT(good.features->edges.size(), 3u);
     ASSERT_GT(good.features->joined.size(), 0u);
     const auto refused = [&](const char* what, auto change) {
         Part bad = good;
         change(bad, *bad.features);
-        const Error error = error_of([&] { elsewhere().find_impacts(bad); });
+        const Error error = error_of([&] { elsewhere().find(bad, ImpactQuery()); });
         EXPECT_TRUE(error.code == ErrorCode::invalid_argument || error.code == ErrorCode::index_out_of_range) << what;
     };
     refused("no ends", [](Part&, PartFeatures& f) { f.end = std::vector<double>(); });
@@ -318,12 +321,12 @@ TEST(PartOfFeatures, IsCheckedBeforeItIsSearched) {
 TEST(PartOfFeatures, ChecksNumbersToo) {
     const auto soup = moving_grid(5, 30, 20, 6);
     const std::vector<double> radii(soup.start.size(), 0.5);
-    Part part = partition(soup, Near{.radii = radii}, 1)[0];
+    Part part = partition(soup, ProximityQuery{.radii = radii}, 1)[0];
     part.features->radii[0] = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_EQ(message(part, Near{}), "the radius of vertex 0 must be finite and 0 or more");
-    part = partition(soup, Near{.rest = soup.end_view(), .rest_radius = 1}, 1)[0];
+    EXPECT_EQ(message(part, ProximityQuery{}), "the radius of vertex 0 must be finite and 0 or more");
+    part = partition(soup, ProximityQuery{.rest = soup.end_view(), .rest_radius = 1}, 1)[0];
     part.features->rest[4] = std::numeric_limits<double>::infinity();
-    EXPECT_NE(message(part, Near{.rest_radius = 1}).find("not finite"), std::string::npos);
+    EXPECT_NE(message(part, ProximityQuery{.rest_radius = 1}).find("not finite"), std::string::npos);
 }
 
 }  // namespace

@@ -63,11 +63,11 @@ void expect_within(const Hits& part, const Hits& all) {
 
 class FeatureProperties : public testing::TestWithParam<unsigned> {
    protected:
-    Hits impacts(const MovingSoup<>& soup, const Motion& question = {}) {
-        return hits_of(detector_.find_impacts(soup.view(), soup.end_view(), question));
+    Hits impacts(const MovingSoup<>& soup, const ImpactQuery& question = {}) {
+        return hits_of(detector_.find(soup.view().moving_to(soup.end_view()), question));
     }
-    Hits near(const MovingSoup<>& soup, const Near& question) {
-        return hits_of(detector_.find_near(soup.view(), question));
+    Hits near(const MovingSoup<>& soup, const ProximityQuery& question) {
+        return hits_of(detector_.find(soup.view(), question));
     }
     /// Small soups of some kinds, with many hits.
     std::vector<MovingSoup<>> soups() const {
@@ -213,13 +213,13 @@ TEST_P(FeatureProperties, MoreIsNearWithinMore) {
 TEST_P(FeatureProperties, WhatIsNearAtTheStartTouchesAtADistanceAtTheStart) {
     for (const MovingSoup<>& soup : soups()) {
         if (soup.triangles.size() > 15) continue;  // separations take long
-        const Hits apart = impacts(soup, {.separation = 0.5}), hits = impacts(soup);
+        const Hits apart = impacts(soup, {.min_distance = 0.5}), hits = impacts(soup);
         Hits start;
         for (const Hit& hit : apart)
             if (hit.flag) start.push_back(hit);
         expect_same(without_values(start), without_values(near(soup, {.radius = 0.5})));
         expect_within(without_values(hits), without_values(apart));
-        expect_same(impacts(soup, {.separation = 0, .separation_share = 0}), hits);
+        expect_same(impacts(soup, {.min_distance = 0, .min_distance_share = 0}), hits);
     }
 }
 

@@ -22,7 +22,7 @@ class Backwards : public ParallelFor {
     }
 };
 
-void expect_listing(const MovingSoup<>& soup, const Scene& scene, const SceneFeatures& features) {
+void expect_listing(const MovingSoup<>& soup, const PreparedScene& scene, const SceneFeatures& features) {
     std::map<Edge, std::pair<std::size_t, std::size_t>> owner;  // triangle and side
     std::set<std::int32_t> seen;
     std::vector<std::uint8_t> owned(soup.triangles.size());
@@ -70,7 +70,7 @@ TEST(SceneFeatures, AreThoseOfAPlainListing) {
         for (const bool weld : {false, true, false}) {
             SCOPED_TRACE(move.name + (weld ? ", welded" : ""));
             if (weld && move.soup.start.size() > 1000) continue;  // the listing compares all with all
-            Scene scene = prepare_scene(move.soup.view(), nullptr, false, workers, buffers);
+            PreparedScene scene = prepare_scene(move.soup.view(), nullptr, false, workers, buffers);
             add_motion(move.soup.end_view(), workers, buffers, scene);
             features.prepare(scene, weld, workers);
             ASSERT_NO_FATAL_FAILURE(expect_listing(move.soup, scene, features));
@@ -88,7 +88,7 @@ TEST(SceneFeatures, ForgetOtherCorners) {
     Backwards workers;
     MovingSoup<> soup = moving_grid(4, 30, 20, 31);
     const auto look = [&] {
-        const Scene scene = prepare_scene(soup.view(), nullptr, false, workers, buffers);
+        const PreparedScene scene = prepare_scene(soup.view(), nullptr, false, workers, buffers);
         features.prepare(scene, false, workers);
         expect_listing(soup, scene, features);
     };

@@ -95,7 +95,7 @@ TEST_P(ImpactsOfScenes, AreAllFound) {
     if (!folder) GTEST_SKIP() << "no exact answers for moving scenes";
     const io::TriangleMesh start = frame(*folder, GetParam().start), end = frame(*folder, GetParam().end);
     Detector detector;
-    const Impacts& impacts = detector.find_impacts(start.view(), end.view().vertices);
+    const Impacts& impacts = detector.find(start.view().moving_to(end.view().vertices), ImpactQuery());
     const std::vector<Line> expected = read_list(*folder / "gt-motion" / GetParam().answer, true);
     expect_equal(lines_of(
                      impacts, [](const auto& list) -> auto& { return list.toi; },
@@ -104,10 +104,10 @@ TEST_P(ImpactsOfScenes, AreAllFound) {
 
     const auto first = std::min_element(expected.begin(), expected.end(),
                                         [](const Line& a, const Line& b) { return a.value < b.value; });
-    const FirstImpact found = detector.time_of_first_impact(start.view(), end.view().vertices);
+    const FirstImpact found = detector.find(start.view().moving_to(end.view().vertices), FirstImpactQuery());
     EXPECT_EQ(found.toi, first->value);
     EXPECT_EQ(found.kind, first->edges ? FeatureKind::edge_edge : FeatureKind::vertex_face);
-    EXPECT_FALSE(detector.is_free(start.view(), end.view().vertices));
+    EXPECT_TRUE(detector.any(start.view().moving_to(end.view().vertices), ImpactQuery()));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -127,7 +127,7 @@ TEST_P(NearPairsOfScenes, AreAllFound) {
     if (!folder) GTEST_SKIP() << "no exact answers for near pairs";
     const io::TriangleMesh mesh = frame(*folder, GetParam().start);
     Detector detector;
-    const Nearby& nearby = detector.find_near(mesh.view(), {.radius = GetParam().radius});
+    const Proximities& nearby = detector.find(mesh.view(), ProximityQuery{.radius = GetParam().radius});
     expect_equal(lines_of(
                      nearby, [](const auto& list) -> auto& { return list.squared_distance; },
                      [](const auto& list) -> auto& { return list.touching; }),

@@ -17,30 +17,30 @@ namespace {
 
 // What views name outlives the call: soups and questions are captured by reference.
 template <class Scalar>
-Asked<Impacts> impacts(const MovingSoup<Scalar>& soup, const Motion& question) {
+Asked<Impacts> impacts(const MovingSoup<Scalar>& soup, const ImpactQuery& question) {
     return {[&, question](Detector& by) -> const Impacts& {
-                return by.find_impacts(soup.view(), soup.end_view(), question);
+                return by.find(soup.view().moving_to(soup.end_view()), question);
             },
             [&, question](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
-                return by.stream_impacts(soup.view(), soup.end_view(), take, question, how, std::move(stop));
+                return by.stream(soup.view().moving_to(soup.end_view()), question, take, how, std::move(stop));
             }};
 }
 template <class Scalar>
-Asked<Nearby> near(const MovingSoup<Scalar>& soup, const Near& question) {
-    return {[&, question](Detector& by) -> const Nearby& { return by.find_near(soup.view(), question); },
+Asked<Proximities> near(const MovingSoup<Scalar>& soup, const ProximityQuery& question) {
+    return {[&, question](Detector& by) -> const Proximities& { return by.find(soup.view(), question); },
             [&, question](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
-                return by.stream_near(soup.view(), take, question, how, std::move(stop));
+                return by.stream(soup.view(), question, take, how, std::move(stop));
             }};
 }
 template <class Scalar>
-Asked<CandidateLists> candidates(const MovingSoup<Scalar>& soup, bool step, const CandidateQuestion& question) {
-    return {[&, step, question](Detector& by) -> const CandidateLists& {
-                return step ? by.find_candidates(soup.view(), soup.end_view(), question)
-                            : by.find_candidates(soup.view(), question);
+Asked<Candidates> candidates(const MovingSoup<Scalar>& soup, bool step, const CandidateQuery& question) {
+    return {[&, step, question](Detector& by) -> const Candidates& {
+                return step ? by.find(soup.view().moving_to(soup.end_view()), question)
+                            : by.find(soup.view(), question);
             },
             [&, step, question](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
-                return step ? by.stream_candidates(soup.view(), soup.end_view(), take, question, how, std::move(stop))
-                            : by.stream_candidates(soup.view(), take, question, how, std::move(stop));
+                return step ? by.stream(soup.view().moving_to(soup.end_view()), question, take, how, std::move(stop))
+                            : by.stream(soup.view(), question, take, how, std::move(stop));
             }};
 }
 
@@ -104,7 +104,7 @@ TYPED_TEST(StreamOfFeatures, Impacts) {
     this->for_each_soup(0.4, [](const auto& move) {
         expect_blocks(impacts(move.soup, {}));
         if (move.unit > 1e100) return;
-        expect_blocks(impacts(move.soup, {.separation = 0.1 * move.unit, .weld = true}));
+        expect_blocks(impacts(move.soup, {.min_distance = 0.1 * move.unit, .weld = true}));
     });
 }
 
@@ -116,7 +116,7 @@ TYPED_TEST(StreamOfFeatures, NearPairs) {
     });
 }
 
-TYPED_TEST(StreamOfFeatures, Candidates) {
+TYPED_TEST(StreamOfFeatures, CandidateChunk) {
     this->for_each_soup(0.3, [](const auto& move) {
         expect_blocks(candidates(move.soup, true, {}));
         expect_blocks(candidates(move.soup, false, {.kinds = all_candidate_kinds(), .weld = true}));
@@ -127,8 +127,8 @@ TYPED_TEST(StreamOfFeatures, NearPairsWithRadiiAndARestShape) {
     const auto soup = rounded<TypeParam>(moving_grid(5, 60, 70, 3));
     std::vector<double> radii;
     for (std::size_t v = 0; v < soup.start.size(); ++v) radii.push_back(0.1 * static_cast<double>(v % 7));
-    const Near question{.radii = radii, .closest = true, .rest = soup.end_view(), .rest_radius = 1.5};
-    const Asked<Nearby> asked = near(soup, question);
+    const ProximityQuery question{.radii = radii, .closest = true, .rest = soup.end_view(), .rest_radius = 1.5};
+    const Asked<Proximities> asked = near(soup, question);
     EXPECT_GT(asked.find(plain()).count, 300);
     expect_blocks(asked);
 }
@@ -138,7 +138,7 @@ TYPED_TEST(StreamOfFeatures, OfListedEdgesAndPoints) {
     this->for_each_soup(0.25, [&](const auto& move) {
         if (move.unit > 1e100) return;
         const auto soup = with_lists(move.soup, seed++);
-        expect_blocks(impacts(soup, {.separation = 0.1 * move.unit}));
+        expect_blocks(impacts(soup, {.min_distance = 0.1 * move.unit}));
         expect_blocks(near(soup, {.radius = 0.5 * move.unit, .closest = true}));
         expect_blocks(candidates(soup, true, {.kinds = all_candidate_kinds()}));
     });
@@ -156,9 +156,9 @@ TYPED_TEST(StreamOfFeatures, OfTheReferenceBackend) {
 TEST(StreamOfFeatures, HasGroupsAndRules) {
     MovingSoup<> soup = in_general(150, 0.5, 0.4, 3);
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 5));
-    Motion question;
-    question.rules.groups = Wanted::between;
-    question.rules.excluded_groups = {{0, 1}, {2, 4}};
+    ImpactQuery question;
+    question.filter.groups = PairScope::between;
+    question.filter.excluded_groups = {{0, 1}, {2, 4}};
     const Asked<Impacts> asked = impacts(soup, question);
     EXPECT_GT(asked.find(plain()).count, 500);
     expect_blocks(asked);
@@ -169,20 +169,20 @@ TEST(StreamOfFeatures, CutsTheRowsOfOneFeature) {
     const MovingSoup<> soup = giant_under_many(300, 4, 40);
     std::vector<double> radii(soup.start.size(), 0.0);
     radii[150] = 30;
-    const Asked<Nearby> asked = near(soup, {.radii = radii, .closest = true});
-    const Nearby expected = asked.find(plain());
+    const Asked<Proximities> asked = near(soup, {.radii = radii, .closest = true});
+    const Proximities expected = asked.find(plain());
     std::vector<int> of_vertex(soup.start.size()), of_edge(expected.edges.size());
     for (const Pair& pair : expected.vertex_faces().pairs) ++of_vertex[static_cast<std::size_t>(pair.a)];
     for (const Pair& pair : expected.edge_edges().pairs) ++of_edge[static_cast<std::size_t>(pair.a)];
     ASSERT_GT(*std::max_element(of_vertex.begin(), of_vertex.end()), 200);
     ASSERT_GT(*std::max_element(of_edge.begin(), of_edge.end()), 500);
-    const Asked<CandidateLists> boxes = candidates(soup, true, {.kinds = {CandidateKind::face_face}});
-    const CandidateLists listed = boxes.find(plain());
+    const Asked<Candidates> boxes = candidates(soup, true, {.kinds = {CandidateKind::face_face}});
+    const Candidates listed = boxes.find(plain());
     ASSERT_GT(listed.count, 1000);  // 200 of the giant
     for (Detector* detector : streaming())
         for (const std::int64_t size : {30, 90}) {
-            expect_blocks<Nearby>(asked, expected, *detector, {size, true});
-            expect_blocks<CandidateLists>(boxes, listed, *detector, {size, true});
+            expect_blocks<Proximities>(asked, expected, *detector, {size, true});
+            expect_blocks<Candidates>(boxes, listed, *detector, {size, true});
         }
 }
 
@@ -201,30 +201,29 @@ TEST(StreamOfFeatures, OfWorlds) {
             shape.points = points.emplace_back(std::vector<std::int32_t>{2, 0, 0});
         }
         const World step = moving->view(), still{step.shapes, step.bodies, step.poses};
-        const Intersect drawn = random_question(seed, kind.bodies);
+        const IntersectionQuery drawn = random_question(seed, kind.bodies);
         const auto expect = [&](auto asked) {
             rows += asked.find(plain()).count;
             expect_blocks(asked);
         };
-        Motion motion{.separation = 0.02, .weld = drawn.weld};
-        motion.rules = drawn.rules;
-        expect(Asked<Impacts>{[&](Detector& by) -> const Impacts& { return by.find_impacts(step, motion); },
+        ImpactQuery motion{.min_distance = 0.02, .weld = drawn.weld};
+        motion.filter = drawn.filter;
+        expect(Asked<Impacts>{[&](Detector& by) -> const Impacts& { return by.find(step, motion); },
                               [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
-                                  return by.stream_impacts(step, take, motion, how, std::move(stop));
+                                  return by.stream(step, motion, take, how, std::move(stop));
                               }});
-        Near nearness{.radius = 0.1, .closest = true, .rings = static_cast<std::int32_t>(seed % 3)};
-        nearness.rules = drawn.rules;
-        expect(Asked<Nearby>{[&](Detector& by) -> const Nearby& { return by.find_near(still, nearness); },
-                             [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
-                                 return by.stream_near(still, take, nearness, how, std::move(stop));
-                             }});
-        CandidateQuestion boxes{.kinds = all_candidate_kinds(), .inflation = 0.01};
-        boxes.rules = drawn.rules;
-        expect(Asked<CandidateLists>{
-            [&](Detector& by) -> const CandidateLists& { return by.find_candidates(step, boxes); },
-            [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
-                return by.stream_candidates(step, take, boxes, how, std::move(stop));
-            }});
+        ProximityQuery nearness{.radius = 0.1, .closest = true, .rings = static_cast<std::int32_t>(seed % 3)};
+        nearness.filter = drawn.filter;
+        expect(Asked<Proximities>{[&](Detector& by) -> const Proximities& { return by.find(still, nearness); },
+                                  [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                                      return by.stream(still, nearness, take, how, std::move(stop));
+                                  }});
+        CandidateQuery boxes{.kinds = all_candidate_kinds(), .inflation = 0.01};
+        boxes.filter = drawn.filter;
+        expect(Asked<Candidates>{[&](Detector& by) -> const Candidates& { return by.find(step, boxes); },
+                                 [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                                     return by.stream(step, boxes, take, how, std::move(stop));
+                                 }});
         if (HasFailure()) return;
     }
     EXPECT_GT(rows, 5000);
@@ -233,13 +232,13 @@ TEST(StreamOfFeatures, OfWorlds) {
 TEST(StreamOfFeatures, OfNothingHasNoBlocks) {
     const auto never = [](const auto&) { FAIL(); };
     for (Detector* detector : streaming()) {
-        EXPECT_EQ(detector->stream_impacts(World(), never).pairs, 0);
-        EXPECT_EQ(detector->stream_near(World(), never, {}).pairs, 0);
-        EXPECT_EQ(detector->stream_candidates(World(), never).pairs, 0);
-        EXPECT_EQ(detector->stream_candidates(MeshView(), never).pairs, 0);
-        EXPECT_EQ(detector->stream_near(MeshView(), never, {.radius = 1}).pairs, 0);
+        EXPECT_EQ(detector->stream(World(), ImpactQuery(), never).pairs, 0);
+        EXPECT_EQ(detector->stream(World(), ProximityQuery(), never).pairs, 0);
+        EXPECT_EQ(detector->stream(World(), CandidateQuery(), never).pairs, 0);
+        EXPECT_EQ(detector->stream(MeshView(), CandidateQuery(), never).pairs, 0);
+        EXPECT_EQ(detector->stream(MeshView(), ProximityQuery{.radius = 1}, never).pairs, 0);
         const auto one = in_general(1, 0.1, 0.1, 1);
-        EXPECT_EQ(detector->stream_impacts(one.view(), one.end_view(), never).triangles, 1);
+        EXPECT_EQ(detector->stream(one.view().moving_to(one.end_view()), ImpactQuery(), never).triangles, 1);
     }
 }
 
@@ -296,7 +295,7 @@ void expect_within_limit(const Asked<Answer>& asked) {
         Detector enough({.threads = 2, .memory_limit = limit});
         for (int round = 0; round < 2; ++round) {
             EXPECT_EQ(error_of([&] { asked.find(enough); }).code, ErrorCode::memory_limit);
-            EXPECT_TRUE(enough.has_collision(other.view())) << "whose memory is kept";
+            EXPECT_TRUE(enough.any(other.view())) << "whose memory is kept";
             EXPECT_LE(stream(enough, 1000), limit);
             EXPECT_EQ(rows, count);
         }
@@ -322,12 +321,13 @@ TEST(StreamOfFeatures, FitsALimitThatTheAnswerDoesNotFitOrNamesOne) {
 TEST(StreamOfFeatures, PeaksFarBelowTheWholeAnswer) {
     const MovingSoup<> soup = in_general(1500, 0.5, 0.3, 7);
     Detector find({.threads = 1}), stream({.threads = 1});
-    const std::int64_t whole = find.find_candidates(soup.view(), soup.end_view()).statistics.peak_memory_bytes;
-    const auto ignore = [](const CandidateLists&) {};
+    const std::int64_t whole =
+        find.find(soup.view().moving_to(soup.end_view()), CandidateQuery()).statistics.peak_memory_bytes;
+    const auto ignore = [](const Candidates&) {};
     for (const bool ordered : {true, false}) {
         const Statistics statistics =
-            stream.stream_candidates(soup.view(), soup.end_view(), ignore, {}, {20'000, ordered});
-        EXPECT_EQ(statistics.pairs, find.find_candidates(soup.view(), soup.end_view()).count);
+            stream.stream(soup.view().moving_to(soup.end_view()), CandidateQuery(), ignore, {20'000, ordered});
+        EXPECT_EQ(statistics.pairs, find.find(soup.view().moving_to(soup.end_view()), CandidateQuery()).count);
         EXPECT_LT(statistics.peak_memory_bytes, whole / 4) << statistics.pairs;
     }
 }
@@ -341,23 +341,24 @@ TEST(StreamOfFeatures, RefusesWhatBlocksHaveNot) {
         EXPECT_EQ(error.element, Element::option);
         EXPECT_EQ(std::string(error.what()).find(word), 0U) << error.what();
     };
-    for (const Motion& question :
-         {Motion{.index = true}, Motion{.triangle_pairs = true}, Motion{.wants = MotionWants::earliest}})
+    for (const ImpactQuery& question :
+         {ImpactQuery{.index = true}, ImpactQuery{.triangle_pairs = true}, ImpactQuery{.output = Output::first}})
         expect(question.index            ? "index"
                : question.triangle_pairs ? "triangle_pairs"
-                                         : "wants",
-               [&] { Detector().stream_impacts(soup.view(), soup.end_view(), ignore, question); });
-    for (const Near& question : {Near{.index = true}, Near{.least = true}, Near{.wants = NearWants::any}})
+                                         : "output",
+               [&] { Detector().stream(soup.view().moving_to(soup.end_view()), question, ignore); });
+    for (const ProximityQuery& question :
+         {ProximityQuery{.index = true}, ProximityQuery{.least = true}, ProximityQuery{.output = Output::any}})
         expect(question.index   ? "index"
                : question.least ? "least"
-                                : "wants",
-               [&] { Detector().stream_near(soup.view(), ignore, question); });
-    expect("kinds", [&] { Detector().stream_candidates(soup.view(), ignore, CandidateQuestion{.kinds = {}}); });
+                                : "output",
+               [&] { Detector().stream(soup.view(), question, ignore); });
+    expect("kinds", [&] { Detector().stream(soup.view(), CandidateQuery{.kinds = {}}, ignore); });
     for (const std::int64_t size : {std::int64_t{0}, (std::int64_t{1} << 40) + 1})
-        expect("block_pairs", [&] { Detector().stream_candidates(soup.view(), ignore, {}, {size, true}); });
+        expect("block_pairs", [&] { Detector().stream(soup.view(), CandidateQuery(), ignore, {size, true}); });
     expect("radii of a world", [&] {
         const std::vector<double> radii{1};
-        Detector().stream_near(World(), ignore, {.radii = radii});
+        Detector().stream(World(), ProximityQuery{.radii = radii}, ignore);
     });
 }
 

@@ -121,7 +121,7 @@ class Tangle {
         return lines;
     }
 
-    Scene scene;
+    PreparedScene scene;
     SceneFeatures features;
 
    private:

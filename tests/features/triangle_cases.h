@@ -100,7 +100,7 @@ class LeafOfTwo {
     LeafOfTwo(const cpu::FeatureTables& table, const TriangleCase& c, bool float32, const LeafFrame& frame,
               const Inflation& inflation)
         : corners_(c.vertex), table_(table), features_(nullptr) {
-        Scene scene;
+        PreparedScene scene;
         scene.vertices = {6, 0};
         scene.triangles = {2, 0};
         scene.corners = corners_.data();
@@ -133,7 +133,7 @@ class LeafOfTwo {
    private:
     std::size_t separate(std::uint16_t row, std::uint16_t column, float gap) const {
         constexpr std::uint16_t dummy = 2;
-        cpu::Candidates candidates(nullptr);
+        cpu::CandidateChunk candidates(nullptr);
         candidates.count = 16;
         candidates.pairs = 1;
         candidates.dummy = dummy;

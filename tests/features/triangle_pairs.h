@@ -37,7 +37,7 @@ TrianglePairs triangle_pairs_of(const MovingSoup<Scalar>& soup, const Impacts& i
                 v = lowest.emplace(key, v).first->second;
             }
     named.groups.clear();
-    for (const Pair& pair : reference().find_self(named.view()).pairs) add(pair.a, pair.b, 0, true);
+    for (const Pair& pair : reference().find(named.view()).pairs) add(pair.a, pair.b, 0, true);
 
     const auto names = [&](std::size_t t, std::int32_t v) {
         return std::find(soup.triangles[t].begin(), soup.triangles[t].end(), v) != soup.triangles[t].end();

@@ -14,30 +14,31 @@ namespace {
 template <class Scalar>
 class TrianglePairsOfAStep : public testing::Test {
    protected:
-    static void compare(const MovingSoup<Scalar>& soup, Motion question) {
+    static void compare(const MovingSoup<Scalar>& soup, ImpactQuery question) {
         question.index = true;
         question.triangle_pairs = false;
         Impacts features;
-        reference().find_impacts(soup.view(), soup.end_view(), question);
+        reference().find(soup.view().moving_to(soup.end_view()), question);
         reference().swap_result(features);
         const TrianglePairs expected = triangle_pairs_of(soup, features, question.weld);
         question.triangle_pairs = true;
         Impacts all;
-        reference().find_impacts(soup.view(), soup.end_view(), question);
+        reference().find(soup.view().moving_to(soup.end_view()), question);
         reference().swap_result(all);
         EXPECT_EQ(listed(all.triangle_pairs), expected);
         EXPECT_EQ(all.any, !expected.empty() || features.any) << "what touches without a face is no pair of triangles";
         for (const Tested& way : std::span(tested()).first(4)) {
             SCOPED_TRACE(way.name);
-            const Impacts& found = way.detector->find_impacts(soup.view(), soup.end_view(), question);
+            const Impacts& found = way.detector->find(soup.view().moving_to(soup.end_view()), question);
             ASSERT_TRUE(same_list(found.triangle_pairs, all.triangle_pairs));
             EXPECT_EQ(found.any, all.any);
             for (std::size_t kind = 0; kind < feature_kinds; ++kind)
                 ASSERT_TRUE(same_list(found.lists[kind], features.lists[kind])) << "as without";
         }
         Detector& detector = *tested()[1].detector;
-        EXPECT_EQ(detector.is_free(soup.view(), soup.end_view(), question), !all.any);
-        EXPECT_TRUE(same_first(detector.time_of_first_impact(soup.view(), soup.end_view(), question), features.first));
+        EXPECT_EQ(!detector.any(soup.view().moving_to(soup.end_view()), question), !all.any);
+        EXPECT_TRUE(same_first(detector.find(soup.view().moving_to(soup.end_view()), FirstImpactQuery{question}),
+                               features.first));
     }
 };
 using Precisions = testing::Types<float, double>;
@@ -56,7 +57,7 @@ TYPED_TEST(TrianglePairsOfAStep, CountWhatComesNear) {
     for (const auto& move : moving_soups<TypeParam>(0.1)) {
         if (move.unit > 1e200) continue;
         SCOPED_TRACE(move.name);
-        this->compare(move.soup, {.separation = 0.5 * move.unit});
+        this->compare(move.soup, {.min_distance = 0.5 * move.unit});
     }
 }
 
@@ -85,12 +86,12 @@ TEST(TrianglePairs, WhatIsStuckFromStartToEndIsFreeButForItsTriangles) {
     const MovingSoup<> soup = blade_in_a_plate(0.25);
     for (const Backend backend : {Backend::reference, Backend::cpu}) {
         Detector detector({.backend = backend});
-        EXPECT_TRUE(detector.is_free(soup.view(), soup.end_view()));
-        EXPECT_EQ(detector.find_free_step(soup.view(), soup.end_view()).share, 1);
-        const Motion question{.triangle_pairs = true};
-        EXPECT_FALSE(detector.is_free(soup.view(), soup.end_view(), question));
-        EXPECT_EQ(detector.find_free_step(soup.view(), soup.end_view(), question).share, 0);
-        const Impacts& found = detector.find_impacts(soup.view(), soup.end_view(), question);
+        EXPECT_FALSE(detector.any(soup.view().moving_to(soup.end_view()), ImpactQuery()));
+        EXPECT_EQ(detector.find(soup.view().moving_to(soup.end_view()), FreeStepQuery()).share, 1);
+        const ImpactQuery question{.triangle_pairs = true};
+        EXPECT_TRUE(detector.any(soup.view().moving_to(soup.end_view()), question));
+        EXPECT_EQ(detector.find(soup.view().moving_to(soup.end_view()), FreeStepQuery{question}).share, 0);
+        const Impacts& found = detector.find(soup.view().moving_to(soup.end_view()), question);
         EXPECT_TRUE(found.any);
         EXPECT_EQ(found.count, 0) << "impacts";
         EXPECT_EQ(listed(found.triangle_pairs), (TrianglePairs{{{0, 1}, {0, true}}}));
@@ -101,22 +102,23 @@ TEST(TrianglePairs, AFreeStepIsTheSameWhereNothingIsStuck) {
     MovingSoup<> soup = blade_in_a_plate(0);
     for (std::size_t v = 3; v < 6; ++v) soup.start[v][2] += 2;
     Detector detector({.backend = Backend::cpu});
-    const Motion question{.triangle_pairs = true};
-    const FreeStep step = detector.find_free_step(soup.view(), soup.end_view(), question);
+    const ImpactQuery question{.triangle_pairs = true};
+    const FreeStep step = detector.find(soup.view().moving_to(soup.end_view()), FreeStepQuery{question});
     EXPECT_GT(step.share, 0.4);
     EXPECT_LT(step.share, 0.5);
-    const Impacts& found = detector.find_impacts(soup.view(), soup.end_view(), question);
+    const Impacts& found = detector.find(soup.view().moving_to(soup.end_view()), question);
     EXPECT_EQ(listed(found.triangle_pairs), (TrianglePairs{{{0, 1}, {0.5, false}}}));
 }
 
 TEST(TrianglePairs, AreNotListedUnlessAskedFor) {
     const MovingSoup<> soup = blade_in_a_plate(0.25);
     Detector detector({.backend = Backend::cpu});
-    EXPECT_EQ(detector.find_impacts(soup.view(), soup.end_view(), {.triangle_pairs = true}).triangle_pairs.pairs.size(),
+    EXPECT_EQ(detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.triangle_pairs = true})
+                  .triangle_pairs.pairs.size(),
               1U);
-    EXPECT_TRUE(detector.find_impacts(soup.view(), soup.end_view()).triangle_pairs.pairs.empty());
-    const Motion earliest{.wants = MotionWants::earliest, .triangle_pairs = true};
-    const Impacts& first = detector.find_impacts(soup.view(), soup.end_view(), earliest);
+    EXPECT_TRUE(detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery()).triangle_pairs.pairs.empty());
+    const ImpactQuery earliest{.output = Output::first, .triangle_pairs = true};
+    const Impacts& first = detector.find(soup.view().moving_to(soup.end_view()), earliest);
     EXPECT_TRUE(first.any);
     EXPECT_FALSE(first.first.found) << "which is one of features";
     EXPECT_TRUE(first.triangle_pairs.pairs.empty());
@@ -124,10 +126,10 @@ TEST(TrianglePairs, AreNotListedUnlessAskedFor) {
 
 TEST(TrianglePairs, ObeyAMemoryLimit) {
     const MovingSoup<> soup = in_general(1200, 0.12, 0.05, 6);
-    const Motion question{.triangle_pairs = true};
+    const ImpactQuery question{.triangle_pairs = true};
     Detector free({.backend = Backend::cpu, .threads = 2, .leaf_size = 40});
     Impacts expected;
-    const std::int64_t peak = free.find_impacts(soup.view(), soup.end_view(), question).statistics.peak_memory_bytes;
+    const std::int64_t peak = free.find(soup.view().moving_to(soup.end_view()), question).statistics.peak_memory_bytes;
     free.swap_result(expected);
     ASSERT_FALSE(expected.triangle_pairs.pairs.empty());
     bool refused = false;
@@ -135,7 +137,7 @@ TEST(TrianglePairs, ObeyAMemoryLimit) {
         SCOPED_TRACE(limit);
         Options tight{.backend = Backend::cpu, .threads = 2, .memory_limit = limit, .leaf_size = 40};
         const auto expect_same = [&](Detector& detector) {
-            const Impacts& found = detector.find_impacts(soup.view(), soup.end_view(), question);
+            const Impacts& found = detector.find(soup.view().moving_to(soup.end_view()), question);
             EXPECT_LE(found.statistics.peak_memory_bytes, tight.memory_limit);
             EXPECT_TRUE(same_list(found.triangle_pairs, expected.triangle_pairs));
         };
@@ -147,7 +149,7 @@ TEST(TrianglePairs, ObeyAMemoryLimit) {
             ASSERT_EQ(error.code, ErrorCode::memory_limit);
             EXPECT_GT(error.bytes_needed, limit);
             sufficient_limit(tight, [&](Detector& enough) {
-                const Impacts& found = enough.find_impacts(soup.view(), soup.end_view(), question);
+                const Impacts& found = enough.find(soup.view().moving_to(soup.end_view()), question);
                 EXPECT_TRUE(same_list(found.triangle_pairs, expected.triangle_pairs));
             });
         }

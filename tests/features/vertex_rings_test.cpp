@@ -24,7 +24,7 @@ class Backwards : public ParallelFor {
 class VertexRingsOf : public testing::Test {
    protected:
     void prepare(const MovingSoup<>& soup, std::int32_t count, bool weld = false) {
-        const Scene scene = prepare_scene(soup.view(), nullptr, false, workers, buffers);
+        const PreparedScene scene = prepare_scene(soup.view(), nullptr, false, workers, buffers);
         features.prepare(scene, weld, workers);
         const std::size_t before = workers.tasks;
         rings.prepare(features, scene.vertex_count(), count, workers, cancellation);

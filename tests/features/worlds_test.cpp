@@ -12,7 +12,7 @@
 #include "features/compare_features.h"
 #include "features/moving_worlds.h"
 #include "features/triangle_pairs.h"
-#include "queries/candidate_query.h"
+#include "queries/candidate_request.h"
 
 namespace crumple::test {
 namespace {
@@ -90,7 +90,7 @@ class Together {
 
     /// The lines of an answer about the soup that the rules want.
     template <class Answer>
-    std::vector<Line> lines(const Answer& answer, const Rules& rules) const {
+    std::vector<Line> lines(const Answer& answer, const PairFilter& rules) const {
         std::vector<Line> lines;
         for (std::size_t kind = 0; kind < answer.lists.size(); ++kind) {
             const auto& list = answer.lists[kind];
@@ -106,7 +106,7 @@ class Together {
     }
 
     /// The lines of the pairs of triangles that the rules want, as the features' impacts and the triangles are wanted.
-    std::vector<Line> triangle_lines(const Impacts& all, bool weld, const Rules& rules) const {
+    std::vector<Line> triangle_lines(const Impacts& all, bool weld, const PairFilter& rules) const {
         Impacts impacts;
         impacts.edges = all.edges;
         for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
@@ -187,12 +187,12 @@ class Together {
         const auto at = std::lower_bound(edges_[b].begin(), edges_[b].end(), inside);
         return {b, static_cast<std::int32_t>(at - edges_[b].begin()), edge_group_.at(e)};
     }
-    bool wanted(const Place& a, const Place& b, const Rules& rules) const {
+    bool wanted(const Place& a, const Place& b, const PairFilter& rules) const {
         const Body &p = world_.bodies[a.body], &q = world_.bodies[b.body];
         if (p.world != q.world && p.world != -1 && q.world != -1) return false;
-        if (a.body == b.body ? !p.self || rules.bodies == Wanted::between : rules.bodies == Wanted::within)
+        if (a.body == b.body ? !p.self || rules.bodies == PairScope::between : rules.bodies == PairScope::within)
             return false;
-        if (a.group == b.group ? rules.groups == Wanted::between : rules.groups == Wanted::within) return false;
+        if (a.group == b.group ? rules.groups == PairScope::between : rules.groups == PairScope::within) return false;
         const auto names = [](const auto& excluded, std::int64_t x, std::int64_t y) {
             return std::any_of(excluded.begin(), excluded.end(), [&](const auto& e) {
                 return (e.first == x && e.second == y) || (e.first == y && e.second == x);
@@ -277,45 +277,45 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
         Detector single({.backend = Backend::cpu, .threads = 1});
         for (unsigned i = 0; i < 3; ++i) {
             SCOPED_TRACE(testing::Message() << "question " << i);
-            const Intersect rules = random_question(5 * GetParam() + i, kind.bodies);
-            Motion motion{.weld = rules.weld, .rules = rules.rules};
-            const Impacts& all = single.find_impacts(soup.view(), soup.end_view(), {.weld = rules.weld});
-            const std::vector<Line> lines = together.lines(all, rules.rules);
+            const IntersectionQuery rules = random_question(5 * GetParam() + i, kind.bodies);
+            ImpactQuery motion{.weld = rules.weld, .filter = rules.filter};
+            const Impacts& all = single.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.weld = rules.weld});
+            const std::vector<Line> lines = together.lines(all, rules.filter);
             expect_impacts(detector, world, motion, lines, together.edges());
             expect_triangle_pairs(detector, world, motion, lines,
-                                  together.triangle_lines(all, rules.weld, rules.rules));
-            Near near{.radius = i * 0.05, .weld = rules.weld, .rules = rules.rules};
-            const std::vector<Line> near_lines =
-                together.lines(single.find_near(soup.view(), {.radius = near.radius, .weld = near.weld}), rules.rules);
-            const Nearby& nearby = detector.find(world, near);
+                                  together.triangle_lines(all, rules.weld, rules.filter));
+            ProximityQuery near{.radius = i * 0.05, .weld = rules.weld, .filter = rules.filter};
+            const std::vector<Line> near_lines = together.lines(
+                single.find(soup.view(), ProximityQuery{.radius = near.radius, .weld = near.weld}), rules.filter);
+            const Proximities& nearby = detector.find(world, near);
             expect_same(lines_of(world, nearby), near_lines);
             expect_edges(nearby, together.edges());
             EXPECT_EQ(nearby.any, !near_lines.empty());
             EXPECT_EQ(nearby.count, static_cast<std::int64_t>(near_lines.size()));
             expect_hits(nearby.world_hit, near_lines);
-            near.wants = NearWants::any_by_world;
+            near.output = Output::any_by_world;
             expect_hits(detector.find(world, near).world_hit, near_lines);
-            near.wants = NearWants::any;
+            near.output = Output::any;
             EXPECT_EQ(detector.find(world, near).any, !near_lines.empty());
-            const CandidateQuestion candidates{
-                .kinds = all_candidate_kinds(), .inflation = i * 0.05, .weld = rules.weld, .rules = rules.rules};
-            CandidateQuestion of_soup = candidates;
-            of_soup.rules = {};
+            const CandidateQuery candidates{
+                .kinds = all_candidate_kinds(), .inflation = i * 0.05, .weld = rules.weld, .filter = rules.filter};
+            CandidateQuery of_soup = candidates;
+            of_soup.filter = {};
             const std::vector<Line> candidate_lines =
-                together.lines(single.find_candidates(soup.view(), soup.end_view(), of_soup), rules.rules);
-            const CandidateLists& lists = detector.find(world, candidates);
+                together.lines(single.find(soup.view().moving_to(soup.end_view()), of_soup), rules.filter);
+            const Candidates& lists = detector.find(world, candidates);
             expect_same(lines_of(world, lists), candidate_lines);
             expect_edges(lists, together.edges());
             EXPECT_EQ(lists.count, static_cast<std::int64_t>(candidate_lines.size()));
-            if (!HasFatalFailure()) compare_radii(world, together, near.rules, detector, single);
+            if (!HasFatalFailure()) compare_radii(world, together, near.filter, detector, single);
             if (HasFatalFailure()) return;
         }
     }
 
-    static void expect_triangle_pairs(Detector& detector, const World& world, Motion motion, std::vector<Line> lines,
-                                      const std::vector<Line>& of_triangles_alone) {
+    static void expect_triangle_pairs(Detector& detector, const World& world, ImpactQuery motion,
+                                      std::vector<Line> lines, const std::vector<Line>& of_triangles_alone) {
         motion.triangle_pairs = true;
-        const Impacts& impacts = detector.find_impacts(world, motion);
+        const Impacts& impacts = detector.find(world, motion);
         expect_same(lines_of(world, impacts), lines);
         std::vector<Line> found;
         add_lines(world, of_triangles, impacts.triangle_pairs, found);
@@ -323,12 +323,12 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
         lines.insert(lines.end(), of_triangles_alone.begin(), of_triangles_alone.end());
         EXPECT_EQ(impacts.any, !lines.empty());
         expect_hits(impacts.world_hit, lines);
-        motion.wants = MotionWants::any_by_world;
-        expect_hits(detector.find_impacts(world, motion).world_hit, lines);
+        motion.output = Output::any_by_world;
+        expect_hits(detector.find(world, motion).world_hit, lines);
     }
 
     // Radii of shapes, and neighbours, which are those of the soup. At rest a shape is where it ends.
-    static void compare_radii(const World& world, const Together& together, const Rules& rules, Detector& detector,
+    static void compare_radii(const World& world, const Together& together, const PairFilter& rules, Detector& detector,
                               Detector& single) {
         Dice dice(GetParam());
         std::vector<std::vector<double>> of_shape;
@@ -348,16 +348,17 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
         }
         const World with_radii{shapes, world.bodies, world.poses};
         for (const bool weld : {false, true}) {
-            const Nearby& all = single.find_near(together.soup().view(), {.radii = radii, .weld = weld, .rings = 1});
-            const Near question{.weld = weld, .rings = 1, .rules = rules};
+            const Proximities& all =
+                single.find(together.soup().view(), ProximityQuery{.radii = radii, .weld = weld, .rings = 1});
+            const ProximityQuery question{.weld = weld, .rings = 1, .filter = rules};
             expect_same(lines_of(world, detector.find(with_radii, question)), together.lines(all, rules));
         }
         for (std::size_t s = 0; s < shapes.size(); ++s)
             if (s != 2) shapes[s].rest = world.shapes[s].end;
         const bool any_rest = std::any_of(shapes.begin(), shapes.end(), [](const Shape& s) { return s.rest.data; });
         Detector brute({.backend = Backend::reference});
-        const Near question{.rest_radius = any_rest ? 0.1 : 0, .rules = rules};
-        const Nearby& expected = brute.find(with_radii, question);
+        const ProximityQuery question{.rest_radius = any_rest ? 0.1 : 0, .filter = rules};
+        const Proximities& expected = brute.find(with_radii, question);
         EXPECT_TRUE(same_features(detector.find(with_radii, question), expected));
     }
 
@@ -378,20 +379,20 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
         expect_hits(impacts.world_hit, lines);
         EXPECT_EQ(impacts.any, !lines.empty());
     }
-    static void expect_impacts(Detector& detector, const World& world, Motion motion, const std::vector<Line>& lines,
-                               const std::vector<std::vector<Edge>>& edges) {
+    static void expect_impacts(Detector& detector, const World& world, ImpactQuery motion,
+                               const std::vector<Line>& lines, const std::vector<std::vector<Edge>>& edges) {
         const Impacts& impacts = detector.find(world, motion);
         expect_same(lines_of(world, impacts), lines);
         expect_edges(impacts, edges);
         expect_firsts(impacts, lines);
         EXPECT_EQ(impacts.count, static_cast<std::int64_t>(lines.size()));
-        motion.wants = MotionWants::earliest;
+        motion.output = Output::first;
         detector.find(world, motion);
         expect_firsts(impacts, lines);
         expect_edges(impacts, edges);
-        motion.wants = MotionWants::any_by_world;
+        motion.output = Output::any_by_world;
         expect_hits(detector.find(world, motion).world_hit, lines);
-        motion.wants = MotionWants::any;
+        motion.output = Output::any;
         EXPECT_EQ(detector.find(world, motion).any, !lines.empty());
     }
 };
@@ -411,16 +412,16 @@ TEST(FeaturesOfOneMesh, AreThoseOfAMeshWhateverTheRules) {
     MovingSoup<> soup = moving_grid(4, 30, 24, 5);
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 3));
     Detector detector({.backend = tested_backend}), plain({.backend = Backend::cpu});
-    Motion motion{.index = true};
-    Near near{.radius = 1, .index = true};
+    ImpactQuery motion{.index = true};
+    ProximityQuery near{.radius = 1, .index = true};
     // Nothing is in group 7, so nothing is excluded.
-    motion.rules.excluded_groups = near.rules.excluded_groups = {{7, 7}};
-    EXPECT_TRUE(same_features(detector.find_impacts(soup.view(), soup.end_view(), motion),
-                              plain.find_impacts(soup.view(), soup.end_view(), {.index = true})));
-    EXPECT_TRUE(same_features(detector.find_near(soup.view(), near),
-                              plain.find_near(soup.view(), {.radius = 1, .index = true})));
-    motion.rules.groups = Wanted::within;
-    const Impacts& within = detector.find_impacts(soup.view(), soup.end_view(), motion);
+    motion.filter.excluded_groups = near.filter.excluded_groups = {{7, 7}};
+    EXPECT_TRUE(same_features(detector.find(soup.view().moving_to(soup.end_view()), motion),
+                              plain.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true})));
+    EXPECT_TRUE(same_features(detector.find(soup.view(), near),
+                              plain.find(soup.view(), ProximityQuery{.radius = 1, .index = true})));
+    motion.filter.groups = PairScope::within;
+    const Impacts& within = detector.find(soup.view().moving_to(soup.end_view()), motion);
     EXPECT_GT(within.count, 0);
     EXPECT_TRUE(within.vertex_faces().bodies.empty());
     EXPECT_EQ(within.vertex_faces().offsets.size(), soup.start.size() + 1);

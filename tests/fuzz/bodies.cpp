@@ -24,8 +24,8 @@ const TriangleMesh& shape_of(const WorldMesh& world, const NamedBody& body) {
 }
 
 /// Nothing collides.
-WorldCollisions free_of(const WorldMesh& world) {
-    WorldCollisions free;
+Intersections free_of(const WorldMesh& world) {
+    Intersections free;
     free.first_triangle.push_back(0);
     for (const NamedBody& body : world.bodies)
         free.first_triangle.push_back(free.first_triangle[free.first_triangle.size() - 1] +

@@ -239,7 +239,7 @@ Search::Search(Bytes bytes) {
     constexpr int sizes[] = {1, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 4, 6, 8, 28,
                              1, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 4, 6, 8, 12};
     constexpr IndexType indices[] = {IndexType::int32, IndexType::uint32, IndexType::int64};
-    constexpr Wanted wanted[] = {Wanted::both, Wanted::both, Wanted::between, Wanted::within};
+    constexpr PairScope wanted[] = {PairScope::both, PairScope::both, PairScope::between, PairScope::within};
     Kind kind;
     kept = bytes.flag();
     kind.most = bytes.one_of(sizes);
@@ -248,10 +248,10 @@ Search::Search(Bytes bytes) {
     options = fuzz::options(bytes);
     const int how = bytes.next();
     query.neighbours = how & 1 ? Neighbours::skip : Neighbours::geometric;
-    query.intersections = how & 2 ? Intersections::proper : Intersections::all;
+    query.kind = how & 2 ? IntersectionKind::proper : IntersectionKind::all;
     query.weld = how & 4;
-    query.contacts = how & 8;
-    query.wanted = wanted[how >> 4 & 3];
+    query.output = how & 8 ? Output::contacts : Output::pairs;
+    query.filter.groups = wanted[how >> 4 & 3];
     kind.between = how & 64;
     const bool spoilt = bytes.next() == 255;
     const int extras = bytes.next();
@@ -271,7 +271,7 @@ Search::Search(Bytes bytes) {
         kind.groups[side] = std::max(0, bytes.below(8) - 1);
     }
     for (int n = bytes.below(4); n > 0; --n) excluded.push_back({bytes.one_of(group_ids), bytes.one_of(group_ids)});
-    query.excluded_groups = excluded;
+    query.filter.excluded_groups = excluded;
     const int count = 1 + std::max(0, bytes.below(8) - 5);
     frames.emplace_back();
     for (std::size_t side = 0; side < (kind.between ? 2u : 1u); ++side) frames[0].push_back(mesh(bytes, kind, side));

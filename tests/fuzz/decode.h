@@ -91,7 +91,7 @@ using Frame = std::vector<Mesh>;
 struct Search {
     bool kept = false;  ///< the detector is one that earlier inputs have used
     Options options;
-    Query query;  ///< `excluded_groups` looks at `excluded`
+    IntersectionQuery query;  ///< `excluded_groups` looks at `excluded`
     std::vector<GroupPair> excluded;
     int parts = 0;                   ///< 0: none
     Streaming blocks{0, true};       ///< of 0 pairs: none

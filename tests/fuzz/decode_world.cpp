@@ -68,24 +68,26 @@ Pose pose(Bytes& bytes, const std::vector<Pose>& earlier, bool mixed) {
     return result;
 }
 
-Intersect question(Bytes& bytes, int bodies) {
-    constexpr Wanted wanted[] = {Wanted::both, Wanted::both, Wanted::between, Wanted::within};
-    Intersect result;
-    result.wants = static_cast<Wants>(bytes.below(6));
+IntersectionQuery question(Bytes& bytes, int bodies) {
+    constexpr PairScope wanted[] = {PairScope::both, PairScope::both, PairScope::between, PairScope::within};
+    IntersectionQuery result;
+    constexpr Output outputs[] = {Output::any,   Output::any_by_world, Output::body_pairs,
+                                  Output::count, Output::pairs,        Output::contacts};
+    result.output = outputs[bytes.below(6)];
     const int how = bytes.next();
     result.neighbours = how & 1 ? Neighbours::skip : Neighbours::geometric;
-    result.intersections = how & 2 ? Intersections::proper : Intersections::all;
+    result.kind = how & 2 ? IntersectionKind::proper : IntersectionKind::all;
     result.weld = how & 4;
     result.index = how & 8;
-    result.rules.bodies = wanted[how >> 4 & 3];
-    result.rules.groups = wanted[how >> 6 & 3];
+    result.filter.bodies = wanted[how >> 4 & 3];
+    result.filter.groups = wanted[how >> 6 & 3];
     for (int n = bytes.below(4) % 3; n > 0 && bodies > 0; --n) {
         const int first = bytes.below(bodies), second = bytes.below(bodies);
-        result.rules.excluded_bodies.push_back({first, second});
+        result.filter.excluded_bodies.push_back({first, second});
     }
     for (int n = bytes.below(4) % 3; n > 0; --n) {
         const std::int32_t first = bytes.one_of(group_ids), second = bytes.one_of(group_ids);
-        result.rules.excluded_groups.push_back({first, second});
+        result.filter.excluded_groups.push_back({first, second});
     }
     return result;
 }

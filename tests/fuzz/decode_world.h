@@ -14,7 +14,7 @@ namespace crumple::fuzz {
 /// What one call is asked.
 struct Call {
     std::vector<Pose> poses;  ///< one a body, or empty
-    Intersect question;
+    IntersectionQuery question;
 };
 
 struct Bodies {

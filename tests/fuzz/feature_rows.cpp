@@ -29,7 +29,7 @@ auto& list_of_kind(Answer& answer, CandidateKind kind) {
         if (kind == CandidateKind::face_face) return answer.triangle_pairs;
     fail("a row of a kind that the list cannot have");
 }
-auto& list_of_kind(CandidateLists& answer, CandidateKind kind) { return answer[kind]; }
+auto& list_of_kind(Candidates& answer, CandidateKind kind) { return answer[kind]; }
 
 template <class Rows>
 std::int32_t bodies_of(const Rows& list) {
@@ -115,14 +115,14 @@ void require_kept(const io::FeatureList& list, bool impacts) {
     }
     if (bodies_of(list) > most_bodies) return;
     Impacts of_impacts;
-    Nearby of_near;
+    Proximities of_near;
     if (impacts)
         of_impacts = answer_of<Impacts>(list, [](ImpactList& to, const io::FeatureRow& row) {
             to.toi.push_back(row.value);
             to.start.push_back(row.flag);
         });
     else
-        of_near = answer_of<Nearby>(list, [](NearList& to, const io::FeatureRow& row) {
+        of_near = answer_of<Proximities>(list, [](ProximityList& to, const io::FeatureRow& row) {
             to.squared_distance.push_back(row.value);
             to.touching.push_back(row.flag);
         });
@@ -144,7 +144,7 @@ void require_kept(const io::FeatureList& list, bool impacts) {
 void require_kept(const io::CandidateRows& list) {
     for (const io::CandidateRow& row : list.rows) require_sound(row, list.has_bodies);
     if (bodies_of(list) > most_bodies) return;
-    auto answer = answer_of<CandidateLists>(list, [](const CandidateList&, const io::CandidateRow&) {});
+    auto answer = answer_of<Candidates>(list, [](const CandidateList&, const io::CandidateRow&) {});
     answer.listed.fill(true);
     require_kept(
         list, [&](std::ostream& out, PairFormat format) { io::write_candidates(out, answer, format); }, read_candidates,

@@ -20,20 +20,21 @@ std::string rows(const Rows& values) {
     return result + "}";
 }
 
-std::string code_of(const Query& query) {
+std::string code_of(const IntersectionQuery& query) {
     constexpr const char* wanted[] = {"both", "between", "within"};
-    std::string code = "Query query;\n";
+    std::string code = "IntersectionQuery query;\n";
     if (query.neighbours == Neighbours::skip) code += "query.neighbours = Neighbours::skip;\n";
-    if (query.intersections == Intersections::proper) code += "query.intersections = Intersections::proper;\n";
+    if (query.kind == IntersectionKind::proper) code += "query.kind = IntersectionKind::proper;\n";
     if (query.weld) code += "query.weld = true;\n";
-    if (query.contacts) code += "query.contacts = true;\n";
-    if (query.wanted != Wanted::both)
-        code += std::string("query.wanted = Wanted::") + wanted[static_cast<int>(query.wanted)] + ";\n";
-    if (query.excluded_groups.empty()) return code;
-    code += "const std::vector<GroupPair> excluded{";
-    for (const GroupPair& pair : query.excluded_groups)
+    if (query.contacts()) code += "query.output = Output::contacts;\n";
+    if (query.filter.groups != PairScope::both)
+        code +=
+            std::string("query.filter.groups = PairScope::") + wanted[static_cast<int>(query.filter.groups)] + ";\n";
+    if (query.filter.excluded_groups.empty()) return code;
+    code += "query.filter.excluded_groups = {";
+    for (const GroupPair& pair : query.filter.excluded_groups)
         code += "{" + std::to_string(pair.first) + ", " + std::to_string(pair.second) + "}, ";
-    return code + "};\nquery.excluded_groups = excluded;\n";
+    return code + "};\n";
 }
 
 }  // namespace

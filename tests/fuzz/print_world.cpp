@@ -15,7 +15,7 @@ std::string text(double x) {
 }  // namespace
 
 std::string as_code(const Bodies& all) {
-    constexpr const char* wants[] = {"any", "any_by_world", "body_pairs", "count", "pairs", "contacts"};
+    constexpr const char* wants[] = {"any", "any_by_world", "body_pairs", "count", "first", "pairs", "contacts"};
     constexpr const char* wanted[] = {"both", "between", "within"};
     std::string code = as_code(all.options);
     if (all.memory_limit >= 0) code += "// memory limit " + std::to_string(all.memory_limit) + "\n";
@@ -33,17 +33,17 @@ std::string as_code(const Bodies& all) {
             for (const double x : pose.rows) code += text(x) + ", ";
             code += "}}, ";
         }
-        const Intersect& q = call.question;
-        code += std::string("};\nquestion = {.wants = Wants::") + wants[static_cast<int>(q.wants)] +
+        const IntersectionQuery& q = call.question;
+        code += std::string("};\nquestion = {.output = Output::") + wants[static_cast<int>(q.output)] +
                 ", .neighbours = Neighbours::" + (q.neighbours == Neighbours::skip ? "skip" : "geometric") +
-                ", .intersections = Intersections::" + (q.intersections == Intersections::proper ? "proper" : "all") +
+                ", .kind = IntersectionKind::" + (q.kind == IntersectionKind::proper ? "proper" : "all") +
                 ", .weld = " + (q.weld ? "true" : "false") +
-                ", .rules = {.bodies = Wanted::" + wanted[static_cast<int>(q.rules.bodies)] +
-                ", .groups = Wanted::" + wanted[static_cast<int>(q.rules.groups)] + ", .excluded_bodies = {";
-        for (const BodyPair& pair : q.rules.excluded_bodies)
+                ", .filter = {.bodies = PairScope::" + wanted[static_cast<int>(q.filter.bodies)] +
+                ", .groups = PairScope::" + wanted[static_cast<int>(q.filter.groups)] + ", .excluded_bodies = {";
+        for (const BodyPair& pair : q.filter.excluded_bodies)
             code += "{" + std::to_string(pair.first) + ", " + std::to_string(pair.second) + "}, ";
         code += "}, .excluded_groups = {";
-        for (const GroupPair& pair : q.rules.excluded_groups)
+        for (const GroupPair& pair : q.filter.excluded_groups)
             code += "{" + std::to_string(pair.first) + ", " + std::to_string(pair.second) + "}, ";
         code += std::string("}}, .index = ") + (q.index ? "true" : "false") + "};\n";
     }

@@ -31,20 +31,21 @@ class Views {
     explicit Views(const Frame& frame) : a_(frame[0]) {
         if (frame.size() > 1) b_.emplace(frame[1]);
     }
-    const Collisions& find(Detector& by, const Query& query) const {
-        return b_ ? by.find_between(a(), b(), query) : by.find_self(a(), query);
+    const Intersections& find(Detector& by, const IntersectionQuery& query) const {
+        return b_ ? by.find({a(), b()}, query) : by.find(a(), query);
     }
-    bool any(Detector& by, const Query& query) const {
-        return b_ ? by.has_collision(a(), b(), query) : by.has_collision(a(), query);
+    bool any(Detector& by, const IntersectionQuery& query) const {
+        return b_ ? by.any({a(), b()}, query) : by.any(a(), query);
     }
-    void stream(Detector& by, Detector::TakeBlock take, const Query& query, const Streaming& how) const {
+    void stream(Detector& by, FunctionRef<void(const Intersections&)> take, const IntersectionQuery& query,
+                const Streaming& how) const {
         if (b_)
-            by.stream_between(a(), b(), take, query, how);
+            by.stream({a(), b()}, query, take, how);
         else
-            by.stream_self(a(), take, query, how);
+            by.stream(a(), query, take, how);
     }
     std::vector<Part> partition(Detector& by, int count) const {
-        return b_ ? by.partition(a(), b(), count) : by.partition(a(), count);
+        return b_ ? by.partition({a(), b()}, {}, count) : by.partition(a(), {}, count);
     }
 
    private:
@@ -66,7 +67,7 @@ std::string difference(const Array<Pair>& found, const Array<Pair>& expected) {
     return text.empty() ? " out of order" : text;
 }
 
-void require_same(const Collisions& found, const Collisions& expected, const std::string& what) {
+void require_same(const Intersections& found, const Intersections& expected, const std::string& what) {
     if (!std::ranges::equal(found.pairs, expected.pairs)) fail(what + difference(found.pairs, expected.pairs));
     require_same_bytes(found.offsets, expected.offsets, what + " offsets");
     require_same_bytes(found.hit, expected.hit, what + " hit flags");
@@ -76,9 +77,10 @@ void require_same(const Collisions& found, const Collisions& expected, const std
     require_same_bytes(found.contacts.points, expected.contacts.points, what + " contact points");
 }
 
-void require_same(const Outcome<Collisions>& found, const Outcome<Collisions>& expected, const std::string& what) {
+void require_same(const Outcome<Intersections>& found, const Outcome<Intersections>& expected,
+                  const std::string& what) {
     compare(found, expected, what,
-            [](const Collisions& f, const Collisions& e, const std::string& w) { require_same(f, e, w); });
+            [](const Intersections& f, const Intersections& e, const std::string& w) { require_same(f, e, w); });
 }
 
 /// One search, all its questions.
@@ -90,12 +92,12 @@ class Judge {
     void judge() {
         for (const Frame& frame : search_.frames) {
             const Views views(frame);
-            const Outcome<Collisions> expected =
-                outcome_of<Collisions>([&]() -> const Collisions& { return views.find(reference_, search_.query); });
+            const Outcome<Intersections> expected = outcome_of<Intersections>(
+                [&]() -> const Intersections& { return views.find(reference_, search_.query); });
             ask(detector_, views, expected);
-            const auto* answer = std::get_if<Collisions>(&expected);
+            const auto* answer = std::get_if<Intersections>(&expected);
             if (!answer) continue;
-            if (search_.query.contacts) check_contacts(frame, *answer);
+            if (search_.query.contacts()) check_contacts(frame, *answer);
             if (&frame != &search_.frames.back()) continue;
             if (search_.blocks.block_pairs > 0) check_blocks(views, *answer);
             if (search_.parts > 0) check_parts(views, frame, *answer);
@@ -104,12 +106,12 @@ class Judge {
     }
 
    private:
-    void ask(Detector& detector, const Views& views, const Outcome<Collisions>& expected) const {
-        const Outcome<Collisions> found =
-            outcome_of<Collisions>([&]() -> const Collisions& { return views.find(detector, search_.query); });
+    void ask(Detector& detector, const Views& views, const Outcome<Intersections>& expected) const {
+        const Outcome<Intersections> found =
+            outcome_of<Intersections>([&]() -> const Intersections& { return views.find(detector, search_.query); });
         require_same(found, expected, "find");
         if (std::holds_alternative<Error>(expected)) return;
-        const bool any = !std::get<Collisions>(expected).pairs.empty();
+        const bool any = !std::get<Intersections>(expected).pairs.empty();
         if (views.any(detector, search_.query) != any) fail("has_collision");
     }
 
@@ -123,7 +125,7 @@ class Judge {
     }
 
     /// No backend rounds contacts by rational arithmetic where less suffices.
-    void check_contacts(const Frame& frame, const Collisions& answer) const {
+    void check_contacts(const Frame& frame, const Intersections& answer) const {
         for (std::size_t i = 0; i < answer.pairs.size(); ++i) {
             const Contact truth = contact(intersect_rationally(triangle(frame.front(), answer.pairs[i].a),
                                                                triangle(frame.back(), answer.pairs[i].b)));
@@ -137,7 +139,7 @@ class Judge {
     }
 
     /// Contacts are those of the whole answer, byte by byte.
-    static void require_contacts_of(const Collisions& whole, const Collisions& found) {
+    static void require_contacts_of(const Intersections& whole, const Intersections& found) {
         const Contacts &theirs = whole.contacts, &ours = found.contacts;
         for (std::size_t i = 0; i < ours.kinds.size(); ++i) {
             const auto w = std::ranges::lower_bound(whole.pairs, found.pairs[i]) - whole.pairs.begin();
@@ -151,13 +153,13 @@ class Judge {
     }
 
     /// Blocks together are the answer; in order, if they come so.
-    void check_blocks(const Views& views, const Collisions& whole) const {
+    void check_blocks(const Views& views, const Intersections& whole) const {
         Array<Pair> all;
         std::int64_t points = 0;
-        const auto take = [&](const Collisions& block) {
+        const auto take = [&](const Intersections& block) {
             require(static_cast<std::int64_t>(block.pairs.size()) <= search_.blocks.block_pairs, "a block's size");
             for (const Pair& pair : block.pairs) all.push_back(pair);
-            if (search_.query.contacts) require_contacts_of(whole, block);
+            if (search_.query.contacts()) require_contacts_of(whole, block);
             points += static_cast<std::int64_t>(block.contacts.points.size());
         };
         views.stream(detector_, take, search_.query, search_.blocks);
@@ -166,7 +168,7 @@ class Judge {
         require(points == static_cast<std::int64_t>(whole.contacts.points.size()), "the blocks' contacts");
     }
 
-    void check_parts(const Views& views, const Frame& frame, const Collisions& whole) const {
+    void check_parts(const Views& views, const Frame& frame, const Intersections& whole) const {
         const std::vector<Part> parts = views.partition(detector_, search_.parts);
         require(static_cast<int>(parts.size()) == search_.parts, "as many parts as asked for");
         Array<Pair> all;
@@ -175,7 +177,7 @@ class Judge {
             require(part.index == static_cast<std::int32_t>(p), "a part's index");
             require(part.second.has_value() == (frame.size() > 1), "a part's second mesh");
             const std::vector<std::int32_t>&first = part.mesh.ids, &second = part.second ? part.second->ids : first;
-            const Collisions& found = detector_.find(part, search_.query);
+            const Intersections& found = detector_.find(part, search_.query);
             for (const Pair& pair : found.pairs) {
                 require(std::ranges::binary_search(first, pair.a) && std::ranges::binary_search(second, pair.b),
                         "a part owns a pair of triangles that it does not hold");
@@ -188,20 +190,20 @@ class Judge {
         if (!std::ranges::equal(all, whole.pairs)) fail("the union of parts:" + difference(all, whole.pairs));
     }
 
-    void check_limit(const Views& views, const Collisions& expected) const {
+    void check_limit(const Views& views, const Intersections& expected) const {
         const auto find = [&](Detector& by) {
-            return outcome_of<Collisions>([&]() -> const Collisions& { return views.find(by, search_.query); });
+            return outcome_of<Intersections>([&]() -> const Intersections& { return views.find(by, search_.query); });
         };
         Options options = search_.options;
         options.memory_limit = 1 + search_.memory_limit;
         Detector tight(options);
         for (int call = 0; call < 2; ++call) {  // the second one with what the first one has left
-            const Outcome<Collisions> found = find(tight);
+            const Outcome<Intersections> found = find(tight);
             if (const auto* error = std::get_if<Error>(&found)) {
                 check_bounds(find, options, *error, expected);
                 break;
             }
-            const Collisions& answer = std::get<Collisions>(found);
+            const Intersections& answer = std::get<Intersections>(found);
             require_same(answer, expected, "under a limit");
             require(answer.statistics.peak_memory_bytes <= options.memory_limit, "a limit is exceeded");
         }
@@ -214,13 +216,13 @@ class Judge {
 
     /// Checks an error under a limit: what it says is needed is, and limits that are doubled suffice in the end.
     template <class Find>
-    void check_bounds(Find find, Options options, const Error& error, const Collisions& expected) const {
+    void check_bounds(Find find, Options options, const Error& error, const Intersections& expected) const {
         if (error.code != ErrorCode::memory_limit || error.bytes_needed <= options.memory_limit)
             fail(std::string("under a limit: ") + error.what());
         while (true) {
             options.memory_limit = std::max(2 * options.memory_limit, error.bytes_needed);
             Detector larger(options);
-            const Outcome<Collisions> found = find(larger);
+            const Outcome<Intersections> found = find(larger);
             const auto* refused = std::get_if<Error>(&found);
             if (refused && refused->code == ErrorCode::memory_limit) continue;
             require_same(found, expected, "under a limit that suffices");
@@ -228,7 +230,7 @@ class Judge {
         }
         options.memory_limit = error.bytes_needed - 1;
         Detector insufficient(options);
-        if (std::holds_alternative<Collisions>(find(insufficient)))
+        if (std::holds_alternative<Intersections>(find(insufficient)))
             fail("less than " + std::to_string(error.bytes_needed) + " bytes suffice");
     }
 

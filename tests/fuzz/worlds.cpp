@@ -15,7 +15,7 @@
 namespace crumple::fuzz {
 namespace {
 
-void require_same(const WorldCollisions& found, const WorldCollisions& expected, const std::string& what) {
+void require_same(const Intersections& found, const Intersections& expected, const std::string& what) {
     require_same_bytes(found.bodies, expected.bodies, what + " bodies");
     require_same_bytes(found.pairs, expected.pairs, what + " pairs");
     if (found.any != expected.any || found.count != expected.count)
@@ -32,7 +32,7 @@ void require_same(const WorldCollisions& found, const WorldCollisions& expected,
     require_same_bytes(found.contacts.points, expected.contacts.points, what + " contact points");
 }
 
-using Answer = Outcome<WorldCollisions>;
+using Answer = Outcome<Intersections>;
 
 class Judge {
    public:
@@ -60,7 +60,7 @@ class Judge {
 
    private:
     Answer ask(Detector& by, const Call& call) const {
-        return outcome_of<WorldCollisions>([&]() -> const WorldCollisions& {
+        return outcome_of<Intersections>([&]() -> const Intersections& {
             return by.find(World{shapes_, bodies_.bodies, call.poses}, call.question);
         });
     }
@@ -72,8 +72,7 @@ class Judge {
                              (error && error->code == ErrorCode::invalid_argument);
         if (of_call && (!error || error->code != wanted->code))
             fail(what + " throws " + (error ? error->what() : "nothing") + " instead of " + wanted->what());
-        if (!error && !wanted)
-            require_same(std::get<WorldCollisions>(found), std::get<WorldCollisions>(expected), what);
+        if (!error && !wanted) require_same(std::get<Intersections>(found), std::get<Intersections>(expected), what);
     }
 
     void check_limit(Detector& tight, const Call& call, const Answer& expected) const {
@@ -82,7 +81,7 @@ class Judge {
         const Error* error = std::get_if<Error>(&found);
         if (!error || error->code != ErrorCode::memory_limit) {
             require_outcome(found, expected, "under a limit");
-            if (!error && std::get<WorldCollisions>(found).statistics.peak_memory_bytes > limit)
+            if (!error && std::get<Intersections>(found).statistics.peak_memory_bytes > limit)
                 fail("a limit is exceeded");
             return;
         }

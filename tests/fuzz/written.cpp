@@ -178,7 +178,7 @@ void require_kept_by_writers(const TriangleMesh& mesh, io::Triangulation triangu
 }
 
 void require_kept_by_writers(const std::vector<Pair>& pairs) {
-    Collisions collisions;
+    Intersections collisions;
     for (const Pair& pair : pairs) collisions.pairs.push_back(pair);
     constexpr std::pair<io::PairFormat, const char*> formats[] = {{io::PairFormat::txt, "again.txt"},
                                                                   {io::PairFormat::csv, "again.csv"},

@@ -17,7 +17,7 @@ namespace {
 class Device : public portable::DeviceTest {};
 
 template <class Signs>
-__global__ void decide_all(const TrianglePair* pairs, int count, Neighbours neighbours, Intersections intersections,
+__global__ void decide_all(const TrianglePair* pairs, int count, Neighbours neighbours, IntersectionKind intersections,
                            Verdict* verdicts) {
     const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
     if (i >= count) return;
@@ -26,7 +26,7 @@ __global__ void decide_all(const TrianglePair* pairs, int count, Neighbours neig
 }
 
 template <class Signs>
-std::vector<Verdict> decide_on_device(const std::vector<TrianglePair>& pairs, Intersections intersections) {
+std::vector<Verdict> decide_on_device(const std::vector<TrianglePair>& pairs, IntersectionKind intersections) {
     const portable::Array<TrianglePair> input(pairs);
     const portable::Array<Verdict> output(pairs.size());
     const auto blocks = static_cast<unsigned>((pairs.size() + 127) / 128);
@@ -42,7 +42,7 @@ TEST_F(Device, decides_as_the_host_does) {
         RandomPairs random(kind, 47);
         std::vector<TrianglePair> pairs;
         for (int i = 0; i < rounds; ++i) pairs.push_back(random());
-        for (const Intersections intersections : {Intersections::all, Intersections::proper}) {
+        for (const IntersectionKind intersections : {IntersectionKind::all, IntersectionKind::proper}) {
             const auto filtered = decide_on_device<FilteredSigns>(pairs, intersections);
             const auto exact = decide_on_device<ExactSigns>(pairs, intersections);
             for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -35,7 +35,8 @@ class FindImpacts : public testing::TestWithParam<Backend> {
 
 TEST_P(FindImpacts, NamesVertexFaceAndTime) {
     const Falling scene;
-    const Impacts& impacts = detector.find_impacts(MeshView(scene.start, scene.triangles), view(scene.end));
+    const Impacts& impacts =
+        detector.find((MeshView(scene.start, scene.triangles)).moving_to(view(scene.end)), ImpactQuery());
     ASSERT_EQ(impacts.vertex_faces().pairs.size(), 1);
     EXPECT_EQ(impacts.vertex_faces().pairs[0], (Pair{3, 0}));
     EXPECT_EQ(impacts.vertex_faces().toi[0], 0.5);
@@ -48,24 +49,24 @@ TEST_P(FindImpacts, NamesVertexFaceAndTime) {
 TEST_P(FindImpacts, TellsTheFirstAndWhetherTheStepIsFree) {
     const Falling scene;
     const MeshView mesh(scene.start, scene.triangles);
-    const FirstImpact first = detector.time_of_first_impact(mesh, view(scene.end));
+    const FirstImpact first = detector.find(mesh.moving_to(view(scene.end)), FirstImpactQuery());
     EXPECT_TRUE(first.found);
     EXPECT_EQ(first.toi, 0.5);
     EXPECT_EQ(first.kind, FeatureKind::vertex_face);
-    EXPECT_FALSE(detector.is_free(mesh, view(scene.end)));
-    EXPECT_TRUE(detector.is_free(mesh, view(scene.start)));
-    EXPECT_FALSE(detector.time_of_first_impact(mesh, view(scene.start)).found);
+    EXPECT_TRUE(detector.any(mesh.moving_to(view(scene.end)), ImpactQuery()));
+    EXPECT_FALSE(detector.any(mesh.moving_to(view(scene.start)), ImpactQuery()));
+    EXPECT_FALSE(detector.find(mesh.moving_to(view(scene.start)), FirstImpactQuery()).found);
 }
 
 TEST_P(FindImpacts, CutsAStepShortOfTheFirstContact) {
     const Falling scene;
     const MeshView mesh(scene.start, scene.triangles);
-    const FreeStep step = detector.find_free_step(mesh, view(scene.end));
+    const FreeStep step = detector.find(mesh.moving_to(view(scene.end)), FreeStepQuery());
     EXPECT_EQ(step.share, 0.5 * (1 - 0x1p-16));
     EXPECT_EQ(step.positions[3 * 3 + 2], 0x1p-16);
-    EXPECT_TRUE(detector.is_free(mesh, {step.positions.data(), 6, 24, 8, ScalarType::float64}));
+    EXPECT_FALSE(detector.any(mesh.moving_to({step.positions.data(), 6, 24, 8, ScalarType::float64}), ImpactQuery()));
 
-    const FreeStep whole = detector.find_free_step(mesh, view(scene.start));
+    const FreeStep whole = detector.find(mesh.moving_to(view(scene.start)), FreeStepQuery());
     EXPECT_EQ(whole.share, 1);
     EXPECT_EQ(whole.positions[3 * 3 + 2], 1);
 }
@@ -73,18 +74,21 @@ TEST_P(FindImpacts, CutsAStepShortOfTheFirstContact) {
 TEST_P(FindImpacts, StaysWhereTheStartTouches) {
     Falling scene;
     scene.start[3] = {1, 1, 0};
-    const FreeStep step = detector.find_free_step(MeshView(scene.start, scene.triangles), view(scene.end));
+    const FreeStep step =
+        detector.find((MeshView(scene.start, scene.triangles)).moving_to(view(scene.end)), FreeStepQuery());
     EXPECT_EQ(step.share, 0);
     EXPECT_EQ(step.positions[3 * 3 + 2], 0);
-    EXPECT_TRUE(detector.time_of_first_impact(MeshView(scene.start, scene.triangles), view(scene.end)).start);
+    EXPECT_TRUE(
+        detector.find((MeshView(scene.start, scene.triangles)).moving_to(view(scene.end)), FirstImpactQuery()).start);
 }
 
 TEST_P(FindImpacts, KeepsTheSeparationThatIsAskedFor) {
     const Falling scene;
     const MeshView mesh(scene.start, scene.triangles);
-    EXPECT_EQ(detector.time_of_first_impact(mesh, view(scene.end), {.separation = 0.5}).toi, 0.25);
-    EXPECT_EQ(detector.time_of_first_impact(mesh, view(scene.end), {.separation_share = 0.25}).toi, 0.375);
-    const FreeStep step = detector.find_free_step(mesh, view(scene.end), {.separation = 0.5});
+    EXPECT_EQ(detector.find(mesh.moving_to(view(scene.end)), FirstImpactQuery{{.min_distance = 0.5}}).toi, 0.25);
+    EXPECT_EQ(detector.find(mesh.moving_to(view(scene.end)), FirstImpactQuery{{.min_distance_share = 0.25}}).toi,
+              0.375);
+    const FreeStep step = detector.find(mesh.moving_to(view(scene.end)), FreeStepQuery{{.min_distance = 0.5}});
     EXPECT_EQ(step.share, 0.25 * (1 - 0x1p-16));
 }
 

@@ -160,7 +160,7 @@ TEST(Contact, SegmentsOfNeighbouringPairsHaveEndsOfTheSameBits) {
     for (const double shift : {0.0, 1e-9, 1000.0}) {
         const Torus a(40, 24, {shift, 0, 0}), b(37, 19, {shift + 0.77, 0.13, 0.21});
         Detector detector({.backend = Backend::cpu});
-        const Collisions& found = detector.find_between(a.view(), b.view(), {.contacts = true});
+        const Intersections& found = detector.find({a.view(), b.view()}, {.output = Output::contacts});
         ASSERT_GT(found.pairs.size(), 300U);
         std::map<std::array<std::uint64_t, 3>, int> ends;
         for (std::size_t i = 0; i < found.pairs.size(); ++i) {

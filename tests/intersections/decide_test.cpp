@@ -16,7 +16,7 @@ namespace crumple {
 namespace {
 
 constexpr std::array neighbour_policies{Neighbours::geometric, Neighbours::skip};
-constexpr std::array intersection_policies{Intersections::all, Intersections::proper};
+constexpr std::array intersection_policies{IntersectionKind::all, IntersectionKind::proper};
 
 /// The decision under all policies, from both sides and with the corners in another order, is the rational one.
 void expect_rational_answer(const TrianglePair& pair, int turn) {
@@ -32,7 +32,7 @@ void expect_rational_answer(const TrianglePair& pair, int turn) {
     };
     const Triangle a = turned(pair.a, turn % 3, turn & 4), b = turned(pair.b, turn / 8 % 3, turn & 32);
     for (const Neighbours neighbours : neighbour_policies) {
-        for (const Intersections intersections : intersection_policies) {
+        for (const IntersectionKind intersections : intersection_policies) {
             const bool expected = collide(truth, neighbours, intersections);
             DecisionCounts counts;
             ASSERT_EQ(collide(pair.a, pair.b, neighbours, intersections, counts), expected) << pair;
@@ -66,8 +66,8 @@ TEST_P(DecideOfEachKind, TakesNoRationalsWithinTheRangeOfExpansions) {
     for (int i = 0; i < rounds(); ++i) {
         const TrianglePair pair = random();
         DecisionCounts counts;
-        collide(pair.a, pair.b, Neighbours::geometric, Intersections::all, counts);
-        collide(pair.a, pair.b, Neighbours::geometric, Intersections::proper, counts);
+        collide(pair.a, pair.b, Neighbours::geometric, IntersectionKind::all, counts);
+        collide(pair.a, pair.b, Neighbours::geometric, IntersectionKind::proper, counts);
         ASSERT_EQ(counts.rational, 0) << pair;
     }
 }
@@ -76,7 +76,7 @@ TEST_P(DecideOfEachKind, FiltersAloneAreRightOrUndecided) {
     int undecided = 0;
     for (int i = 0; i < rounds(); ++i) {
         const TrianglePair pair = random();
-        for (const Intersections intersections : intersection_policies) {
+        for (const IntersectionKind intersections : intersection_policies) {
             FilteredSigns signs;
             const Verdict verdict = decide(pair.a, pair.b, Neighbours::geometric, intersections, signs);
             DecisionCounts counts;
@@ -100,8 +100,8 @@ TEST(Decide, KeepsTheContract) {
         SCOPED_TRACE(named.claim);
         DecisionCounts counts;
         const auto& [a, b] = named.pair;
-        EXPECT_EQ(collide(a, b, Neighbours::geometric, Intersections::all, counts), named.collides);
-        EXPECT_EQ(collide(a, b, Neighbours::geometric, Intersections::proper, counts), named.proper);
+        EXPECT_EQ(collide(a, b, Neighbours::geometric, IntersectionKind::all, counts), named.collides);
+        EXPECT_EQ(collide(a, b, Neighbours::geometric, IntersectionKind::proper, counts), named.proper);
         for (int turn = 0; turn < 64; ++turn) expect_rational_answer(named.pair, turn);
     }
 }
@@ -155,7 +155,7 @@ TEST(Decide, FlatNeighboursTakeNoExactArithmetic) {
         for (std::size_t i = 0; i < cloth.size(); ++i) {
             for (std::size_t j = i + 1; j < cloth.size(); ++j) {
                 DecisionCounts counts;
-                EXPECT_FALSE(collide(cloth[i], cloth[j], Neighbours::geometric, Intersections::all, counts));
+                EXPECT_FALSE(collide(cloth[i], cloth[j], Neighbours::geometric, IntersectionKind::all, counts));
                 EXPECT_EQ(counts.exact, 0) << TrianglePair{cloth[i], cloth[j]};
             }
         }
@@ -165,7 +165,7 @@ TEST(Decide, FlatNeighboursTakeNoExactArithmetic) {
 TEST(Decide, CountsHowFarItHadToGo) {
     const auto counts_of = [](const TrianglePair& pair) {
         DecisionCounts counts;
-        collide(pair.a, pair.b, Neighbours::geometric, Intersections::all, counts);
+        collide(pair.a, pair.b, Neighbours::geometric, IntersectionKind::all, counts);
         return std::array{counts.exact, counts.rational};
     };
     const Triangle floor{{Vec3d{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}, {0, 1, 2}};

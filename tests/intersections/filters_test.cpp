@@ -62,7 +62,7 @@ struct FilteredPair {
 bool expected(const TrianglePair& pair, const NarrowPolicy& policy) {
     DecisionCounts counts;
     return collide(pair.a, pair.b, policy.skip_neighbours ? Neighbours::skip : Neighbours::geometric,
-                   policy.proper ? Intersections::proper : Intersections::all, counts);
+                   policy.proper ? IntersectionKind::proper : IntersectionKind::all, counts);
 }
 
 struct Case {

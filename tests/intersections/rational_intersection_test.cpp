@@ -19,9 +19,9 @@ TEST(RationalIntersection, KeepsTheContract) {
         EXPECT_EQ(found.proper, named.proper);
         EXPECT_EQ(found.shared, named.shared);
         EXPECT_EQ(points_of(contact(found)), named.points);
-        EXPECT_EQ(collide(found, Neighbours::geometric, Intersections::all), named.collides);
-        EXPECT_EQ(collide(found, Neighbours::geometric, Intersections::proper), named.proper);
-        EXPECT_EQ(collide(found, Neighbours::skip, Intersections::all), named.collides && named.shared == 0);
+        EXPECT_EQ(collide(found, Neighbours::geometric, IntersectionKind::all), named.collides);
+        EXPECT_EQ(collide(found, Neighbours::geometric, IntersectionKind::proper), named.proper);
+        EXPECT_EQ(collide(found, Neighbours::skip, IntersectionKind::all), named.collides && named.shared == 0);
     }
 }
 

@@ -10,8 +10,8 @@ namespace crumple::io::test {
 namespace {
 
 /// One of each kind: of one mesh, or of two bodies. Edges 1 and 2 are 0 7 and 2 9; the last is that of body 1.
-CandidateLists example(bool has_bodies = false) {
-    CandidateLists a;
+Candidates example(bool has_bodies = false) {
+    Candidates a;
     const std::int32_t other = has_bodies ? 1 : 0;
     a.listed.fill(true);
     add(a[CandidateKind::vertex_face], {7, 1}, {0, other}, has_bodies);
@@ -31,7 +31,7 @@ CandidateLists example(bool has_bodies = false) {
     return a;
 }
 
-std::string written(const CandidateLists& candidates, PairFormat format) {
+std::string written(const Candidates& candidates, PairFormat format) {
     std::ostringstream out;
     write_candidates(out, candidates, format);
     return out.str();
@@ -43,7 +43,7 @@ TEST(CandidateLists, TextHasALineForEach) {
     EXPECT_EQ(written(example(), PairFormat::automatic), text);
     EXPECT_EQ(written(example(true), PairFormat::txt),
               "vf 0:7 1:1\nee 0:0 0:7 1:2 1:9\nef 1:2 1:9 0:3\nff 0:4 1:5\nve 1:8 0:0 0:7\nvv 0:3 1:4\n");
-    EXPECT_EQ(written(CandidateLists(), PairFormat::txt), "");
+    EXPECT_EQ(written(Candidates(), PairFormat::txt), "");
 }
 
 TEST(CandidateLists, CsvHasNamedColumns) {
@@ -64,7 +64,7 @@ TEST(CandidateLists, JsonHasAnArrayForEachKindThatIsListed) {
     EXPECT_EQ(all["first_edge"], json::parse("[0,2,5]"));
     EXPECT_EQ(all["statistics"]["pairs"], 6);
     for (const char* const name : {"earliest", "vertex_face_toi", "vertex_face_", ""}) EXPECT_FALSE(all.contains(name));
-    CandidateLists one;
+    Candidates one;
     one.listed[static_cast<std::size_t>(CandidateKind::face_face)] = true;
     const auto few = json::parse(written(one, PairFormat::json));
     EXPECT_EQ(few["face_faces"], json::array());
@@ -80,7 +80,7 @@ TEST(CandidateLists, EveryFormatComesBackAsItWasWritten) {
             EXPECT_EQ(list.rows, list_of(example(has_bodies)).rows) << name;
             EXPECT_EQ(list.has_bodies, has_bodies) << name;
         }
-        CandidateLists none;
+        Candidates none;
         none.listed.fill(true);
         write_candidates(folder / name, none);
         EXPECT_TRUE(read_candidates(folder / name).rows.empty()) << name;
@@ -88,7 +88,7 @@ TEST(CandidateLists, EveryFormatComesBackAsItWasWritten) {
 }
 
 TEST(CandidateLists, ListedPointsAreNamedByTheirVertices) {
-    CandidateLists a = example();
+    Candidates a = example();
     a.points = array<std::int32_t>({10, 11, 12, 13, 14, 15, 16, 17, 18});
     a.first_point = array<std::int64_t>({0, 9});
     EXPECT_EQ(written(a, PairFormat::txt), "vf 17 1\nee 0 7 2 9\nef 2 9 3\nff 4 5\nve 18 0 7\nvv 13 14\n");
@@ -97,17 +97,17 @@ TEST(CandidateLists, ListedPointsAreNamedByTheirVertices) {
 TEST(CandidateLists, ThatDoNotFitTogetherAreRefused) {
     const Folder folder;
     const auto refused = [&](auto spoil) {
-        CandidateLists candidates = example(true);
+        Candidates candidates = example(true);
         spoil(candidates);
         const Error error = error_of([&] { write_candidates(folder / "a.txt", candidates); });
         EXPECT_EQ(error.code, ErrorCode::invalid_argument);
         EXPECT_TRUE(contains(error.what(), "the lists of candidates do not fit together")) << error.what();
         EXPECT_FALSE(fs::exists(folder / "a.txt"));
     };
-    refused([](CandidateLists& c) { c[CandidateKind::edge_face].pairs[0].a = 3; });
-    refused([](CandidateLists& c) { c[CandidateKind::edge_face].bodies[0].first = 2; });
-    refused([](CandidateLists& c) { c[CandidateKind::face_face].bodies = {}; });
-    refused([](CandidateLists& c) { c.listed[static_cast<std::size_t>(CandidateKind::face_face)] = false; });
+    refused([](Candidates& c) { c[CandidateKind::edge_face].pairs[0].a = 3; });
+    refused([](Candidates& c) { c[CandidateKind::edge_face].bodies[0].first = 2; });
+    refused([](Candidates& c) { c[CandidateKind::face_face].bodies = {}; });
+    refused([](Candidates& c) { c.listed[static_cast<std::size_t>(CandidateKind::face_face)] = false; });
     EXPECT_EQ(error_of([&] { write_candidates(folder / "a.glb", example()); }).code, ErrorCode::invalid_argument);
     EXPECT_EQ(error_of([&] { write_candidates(folder / "none" / "a.csv", example()); }).code, ErrorCode::file);
     for (const PairFormat format : {PairFormat::txt, PairFormat::csv, PairFormat::json, PairFormat::npz}) {

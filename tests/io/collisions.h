@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 
 namespace crumple::io::test {
 
-inline Collisions example(bool contacts) {
-    Collisions c;
+inline Intersections example(bool contacts) {
+    Intersections c;
     c.pairs.push_back({0, 2});
     c.pairs.push_back({0, INT32_MAX});
     c.pairs.push_back({1, 2});

@@ -11,14 +11,14 @@ namespace crumple::io::test {
 namespace {
 
 /// Triangle 1 of sample_mesh() collides.
-Collisions one_hit() {
-    Collisions collisions;
+Intersections one_hit() {
+    Intersections collisions;
     for (const std::uint8_t hit : std::vector<std::uint8_t>{0, 1, 0}) collisions.hit.push_back(hit);
     return collisions;
 }
 
-Collisions hits_of_two() {
-    Collisions collisions = one_hit();
+Intersections hits_of_two() {
+    Intersections collisions = one_hit();
     for (const std::uint8_t hit : std::vector<std::uint8_t>{0, 0, 1}) collisions.hit_second.push_back(hit);
     return collisions;
 }
@@ -75,8 +75,8 @@ TriangleMesh mesh_with_polygons() {
 }
 
 /// Triangle 0 meets triangle 2, the second one of polygon 1; and the two of polygon 1 meet.
-Collisions hits_of_polygons() {
-    Collisions collisions;
+Intersections hits_of_polygons() {
+    Intersections collisions;
     for (const Pair pair : {Pair{0, 1}, {0, 2}, {1, 2}}) collisions.pairs.push_back(pair);
     for (const std::int64_t offset : {0, 2, 3, 3}) collisions.offsets.push_back(offset);
     for (const std::uint8_t hit : std::vector<std::uint8_t>{1, 1, 1}) collisions.hit.push_back(hit);
@@ -84,27 +84,27 @@ Collisions hits_of_polygons() {
 }
 
 TEST(ByPolygon, CountsEachPairOfPolygonsOnce) {
-    const Collisions found = by_polygon(mesh_with_polygons(), nullptr, hits_of_polygons());
+    const Intersections found = by_polygon(mesh_with_polygons(), nullptr, hits_of_polygons());
     EXPECT_EQ(std::vector<Pair>(found.pairs.begin(), found.pairs.end()), (std::vector<Pair>{{0, 1}, {1, 1}}));
     EXPECT_EQ(std::vector<std::int64_t>(found.offsets.begin(), found.offsets.end()),
               (std::vector<std::int64_t>{0, 1, 2}));
     EXPECT_EQ(std::vector<std::uint8_t>(found.hit.begin(), found.hit.end()), (std::vector<std::uint8_t>{1, 1}));
     const TriangleMesh second = sample_mesh();
     const TriangleMesh first = mesh_with_polygons();
-    Collisions between = one_hit();
+    Intersections between = one_hit();
     between.pairs.push_back({1, 2});
     for (const std::uint8_t hit : std::vector<std::uint8_t>{0, 0, 1}) between.hit_second.push_back(hit);
-    const Collisions both = by_polygon(first, &second, between);
+    const Intersections both = by_polygon(first, &second, between);
     EXPECT_EQ(std::vector<Pair>(both.pairs.begin(), both.pairs.end()), (std::vector<Pair>{{1, 2}}));
     EXPECT_EQ(both.hit.size(), 2u);
     EXPECT_EQ(both.hit_second.size(), 3u) << "without polygons each triangle is one";
-    EXPECT_EQ(error_of([&] { by_polygon(first, nullptr, Collisions()); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { by_polygon(first, nullptr, Intersections()); }).code, ErrorCode::invalid_argument);
 }
 
 TEST(ByPolygon, PolygonsStayPolygonsAndHaveOneColour) {
     const Folder folder;
     const TriangleMesh mesh = mesh_with_polygons(), second = sample_mesh();
-    Collisions found = by_polygon(mesh, nullptr, hits_of_polygons());
+    Intersections found = by_polygon(mesh, nullptr, hits_of_polygons());
     found.hit[0] = 0;
     for (const char* const name : {"a.ply", "a.obj"}) {
         write_coloured(folder / name, mesh, nullptr, found);
@@ -129,7 +129,7 @@ TEST(ByPolygon, AFaceMayHaveHundredsOfCorners) {
         face += ' ' + std::to_string(i + 1);
     }
     const TriangleMesh mesh = read_bytes(text + face + '\n', "a.obj");
-    Collisions none;
+    Intersections none;
     none.hit.push_back(0);
     write_coloured(folder / "a.ply", mesh, nullptr, none);
     EXPECT_EQ(read_mesh(folder / "a.ply").polygons.corners, mesh.polygons.corners);
@@ -166,7 +166,7 @@ TEST(Coloured, MaterialsOfSomebodyElseStay) {
 
 TEST(Coloured, HtmlHoldsCornersColoursAndContacts) {
     const Folder folder;
-    Collisions found = one_hit();
+    Intersections found = one_hit();
     found.pairs.push_back({1, 2});
     found.contacts.kinds.push_back(ContactKind::segment);
     for (const std::int64_t offset : {0, 2}) found.contacts.offsets.push_back(offset);
@@ -250,7 +250,7 @@ TEST(Coloured, GlbOfNothingIsAnEmptySceneAndOfOneColourOnePrimitive) {
     const Folder folder;
     write_coloured(folder / "empty.glb", {}, nullptr, {});
     EXPECT_TRUE(load_glb(folder / "empty.glb").meshes.empty());
-    Collisions none = one_hit();
+    Intersections none = one_hit();
     none.hit.fill(0);
     write_coloured(folder / "free.glb", sample_mesh(), nullptr, none);
     EXPECT_EQ(load_glb(folder / "free.glb").meshes[0].primitives.size(), 1u);
@@ -260,7 +260,7 @@ TEST(ColouredAnimation, ShowsOneFrameAtATime) {
     const Folder folder;
     TriangleMesh longer = sample_mesh();
     longer.triangles.insert(longer.triangles.end(), {0, 1, 2});
-    Collisions hits = one_hit();
+    Intersections hits = one_hit();
     hits.hit.push_back(1);
     ColouredAnimation animation(10);
     animation.add(sample_mesh(), nullptr, one_hit());

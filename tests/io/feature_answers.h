@@ -51,8 +51,8 @@ inline Impacts example_impacts(bool has_bodies = false) {
     return a;
 }
 
-inline Nearby example_near(bool has_bodies = false) {
-    Nearby a = lists<Nearby>(has_bodies);
+inline Proximities example_near(bool has_bodies = false) {
+    Proximities a = lists<Proximities>(has_bodies);
     a[FeatureKind::vertex_face].squared_distance = array({5e-324, HUGE_VAL});
     a[FeatureKind::vertex_face].touching = array<std::uint8_t>({0, 0});
     a[FeatureKind::edge_edge].squared_distance = array({0.0});

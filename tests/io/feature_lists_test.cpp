@@ -15,7 +15,7 @@ std::string written(const Impacts& impacts, PairFormat format) {
     write_impacts(out, impacts, format);
     return out.str();
 }
-std::string written(const Nearby& nearby, PairFormat format) {
+std::string written(const Proximities& nearby, PairFormat format) {
     std::ostringstream out;
     write_near(out, nearby, format);
     return out.str();
@@ -68,7 +68,7 @@ TEST(FeatureLists, InBlocksAreThereOnceAllAre) {
     FeatureWriter writer(path, ListKind::near);
     writer.add(example_near());
     EXPECT_EQ(error_of([&] { writer.add(example_impacts()); }).code, ErrorCode::invalid_argument);
-    EXPECT_EQ(error_of([&] { writer.add(CandidateLists()); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { writer.add(Candidates()); }).code, ErrorCode::invalid_argument);
     writer.commit();
     EXPECT_EQ(bytes_of(path), written(example_near(), PairFormat::csv));
     for (const char* const name : {"a.json", "a.npz", "a.xyz"}) {
@@ -289,7 +289,7 @@ TEST(FeatureLists, ImpactsColourWhatTheyHit) {
 }
 
 TEST(FeatureLists, NearPairsColourTwoMeshes) {
-    Nearby nearby;
+    Proximities nearby;
     nearby[FeatureKind::vertex_face].pairs = array<Pair>({{3, 2}, {4, 0}});
     nearby[FeatureKind::vertex_face].bodies = array<BodyPair>({{0, 1}, {1, 0}});
     nearby[FeatureKind::vertex_face].squared_distance = array({1.0, 16.0});

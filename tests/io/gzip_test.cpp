@@ -65,7 +65,7 @@ TEST(Gzip, TheNameTellsTheWriter) {
         EXPECT_EQ(gunzipped(folder / (name + ".gz")), bytes_of(folder / name)) << name;
         EXPECT_EQ(bytes_of(folder / (name + ".gz")), bytes_of(folder / (name + ".GZ"))) << name;
     }
-    Collisions found;
+    Intersections found;
     found.pairs.push_back({1, 2});
     for (const std::string name : {"p.txt", "p.csv", "p.json", "p.npz"}) {
         write_pairs(folder / name, found);

@@ -11,7 +11,7 @@
 namespace crumple::io::test {
 namespace {
 
-std::string written(const Collisions& collisions, PairFormat format) {
+std::string written(const Intersections& collisions, PairFormat format) {
     std::ostringstream out;
     write_pairs(out, collisions, format);
     return out.str();
@@ -46,7 +46,7 @@ TEST(Pairs, CsvHasAHeaderAndAsManyFieldsInEachLine) {
 TEST(Pairs, BlocksMakeTheSameFile) {
     for (const bool contacts : {false, true})
         for (const PairFormat format : {PairFormat::txt, PairFormat::csv}) {
-            const Collisions one = example(contacts);
+            const Intersections one = example(contacts);
             std::ostringstream twice;
             PairWriter writer(twice, contacts, format);
             writer.add(one);
@@ -121,7 +121,7 @@ std::string raw(const Array<T>& array) {
 
 TEST(Pairs, NpzHoldsTheArraysByteForByte) {
     const Folder folder;
-    const Collisions c = example(true);
+    const Intersections c = example(true);
     write_pairs(folder / "a.npz", c);
     const auto expect = [&](const char* name, const std::string& type, const std::string& shape,
                             const std::string& data) {
@@ -163,7 +163,7 @@ TEST(Pairs, NumpyLoadsNpz) {
 
 TEST(Pairs, ContactsOfOtherPairsAreRefused) {
     for (const PairFormat format : {PairFormat::txt, PairFormat::csv, PairFormat::json, PairFormat::npz}) {
-        Collisions c = example(true);
+        Intersections c = example(true);
         c.pairs.push_back({1, 3});
         EXPECT_EQ(error_of([&] { written(c, format); }).code, ErrorCode::invalid_argument);
         c = example(true);

@@ -25,7 +25,7 @@ TEST(ReadPairs, EveryFormatComesBackAsItWasWritten) {
     const Folder folder;
     for (const char* const name : {"a.txt", "a.csv", "a.json", "a.npz", "A.CSV"}) {
         for (const bool contacts : {false, true}) {
-            const Collisions c = example(contacts);
+            const Intersections c = example(contacts);
             write_pairs(folder / name, c);
             EXPECT_EQ(read_pairs(folder / name), Pairs(c.pairs.begin(), c.pairs.end())) << name;
         }

@@ -70,7 +70,7 @@ void expect_cut(const TriangleMesh& mesh, const Indices& corners, int axis, bool
     for (std::size_t i = 0; i < corners.size(); ++i) add(corners[i], corners[(i + 1) % corners.size()], -1);
     for (const auto& [edge, count] : border) EXPECT_EQ(count, 0) << edge.first << ' ' << edge.second;
     Detector detector({.threads = 1});
-    EXPECT_TRUE(detector.find_self(mesh.view(), {.weld = true}).pairs.empty());
+    EXPECT_TRUE(detector.find(mesh.view(), {.weld = true}).pairs.empty());
 }
 
 /// Every start, both ways round, along every axis.
@@ -122,7 +122,7 @@ TEST(Triangulation, AConcavePolygonIsCutWithoutOverlaps) {
 TEST(Triangulation, AFanWouldHaveOverlapped) {
     const TriangleMesh fan = read(obj_of({chevron[1], chevron[2], chevron[3], chevron[0]}), Triangulation::fan);
     Detector detector({.threads = 1});
-    EXPECT_EQ(detector.find_self(fan.view()).pairs.size(), 1u);
+    EXPECT_EQ(detector.find(fan.view()).pairs.size(), 1u);
 }
 
 TEST(Triangulation, CornersOnAStraightEdgeMakeNoDegenerateTriangle) {

@@ -57,7 +57,7 @@ TEST(Unit, IsKeptByThreeMfAndByGltf) {
         EXPECT_EQ(scaled.unit, Unit::metre);
         EXPECT_DOUBLE_EQ(coordinates(scaled)[3], coordinates(metres)[3]);
     }
-    Collisions free;
+    Intersections free;
     free.hit.assign(1, 0);
     for (const char* const name : {"a.3mf", "a.glb"}) {
         write_coloured(folder / name, corner(Unit::inch, 10), nullptr, free);
@@ -144,7 +144,7 @@ TEST(Unit, MistakesLeaveTheMeshAsItWas) {
     EXPECT_EQ(coordinates(world.shapes[0])[3], 1);
 
     const Folder folder;
-    Collisions free;
+    Intersections free;
     free.hit.assign(1, 0), free.hit_second.assign(1, 0);
     const TriangleMesh inch = corner(Unit::inch), metre = corner(Unit::metre);
     EXPECT_TRUE(contains(error_of([&] { write_coloured(folder / "a.ply", inch, &metre, free); }).what(),

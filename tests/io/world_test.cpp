@@ -32,9 +32,9 @@ TEST(WorldMesh, ItsViewIsWhatADetectorTakes) {
     EXPECT_EQ(view.shapes[0].name, 0u);
     EXPECT_EQ(named.shapes[0].name, 7u);
     Detector detector;
-    Intersect question;
-    question.wants = Wants::body_pairs;
-    question.rules.bodies = Wanted::between;
+    IntersectionQuery question;
+    question.output = Output::body_pairs;
+    question.filter.bodies = PairScope::between;
     for (const WorldView* const v : {&view, &named, &named}) {
         const Array<BodyPair>& found = detector.find(v->world(), question).bodies;
         EXPECT_EQ(std::vector<BodyPair>(found.begin(), found.end()), (std::vector<BodyPair>{{0, 1}, {1, 2}}));
@@ -53,8 +53,8 @@ TEST(WorldMesh, PosedMeshHasEveryVertexWhereTheDetectorHasIt) {
 
     Detector of_worlds, of_meshes;
     const WorldView view = world.view();
-    const WorldCollisions& by_body = of_worlds.find(view.world());
-    const Collisions& joined = of_meshes.find_self(mesh.view());
+    const Intersections& by_body = of_worlds.find(view.world());
+    const Intersections& joined = of_meshes.find(mesh.view());
     ASSERT_EQ(by_body.pairs.size(), joined.pairs.size());
     for (std::size_t i = 0; i < joined.pairs.size(); ++i) {
         EXPECT_EQ(4 * by_body.bodies[i].first + by_body.pairs[i].a, joined.pairs[i].a);
@@ -67,9 +67,9 @@ TEST(WorldMesh, PosedMeshHasEveryVertexWhereTheDetectorHasIt) {
     EXPECT_EQ(error_of([&] { posed_mesh(world); }).element, Element::body);
 }
 
-const WorldCollisions& find_indexed(Detector& detector, const WorldMesh& world) {
-    Intersect question;
-    question.rules.bodies = Wanted::between;
+const Intersections& find_indexed(Detector& detector, const WorldMesh& world) {
+    IntersectionQuery question;
+    question.filter.bodies = PairScope::between;
     question.index = true;
     return detector.find(world.view().world(), question);
 }
@@ -79,7 +79,7 @@ TEST(ColouredWorld, GlbKeepsBodiesAndTheShapeThatTheyShare) {
     world.bodies[3].name = "\xff";
     world.bodies.push_back({"also far", 0, {{0.1, 0.7, 0.3, 99, 0.9, 0.1, 0.2, 99, 0.3, 0.2, 0.8, 99}}});
     Detector detector;
-    const WorldCollisions& found = find_indexed(detector, world);
+    const Intersections& found = find_indexed(detector, world);
     const Folder folder;
     write_coloured(folder / "c.glb", world, found);
     std::ostringstream out;
@@ -114,7 +114,7 @@ TEST(ColouredWorld, OfFloat64FarFromItsOriginKeepsWhatFloat32Can) {
 TEST(ColouredWorld, OtherFormatsHoldThePosedMesh) {
     const WorldMesh world = robot();
     Detector detector;
-    const WorldCollisions& found = find_indexed(detector, world);
+    const Intersections& found = find_indexed(detector, world);
     const Folder folder;
     for (const char* const name : {"c.ply", "c.obj", "c.html"}) write_coloured(folder / name, world, found);
     expect_same(read_mesh(folder / "c.ply", {.group_property = "group"}), posed_mesh(world));
@@ -125,7 +125,7 @@ TEST(ColouredWorld, OtherFormatsHoldThePosedMesh) {
 TEST(ColouredWorld, CollisionsOfAnotherWorldAreRefused) {
     WorldMesh world = robot();
     Detector detector;
-    const WorldCollisions& found = find_indexed(detector, world);
+    const Intersections& found = find_indexed(detector, world);
     const Folder folder;
     world.bodies.pop_back();
     EXPECT_EQ(error_of([&] { write_coloured(folder / "c.glb", world, found); }).code, ErrorCode::invalid_argument);

@@ -86,7 +86,7 @@ TEST(WriteThreeMf, CollidingTrianglesHaveTheirColour) {
     const TriangleMesh crossing{
         std::vector<double>{0, 0, 0, 4, 0, 0, 0, 4, 0, 1, 1, -1, 1, 1, 1, 2, 1, 1, 9, 9, 9, 9, 9, 8, 9, 8, 9},
         {0, 1, 2, 6, 7, 8, 3, 4, 5}};
-    write_coloured(folder / "a.3mf", crossing, nullptr, detector.find_self(crossing.view()));
+    write_coloured(folder / "a.3mf", crossing, nullptr, detector.find(crossing.view()));
     expect_same(read_mesh(folder / "a.3mf"), crossing);
     const std::string text = model_text(folder / "a.3mf");
     EXPECT_TRUE(contains(text, "displaycolor=\"#B2B2B2\"") && contains(text, "displaycolor=\"#D55E00\"")) << text;
@@ -101,7 +101,7 @@ TEST(WriteThreeMf, AColouredWorldSharesWhatIsFree) {
     world.bodies.push_back({"far", 0, {{1, 0, 0, 100, 0, 1, 0, 100, 0, 0, 1, 100}}});
     Detector detector;
     const WorldView view = world.view();
-    const WorldCollisions& found = detector.find(view.world(), Intersect{.index = true});
+    const Intersections& found = detector.find(view.world(), {.index = true});
     ASSERT_EQ(found.pairs.size(), 1u);
     write_coloured(folder / "a.3mf", world, found);
     const WorldMesh read = read_world(folder / "a.3mf");

@@ -22,7 +22,7 @@ std::size_t files_in(const fs::path& folder) {
 TEST(Write, WhatCannotBeWrittenIsAnErrorThatNamesThePath) {
     const Folder folder;
     fs::create_directory(folder / "folder.ply");
-    const Collisions none;
+    const Intersections none;
     const auto expect_error = [](ErrorCode code, const fs::path& path, auto&& write) {
         const Error error = error_of([&] { write(path); });
         EXPECT_EQ(error.code, code) << error.what();
@@ -192,7 +192,7 @@ TEST(Write, ToAStreamIsAsToAFile) {
 }
 
 TEST(Write, ADeviceIsWrittenAndNotReplaced) {
-    Collisions collisions;
+    Intersections collisions;
     collisions.pairs.push_back({1, 2});
     write_pairs("/dev/null", collisions, PairFormat::txt);
     EXPECT_TRUE(fs::is_character_file("/dev/null"));

@@ -42,10 +42,10 @@ class KernelsByTheirPtx : public testing::Test {
     }
     ~KernelsByTheirPtx() override { settings().run_instead = nullptr; }
     void expect_same(const MeshView& mesh) {
-        for (const Intersections intersections : {Intersections::all, Intersections::proper}) {
-            const Query query{.intersections = intersections, .contacts = true};
-            const Collisions& found = cuda_.find_self(mesh, query);
-            EXPECT_TRUE(same_answer(found, cpu_.find_self(mesh, query)));
+        for (const IntersectionKind intersections : {IntersectionKind::all, IntersectionKind::proper}) {
+            const IntersectionQuery query{.output = Output::contacts, .kind = intersections};
+            const Intersections& found = cuda_.find(mesh, query);
+            EXPECT_TRUE(same_answer(found, cpu_.find(mesh, query)));
             exact_tests_ += found.statistics.exact_tests;
             contacts_ += found.statistics.pairs;
         }
@@ -53,15 +53,15 @@ class KernelsByTheirPtx : public testing::Test {
     template <class Scalar>
     void expect_same(const MovingSoup<Scalar>& soup, double unit) {
         for (const double separation : {0., 0.75 * unit}) {
-            const Motion query{.separation = separation};
-            const Impacts& found = cuda_.find_impacts(soup.view(), soup.end_view(), query);
-            EXPECT_TRUE(same_features(found, cpu_.find_impacts(soup.view(), soup.end_view(), query)));
+            const ImpactQuery query{.min_distance = separation};
+            const Impacts& found = cuda_.find(soup.view().moving_to(soup.end_view()), query);
+            EXPECT_TRUE(same_features(found, cpu_.find(soup.view().moving_to(soup.end_view()), query)));
             impacts_ += found.count;
         }
         for (const double radius : {unit, 1.5 * unit}) {  // on a grid many distances are the first one
-            const Near query{.radius = radius};
-            const Nearby& found = cuda_.find_near(soup.view(), query);
-            EXPECT_TRUE(same_features(found, cpu_.find_near(soup.view(), query)));
+            const ProximityQuery query{.radius = radius};
+            const Proximities& found = cuda_.find(soup.view(), query);
+            EXPECT_TRUE(same_features(found, cpu_.find(soup.view(), query)));
             near_ += found.count;
         }
     }

@@ -12,12 +12,13 @@
 namespace crumple {
 namespace {
 
-double pairs_per_triangle(std::string_view scene, const scenes::Parameters& parameters, Wanted wanted = Wanted::both) {
+double pairs_per_triangle(std::string_view scene, const scenes::Parameters& parameters,
+                          PairScope wanted = PairScope::both) {
     const io::TriangleMesh mesh = scenes::make(scene, parameters);
     Detector detector;
-    Query query;
-    query.wanted = wanted;
-    return static_cast<double>(detector.find_self(mesh.view(), query).pairs.size()) /
+    IntersectionQuery query;
+    query.filter.groups = wanted;
+    return static_cast<double>(detector.find(mesh.view(), query).pairs.size()) /
            static_cast<double>(mesh.triangle_count());
 }
 
@@ -29,7 +30,7 @@ TEST(SceneAnswers, FoldedClothCollidesAsMuchAsClothOnBall) {
 
 TEST(SceneAnswers, ClothNeverTouchesItsBall) {
     for (int frame = 0; frame < 94; frame += 31) {
-        EXPECT_EQ(pairs_per_triangle("cloth", {.triangles = 30'000, .frame = frame}, Wanted::between), 0) << frame;
+        EXPECT_EQ(pairs_per_triangle("cloth", {.triangles = 30'000, .frame = frame}, PairScope::between), 0) << frame;
     }
 }
 
@@ -54,10 +55,10 @@ TEST(SceneAnswers, PairsPerTriangleDoNotDependOnTheResolution) {
 }
 
 TEST(SceneAnswers, BodiesMeetOthersAndKnotsThemselvesAsWell) {
-    EXPECT_EQ(pairs_per_triangle("bodies", {}, Wanted::within), 0);
-    EXPECT_GT(pairs_per_triangle("bodies", {}, Wanted::between), 0.05);
-    EXPECT_GT(pairs_per_triangle("knots", {}, Wanted::within), 0.02);
-    EXPECT_GT(pairs_per_triangle("knots", {}, Wanted::between), 0.05);
+    EXPECT_EQ(pairs_per_triangle("bodies", {}, PairScope::within), 0);
+    EXPECT_GT(pairs_per_triangle("bodies", {}, PairScope::between), 0.05);
+    EXPECT_GT(pairs_per_triangle("knots", {}, PairScope::within), 0.02);
+    EXPECT_GT(pairs_per_triangle("knots", {}, PairScope::between), 0.05);
     const double model = pairs_per_triangle("model", {});
     EXPECT_GT(model, 0.001);
     EXPECT_LT(model, 0.1);
@@ -68,9 +69,9 @@ TEST(SceneAnswers, ShellsAreClean) { EXPECT_EQ(pairs_per_triangle("shells", {.tr
 TEST(SceneAnswers, GroundCutsTheHem) {
     const io::TriangleMesh mesh = scenes::make("ground", {.triangles = 30'000, .frame = 93});
     Detector detector;
-    Query query;
-    query.wanted = Wanted::between;
-    const Collisions& found = detector.find_self(mesh.view(), query);
+    IntersectionQuery query;
+    query.filter.groups = PairScope::between;
+    const Intersections& found = detector.find(mesh.view(), query);
     const auto ground = static_cast<std::int32_t>(mesh.triangle_count() - 2);
     EXPECT_GT(found.pairs.size(), 100u);
     for (const Pair pair : found.pairs) EXPECT_GE(pair.b, ground) << "pair " << pair.a << ", " << pair.b;

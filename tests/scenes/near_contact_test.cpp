@@ -101,8 +101,8 @@ TEST(FreeWay, EndsBeforeWhatWouldBeMetAndLeavesTheRestAlone) {
     EXPECT_NEAR(way.toi, 0.45 / 2.5, 1e-12);  // a tenth of the distance is left
     EXPECT_EQ(way.share, 1);
     Detector reference({.backend = Backend::reference});
-    EXPECT_TRUE(reference.is_free(view(start, triangles), view(reached, triangles).vertices));
-    EXPECT_FALSE(reference.is_free(view(start, triangles), view(end, triangles).vertices));
+    EXPECT_FALSE(reference.any((view(start, triangles)).moving_to(view(reached, triangles).vertices), ImpactQuery()));
+    EXPECT_TRUE(reference.any((view(start, triangles)).moving_to(view(end, triangles).vertices), ImpactQuery()));
     EXPECT_GT(reached[3].z, 0);
     EXPECT_LT(reached[3].z, 0.5);
     for (std::size_t i = 6; i < 9; ++i) EXPECT_EQ(reached[i], end[i]) << i;
@@ -156,7 +156,7 @@ TEST(FreeWay, EndsBeforeWhatWasHeldBackItself) {
     EXPECT_NEAR(way.toi, 0.45 / 2.5, 1e-12);
     EXPECT_EQ(way.share, 1);
     Detector reference({.backend = Backend::reference});
-    EXPECT_TRUE(reference.is_free(view(start, three), view(reached, three).vertices));
+    EXPECT_FALSE(reference.any((view(start, three)).moving_to(view(reached, three).vertices), ImpactQuery()));
     EXPECT_GT(reached[6].z, reached[3].z);
     EXPECT_GT(reached[3].z, 0);
 }
@@ -237,13 +237,13 @@ TEST(FreeCloth, PassesThroughNothing) {
             const VertexView now = fall.mesh().vertices;
             MeshView before = fall.mesh();
             before.vertices = rows_of_three(&last[0].x, static_cast<std::int64_t>(last.size()));
-            EXPECT_TRUE(detector.is_free(before, now)) << "frame " << frame;
-            EXPECT_FALSE(detector.has_collision(fall.mesh())) << "frame " << frame;
+            EXPECT_FALSE(detector.any(before.moving_to(now), ImpactQuery())) << "frame " << frame;
+            EXPECT_FALSE(detector.any(fall.mesh())) << "frame " << frame;
             last = fall.points();
         });
     }
     EXPECT_GT(cut, 0);  // or nothing was to be shown
-    EXPECT_TRUE(Detector({.backend = Backend::reference}).find_self(fall.mesh()).pairs.empty());
+    EXPECT_TRUE(Detector({.backend = Backend::reference}).find(fall.mesh()).pairs.empty());
 }
 
 TEST(FreeCloth, StopsAtWhatItFliesIntoAtAnySpeed) {
@@ -252,7 +252,7 @@ TEST(FreeCloth, StopsAtWhatItFliesIntoAtAnySpeed) {
     double first = 1;
     for (int frame = 1; frame <= 3; ++frame) {
         fall.advance(frame, 1, 5, [&](const StepTaken& step) { first = std::min(first, step.toi); });
-        EXPECT_FALSE(detector.has_collision(fall.mesh())) << "frame " << frame;
+        EXPECT_FALSE(detector.any(fall.mesh())) << "frame " << frame;
         for (const Vec3d& p : fall.points()) EXPECT_GE(p.z, 0) << "frame " << frame;
     }
     EXPECT_LT(first, 0.1);

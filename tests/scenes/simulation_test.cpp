@@ -215,8 +215,7 @@ TEST(ClothOnBall, CollidesMoreAndMoreFromFrame60On) {
     SimulatedFrames frames(simulate_cloth_on_ball({.triangles = 24'000}), "");
     Detector detector;
     std::map<int, std::size_t> pairs;
-    for (const int frame : {0, 20, 60, 93})
-        pairs[frame] = detector.find_self(frames.frame(frame, {}).view()).pairs.size();
+    for (const int frame : {0, 20, 60, 93}) pairs[frame] = detector.find(frames.frame(frame, {}).view()).pairs.size();
     EXPECT_EQ(pairs[0], 0u);
     EXPECT_LE(pairs[20], 20u);
     EXPECT_GT(pairs[93], 2 * pairs[60]);
@@ -232,9 +231,9 @@ TEST(Cutting, IsAnsweredByAWarmDetectorThoughTopologyChanges) {
         EXPECT_GE(mesh.triangle_count(), last);
         last = mesh.triangle_count();
         counts.insert(last);
-        const Collisions& found = warm.find_self(mesh.view());
+        const Intersections& found = warm.find(mesh.view());
         if (frame % 5) continue;
-        const Collisions& expected = reference.find_self(mesh.view());
+        const Intersections& expected = reference.find(mesh.view());
         EXPECT_TRUE(std::equal(found.pairs.begin(), found.pairs.end(), expected.pairs.begin(), expected.pairs.end()))
             << "frame " << frame;
     }

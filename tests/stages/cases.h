@@ -22,7 +22,7 @@ namespace crumple::test {
 class StageCase {
    public:
     std::string name;
-    Scene scene;
+    PreparedScene scene;
 
     template <class Scalar>
     StageCase(std::string what, Soup<Scalar> first, Soup<Scalar> second = {})
@@ -37,7 +37,7 @@ class StageCase {
                 if (scene.between && scene.second(i) == scene.second(j)) continue;
                 const RationalIntersection exact = intersect_rationally(scene.triangle(i), scene.triangle(j));
                 if (!exact.points.empty()) meeting_.push_back({i, j});
-                if (collide(exact, Neighbours::geometric, Intersections::all)) colliding_.push_back({i, j});
+                if (collide(exact, Neighbours::geometric, IntersectionKind::all)) colliding_.push_back({i, j});
             }
     }
 
@@ -162,7 +162,7 @@ class Stages : public testing::TestWithParam<StageBackend> {
 /// exact.
 class ExactBox {
    public:
-    ExactBox(const StageState& state, const Scene& scene, std::int32_t triangle, const LeafFrame& frame) {
+    ExactBox(const StageState& state, const PreparedScene& scene, std::int32_t triangle, const LeafFrame& frame) {
         const auto exact = [](const Vec3f& p) { return value(Vec3d{p.x, p.y, p.z}); };
         for (int k = 0; k < (scene.moving ? 6 : 3); ++k) {
             const std::int64_t at = scene.corners[3 * triangle + k % 3] + (k < 3 ? 0 : scene.vertex_count());
@@ -186,7 +186,7 @@ class ExactBox {
     Vec3<Rational> low_, high_;
 };
 
-inline std::vector<ExactBox> exact_boxes(const StageState& state, const Scene& scene, const LeafState& leaf) {
+inline std::vector<ExactBox> exact_boxes(const StageState& state, const PreparedScene& scene, const LeafState& leaf) {
     std::vector<ExactBox> boxes;
     for (const std::int32_t t : leaf.member) boxes.emplace_back(state, scene, t, leaf.frame);
     return boxes;

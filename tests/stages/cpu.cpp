@@ -25,7 +25,7 @@ Pair ordered(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(
 /// Scratch and results of one run.
 struct Run {
     const Tables& tables;
-    const Scene& scene;
+    const PreparedScene& scene;
     const Options& options;
     const SceneFeatures& features;
     const Inflation inflation;
@@ -90,7 +90,7 @@ struct Run {
                 if (triangle(row) >= 0 && triangle(column) >= 0)
                     state.met.push_back(ordered(triangle(row), triangle(column)));
 
-        Candidates candidates(nullptr);
+        CandidateChunk candidates(nullptr);
         sweep_chunks(
             tables.stages, sorted, 0, sorted.rows, candidates, [] { return false; },
             [&] {
@@ -102,7 +102,7 @@ struct Run {
 
         if (scene.moving) return state;
         records.sort(tables.intersect, sorted);
-        const Query query;
+        const IntersectionQuery query;
         const GroupRule all;
         NarrowScratch narrow(nullptr);
         sweep_and_narrow({scene, query, all, tables.stages, tables.intersect, rows(), cancellation}, sorted, records,
@@ -112,7 +112,7 @@ struct Run {
     }
 };
 
-StageState run_stages(const Tables& tables, const Scene& scene, const Options& options) {
+StageState run_stages(const Tables& tables, const PreparedScene& scene, const Options& options) {
     Cancellation cancellation;
     Options alone = options;
     alone.threads = 1;
@@ -157,10 +157,11 @@ StageState run_stages(const Tables& tables, const Scene& scene, const Options& o
 std::vector<StageBackend> stage_backends() {
     std::vector<StageBackend> backends;
     for (const Tables& tables : kernel_tables())
-        backends.push_back(
-            {tables.name,
-             [tables](const Scene& scene, const Options& options) { return run_stages(tables, scene, options); },
-             true});
+        backends.push_back({tables.name,
+                            [tables](const PreparedScene& scene, const Options& options) {
+                                return run_stages(tables, scene, options);
+                            },
+                            true});
     return backends;
 }
 

@@ -30,7 +30,8 @@ Pair ordered(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(
 /// A copy of the arrays that a host scene shows, on the device.
 class DeviceScene {
    public:
-    explicit DeviceScene(const Scene& host) : scene(host), corners_(bytes(host.corners, 12 * host.triangle_count())) {
+    explicit DeviceScene(const PreparedScene& host)
+        : scene(host), corners_(bytes(host.corners, 12 * host.triangle_count())) {
         scene.corners = static_cast<const std::int32_t*>(corners_.data());
         for (std::size_t side = 0; side < 2; ++side) {
             const VertexReader& reader = host.reader[side];
@@ -46,7 +47,7 @@ class DeviceScene {
         box_ = test::DeviceBytes(bytes(&box, sizeof box));
     }
     const SceneBox* box() const { return static_cast<const SceneBox*>(box_.data()); }
-    Scene scene;
+    PreparedScene scene;
 
    private:
     static unsigned long long ordered_number(double x) { return cuda::ordered(x); }
@@ -62,7 +63,7 @@ class StagesOfPass : public IntersectionPass {
     StagesOfPass(const Geometry& geometry, const Options& options, bool guided)
         : IntersectionPass(geometry, nullptr, options), guided_(guided) {}
 
-    test::StageState run(const Scene& host) {
+    test::StageState run(const PreparedScene& host) {
         const DeviceScene on_device(host);
         scene = on_device.scene;
         box = on_device.box();
@@ -107,7 +108,7 @@ class StagesOfPass : public IntersectionPass {
 
     // From `sort` on once more, by the question's own records and filters.
     void search(test::StageState& state) {
-        policy = policy_of(Neighbours::geometric, Intersections::all);
+        policy = policy_of(Neighbours::geometric, IntersectionKind::all);
         MemoryMeter meter;
         Answer answer(geometry_, stream_, meter);
         answer.make_room(scene, plan.hits);
@@ -134,7 +135,7 @@ class StagesOfPass : public IntersectionPass {
     }
 
     // Rows are leaf after leaf, as members are.
-    test::StageState look(const Scene& host) const {
+    test::StageState look(const PreparedScene& host) const {
         test::StageState state;
         if (points_.f)
             for (const auto& p : to_host(points_.f, host.vertex_count())) state.point.push_back({p.x, p.y, p.z});
@@ -193,7 +194,7 @@ std::vector<StageBackend> stage_backends() {
     // The second of two passes has found its members by what the first one left.
     for (const unsigned threads : {64u, 256u})
         backends.push_back({"blocks_of_" + std::to_string(threads) + (threads == 256 ? "_guided" : ""),
-                            [=](const Scene& scene, const Options& options) {
+                            [=](const PreparedScene& scene, const Options& options) {
                                 const cuda::Device device(0);
                                 const cuda::Device::Current current(device);
                                 cuda::Geometry geometry = device.geometry();

@@ -6,12 +6,13 @@
 namespace crumple::test {
 namespace {
 
-using Output = Stages;
-INSTANTIATE_TEST_SUITE_P(, Output, testing::ValuesIn(stage_backends()), [](const auto& b) { return b.param.name; });
+using OutputStage = Stages;
+INSTANTIATE_TEST_SUITE_P(, OutputStage, testing::ValuesIn(stage_backends()),
+                         [](const auto& b) { return b.param.name; });
 
-TEST_P(Output, sorts_pairs_and_tells_what_follows_from_them) {
+TEST_P(OutputStage, sorts_pairs_and_tells_what_follows_from_them) {
     run_at_rest([](const StageCase& the, const StageState& state) {
-        const Scene& scene = the.scene;
+        const PreparedScene& scene = the.scene;
         const auto first = static_cast<std::int32_t>(scene.triangles[0]);
         std::vector<Pair> pairs;
         std::vector<std::int64_t> offsets(static_cast<std::size_t>(first) + 1, 0);

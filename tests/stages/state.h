@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 #include "crumple/options.h"
 #include "geometry/ball.h"
 #include "geometry/leaf_frame.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::test {
 
@@ -40,12 +40,12 @@ struct StageState {
     std::vector<Vec3d> point;  ///< bounds: normalised vertices; if they move, then those at the end
     std::vector<Ball> ball;    ///< bounds: by triangle
     std::vector<LeafState> leaves;
-    Collisions answer;  ///< output, of what the leaves found
+    Intersections answer;  ///< output, of what the leaves found
 };
 
 struct StageBackend {
     std::string name;
-    std::function<StageState(const Scene&, const Options&)> run;
+    std::function<StageState(const PreparedScene&, const Options&)> run;
     bool moves = false;  ///< also runs scenes that move, up to `sweep`
 };
 inline void PrintTo(const StageBackend& backend, std::ostream* out) { *out << backend.name; }

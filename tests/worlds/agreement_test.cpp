@@ -30,8 +30,8 @@ class Worlds : public testing::TestWithParam<Backend> {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         const auto world = random_world(seed, kind);
         for (unsigned i = 0; i < 3; ++i) {
-            const Intersect question = random_question(7 * seed + i, kind.bodies);
-            SCOPED_TRACE(testing::Message() << "question " << i << ", wants " << static_cast<int>(question.wants));
+            const IntersectionQuery question = random_question(7 * seed + i, kind.bodies);
+            SCOPED_TRACE(testing::Message() << "question " << i << ", wants " << static_cast<int>(question.output));
             // Under other names each time, for a detector holds on to what it knows.
             auto shapes = world->shapes;
             for (Shape& shape : shapes)
@@ -94,10 +94,10 @@ TEST_P(Worlds, of_shapes_that_reach_to_the_largest_numbers) {
                     return pose;
                 };
                 const Pose poses[] = {at(0), at(1e6), at(-3e7)};
-                for (const Wants wants : {Wants::any, Wants::body_pairs, Wants::contacts}) {
+                for (const Output wants : {Output::any, Output::body_pairs, Output::contacts}) {
                     SCOPED_TRACE(testing::Message() << size << " named " << name << " scaled by " << scale);
                     const World world{shapes, bodies, poses};
-                    const Intersect question{.wants = wants};
+                    const IntersectionQuery question{.output = wants};
                     ASSERT_TRUE(same_world_answer(detector_.find(world, question), reference_.find(world, question)));
                 }
             }

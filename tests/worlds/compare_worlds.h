@@ -12,7 +12,7 @@ namespace crumple::test {
 
 using Row = std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int32_t>;
 
-inline std::set<Row> rows_of(const WorldCollisions& c) {
+inline std::set<Row> rows_of(const Intersections& c) {
     std::set<Row> rows;
     for (std::size_t i = 0; i < c.pairs.size(); ++i)
         rows.emplace(c.bodies[i].first, c.pairs[i].a, c.bodies[i].second, c.pairs[i].b);
@@ -20,7 +20,7 @@ inline std::set<Row> rows_of(const WorldCollisions& c) {
 }
 
 /// Pairs as sets, so that a failure names them; everything else byte for byte.
-inline testing::AssertionResult same_world_answer(const WorldCollisions& found, const WorldCollisions& expected) {
+inline testing::AssertionResult same_world_answer(const Intersections& found, const Intersections& expected) {
     const std::set<Row> ours = rows_of(found), theirs = rows_of(expected);
     std::ostringstream text;
     const auto list = [&](const char* what, const std::set<Row>& in, const std::set<Row>& not_in) {

@@ -20,7 +20,7 @@ using test::same_bytes;
 
 Pose moved(double x, double y = 0, double z = 0) { return {{1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z}}; }
 
-std::vector<std::array<std::int32_t, 4>> rows(const WorldCollisions& c) {
+std::vector<std::array<std::int32_t, 4>> rows(const Intersections& c) {
     std::vector<std::array<std::int32_t, 4>> rows;
     for (std::size_t i = 0; i < c.pairs.size(); ++i)
         rows.push_back({c.bodies[i].first, c.pairs[i].a, c.bodies[i].second, c.pairs[i].b});
@@ -33,8 +33,9 @@ TEST(World, of_one_body_in_place_has_the_bytes_of_find_self) {
         Detector detector, other;
         const std::vector<Shape> shapes{Shape(soup.view(), name)};
         const std::vector<Body> bodies{{.self = true}};
-        const WorldCollisions& found = detector.find({shapes, bodies, {}}, {.wants = Wants::contacts, .index = true});
-        const Collisions& expected = other.find_self(soup.view(), {.contacts = true});
+        const Intersections& found =
+            detector.find(World{shapes, bodies, {}}, {.output = Output::contacts, .index = true});
+        const Intersections& expected = other.find(soup.view(), {.output = Output::contacts});
         ASSERT_GT(expected.pairs.size(), 50u);
         EXPECT_TRUE(test::same_pairs(found.pairs.span(), expected.pairs.span()));
         EXPECT_TRUE(same_bytes(found.hit, expected.hit, "hit flags"));
@@ -50,10 +51,10 @@ TEST(World, of_two_bodies_in_place_has_the_bytes_of_find_between) {
         Detector detector, other;
         const std::vector<Shape> shapes{Shape(a.view(), name), Shape(b.view(), 2 * name)};
         const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
-        Intersect question{.wants = Wants::contacts};
-        question.rules.bodies = Wanted::between;
-        const WorldCollisions& found = detector.find({shapes, bodies, {}}, question);
-        const Collisions& expected = other.find_between(a.view(), b.view(), {.contacts = true});
+        IntersectionQuery question{.output = Output::contacts};
+        question.filter.bodies = PairScope::between;
+        const Intersections& found = detector.find(World{shapes, bodies, {}}, question);
+        const Intersections& expected = other.find({a.view(), b.view()}, {.output = Output::contacts});
         ASSERT_GT(expected.pairs.size(), 50u);
         EXPECT_TRUE(test::same_pairs(found.pairs.span(), expected.pairs.span()));
         EXPECT_TRUE(same_bytes(found.contacts.points, expected.contacts.points, "points"));
@@ -69,9 +70,9 @@ TEST(World, counts_in_bodies_and_lists_worlds_one_after_the_other) {
                                    {.world = 2, .self = true},
                                    {.world = -1, .self = true}};
     Detector detector;
-    Intersect question{.index = true};
-    question.rules.bodies = Wanted::between;
-    const WorldCollisions& found = detector.find({shapes, bodies, {}}, question);
+    IntersectionQuery question{.index = true};
+    question.filter.bodies = PairScope::between;
+    const Intersections& found = detector.find(World{shapes, bodies, {}}, question);
     ASSERT_EQ(found.world_hit.size(), 3u);
     EXPECT_EQ(found.world_hit[1], 0);
     EXPECT_EQ(found.world_counts[1], 0);
@@ -95,7 +96,7 @@ TEST(World, pairs_among_bodies_that_are_in_all_worlds_come_once_and_count_for_no
         {.world = 0, .self = false}, {.world = -1, .self = false}, {.world = -1, .self = false}};
     const std::vector<Pose> poses{moved(100), moved(0), moved(0.1)};
     Detector detector;
-    const WorldCollisions& found = detector.find({shapes, bodies, poses});
+    const Intersections& found = detector.find(World{shapes, bodies, poses});
     EXPECT_GT(found.count, 0);
     EXPECT_EQ(found.world_counts[0], 0);
     EXPECT_EQ(found.world_hit[0], 0);
@@ -115,7 +116,7 @@ TEST(World, poses_round_once_to_the_precision_of_the_shape) {
     const std::vector<Pose> poses{moved(step), {}};
     ASSERT_LT(0.25 + step, touched) << "without rounding to float32 they would be apart";
     Detector detector;
-    EXPECT_TRUE(detector.find({shapes, bodies, poses}, {.wants = Wants::any}).any);
+    EXPECT_TRUE(detector.find(World{shapes, bodies, poses}, {.output = Output::any}).any);
 }
 
 TEST(World, is_remembered_by_name) {
@@ -127,18 +128,18 @@ TEST(World, is_remembered_by_name) {
     };
     Detector detector;
     const auto named = shapes(7);
-    const std::int64_t before = detector.find({named, bodies, {}}).count;
+    const std::int64_t before = detector.find(World{named, bodies, {}}).count;
     ASSERT_GT(before, 0);
     for (auto& vertex : soup.vertices) vertex[0] += 100;
-    EXPECT_EQ(detector.find({named, bodies, {}}).count, before) << "what was read first stays";
-    EXPECT_EQ(detector.find({shapes(8), bodies, {}}).count, 0);
-    EXPECT_EQ(detector.find({shapes(0), bodies, {}}).count, 0);
+    EXPECT_EQ(detector.find(World{named, bodies, {}}).count, before) << "what was read first stays";
+    EXPECT_EQ(detector.find(World{shapes(8), bodies, {}}).count, 0);
+    EXPECT_EQ(detector.find(World{shapes(0), bodies, {}}).count, 0);
     const auto fewer = random_soup(499, 0.2);
     const std::vector<Shape> changed{Shape(fewer.view(), 7), Shape(probe.view())};
-    const Error error = error_of([&] { detector.find({changed, bodies, {}}); });
+    const Error error = error_of([&] { detector.find(World{changed, bodies, {}}); });
     EXPECT_EQ(error.element, Element::shape);
     EXPECT_EQ(error.index, 0);
-    EXPECT_EQ(detector.find({named, bodies, {}}).count, 0) << "after an error nothing is remembered";
+    EXPECT_EQ(detector.find(World{named, bodies, {}}).count, 0) << "after an error nothing is remembered";
 }
 
 // Shapes that a tree cannot cut evenly: equal triangles, sizes from tiny to huge, a line, extents beyond float64.
@@ -166,11 +167,11 @@ TEST(World, odd_shapes_lose_nothing_by_their_names) {
         poses.push_back(b % 2 == 0 ? Pose{} : moved(0.25));
     }
     Detector detector, reference(Options{.backend = Backend::reference});
-    for (const Wants wants : {Wants::body_pairs, Wants::pairs}) {
-        const WorldCollisions& expected = reference.find({shapes, bodies, poses}, {.wants = wants});
+    for (const Output wants : {Output::body_pairs, Output::pairs}) {
+        const Intersections& expected = reference.find(World{shapes, bodies, poses}, {.output = wants});
         ASSERT_EQ(expected.world_hit.size(), 4u);
         EXPECT_TRUE(expected.world_hit[0] && expected.world_hit[1] && expected.world_hit[2]);
-        EXPECT_TRUE(test::same_world_answer(detector.find({shapes, bodies, poses}, {.wants = wants}), expected));
+        EXPECT_TRUE(test::same_world_answer(detector.find(World{shapes, bodies, poses}, {.output = wants}), expected));
     }
 }
 
@@ -181,7 +182,7 @@ TEST(World, sequences_of_named_and_unnamed_shapes_equal_fresh_detectors) {
         auto shapes = world->shapes;
         test::Dice dice(seed);
         for (Shape& shape : shapes) shape.name = dice.chance(0.3) ? 0 : shape.name + 100 * (seed % 5);
-        const Intersect question = test::random_question(seed, 6);
+        const IntersectionQuery question = test::random_question(seed, 6);
         const World view{shapes, world->bodies, world->poses};
         Detector fresh({.threads = 1});
         ASSERT_TRUE(test::same_world_answer(lasting.find(view, question), fresh.find(view, question))) << seed;
@@ -193,13 +194,13 @@ TEST(World, fits_a_memory_limit_or_names_one) {
     const std::vector<Shape> shapes{Shape(soup.view(), 1), Shape(other.view(), 2)};
     const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
     Detector free;
-    const std::int64_t pairs = free.find({shapes, bodies, {}}).count;
+    const std::int64_t pairs = free.find(World{shapes, bodies, {}}).count;
     const std::int64_t limit = test::sufficient_limit({.memory_limit = 100'000}, [&](Detector& by) {
-        by.find({shapes, bodies, {}});
+        by.find(World{shapes, bodies, {}});
     });
     EXPECT_GT(limit, 100'000);
     Detector enough({.memory_limit = limit});
-    const WorldCollisions& found = enough.find({shapes, bodies, {}});
+    const Intersections& found = enough.find(World{shapes, bodies, {}});
     EXPECT_EQ(found.count, pairs);
     EXPECT_LE(found.statistics.peak_memory_bytes, limit);
 }
@@ -212,9 +213,9 @@ TEST(World, long_answers_of_many_worlds_are_the_same_under_a_limit) {
         for (std::int32_t shape = 0; shape < 2; ++shape)
             bodies.push_back({.shape = shape, .world = world, .self = true});
     const World world{shapes, bodies, {}};
-    const Intersect question{.wants = Wants::contacts, .index = true};
+    const IntersectionQuery question{.output = Output::contacts, .index = true};
     Detector free, limited({.memory_limit = 1 << 28});
-    const WorldCollisions& found = limited.find(world, question);
+    const Intersections& found = limited.find(world, question);
     EXPECT_GE(found.count, 20'000);
     EXPECT_LE(found.statistics.peak_memory_bytes, 1 << 28);
     EXPECT_TRUE(test::same_world_answer(found, free.find(world, question)));
@@ -224,18 +225,18 @@ TEST(World, comes_in_blocks) {
     for (unsigned seed = 0; seed < 60; ++seed) {
         const auto world =
             test::random_world(seed, {.bodies = 8, .worlds = static_cast<int>(seed % 4), .triangles = 60});
-        Intersect question = test::random_question(seed, 8);
-        question.wants = seed % 3 == 0 ? Wants::pairs : Wants::contacts;
+        IntersectionQuery question = test::random_question(seed, 8);
+        question.output = seed % 3 == 0 ? Output::pairs : Output::contacts;
         question.index = false;
         Detector detector({.backend = seed % 5 == 0 ? Backend::reference : Backend::cpu, .threads = 2});
-        WorldCollisions expected = detector.find(world->view(), question);
+        Intersections expected = detector.find(world->view(), question);
         for (const bool ordered : {true, false}) {
             std::vector<BodyPair> bodies;
             std::vector<Pair> pairs;
             std::vector<ContactKind> kinds;
             std::vector<std::array<double, 3>> points;
             std::int64_t last = 0;
-            const auto take = [&](const WorldCollisions& block) {
+            const auto take = [&](const Intersections& block) {
                 EXPECT_LE(block.pairs.size(), 7U);
                 ASSERT_EQ(block.bodies.size(), block.pairs.size());
                 bodies.insert(bodies.end(), block.bodies.begin(), block.bodies.end());
@@ -244,7 +245,7 @@ TEST(World, comes_in_blocks) {
                 points.insert(points.end(), block.contacts.points.begin(), block.contacts.points.end());
                 last = block.count;
             };
-            const Statistics statistics = detector.stream(world->view(), take, question, {7, ordered});
+            const Statistics statistics = detector.stream(world->view(), question, take, {7, ordered});
             ASSERT_EQ(statistics.pairs, expected.count) << seed;
             ASSERT_EQ(last, expected.count) << seed;
             ASSERT_EQ(points.size(), expected.contacts.points.size()) << seed;
@@ -265,11 +266,11 @@ TEST(World, has_blocks_of_pairs_only) {
     const auto soup = random_soup(10, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view())};
     const std::vector<Body> bodies{{.self = true}};
-    const auto never = [](const WorldCollisions&) { FAIL(); };
-    for (const Wants wants : {Wants::any, Wants::any_by_world, Wants::body_pairs, Wants::count}) {
+    const auto never = [](const Intersections&) { FAIL(); };
+    for (const Output wants : {Output::any, Output::any_by_world, Output::body_pairs, Output::count}) {
         Detector detector;
         EXPECT_EQ(error_of([&] {
-                      detector.stream({shapes, bodies, {}}, never, {.wants = wants});
+                      detector.stream(World{shapes, bodies, {}}, {.output = wants}, never);
                   }).code,
                   ErrorCode::invalid_argument);
     }
@@ -282,8 +283,11 @@ TEST(World, ends_at_a_stop_that_was_requested_before) {
     std::stop_source stop;
     stop.request_stop();
     Detector detector;
-    EXPECT_EQ(error_of([&] { detector.find({shapes, bodies, {}}, {}, stop.get_token()); }).code, ErrorCode::cancelled);
-    EXPECT_GE(detector.find({shapes, bodies, {}}).count, 0);
+    EXPECT_EQ(error_of([&] {
+                  detector.find(World{shapes, bodies, {}}, {}, stop.get_token());
+              }).code,
+              ErrorCode::cancelled);
+    EXPECT_GE(detector.find(World{shapes, bodies, {}}).count, 0);
 }
 
 TEST(World, polls_between_two_bodies) {
@@ -309,12 +313,12 @@ TEST(World, polls_between_two_bodies) {
     // A machine that stands still meanwhile polls less. Between worlds alone there would be two polls a call.
     for (int call = 0; call < 20 && polls < 4; ++call) {
         polls = 0;
-        EXPECT_FALSE(detector.find({shapes, bodies, poses}, {.wants = Wants::any_by_world}).any);
+        EXPECT_FALSE(detector.find(World{shapes, bodies, poses}, {.output = Output::any_by_world}).any);
     }
     EXPECT_GE(polls, 4);
     std::stop_source stop;
     detector.set_poll([&] { stop.request_stop(); });
-    const auto call = [&] { detector.find({shapes, bodies, poses}, {.wants = Wants::any}, stop.get_token()); };
+    const auto call = [&] { detector.find(World{shapes, bodies, poses}, {.output = Output::any}, stop.get_token()); };
     EXPECT_EQ(error_of(call).code, ErrorCode::cancelled);
 }
 
@@ -323,23 +327,23 @@ TEST(World, answers_that_are_handed_over_outlive_the_detector) {
     const std::vector<Shape> shapes{Shape(soup.view()), Shape(other.view(), 1)};
     const std::vector<Body> bodies{
         {.shape = 0, .self = true}, {.shape = 1, .world = 1, .self = true}, {.shape = 1, .world = -1, .self = true}};
-    const Intersect question{.wants = Wants::contacts, .index = true};
+    const IntersectionQuery question{.output = Output::contacts, .index = true};
     Detector fresh;
-    const WorldCollisions& expected = fresh.find({shapes, bodies, {}}, question);
+    const Intersections& expected = fresh.find(World{shapes, bodies, {}}, question);
     ASSERT_GT(expected.count, 50);
-    WorldCollisions taken, spare;
+    Intersections taken, spare;
     {
         Detector detector;
-        const WorldCollisions& found = detector.find({shapes, bodies, {}}, question);
+        const Intersections& found = detector.find(World{shapes, bodies, {}}, question);
         const Pair* const storage = found.pairs.data();
         detector.swap_result(taken);
         EXPECT_EQ(taken.pairs.data(), storage) << "nothing is copied";
         EXPECT_FALSE(found.any || found.count || !found.pairs.empty() || !found.world_hit.empty() || !found.hit.empty())
             << "the detector's own answer is empty";
-        detector.find({shapes, bodies, {}}, {.wants = Wants::any});
+        detector.find(World{shapes, bodies, {}}, {.output = Output::any});
         detector.swap_result(spare);
         detector.swap_result(spare);
-        detector.find({shapes, bodies, {}}, question);
+        detector.find(World{shapes, bodies, {}}, question);
     }
     EXPECT_TRUE(test::same_world_answer(taken, expected));
     EXPECT_TRUE(same_bytes(taken.world_offsets, expected.world_offsets, "offsets of worlds"));
@@ -347,20 +351,20 @@ TEST(World, answers_that_are_handed_over_outlive_the_detector) {
     EXPECT_TRUE(same_bytes(taken.hit, expected.hit, "hit flags"));
 
     Detector limited({.memory_limit = 10'000'000});
-    limited.find({shapes, bodies, {}}, question);
+    limited.find(World{shapes, bodies, {}}, question);
     limited.swap_result(taken);
-    const std::int64_t peak = limited.find({shapes, bodies, {}}, question).statistics.peak_memory_bytes;
-    std::vector<WorldCollisions> held(5);
-    for (WorldCollisions& answer : held) {
+    const std::int64_t peak = limited.find(World{shapes, bodies, {}}, question).statistics.peak_memory_bytes;
+    std::vector<Intersections> held(5);
+    for (Intersections& answer : held) {
         limited.swap_result(answer);
-        EXPECT_LE(limited.find({shapes, bodies, {}}, question).statistics.peak_memory_bytes, peak)
+        EXPECT_LE(limited.find(World{shapes, bodies, {}}, question).statistics.peak_memory_bytes, peak)
             << "answers taken over do not count";
     }
 }
 
 class WrongWorld : public testing::TestWithParam<Backend> {
    protected:
-    Error error(const World& world, const Intersect& question = {}) {
+    Error error(const World& world, const IntersectionQuery& question = {}) {
         Detector detector({.backend = GetParam()});
         return error_of([&] { detector.find(world, question); });
     }
@@ -388,8 +392,8 @@ TEST_P(WrongWorld, names_the_body) {
     bodies = {{.world = -1}, {.world = 0}};
     EXPECT_STREQ(error({shapes, bodies, {}}).what(), "body 1: bodies that are in all worlds (-1) come last");
     bodies = {{}, {}};
-    Intersect question;
-    question.rules.excluded_bodies = {{0, 2}};
+    IntersectionQuery question;
+    question.filter.excluded_bodies = {{0, 2}};
     EXPECT_STREQ(error({shapes, bodies, {}}, question).what(), "excluded_bodies names body 2 of 2");
 }
 
@@ -421,19 +425,19 @@ TEST(World, bodies_are_not_tested_against_themselves_unless_that_is_wanted) {
     const std::vector<Shape> shapes{Shape(soup.view())};
     std::vector<Body> bodies{{}};
     Detector detector;
-    EXPECT_FALSE(detector.find({shapes, bodies, {}}, {}).any);
+    EXPECT_FALSE(detector.find(World{shapes, bodies, {}}, {}).any);
     bodies[0].self = true;
-    EXPECT_TRUE(detector.find({shapes, bodies, {}}, {}).any);
+    EXPECT_TRUE(detector.find(World{shapes, bodies, {}}, {}).any);
 }
 
-Rules without(std::int32_t a, std::int32_t b) {
-    Rules rules;
+PairFilter without(std::int32_t a, std::int32_t b) {
+    PairFilter rules;
     rules.excluded_bodies.push_back({a, b});
     return rules;
 }
-Rules between_groups() {
-    Rules rules;
-    rules.groups = Wanted::between;
+PairFilter between_groups() {
+    PairFilter rules;
+    rules.groups = PairScope::between;
     return rules;
 }
 
@@ -445,18 +449,18 @@ TEST(World, bodies_without_triangles_are_refused_where_a_pair_with_them_is_wante
     shapes[1].triangles = shapes[2].triangles = {};
     shapes[1].points = some;
     shapes[2].edges = edge;
-    const auto refused = [&](const std::vector<Body>& bodies, const Rules& rules, std::int64_t body) {
+    const auto refused = [&](const std::vector<Body>& bodies, const PairFilter& rules, std::int64_t body) {
         for (const Backend backend : {Backend::reference, Backend::cpu}) {
             Detector detector({.backend = backend});
-            Intersect question;
-            question.rules = rules;
-            Nearest nearest;
-            nearest.rules = rules;
+            IntersectionQuery question;
+            question.filter = rules;
+            DistanceQuery nearest;
+            nearest.filter = rules;
             for (const Error& error : {error_of([&] {
-                                           detector.find({shapes, bodies, {}}, question);
+                                           detector.find(World{shapes, bodies, {}}, question);
                                        }),
                                        error_of([&] {
-                                           detector.find_nearest({shapes, bodies, {}}, nearest);
+                                           detector.find(World{shapes, bodies, {}}, nearest);
                                        })}) {
                 EXPECT_EQ(error.code, ErrorCode::invalid_argument);
                 EXPECT_EQ(error.element, Element::body);
@@ -469,14 +473,14 @@ TEST(World, bodies_without_triangles_are_refused_where_a_pair_with_them_is_wante
     refused({{.shape = 2}, {.shape = 0}}, {}, 0);
     refused({{.shape = 0, .world = 0}, {.shape = 2, .world = -1}}, {}, 1);
     refused({{.shape = 0}, {.shape = 1, .group = 1}}, between_groups(), 1);
-    const auto answered = [&](const std::vector<Body>& bodies, const Rules& rules) {
+    const auto answered = [&](const std::vector<Body>& bodies, const PairFilter& rules) {
         Detector detector({.backend = Backend::cpu});
-        Intersect question;
-        question.rules = rules;
-        Nearest nearest;
-        nearest.rules = rules;
-        EXPECT_NO_THROW(detector.find({shapes, bodies, {}}, question));
-        EXPECT_NO_THROW(detector.find_nearest({shapes, bodies, {}}, nearest));
+        IntersectionQuery question;
+        question.filter = rules;
+        DistanceQuery nearest;
+        nearest.filter = rules;
+        EXPECT_NO_THROW(detector.find(World{shapes, bodies, {}}, question));
+        EXPECT_NO_THROW(detector.find(World{shapes, bodies, {}}, nearest));
     };
     answered({{.shape = 1}}, {});
     answered({{.shape = 0, .world = 0}, {.shape = 1, .world = 1}}, {});
@@ -484,7 +488,9 @@ TEST(World, bodies_without_triangles_are_refused_where_a_pair_with_them_is_wante
     answered({{.shape = 0}, {.shape = 1}}, between_groups());
     shapes[1].points = std::span<const std::int32_t>();  // then the body has nothing at all
     answered({{.shape = 0}, {.shape = 1}}, {});
-    EXPECT_TRUE(Detector().find({shapes, std::vector<Body>{{.shape = 0}, {.shape = 2}}, {}}, Near{.radius = 9}).any);
+    EXPECT_TRUE(Detector()
+                    .find(World{shapes, std::vector<Body>{{.shape = 0}, {.shape = 2}}, {}}, ProximityQuery{.radius = 9})
+                    .any);
 }
 
 TEST(World, named_shapes_are_checked_wherever_their_bodies_are) {
@@ -495,13 +501,13 @@ TEST(World, named_shapes_are_checked_wherever_their_bodies_are) {
     const std::vector<Pose> poses{moved(1000), {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1e10, 0}}};
     Detector detector;
     EXPECT_STREQ(error_of([&] {
-                     detector.find({shapes, bodies, poses});
+                     detector.find(World{shapes, bodies, poses});
                  }).what(),
                  "body 1: vertex 9 is posed to infinity");
     soup.triangles[3][0] = -1;
     Detector other;
     EXPECT_STREQ(error_of([&] {
-                     other.find({shapes, bodies, poses});
+                     other.find(World{shapes, bodies, poses});
                  }).what(),
                  "shape 0: triangle 3 names vertex -1 of 150");
 }

@@ -114,20 +114,22 @@ inline std::unique_ptr<RandomWorld> random_world(unsigned seed, const WorldKind&
     return world;
 }
 
-inline Intersect random_question(unsigned seed, int bodies) {
+inline IntersectionQuery random_question(unsigned seed, int bodies) {
     Dice dice(seed);
-    const auto wanted = [&] { return static_cast<Wanted>(dice.chance(0.5) ? 0 : dice.below(3)); };
-    Intersect question;
-    question.wants = static_cast<Wants>(dice.below(6));
+    const auto wanted = [&] { return static_cast<PairScope>(dice.chance(0.5) ? 0 : dice.below(3)); };
+    IntersectionQuery question;
+    constexpr Output outputs[] = {Output::any,   Output::any_by_world, Output::body_pairs,
+                                  Output::count, Output::pairs,        Output::contacts};
+    question.output = outputs[dice.below(6)];
     question.neighbours = dice.chance(0.2) ? Neighbours::skip : Neighbours::geometric;
-    question.intersections = dice.chance(0.2) ? Intersections::proper : Intersections::all;
+    question.kind = dice.chance(0.2) ? IntersectionKind::proper : IntersectionKind::all;
     question.weld = dice.chance(0.3);
     question.index = dice.chance(0.5);
-    question.rules.bodies = wanted();
-    question.rules.groups = wanted();
+    question.filter.bodies = wanted();
+    question.filter.groups = wanted();
     for (int i = dice.below(3); i > 0 && bodies > 0; --i)
-        question.rules.excluded_bodies.push_back({dice.below(bodies), dice.below(bodies)});
-    for (int i = dice.below(3); i > 0; --i) question.rules.excluded_groups.push_back({dice.below(3), dice.below(3)});
+        question.filter.excluded_bodies.push_back({dice.below(bodies), dice.below(bodies)});
+    for (int i = dice.below(3); i > 0; --i) question.filter.excluded_groups.push_back({dice.below(3), dice.below(3)});
     return question;
 }
 

@@ -208,7 +208,7 @@ class BroadPhase(ipctk.BroadPhase):
         if self._end is None:
             found = self.detector.find_near(self._start, every, radius=self._within)
         else:
-            found = self.detector.find_impacts(self._start, self._end, every, separation=self._within)
+            found = self.detector.find_impacts(self._start, self._end, every, min_distance=self._within)
         return _Found(found, len(every) if all_vertices else len(faces))
 
     def _intersecting(self) -> tuple[np.ndarray, np.ndarray]:
@@ -241,7 +241,7 @@ class _Found:
 class NarrowPhaseCCD(ipctk.NarrowPhaseCCD):
     """Exact continuous collision detection of one pair at a time: no false hit, times to the last bit.
 
-    `min_distance` is an exact distance (docs/motion.md, separation). A time is the first, rounded down; infinite where
+    `min_distance` is an exact distance (docs/motion.md). A time is the first, rounded down; infinite where
     there is no hit up to `tmax`.
 
     Candidates call their narrow phase from all of ipctk's threads at once, and hold Python's lock meanwhile: no class
@@ -249,19 +249,19 @@ class NarrowPhaseCCD(ipctk.NarrowPhaseCCD):
     call of Python, some 30 us. compute_collision_free_stepsize, of this module, has neither drawback.
 
     Args:
-        separation_share: the share of a pair's own distance at the start that is to be kept, in [0, 1). ipctk's CCDs end
+        min_distance_share: the share of a pair's own distance at the start that is to be kept, in [0, 1). ipctk's CCDs end
             where 1 - conservative_rescaling of it is left by their own bound, which is near that, and not the same.
 
     Raises InvalidInput while ipctk has more than one thread.
     """
 
-    def __init__(self, separation_share: float = 0.0) -> None:
+    def __init__(self, min_distance_share: float = 0.0) -> None:
         super().__init__()
         if ipctk.get_num_threads() != 1:
             raise InvalidInput(
                 "ipctk.set_num_threads(1) must come before NarrowPhaseCCD: with more threads it would hang"
             )
-        self.separation_share = separation_share
+        self.min_distance_share = min_distance_share
 
     def point_triangle_ccd(
         self,
@@ -314,7 +314,7 @@ class NarrowPhaseCCD(ipctk.NarrowPhaseCCD):
         return self._ccd(vertex_vertex_impacts, [p0_t0, p1_t0], [p0_t1, p1_t1], min_distance, tmax)
 
     def _ccd(self, decide: Any, start: Any, end: Any, min_distance: float, tmax: float) -> tuple[bool, float]:
-        options = {"separation": min_distance, "separation_share": self.separation_share, "threads": 1}
+        options = {"min_distance": min_distance, "min_distance_share": self.min_distance_share, "threads": 1}
         toi = float(decide([_in_space(start)], [_in_space(end)], **options).toi[0])
         return (True, toi) if toi <= tmax else (False, float("inf"))
 
@@ -347,7 +347,7 @@ def compute_collision_free_stepsize(
     vertices_t1: Any,
     min_distance: float = 0.0,
     *,
-    separation_share: float = 0.0,
+    min_distance_share: float = 0.0,
     threads: int = 0,
 ) -> float:
     """What candidates.compute_collision_free_stepsize gives, by exact decisions: the first contact's time, or 1.
@@ -357,13 +357,13 @@ def compute_collision_free_stepsize(
         mesh: the ipctk.CollisionMesh.
         vertices_t0, vertices_t1: (n, 3), or (n, 2), at the start and at the end.
         min_distance: what counts as contact, exactly.
-        separation_share: or this share of a pair's own distance at the start; see NarrowPhaseCCD.
+        min_distance_share: or this share of a pair's own distance at the start; see NarrowPhaseCCD.
         threads: 0: as many as the machine has.
 
     Cost: a microsecond or two a candidate, of which reading ipctk's objects is the most. Who has no candidates yet asks
     crumple.time_of_first_impact, which needs none.
     """
-    options = {"separation": min_distance, "separation_share": separation_share, "threads": threads}
+    options = {"min_distance": min_distance, "min_distance_share": min_distance_share, "threads": threads}
     times = [impacts.toi.min() for impacts in _impacts(candidates, mesh, vertices_t0, vertices_t1, options)]
     return float(min([1.0, *times]))
 
@@ -375,9 +375,9 @@ def is_step_collision_free(
     vertices_t1: Any,
     min_distance: float = 0.0,
     *,
-    separation_share: float = 0.0,
+    min_distance_share: float = 0.0,
     threads: int = 0,
 ) -> bool:
     """Whether no candidate touches on the way, both ends included. Arguments: compute_collision_free_stepsize."""
-    options = {"separation": min_distance, "separation_share": separation_share, "threads": threads}
+    options = {"min_distance": min_distance, "min_distance_share": min_distance_share, "threads": threads}
     return not any(impacts.hit.any() for impacts in _impacts(candidates, mesh, vertices_t0, vertices_t1, options))

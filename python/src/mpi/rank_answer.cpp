@@ -56,9 +56,9 @@ void bind_statistics(nb::module_& module) {
 constexpr auto owner = nb::rv_policy::reference_internal;
 
 const Array<double>& values(const ImpactList& list) { return list.toi; }
-const Array<double>& values(const NearList& list) { return list.squared_distance; }
+const Array<double>& values(const ProximityList& list) { return list.squared_distance; }
 const Array<std::uint8_t>& flags(const ImpactList& list) { return list.start; }
-const Array<std::uint8_t>& flags(const NearList& list) { return list.touching; }
+const Array<std::uint8_t>& flags(const ProximityList& list) { return list.touching; }
 
 // What both answers about features have. Ranks have lists of two kinds: no others occur where nothing is listed.
 template <class A>
@@ -76,7 +76,7 @@ void bind_features(nb::class_<A>& type, const char* value, const char* flag) {
     show("edge_ids", [](const A& a) { return view<std::int32_t>(a.found.edge_ids); });
     show("edge_bodies", [](const A& a) { return view<std::int32_t>(a.found.edge_bodies); });
     type.def_prop_ro("any", [](const A& a) { return a.found.any; })
-        .def_prop_ro("total", [](const A& a) { return a.found.total; })
+        .def_prop_ro("total", [](const A& a) { return a.found.count; })
         .def_prop_ro("statistics", [](const A& a) { return DistributedStatistics(a.found.statistics); })
         .def_ro("has_closest", &A::has_closest)
         .def_ro("of_world", &A::of_world);
@@ -86,7 +86,7 @@ void bind_impacts(nb::module_& module) {
     using I = RankImpacts;
     nb::class_<I> impacts(module, "ImpactsAnswer", "One rank's answer about motion; crumple.mpi.Impacts shows it.");
     bind_features(impacts, "toi", "start");
-    impacts.def_prop_ro("wants", [](const I& a) { return name_of(motion_wants_names, a.wants); })
+    impacts.def_prop_ro("wants", [](const I& a) { return name_of(motion_wants_names, a.output); })
         .def_prop_ro("first", [](const I& a) -> nb::object {
             const FirstImpact& first = a.found.first;
             if (!first.found) return nb::none();
@@ -102,7 +102,7 @@ void bind_nearby(nb::module_& module) {
     using N = RankNearby;
     nb::class_<N> nearby(module, "NearbyAnswer", "One rank's answer about nearness; crumple.mpi.Nearby shows it.");
     bind_features(nearby, "squared_distance", "touching");
-    nearby.def_prop_ro("wants", [](const N& a) { return name_of(near_wants_names, a.wants); });
+    nearby.def_prop_ro("wants", [](const N& a) { return name_of(near_wants_names, a.output); });
     for (const auto& [kind, type, at] : {std::tuple(FeatureKind::vertex_face, "vertex_face_type", "vertex_face_at"),
                                          std::tuple(FeatureKind::edge_edge, "edge_edge_type", "edge_edge_at")}) {
         nearby.def_prop_ro(
@@ -126,7 +126,7 @@ void bind_world_answer_of_rank(nb::module_& module) {
     using W = RankWorldAnswer;
     nb::class_<W> answer(module, "WorldAnswer", "One rank's answer for a world; crumple.mpi.WorldResult shows it.");
     answer.def("__len__", [](const W& a) { return a.found.bodies.size(); })
-        .def_prop_ro("wants", [](const W& a) { return name_of(wants_names, a.wants); })
+        .def_prop_ro("wants", [](const W& a) { return name_of(wants_names, a.output); })
         .def_prop_ro("any", [](const W& a) { return a.found.any; })
         .def_prop_ro("count", [](const W& a) { return a.found.count; })
         .def_prop_ro(
@@ -149,7 +149,7 @@ void bind_rank_answer(nb::module_& module) {
     answer.def("__len__", [](const A& a) { return a.found.pairs.size(); })
         .def_prop_ro(
             "pairs", [](const A& a) { return view<std::int32_t>(a.found.pairs, 2U); }, owner)
-        .def_prop_ro("total", [](const A& a) { return a.found.total; })
+        .def_prop_ro("total", [](const A& a) { return a.found.count; })
         .def_prop_ro("statistics", [](const A& a) { return DistributedStatistics(a.found.statistics); })
         .def_ro("has_contacts", &A::has_contacts);
     bind_contacts(answer);

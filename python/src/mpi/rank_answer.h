@@ -1,7 +1,7 @@
 #pragma once
 
-// A rank's rows on their way out: a DistributedCollisions, DistributedWorldCollisions, DistributedImpacts or
-// DistributedNearby that Python owns, shown as NumPy arrays without a copy.
+// A rank's rows on their way out: a DistributedIntersections, DistributedIntersections, DistributedImpacts or
+// DistributedProximities that Python owns, shown as NumPy arrays without a copy.
 
 #include <nanobind/nanobind.h>
 
@@ -11,26 +11,26 @@ namespace crumple::python {
 
 /// What a crumple.mpi.Result shows. Its arrays hold it.
 struct RankAnswer {
-    DistributedCollisions found;
+    DistributedIntersections found;
     bool has_contacts = false;
 };
 
 /// What a crumple.mpi.WorldResult shows.
 struct RankWorldAnswer {
-    DistributedWorldCollisions found;
-    Wants wants{};
+    DistributedIntersections found;
+    Output output{};
 };
 
 /// What a crumple.mpi.Impacts or crumple.mpi.Nearby shows.
-template <class Found, class Wants>
+template <class Found, class Output>
 struct RankFeatures {
     Found found;
-    Wants wants{};
+    Output output{};
     bool has_closest = false;  ///< of nearness
     bool of_world = false;
 };
-using RankImpacts = RankFeatures<DistributedImpacts, MotionWants>;
-using RankNearby = RankFeatures<DistributedNearby, NearWants>;
+using RankImpacts = RankFeatures<DistributedImpacts, Output>;
+using RankNearby = RankFeatures<DistributedProximities, Output>;
 
 void bind_rank_answer(nanobind::module_& module);
 

@@ -142,52 +142,56 @@ auto RankDetector::alone(Work work) {
     }
 }
 
-RankAnswer RankDetector::find(const BorrowedShare& share, const Query& query) {
+RankAnswer RankDetector::find(const BorrowedShare& share, const IntersectionQuery& query) {
     return alone([&](std::stop_token stop) {
-        return RankAnswer{detector_.find_self(share.view(), query, std::move(stop)), query.contacts};
+        return RankAnswer{detector_.find(share.view(), query, std::move(stop)), query.contacts()};
     });
 }
 
-std::int64_t RankDetector::count(const BorrowedShare& share, const Query& query) {
-    return alone([&](std::stop_token stop) { return detector_.count(share.view(), query, std::move(stop)); });
+std::int64_t RankDetector::count(const BorrowedShare& share, const IntersectionQuery& query) {
+    IntersectionQuery counted = query;
+    counted.output = Output::count;
+    return alone([&](std::stop_token stop) { return detector_.find(share.view(), counted, std::move(stop)).count; });
 }
 
-bool RankDetector::any(const BorrowedShare& share, const Query& query) {
-    return alone([&](std::stop_token stop) { return detector_.has_collision(share.view(), query, std::move(stop)); });
+bool RankDetector::any(const BorrowedShare& share, const IntersectionQuery& query) {
+    return alone([&](std::stop_token stop) { return detector_.any(share.view(), query, std::move(stop)); });
 }
 
-RankImpacts RankDetector::find_impacts(const BorrowedShare& share, const BorrowedEnd& end, const Motion& question) {
+RankImpacts RankDetector::find_impacts(const BorrowedShare& share, const BorrowedEnd& end,
+                                       const ImpactQuery& question) {
     return alone([&](std::stop_token stop) {
-        return RankImpacts{detector_.find_impacts(share.view(), end.view(), question, std::move(stop)), question.wants};
+        return RankImpacts{detector_.find(share.view().moving_to(end.view()), question, std::move(stop)),
+                           question.output};
     });
 }
 
-RankNearby RankDetector::find_near(const BorrowedShare& share, const Near& question) {
+RankNearby RankDetector::find_near(const BorrowedShare& share, const ProximityQuery& question) {
     return alone([&](std::stop_token stop) {
-        const DistributedNearby& found = detector_.find_near(share.view(), question, std::move(stop));
-        return RankNearby{found, question.wants, found.closest};
+        const DistributedProximities& found = detector_.find(share.view(), question, std::move(stop));
+        return RankNearby{found, question.output, found.closest};
     });
 }
 
-RankWorldAnswer RankDetector::find_world(const BorrowedWorldShare& share, const Intersect& question) {
-    const Intersect asked = share.with_excluded(question);
+RankWorldAnswer RankDetector::find_world(const BorrowedWorldShare& share, const IntersectionQuery& question) {
+    const IntersectionQuery asked = share.with_excluded(question);
     return alone([&](std::stop_token stop) {
-        return RankWorldAnswer{detector_.find(share.view(), asked, std::move(stop)), asked.wants};
+        return RankWorldAnswer{detector_.find(share.view(), asked, std::move(stop)), asked.output};
     });
 }
 
-RankImpacts RankDetector::find_impacts_in_world(const BorrowedWorldShare& share, const Motion& question) {
-    const Motion asked = share.with_excluded(question);
+RankImpacts RankDetector::find_impacts_in_world(const BorrowedWorldShare& share, const ImpactQuery& question) {
+    const ImpactQuery asked = share.with_excluded(question);
     return alone([&](std::stop_token stop) {
-        return RankImpacts{detector_.find_impacts(share.view(), asked, std::move(stop)), asked.wants, false, true};
+        return RankImpacts{detector_.find(share.view(), asked, std::move(stop)), asked.output, false, true};
     });
 }
 
-RankNearby RankDetector::find_near_in_world(const BorrowedWorldShare& share, const Near& question) {
-    const Near asked = share.with_excluded(question);
+RankNearby RankDetector::find_near_in_world(const BorrowedWorldShare& share, const ProximityQuery& question) {
+    const ProximityQuery asked = share.with_excluded(question);
     return alone([&](std::stop_token stop) {
-        const DistributedNearby& found = detector_.find_near(share.view(), asked, std::move(stop));
-        return RankNearby{found, asked.wants, found.closest, true};
+        const DistributedProximities& found = detector_.find(share.view(), asked, std::move(stop));
+        return RankNearby{found, asked.output, found.closest, true};
     });
 }
 
@@ -200,7 +204,7 @@ void RankDetector::fail(nb::handle exception) {
                 std::exception_ptr& failed;
                 ~Forget() { failed = nullptr; }
             } const forget{failed_};
-            return detector_.has_collision({}, {}, std::move(stop));
+            return detector_.any(MeshShare(), {}, std::move(stop));
         });
     } catch (const Interrupted&) {
         return;
@@ -238,13 +242,13 @@ void bind_rank_detector(nb::module_& module) {
     nb::class_<RankDetector>(module, "Detector", "The library's detector of one rank; crumple.mpi.Detector has one.")
         .def(nb::init<std::uintptr_t, const DistributedOptions&>(), "communicator"_a, "options"_a)
         .def(
-            "find", [](RankDetector& d, const BorrowedShare& s, const OwningQuery& q) { return d.find(s, q.query); },
+            "find", [](RankDetector& d, const BorrowedShare& s, const IntersectionQuery& q) { return d.find(s, q); },
             "share"_a, "query"_a)
         .def(
-            "count", [](RankDetector& d, const BorrowedShare& s, const OwningQuery& q) { return d.count(s, q.query); },
+            "count", [](RankDetector& d, const BorrowedShare& s, const IntersectionQuery& q) { return d.count(s, q); },
             "share"_a, "query"_a)
         .def(
-            "any", [](RankDetector& d, const BorrowedShare& s, const OwningQuery& q) { return d.any(s, q.query); },
+            "any", [](RankDetector& d, const BorrowedShare& s, const IntersectionQuery& q) { return d.any(s, q); },
             "share"_a, "query"_a)
         .def("find_impacts", &RankDetector::find_impacts, "share"_a, "end"_a, "question"_a)
         .def("find_near", &RankDetector::find_near, "share"_a, "question"_a)

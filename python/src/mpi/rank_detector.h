@@ -35,15 +35,15 @@ class RankDetector {
     /// Collective, as all that follows but set properties. `communicator`: MPI's handle, as mpi4py tells it.
     RankDetector(std::uintptr_t communicator, const DistributedOptions& options);
 
-    RankAnswer find(const BorrowedShare& share, const Query& query);
-    std::int64_t count(const BorrowedShare& share, const Query& query);
-    bool any(const BorrowedShare& share, const Query& query);
+    RankAnswer find(const BorrowedShare& share, const IntersectionQuery& query);
+    std::int64_t count(const BorrowedShare& share, const IntersectionQuery& query);
+    bool any(const BorrowedShare& share, const IntersectionQuery& query);
     /// `end`: where the share's vertices are at the end of the step.
-    RankImpacts find_impacts(const BorrowedShare& share, const BorrowedEnd& end, const Motion& question);
-    RankNearby find_near(const BorrowedShare& share, const Near& question);
-    RankWorldAnswer find_world(const BorrowedWorldShare& share, const Intersect& question);
-    RankImpacts find_impacts_in_world(const BorrowedWorldShare& share, const Motion& question);
-    RankNearby find_near_in_world(const BorrowedWorldShare& share, const Near& question);
+    RankImpacts find_impacts(const BorrowedShare& share, const BorrowedEnd& end, const ImpactQuery& question);
+    RankNearby find_near(const BorrowedShare& share, const ProximityQuery& question);
+    RankWorldAnswer find_world(const BorrowedWorldShare& share, const IntersectionQuery& question);
+    RankImpacts find_impacts_in_world(const BorrowedWorldShare& share, const ImpactQuery& question);
+    RankNearby find_near_in_world(const BorrowedWorldShare& share, const ProximityQuery& question);
     /// A call for a rank that failed before its own: all ranks raise the same. Returns, here alone, if `exception` is
     /// none of crumple's, for the caller to raise it.
     void fail(nanobind::handle exception);

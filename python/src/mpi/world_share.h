@@ -24,7 +24,7 @@ class BorrowedWorldShare {
     /// The question, which then also excludes the pairs of bodies.
     template <class Question>
     Question with_excluded(Question question) const {
-        question.rules.excluded_bodies = excluded_;
+        question.filter.excluded_bodies = excluded_;
         return question;
     }
 

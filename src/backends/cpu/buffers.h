@@ -9,7 +9,7 @@
 #include "backends/cpu/stages/leaf_members.h"
 #include "backends/cpu/stages/sort.h"
 #include "backends/cpu/stages/subdivide.h"
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 
 namespace crumple::cpu {
 

@@ -32,7 +32,8 @@ class CpuBackend final : public BackendBase {
         release();
     }
 
-    void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
+    void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
+              Intersections& result) override {
         statistics_ = {};
         workers_.run([&] {
             if (scene.triangle_count() >= too_many_) return find_in_chunks(scene, query, part, result);
@@ -55,7 +56,7 @@ class CpuBackend final : public BackendBase {
         result.statistics = statistics_;
     }
 
-    bool any(const Scene& scene, const Query& query) override {
+    bool any(const PreparedScene& scene, const IntersectionQuery& query) override {
         bool found = false;
         workers_.run([&] {
             try {
@@ -67,7 +68,7 @@ class CpuBackend final : public BackendBase {
         return found;
     }
 
-    void stream(const Scene& scene, const Query& query, const Streaming& how, BlockSink sink,
+    void stream(const PreparedScene& scene, const IntersectionQuery& query, const Streaming& how, BlockSink sink,
                 Statistics& statistics) override {
         statistics_ = {};
         workers_.run([&] {
@@ -81,14 +82,14 @@ class CpuBackend final : public BackendBase {
         statistics = statistics_;
     }
 
-    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override {
+    void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) override {
         clear(answer);
         statistics_ = {};
         workers_.run([&] { cpu::find(make_call(scene, query), query, kept_->features, answer); });
         answer.statistics = statistics_;
     }
 
-    void stream(const Scene& scene, const FeatureQuery& query, const Streaming& how, FeatureSink sink,
+    void stream(const PreparedScene& scene, const FeatureRequest& query, const Streaming& how, FeatureSink sink,
                 Statistics& statistics) override {
         statistics_ = {};
         workers_.run([&] {
@@ -101,15 +102,15 @@ class CpuBackend final : public BackendBase {
         statistics = statistics_;
     }
 
-    void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) override {
+    void find_candidates(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
         clear(answer);
         statistics_ = {};
         workers_.run([&] { cpu::find(make_call(scene, query), query, kept_->candidates, answer); });
         answer.statistics = statistics_;
     }
 
-    void stream_candidates(const Scene& scene, const CandidateQuery& query, const Streaming& how, CandidateSink sink,
-                           Statistics& statistics) override {
+    void stream_candidates(const PreparedScene& scene, const CandidateRequest& query, const Streaming& how,
+                           CandidateSink sink, Statistics& statistics) override {
         statistics_ = {};
         workers_.run([&] {
             const Call call = make_call(scene, query);
@@ -157,20 +158,21 @@ class CpuBackend final : public BackendBase {
         CandidateBuffers candidates;
     };
 
-    IntersectCall make_call(const Scene& scene, const Query& query, const Part* part) {
+    IntersectCall make_call(const PreparedScene& scene, const IntersectionQuery& query, const Part* part) {
         Kept& k = *kept_;
-        k.rule.prepare(query, scene.bodies);
+        k.rule.prepare(query.filter, scene.bodies);
         return {{scene, k.rule, Levels(part), options_, kernels_, workers_, *this, cancellation_, meter_, k.buffers,
                  statistics_, k.leaves},
                 query,
                 k.leaves,
                 k.output};
     }
-    Call make_call(const Scene& scene, const GroupRule& rule, LeafQuestion& question, const Part* part = nullptr) {
+    Call make_call(const PreparedScene& scene, const GroupRule& rule, LeafQuestion& question,
+                   const Part* part = nullptr) {
         return {scene, rule,          Levels(part), options_,       kernels_,    workers_,
                 *this, cancellation_, meter_,       kept_->buffers, statistics_, question};
     }
-    Call make_call(const Scene& scene, const FeatureQuery& query) {
+    Call make_call(const PreparedScene& scene, const FeatureRequest& query) {
         FeatureBuffers& features = kept_->features;
         LeafQuestion& question = scene.moving ? static_cast<LeafQuestion&>(features.moving) : features.at_rest;
         Call call = make_call(scene, query.rule, question, query.part);
@@ -179,14 +181,14 @@ class CpuBackend final : public BackendBase {
                                              : inflation_of_radii(scene, query.radii, workers_, features);
         return call;
     }
-    Call make_call(const Scene& scene, const CandidateQuery& query) {
+    Call make_call(const PreparedScene& scene, const CandidateRequest& query) {
         Call call = make_call(scene, query.rule, kept_->candidates.leaves);
         call.frugal = query.frugal;
         call.inflation = inflation_of(scene, query);
         return call;
     }
     // With nothing kept.
-    IntersectCall call_in_chunks(const Scene& scene, const Query& query, const Part* part) {
+    IntersectCall call_in_chunks(const PreparedScene& scene, const IntersectionQuery& query, const Part* part) {
         release();
         statistics_ = {};
         meter_.peak = meter_.used.load();
@@ -194,7 +196,8 @@ class CpuBackend final : public BackendBase {
         call.frugal = true;
         return call;
     }
-    void find_in_chunks(const Scene& scene, const Query& query, const Part* part, Collisions& result) {
+    void find_in_chunks(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
+                        Intersections& result) {
         crumple::release(result);
         cpu::find_in_chunks(call_in_chunks(scene, query, part), result);
     }

@@ -10,7 +10,7 @@
 #include "backends/cpu/stages/layout.h"
 #include "backends/cpu/stages/leaf_members.h"
 #include "backends/cpu/stages/ownership.h"
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 
 namespace crumple::cpu {
 

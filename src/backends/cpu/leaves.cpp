@@ -40,7 +40,7 @@ void make_room_for_workers(const Call& call) {
 }
 
 bool align_leaf(const Call& call, const Leaf& leaf, Ownership& ownership, std::size_t w) {
-    const Scene& scene = call.scene;
+    const PreparedScene& scene = call.scene;
     WorkerBuffers& worker = *call.buffers.worker[w];
     Stopwatch watch;
     LeafMembers& members = worker.members;

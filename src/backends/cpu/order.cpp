@@ -67,7 +67,7 @@ void measure(const Call& call) {
 }
 
 void search(const Call& call) {
-    const Scene& scene = call.scene;
+    const PreparedScene& scene = call.scene;
     const StageKernels& kernels = call.kernels;
     Workers& workers = call.workers;
     Statistics& statistics = call.statistics;

@@ -13,7 +13,7 @@ namespace crumple::cpu {
 
 /// What is asked, and who answers.
 struct Call {
-    const Scene& scene;
+    const PreparedScene& scene;
     const GroupRule& rule;
     Levels levels;  ///< above the scene
     const Options& options;

@@ -11,7 +11,7 @@
 #include "crumple/array.h"
 #include "crumple/function_ref.h"
 #include "partition/levels.h"
-#include "queries/feature_query.h"
+#include "queries/feature_request.h"
 #include "scene/scene_features.h"
 
 namespace crumple::cpu {

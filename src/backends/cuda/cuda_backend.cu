@@ -56,7 +56,8 @@ class CudaBackend final : public BackendBase {
     int worlds_at_once() const override { return max_leaves; }
 
     using BackendBase::find;  // what is refused stays in sight
-    void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
+    void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
+              Intersections& result) override {
         on_device(
             [&] {
                 bring(scene);
@@ -67,29 +68,30 @@ class CudaBackend final : public BackendBase {
             },
             scene.worlds);
     }
-    void find(const MeshView& a, const MeshView* b, const Query& query, Collisions& result) override {
+    void find(const MeshView& a, const MeshView* b, const IntersectionQuery& query, Intersections& result) override {
         on_device([&] {
             view(a, b, query);
             find(query, result);
         });
     }
 
-    void visit(const Scene& scene, const Query& query, BlockSink take, Statistics& statistics) override {
-        Collisions all = metered(&meter_);
+    void visit(const PreparedScene& scene, const IntersectionQuery& query, BlockSink take,
+               Statistics& statistics) override {
+        Intersections all = metered(&meter_);
         find(scene, query, nullptr, all);
         statistics = all.statistics;
         take(all);
     }
 
-    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override {
+    void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) override {
         features_.find(scene, query, answer);
     }
-    void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) override {
+    void find_candidates(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
         features_.find(scene, query, answer);
     }
     DeviceFeatureCalls& features_there() override { return features_; }
 
-    bool any(const Scene& scene, const Query& query) override {
+    bool any(const PreparedScene& scene, const IntersectionQuery& query) override {
         return on_device(
             [&] {
                 bring(scene);
@@ -97,7 +99,7 @@ class CudaBackend final : public BackendBase {
             },
             scene.worlds);
     }
-    void any_by_world(const Scene& scene, const Query& query, std::span<std::uint8_t> flags,
+    void any_by_world(const PreparedScene& scene, const IntersectionQuery& query, std::span<std::uint8_t> flags,
                       Statistics& statistics) override {
         if (scene.worlds == 1) return BackendBase::any_by_world(scene, query, flags, statistics);
         on_device(
@@ -109,7 +111,7 @@ class CudaBackend final : public BackendBase {
             },
             scene.worlds);
     }
-    bool any(const MeshView& a, const MeshView* b, const Query& query) override {
+    bool any(const MeshView& a, const MeshView* b, const IntersectionQuery& query) override {
         return on_device([&] {
             view(a, b, query);
             return any(query);
@@ -129,7 +131,7 @@ class CudaBackend final : public BackendBase {
         return make_parts(prepare_scene(first, b ? &second : nullptr, false, *this, buffers), count, *this);
     }
 
-    void launch(const MeshView& a, const MeshView* b, const Query& query) override {
+    void launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) override {
         turns_.refuse_third();
         on_device([&] {
             const auto stream = static_cast<cudaStream_t>(a.stream);
@@ -139,7 +141,7 @@ class CudaBackend final : public BackendBase {
         });
     }
 
-    bool find(const World& world, const Intersect& question, WorldCollisions& result) override {
+    bool find(const World& world, const IntersectionQuery& question, Intersections& result) override {
         constexpr int several = 2;  // where they do not fit, fewer may
         return on_device(
             [&] {
@@ -156,56 +158,26 @@ class CudaBackend final : public BackendBase {
             return to_host(stream_.get(), poses);
         });
     }
-    void launch(const World& world, const Intersect& question) override {
+    void launch(const World& world, const IntersectionQuery& question) override {
         turns_.refuse_third();
         on_device([&] {
             const auto stream = static_cast<cudaStream_t>(world.device_poses.stream);
-            launch(Asked::worlds, stream, stream, query_of(question), [&](auto slot, Room room) {
-                const auto bodies = worlds_.bodies_of(world, question.rules, *this, room);
+            launch(Asked::worlds, stream, stream, question, [&](auto slot, Room room) {
+                const auto bodies = worlds_.bodies_of(world, question.filter, *this, room);
                 if (!bodies)
                     throw Error(ErrorCode::invalid_argument,
                                 "a launch takes at most 65535 worlds, and 16777216 triangles together");
-                search_.pose(slot, bodies, world.device_poses, question.weld, question.wants >= Wants::pairs, room);
+                search_.pose(slot, bodies, world.device_poses, question.weld, question.output >= Output::pairs, room);
             });
         });
     }
 
-    const DeviceWorldCollisions& wait_worlds() override {
-        if (turns_.waits_for_replay(Asked::worlds)) {
-            on_device([&] {
-                shown_worlds() =
-                    replay_is_complete(Asked::worlds) ? search_.show_worlds() : search_.show_incomplete_worlds();
-            });
-            return shown_worlds();
-        }
-        turns_.refuse_other(Asked::worlds);
-        try {
-            constexpr int several = 2;
-            on_device([&] { land(), shown_worlds() = search_.show_worlds(); }, several);
-        } catch (const MemoryMeter::Exceeded&) {
-            if (meter_.limit > 0) throw;
-            throw Error(ErrorCode::device, "the device has no memory for all worlds at once");
-        }
-        turns_.answer(Asked::worlds);
-        return shown_worlds();
+    const DeviceIntersections& wait() override {
+        return turns_.awaits(Asked::worlds) ? wait_for_worlds() : wait_for_meshes();
     }
-
-    const DeviceCollisions& wait() override {
-        if (turns_.waits_for_replay(Asked::intersections)) {
-            on_device([&] {
-                shown() = replay_is_complete(Asked::intersections) ? search_.show() : search_.show_incomplete();
-            });
-            return shown();
-        }
-        turns_.refuse_other(Asked::intersections);
-        on_device([&] { land(), shown() = search_.show(); });
-        turns_.answer(Asked::intersections);
-        return shown();
-    }
-
-    void download(Collisions& result) override {
+    void download(Intersections& result) override {
         if (!turns_.has_answered(Asked::intersections))
-            throw Error(ErrorCode::invalid_argument, "download() needs a wait() before it");
+            throw Error(ErrorCode::invalid_argument, "download() needs a wait() for meshes before it");
         if (!shown().complete) throw Error(ErrorCode::invalid_argument, "download() needs an answer that is complete");
         on_device([&] {
             search_.download(result);
@@ -236,7 +208,7 @@ class CudaBackend final : public BackendBase {
    private:
     // view(slot, room) has a slot's input see what is asked about, which is ready on both streams.
     template <class View>
-    void launch(Asked asked, cudaStream_t stream, cudaStream_t other, const Query& query, View view) {
+    void launch(Asked asked, cudaStream_t stream, cudaStream_t other, const IntersectionQuery& query, View view) {
         const auto first = capture_of(stream), second = other == stream ? first : capture_of(other);
         const auto bring = [&](std::size_t slot, Room room) {
             view(slot, room);
@@ -252,6 +224,38 @@ class CudaBackend final : public BackendBase {
             turns_.launch(
                 asked, stream, search_.alone(), [&](std::size_t slot) { bring(slot, Room::grows); },
                 [&] { search_.launch(stream); });
+    }
+
+    const DeviceIntersections& wait_for_worlds() {
+        if (turns_.waits_for_replay(Asked::worlds)) {
+            on_device([&] {
+                shown() = replay_is_complete(Asked::worlds) ? search_.show_worlds() : search_.show_incomplete_worlds();
+            });
+            return shown();
+        }
+        turns_.refuse_other(Asked::worlds);
+        try {
+            constexpr int several = 2;
+            on_device([&] { land(), shown() = search_.show_worlds(); }, several);
+        } catch (const MemoryMeter::Exceeded&) {
+            if (meter_.limit > 0) throw;
+            throw Error(ErrorCode::device, "the device has no memory for all worlds at once");
+        }
+        turns_.answer(Asked::worlds);
+        return shown();
+    }
+
+    const DeviceIntersections& wait_for_meshes() {
+        if (turns_.waits_for_replay(Asked::intersections)) {
+            on_device([&] {
+                shown() = replay_is_complete(Asked::intersections) ? search_.show() : search_.show_incomplete();
+            });
+            return shown();
+        }
+        turns_.refuse_other(Asked::intersections);
+        on_device([&] { land(), shown() = search_.show(); });
+        turns_.answer(Asked::intersections);
+        return shown();
     }
 
     // What the oldest launch has left, with all that only the host can do.
@@ -271,7 +275,7 @@ class CudaBackend final : public BackendBase {
         return complete;
     }
 
-    void find(const Query& query, Collisions& result) {
+    void find(const IntersectionQuery& query, Intersections& result) {
         search_.adopt(query);
         search_.find();
         search_.copy_to(result);
@@ -279,8 +283,9 @@ class CudaBackend final : public BackendBase {
     }
 
     // Finds all pairs of the part's triangles, and leaves out those that a lower part owns.
-    void find_owned(const Scene& scene, Query query, const Levels& levels, Collisions& result) {
-        const bool contacts = std::exchange(query.contacts, false);
+    void find_owned(const PreparedScene& scene, IntersectionQuery query, const Levels& levels, Intersections& result) {
+        const bool contacts = query.contacts();
+        query.output = Output::pairs;
         find(query, result);
         keep_owned(scene, levels, result);
         if (!contacts) return;
@@ -293,7 +298,7 @@ class CudaBackend final : public BackendBase {
         });
     }
 
-    bool any(const Query& query) {
+    bool any(const IntersectionQuery& query) {
         search_.adopt(query);
         return search_.any();
     }
@@ -326,12 +331,12 @@ class CudaBackend final : public BackendBase {
         }
     }
 
-    void bring(const Scene& scene) {
+    void bring(const PreparedScene& scene) {
         turns_.finish();
         search_.bring(scene);
     }
     // Work of ours begins after what the callers' streams were given.
-    void view(const MeshView& a, const MeshView* b, const Query& query) {
+    void view(const MeshView& a, const MeshView* b, const IntersectionQuery& query) {
         turns_.finish();
         refuse_captured(a, b);
         order(before_, static_cast<cudaStream_t>(a.stream), stream_.get());
@@ -350,8 +355,7 @@ class CudaBackend final : public BackendBase {
             if (mesh && capture_of(static_cast<cudaStream_t>(mesh->stream)) != 0)
                 throw Error(ErrorCode::invalid_argument, "a mesh's stream is being captured, and cannot be waited for");
     }
-    DeviceCollisions& shown() { return shown_[search_.current()]; }
-    DeviceWorldCollisions& shown_worlds() { return shown_worlds_[search_.current()]; }
+    DeviceIntersections& shown() { return shown_[search_.current()]; }
 
     Options options_;  // the others refer to it
     MemoryMeter& meter_;
@@ -364,8 +368,7 @@ class CudaBackend final : public BackendBase {
     Search search_;
     WorldFinder worlds_;
     FeatureCalls features_;
-    std::array<DeviceCollisions, Flights::slots> shown_;  ///< by slot
-    std::array<DeviceWorldCollisions, Flights::slots> shown_worlds_;
+    std::array<DeviceIntersections, Flights::slots> shown_;  ///< by slot
 };
 
 }  // namespace

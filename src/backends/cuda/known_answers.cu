@@ -91,11 +91,11 @@ struct Arrays {
         for (FeatureResults& results : features) results.cut(c);
     }
 
-    Scene scene(bool moving) const {
+    PreparedScene scene(bool moving) const {
         const auto reader = [](const Vec3d* points) {
             return VertexReader{reinterpret_cast<const std::byte*>(points), sizeof(Vec3d), sizeof(double), false};
         };
-        Scene scene;
+        PreparedScene scene;
         scene.float32 = false;
         scene.reader[0] = scene.reader[1] = reader(start);
         scene.vertices[0] = 6 * case_count;
@@ -134,17 +134,17 @@ void write_cases(const Arrays& a) {
 
 // Launches all kernels. Contacts are computed for every pair: most collide, and the others must have none.
 void decide_on_device(const Geometry& geometry, cudaStream_t stream, const Arrays& a) {
-    const Scene scene = a.scene(false), moving = a.scene(true);
+    const PreparedScene scene = a.scene(false), moving = a.scene(true);
     Sorted sorted{};
     sorted.triangle = a.triangles;
     const List<Candidate> candidates{a.candidates, a.test_count, case_count};
-    const auto decide = [&](Intersections intersections, const Decisions& decisions) {
+    const auto decide = [&](IntersectionKind intersections, const Decisions& decisions) {
         const Hits hits{Hits::Mode::count, {nullptr, decisions.found, 0}, decisions.collides, nullptr, nullptr};
         decide_exactly(geometry, stream, scene, sorted, Neighbours::geometric, intersections, candidates,
                        {decisions.beyond, decisions.beyond_count, case_count}, hits);
     };
-    decide(Intersections::all, a.all);
-    decide(Intersections::proper, a.proper);
+    decide(IntersectionKind::all, a.all);
+    decide(IntersectionKind::proper, a.proper);
     find_contacts(geometry, stream, scene, a.pairs, case_count, 0, a.contacts);
     for (std::size_t q = 0; q < queries; ++q) {
         const FeatureResults& results = a.features[q];
@@ -162,8 +162,8 @@ std::string describe(const char* what, std::size_t i) {
     return std::string(what) + " of case " + std::to_string(i) + " of " + std::to_string(case_count);
 }
 
-std::string difference(const Arrays& a, const Decisions& found, Intersections intersections) {
-    const Scene scene = a.scene(false);
+std::string difference(const Arrays& a, const Decisions& found, IntersectionKind intersections) {
+    const PreparedScene scene = a.scene(false);
     std::vector<Pair> beyond;
     for (std::size_t i = 0; i < case_count; ++i) {
         const Pair pair = pair_of(i);
@@ -185,7 +185,7 @@ std::string difference(const Arrays& a, const Decisions& found, Intersections in
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
 std::string difference(const Arrays& a, const ContactArrays& found) {
-    const Scene scene = a.scene(false);
+    const PreparedScene scene = a.scene(false);
     Count open = 0;
     for (std::size_t i = 0; i < case_count; ++i) {
         Contact contact;
@@ -204,7 +204,7 @@ std::string difference(const Arrays& a, const ContactArrays& found) {
 
 template <class Question>
 std::string feature_difference(const Arrays& a, std::size_t query) {
-    const Scene scene = a.scene(query > 0);
+    const PreparedScene scene = a.scene(query > 0);
     const Question question({scene, is_aligned(scene)}, query_of(query), false);
     const FeatureResults& found = a.features[query];
     const RankedHit* of[kinds * case_count] = {};
@@ -253,8 +253,8 @@ std::string find_difference_from_host(const Device& device, cudaStream_t stream)
     CRUMPLE_CUDA(cudaMemcpyAsync(image, copy, block.capacity(), cudaMemcpyDeviceToHost, stream));
     CRUMPLE_CUDA(cudaStreamSynchronize(stream));
 
-    std::string found = difference(on_host, on_host.all, Intersections::all);
-    if (found.empty()) found = difference(on_host, on_host.proper, Intersections::proper);
+    std::string found = difference(on_host, on_host.all, IntersectionKind::all);
+    if (found.empty()) found = difference(on_host, on_host.proper, IntersectionKind::proper);
     if (found.empty()) found = difference(on_host, on_host.contacts);
     if (found.empty()) found = feature_difference<NearQuestion>(on_host, 0);
     if (found.empty()) found = feature_difference<ImpactQuestion>(on_host, 1);

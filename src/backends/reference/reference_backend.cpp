@@ -33,7 +33,8 @@ class Reference final : public BackendBase {
     Reference(MemoryMeter& meter, Cancellation& cancellation)
         : meter_(meter), cancellation_(cancellation), rule_(&meter), boxes_(&meter) {}
 
-    void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
+    void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
+              Intersections& result) override {
         Statistics& statistics = result.statistics;
         statistics.backend = "reference";
         statistics.simd = "scalar";
@@ -62,13 +63,13 @@ class Reference final : public BackendBase {
         statistics[Stage::output] = output.lap();
     }
 
-    void stream(const Scene& scene, const Query& query, const Streaming& how, BlockSink sink,
+    void stream(const PreparedScene& scene, const IntersectionQuery& query, const Streaming& how, BlockSink sink,
                 Statistics& statistics) override {
         statistics = {};
         statistics.backend = "reference";
         statistics.simd = "scalar";
         prepare(scene, query, statistics);
-        Collisions block = metered(&meter_);
+        Intersections block = metered(&meter_);
         const auto hand_over = [&] {
             add_contacts(scene, query, block, statistics);
             sink(block);
@@ -82,7 +83,7 @@ class Reference final : public BackendBase {
         if (!block.pairs.empty()) hand_over();
     }
 
-    bool any(const Scene& scene, const Query& query) override {
+    bool any(const PreparedScene& scene, const IntersectionQuery& query) override {
         Statistics unused;
         prepare(scene, query, unused);
         bool found = false;
@@ -93,7 +94,7 @@ class Reference final : public BackendBase {
         return found;
     }
 
-    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override {
+    void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) override {
         clear(answer);
         answer.statistics.backend = "reference";
         answer.statistics.simd = "scalar";
@@ -102,7 +103,7 @@ class Reference final : public BackendBase {
         answer.statistics[Stage::narrow] = watch.lap();
     }
 
-    void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) override {
+    void find_candidates(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
         clear(answer);
         answer.statistics.backend = "reference";
         answer.statistics.simd = "scalar";
@@ -114,7 +115,7 @@ class Reference final : public BackendBase {
         answer.statistics[Stage::narrow] = watch.lap();
     }
 
-    void stream(const Scene& scene, const FeatureQuery& query, const Streaming&, FeatureSink sink,
+    void stream(const PreparedScene& scene, const FeatureRequest& query, const Streaming&, FeatureSink sink,
                 Statistics& statistics) override {
         FeatureAnswer told(nullptr);
         told.statistics.backend = "reference";
@@ -123,8 +124,8 @@ class Reference final : public BackendBase {
         statistics = told.statistics;
     }
 
-    void stream_candidates(const Scene& scene, const CandidateQuery& query, const Streaming&, CandidateSink sink,
-                           Statistics& statistics) override {
+    void stream_candidates(const PreparedScene& scene, const CandidateRequest& query, const Streaming&,
+                           CandidateSink sink, Statistics& statistics) override {
         statistics = {};
         statistics.backend = "reference";
         statistics.simd = "scalar";
@@ -137,8 +138,8 @@ class Reference final : public BackendBase {
     }
 
    private:
-    void prepare(const Scene& scene, const Query& query, Statistics& statistics) {
-        rule_.prepare(query, scene.bodies);
+    void prepare(const PreparedScene& scene, const IntersectionQuery& query, Statistics& statistics) {
+        rule_.prepare(query.filter, scene.bodies);
         const std::int64_t triangles = scene.triangle_count();
 
         Stopwatch bounds;
@@ -150,8 +151,8 @@ class Reference final : public BackendBase {
 
     /// Calls visit(pair, intersection) for each collision in lexicographic order until it returns false.
     template <class Visit>
-    void for_each_collision(const Scene& scene, const Query& query, const Part* part, std::int64_t& box_overlaps,
-                            Visit visit) {
+    void for_each_collision(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
+                            std::int64_t& box_overlaps, Visit visit) {
         const std::int64_t first_end = scene.between ? scene.triangles[0] : scene.triangle_count();
         const std::int64_t offset = scene.between ? first_end : 0;
         const Levels levels(part);
@@ -165,18 +166,19 @@ class Reference final : public BackendBase {
                 cancellation_.check();
                 ++box_overlaps;
                 const RationalIntersection intersection = intersect_rationally(scene.triangle(a), scene.triangle(b));
-                if (!collide(intersection, query.neighbours, query.intersections)) continue;
+                if (!collide(intersection, query.neighbours, query.kind)) continue;
                 const Pair pair{static_cast<std::int32_t>(a), static_cast<std::int32_t>(b - offset)};
                 if (!visit(pair, intersection)) return;
             }
         }
     }
 
-    void add_contacts(const Scene& scene, const Query& query, Collisions& result, Statistics& statistics) {
+    void add_contacts(const PreparedScene& scene, const IntersectionQuery& query, Intersections& result,
+                      Statistics& statistics) {
         result.contacts.kinds.clear();
         result.contacts.offsets.clear();
         result.contacts.points.clear();
-        if (!query.contacts) return;
+        if (!query.contacts()) return;
         statistics.rational_contacts += contacts_of_pairs(scene, result, [&](std::size_t n, auto task) {
             for (std::size_t i = 0; i < n; ++i) {
                 cancellation_.check();
@@ -185,7 +187,8 @@ class Reference final : public BackendBase {
         });
     }
 
-    std::int64_t count(const Scene& scene, const Query& query, const Part* part, PairBudget* budget) {
+    std::int64_t count(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
+                       PairBudget* budget) {
         std::int64_t overlaps = 0, pairs = 0;
         for_each_collision(scene, query, part, overlaps, [&](Pair, const RationalIntersection&) {
             ++pairs;

@@ -20,7 +20,7 @@ struct Feature {
 
 class Search {
    public:
-    Search(const Scene& scene, const CandidateQuery& query, Cancellation& cancellation, CandidateSink sink)
+    Search(const PreparedScene& scene, const CandidateRequest& query, Cancellation& cancellation, CandidateSink sink)
         : scene_(scene), query_(query), cancellation_(cancellation), sink_(sink) {
         std::map<std::int32_t, std::int32_t> face_of_vertex;
         std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> face_of_edge;
@@ -106,8 +106,8 @@ class Search {
         return scaled(low, exponent) - scaled(high, exponent) > 2 * scaled(query_.inflation, exponent);
     }
 
-    const Scene& scene_;
-    const CandidateQuery& query_;
+    const PreparedScene& scene_;
+    const CandidateRequest& query_;
     Cancellation& cancellation_;
     CandidateSink sink_;
     std::vector<Feature> features_[3];  ///< by FeatureType
@@ -115,8 +115,8 @@ class Search {
 
 }  // namespace
 
-void find_candidates_by_brute_force(const Scene& scene, const CandidateQuery& query, Cancellation& cancellation,
-                                    CandidateSink sink) {
+void find_candidates_by_brute_force(const PreparedScene& scene, const CandidateRequest& query,
+                                    Cancellation& cancellation, CandidateSink sink) {
     Search(scene, query, cancellation, sink).run();
 }
 

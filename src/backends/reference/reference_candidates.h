@@ -4,12 +4,12 @@
 // anew. One thread, O(features²).
 
 #include "base/cancellation.h"
-#include "queries/candidate_query.h"
+#include "queries/candidate_request.h"
 
 namespace crumple {
 
 /// `sink`: takes each row, in the order of the answer.
-void find_candidates_by_brute_force(const Scene& scene, const CandidateQuery& query, Cancellation& cancellation,
-                                    CandidateSink sink);
+void find_candidates_by_brute_force(const PreparedScene& scene, const CandidateRequest& query,
+                                    Cancellation& cancellation, CandidateSink sink);
 
 }  // namespace crumple

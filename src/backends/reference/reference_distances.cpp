@@ -47,7 +47,7 @@ std::vector<PosedTriangle> triangles_of(const WorldOutline& outline, std::int32_
 }
 
 void add_bodies(const std::vector<PosedTriangle>& all_a, const std::vector<PosedTriangle>& all_b,
-                const BodyRules& rules, double radius, Cancellation& cancellation, NearestBodies& answer) {
+                const BodyRules& rules, double radius, Cancellation& cancellation, Distances& answer) {
     std::optional<RationalNearest> least;
     Pair triangles{};
     for (const PosedTriangle& a : all_a) {
@@ -69,12 +69,12 @@ void add_bodies(const std::vector<PosedTriangle>& all_a, const std::vector<Posed
 
 }  // namespace
 
-void find_nearest_by_brute_force(const World& world, const Nearest& question, MemoryMeter& meter,
-                                 Cancellation& cancellation, NearestBodies& answer) {
+void find_nearest_by_brute_force(const World& world, const DistanceQuery& question, MemoryMeter& meter,
+                                 Cancellation& cancellation, Distances& answer) {
     WorldOutline outline(&meter);
-    outline.read(world, question.rules);
+    outline.read(world, question.filter);
     BodyRules rules(&meter);
-    rules.prepare(question.rules);
+    rules.prepare(question.filter);
     clear(answer);
     answer.statistics.backend = "reference";
     answer.statistics.simd = "scalar";

@@ -35,7 +35,7 @@ class Everything {
    public:
     std::vector<Feature> vertices, edges, faces;
 
-    Everything(const Scene& scene, const FeatureQuery& query) : scene_(scene), query_(query) {
+    Everything(const PreparedScene& scene, const FeatureRequest& query) : scene_(scene), query_(query) {
         if (query.part) {
             read_part();
             return;
@@ -126,8 +126,8 @@ class Everything {
         vertices.back().lone = vertices.back().lone && !edges_of_vertex_.count(v);
     }
 
-    const Scene& scene_;
-    const FeatureQuery& query_;
+    const PreparedScene& scene_;
+    const FeatureRequest& query_;
     std::map<std::int32_t, std::int32_t> face_of_vertex_;
     std::map<Ends, std::int32_t> face_of_edge_;
     std::map<std::int32_t, std::vector<std::size_t>> edges_of_vertex_;
@@ -162,7 +162,7 @@ bool joined(const Next& next, std::set<std::int32_t> from, const std::set<std::i
 
 class Search {
    public:
-    Search(const Scene& scene, const FeatureQuery& query, Cancellation& cancellation, FeatureAnswer& answer,
+    Search(const PreparedScene& scene, const FeatureRequest& query, Cancellation& cancellation, FeatureAnswer& answer,
            const FeatureSink* sink)
         : scene_(scene), query_(query), cancellation_(cancellation), answer_(answer), sink_(sink) {}
 
@@ -286,8 +286,8 @@ class Search {
         return RationalDistance(features).within({query_.rest->radius, 0});
     }
 
-    const Scene& scene_;
-    const FeatureQuery& query_;
+    const PreparedScene& scene_;
+    const FeatureRequest& query_;
     Cancellation& cancellation_;
     FeatureAnswer& answer_;
     const FeatureSink* sink_;
@@ -297,7 +297,7 @@ class Search {
 
 }  // namespace
 
-void find_features_by_brute_force(const Scene& scene, const FeatureQuery& query, Cancellation& cancellation,
+void find_features_by_brute_force(const PreparedScene& scene, const FeatureRequest& query, Cancellation& cancellation,
                                   FeatureAnswer& answer, const FeatureSink* sink) {
     Search(scene, query, cancellation, answer, sink).run();
 }

@@ -5,12 +5,12 @@
 // features whose boxes overlap.
 
 #include "base/cancellation.h"
-#include "queries/feature_query.h"
+#include "queries/feature_request.h"
 
 namespace crumple {
 
 /// `sink`: takes each row, instead of the answer; or null.
-void find_features_by_brute_force(const Scene& scene, const FeatureQuery& query, Cancellation& cancellation,
+void find_features_by_brute_force(const PreparedScene& scene, const FeatureRequest& query, Cancellation& cancellation,
                                   FeatureAnswer& answer, const FeatureSink* sink = nullptr);
 
 }  // namespace crumple

@@ -73,7 +73,7 @@ class Everything {
     std::vector<PosedTriangle> elements_;
 };
 
-void add_contact(const Triangle& a, const Triangle& b, WorldCollisions& result) {
+void add_contact(const Triangle& a, const Triangle& b, Intersections& result) {
     const Contact c = contact(a, b);
     std::vector<std::array<double, 3>> points;
     points.reserve(static_cast<std::size_t>(c.count));
@@ -84,12 +84,12 @@ void add_contact(const Triangle& a, const Triangle& b, WorldCollisions& result) 
 
 }  // namespace
 
-void find_by_brute_force(const World& world, const Intersect& question, MemoryMeter& meter, Cancellation& cancellation,
-                         WorldCollisions& result, const WorldBlocks* blocks) {
+void find_by_brute_force(const World& world, const IntersectionQuery& question, MemoryMeter& meter,
+                         Cancellation& cancellation, Intersections& result, const WorldBlocks* blocks) {
     WorldOutline outline(&meter);
-    outline.read(world, question.rules);
+    outline.read(world, question.filter);
     BodyRules rules(&meter);
-    rules.prepare(question.rules);
+    rules.prepare(question.filter);
     clear(result, outline, question);
     result.statistics.backend = "reference";
     result.statistics.simd = "scalar";
@@ -104,10 +104,10 @@ void find_by_brute_force(const World& world, const Intersect& question, MemoryMe
             if (!overlap(all[i].box, all[j].box) || !rules(all[i].of, all[j].of)) continue;
             ++result.statistics.box_overlaps;
             const RationalIntersection intersection = intersect_rationally(all[i].triangle, all[j].triangle);
-            if (!collide(intersection, question.neighbours, question.intersections)) continue;
+            if (!collide(intersection, question.neighbours, question.kind)) continue;
             add_pair(outline, question, world_a == -1 ? outline.worlds() : world_a, {all[i].of.body, all[j].of.body},
                      {all[i].index, all[j].index}, result);
-            if (question.wants == Wants::contacts) add_contact(all[i].triangle, all[j].triangle, result);
+            if (question.output == Output::contacts) add_contact(all[i].triangle, all[j].triangle, result);
             if (blocks) blocks->pass_on(result);
         }
     }

@@ -151,33 +151,28 @@ void Detector::close() {
     closing->communicator.free();
 }
 
-const DistributedCollisions& Detector::find_self(const MeshShare& share, const Query& query, std::stop_token stop) {
-    return open().detector.find_self(share, query, std::move(stop));
+template <class Query, class Share>
+const typename Query::DistributedResult& Detector::find(const Share& share, const Query& query, std::stop_token stop) {
+    return open().detector.find(share, query, std::move(stop));
 }
-std::int64_t Detector::count(const MeshShare& share, const Query& query, std::stop_token stop) {
-    return open().detector.count(share, query, std::move(stop));
+template <class Query, class Share>
+bool Detector::any(const Share& share, const Query& query, std::stop_token stop) {
+    Query whether = query;
+    whether.output = Output::any;
+    return find(share, whether, std::move(stop)).any;
 }
-bool Detector::has_collision(const MeshShare& share, const Query& query, std::stop_token stop) {
-    return open().detector.has_collision(share, query, std::move(stop));
-}
-const DistributedImpacts& Detector::find_impacts(const MeshShare& share, const VertexView& end, const Motion& question,
-                                                 std::stop_token stop) {
-    return open().detector.find_impacts(share, end, question, std::move(stop));
-}
-const DistributedNearby& Detector::find_near(const MeshShare& share, const Near& question, std::stop_token stop) {
-    return open().detector.find_near(share, question, std::move(stop));
-}
-const DistributedWorldCollisions& Detector::find(const WorldShare& share, const Intersect& question,
-                                                 std::stop_token stop) {
-    return open().detector.find(share, question, std::move(stop));
-}
-const DistributedImpacts& Detector::find_impacts(const WorldShare& share, const Motion& question,
-                                                 std::stop_token stop) {
-    return open().detector.find_impacts(share, question, std::move(stop));
-}
-const DistributedNearby& Detector::find_near(const WorldShare& share, const Near& question, std::stop_token stop) {
-    return open().detector.find_near(share, question, std::move(stop));
-}
+
+#define CRUMPLE_FIND(Share, Query)                                                                                    \
+    template CRUMPLE_API const Query::DistributedResult& Detector::find(const Share&, const Query&, std::stop_token); \
+    template CRUMPLE_API bool Detector::any(const Share&, const Query&, std::stop_token);
+
+CRUMPLE_FIND(MeshShare, IntersectionQuery)
+CRUMPLE_FIND(MeshShare, ImpactQuery)
+CRUMPLE_FIND(MeshShare, ProximityQuery)
+CRUMPLE_FIND(WorldShare, IntersectionQuery)
+CRUMPLE_FIND(WorldShare, ImpactQuery)
+CRUMPLE_FIND(WorldShare, ProximityQuery)
+
 void Detector::set_poll(std::function<void()> poll) {
     open().detector.set_poll(poll);
     open().poll = std::move(poll);

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "crumple/array.h"
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 #include "exact/distance/closest_parts.h"
 #include "exact/distance/rational_nearest.h"
 

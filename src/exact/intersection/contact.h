@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 #include "geometry/triangle.h"
 
 namespace crumple {

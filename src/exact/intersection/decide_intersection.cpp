@@ -5,7 +5,7 @@
 
 namespace crumple {
 
-bool collide(const Triangle& a, const Triangle& b, Neighbours neighbours, Intersections intersections,
+bool collide(const Triangle& a, const Triangle& b, Neighbours neighbours, IntersectionKind intersections,
              DecisionCounts& counts) {
     ExactSigns signs;
     const Verdict verdict = decide(a, b, neighbours, intersections, signs);

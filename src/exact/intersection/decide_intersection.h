@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "crumple/options.h"
+#include "crumple/intersections.h"
 #include "geometry/triangle.h"
 
 namespace crumple {
@@ -18,7 +18,7 @@ struct DecisionCounts {
 
 /// True iff the pair collides under the policies. Needs round-to-nearest without flush-to-zero.
 /// Cost: about 100 ns where float64 decides, 1 us with expansions, tens of us with rationals.
-bool collide(const Triangle& a, const Triangle& b, Neighbours neighbours, Intersections intersections,
+bool collide(const Triangle& a, const Triangle& b, Neighbours neighbours, IntersectionKind intersections,
              DecisionCounts& counts);
 
 }  // namespace crumple

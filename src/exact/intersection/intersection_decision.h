@@ -193,9 +193,9 @@ CRUMPLE_HD_COLD Verdict decide_by_cases(const Triangle& a, const Triangle& b, co
 /// ExactSigns: `undecided` means that coordinates are beyond the range of expansions, which no float32 number is, so
 /// that rational arithmetic has to look.
 template <class Signs>
-CRUMPLE_HD Verdict decide(const Triangle& a, const Triangle& b, Neighbours neighbours, Intersections intersections,
+CRUMPLE_HD Verdict decide(const Triangle& a, const Triangle& b, Neighbours neighbours, IntersectionKind intersections,
                           Signs& signs) {
-    const bool proper = intersections == Intersections::proper;
+    const bool proper = intersections == IntersectionKind::proper;
     const Sharing sharing(a, b);
     if (neighbours == Neighbours::skip && sharing.count > 0) return Verdict::apart;
     if (sharing.count == 3) return proper ? Verdict::apart : Verdict::collides;

@@ -226,9 +226,9 @@ RationalIntersection intersect_rationally(const Triangle& a, const Triangle& b) 
     return result;
 }
 
-bool collide(const RationalIntersection& intersection, Neighbours neighbours, Intersections intersections) {
+bool collide(const RationalIntersection& intersection, Neighbours neighbours, IntersectionKind intersections) {
     if (neighbours == Neighbours::skip && intersection.shared > 0) return false;
-    return intersections == Intersections::proper ? intersection.proper : intersection.collides;
+    return intersections == IntersectionKind::proper ? intersection.proper : intersection.collides;
 }
 
 Contact contact(const RationalIntersection& intersection) {

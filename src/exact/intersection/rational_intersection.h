@@ -43,7 +43,7 @@ struct RationalIntersection {
 RationalIntersection intersect_rationally(const Triangle& a, const Triangle& b);
 
 /// The contract's answer for a pair under the policies.
-bool collide(const RationalIntersection& intersection, Neighbours neighbours, Intersections intersections);
+bool collide(const RationalIntersection& intersection, Neighbours neighbours, IntersectionKind intersections);
 
 /// The extreme points, correctly rounded.
 Contact contact(const RationalIntersection& intersection);

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "crumple/near.h"
+#include "crumple/proximities.h"
 #include "geometry/vec.h"
 
 namespace crumple {

@@ -8,7 +8,7 @@
 
 #include "geometry/expansion.h"
 #include "geometry/vec.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple {
 
@@ -21,7 +21,7 @@ struct FeatureBox {
 };
 
 /// The box of so many vertices all the way. Exact: what the caller gave.
-inline FeatureBox box_of_way(const Scene& scene, const std::int32_t* vertex, int count) {
+inline FeatureBox box_of_way(const PreparedScene& scene, const std::int32_t* vertex, int count) {
     FeatureBox box(scene.position(vertex[0]));
     for (int k = 0; k < count; ++k) {
         if (k > 0) box.add(scene.position(vertex[k]));

@@ -6,7 +6,7 @@
 
 namespace crumple {
 
-/// `inflation`: CandidateQuestion::inflation.
+/// `inflation`: CandidateQuery::inflation.
 CRUMPLE_HD inline Inflation inflation_of_candidates(const Normaliser& normaliser, double inflation) {
     Inflation widening;
     widening.of_box = true;

@@ -16,7 +16,7 @@
 #include "crumple/candidates.h"
 #include "geometry/leaf_frame.h"
 #include "geometry/normaliser.h"
-#include "queries/feature_query.h"
+#include "queries/feature_request.h"
 
 namespace crumple {
 

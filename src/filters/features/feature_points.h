@@ -8,7 +8,7 @@
 #include "crumple/features.h"
 #include "exact/impact/impact.h"
 #include "exact/proximity/resting_features.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple {
 
@@ -18,12 +18,12 @@ namespace crumple {
 using FeaturePoints = std::array<MovingPoint, 4>;
 
 /// Exact: what the caller gave.
-CRUMPLE_HD inline MovingPoint moving_point(const Scene& scene, std::int32_t vertex) {
+CRUMPLE_HD inline MovingPoint moving_point(const PreparedScene& scene, std::int32_t vertex) {
     const Vec3d start = scene.position(vertex);
     return {start, scene.moving ? scene.end(vertex) : start};
 }
 
-CRUMPLE_HD inline FeaturePoints points_of(const Scene& scene, const std::int32_t (&vertex)[4]) {
+CRUMPLE_HD inline FeaturePoints points_of(const PreparedScene& scene, const std::int32_t (&vertex)[4]) {
     return {moving_point(scene, vertex[0]), moving_point(scene, vertex[1]), moving_point(scene, vertex[2]),
             moving_point(scene, vertex[3])};
 }

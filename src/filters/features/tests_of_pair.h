@@ -3,8 +3,8 @@
 // The tests that a pair of triangles stands for: a vertex that one owns against the other's face, and an edge that one
 // owns against an edge that the other owns, less what has a vertex in common. Compiled for host and device.
 
-#include "crumple/collisions.h"
 #include "crumple/features.h"
+#include "crumple/intersections.h"
 #include "filters/features/feature_record.h"
 
 namespace crumple {

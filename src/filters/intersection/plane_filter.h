@@ -3,7 +3,7 @@
 // The first filter of `narrow` for one pair of records, and what its signs mean (docs/narrow.md): the plain text of
 // backends/cpu/intersections/plane_filter-inl.h and classify-inl.h. Compiled for host and device.
 
-#include "crumple/options.h"
+#include "crumple/intersections.h"
 #include "filters/intersection/triangle_record.h"
 
 namespace crumple {
@@ -15,8 +15,8 @@ struct NarrowPolicy {
     friend bool operator==(const NarrowPolicy&, const NarrowPolicy&) = default;
 };
 
-inline NarrowPolicy policy_of(Neighbours neighbours, Intersections intersections) {
-    return {neighbours == Neighbours::skip, intersections == Intersections::proper};
+inline NarrowPolicy policy_of(Neighbours neighbours, IntersectionKind intersections) {
+    return {neighbours == Neighbours::skip, intersections == IntersectionKind::proper};
 }
 
 /// Where the corners of a pair lie: one bit a corner.

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 #include "io/bytes/sink.h"
 
 namespace crumple::io {

@@ -36,7 +36,7 @@ bool has_hits_of_polygons(const TriangleMesh& mesh, const Array<std::uint8_t>& h
     return static_cast<std::int64_t>(hit.size()) != mesh.triangle_count();
 }
 
-ColouredMesh join(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
+ColouredMesh join(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions) {
     ColouredMesh result{mesh, hit_triangles(mesh, collisions.hit)};
     if (second && mesh.unit == Unit::unknown) result.mesh.unit = second->unit;
     const bool of_polygons =
@@ -105,7 +105,7 @@ void write_obj_files(const std::filesystem::path& path, const ColouredMesh& colo
     file.commit();
 }
 
-void write(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions,
+void write(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions,
            MeshFormat format) {
     if (format == MeshFormat::html) {
         check_collisions(mesh, second, collisions);
@@ -118,7 +118,7 @@ void write(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* seco
 
 }  // namespace
 
-void check_collisions(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
+void check_collisions(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions) {
     validate(mesh);
     check_hits(mesh, collisions.hit);
     if (!second) return;
@@ -127,7 +127,7 @@ void check_collisions(const TriangleMesh& mesh, const TriangleMesh* second, cons
     check_same_unit(mesh.unit, second->unit);
 }
 
-ColouredMesh coloured_mesh(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
+ColouredMesh coloured_mesh(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions) {
     check_collisions(mesh, second, collisions);
     return join(mesh, second, collisions);
 }
@@ -138,7 +138,7 @@ bool has_colours(MeshFormat format) {
 }
 
 void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
-                    const Collisions& collisions, MeshFormat format) {
+                    const Intersections& collisions, MeshFormat format) {
     const FloatEnvironment environment;
     if (!has_colours(format) || format == MeshFormat::obj) {
         throw Error(ErrorCode::invalid_argument,
@@ -149,7 +149,7 @@ void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleM
 }
 
 void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
-                    const Collisions& collisions) {
+                    const Intersections& collisions) {
     const FloatEnvironment environment;
     const MeshFormat format = mesh_format_of(extension_of(path));
     if (format == MeshFormat::obj) return write_obj_files(path, coloured_mesh(mesh, second, collisions));

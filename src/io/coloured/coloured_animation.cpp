@@ -55,7 +55,7 @@ ColouredAnimation::~ColouredAnimation() = default;
 ColouredAnimation::ColouredAnimation(ColouredAnimation&&) noexcept = default;
 ColouredAnimation& ColouredAnimation::operator=(ColouredAnimation&&) noexcept = default;
 
-void ColouredAnimation::add(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
+void ColouredAnimation::add(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions) {
     const FloatEnvironment environment;
     const ColouredMesh coloured = coloured_mesh(mesh, second, collisions);
     if (implementation_->nodes.empty()) implementation_->unit = coloured.mesh.unit;

@@ -110,7 +110,7 @@ ColouredMesh coloured(const TriangleMesh& mesh, const TriangleMesh* second, cons
         least.emplace_back(*second);
     }
     for (const FeatureRow& row : list.rows) add(least, row, std::min(row.value, std::numeric_limits<double>::max()));
-    Collisions hits;
+    Intersections hits;
     hits.hit = shades_of(mesh, least[0], most);
     if (second) hits.hit_second = shades_of(*second, least[1], most);
     return coloured_mesh(mesh, second, hits);
@@ -120,7 +120,7 @@ ColouredMesh coloured(const TriangleMesh& start, const Impacts& impacts) {
     return coloured(start, nullptr, list_of(impacts), 1);
 }
 
-ColouredMesh coloured(const TriangleMesh& mesh, const TriangleMesh* second, const Nearby& nearby) {
+ColouredMesh coloured(const TriangleMesh& mesh, const TriangleMesh* second, const Proximities& nearby) {
     FeatureList list = list_of(nearby);
     double most = 0;
     for (FeatureRow& row : list.rows) {
@@ -156,11 +156,12 @@ void write_coloured(std::ostream& out, const TriangleMesh& start, const Impacts&
 }
 
 void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
-                    const Nearby& nearby) {
+                    const Proximities& nearby) {
     const FloatEnvironment environment;
     write(path, coloured(mesh, second, nearby));
 }
-void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second, const Nearby& nearby) {
+void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
+                    const Proximities& nearby) {
     const FloatEnvironment environment;
     write(out, coloured(mesh, second, nearby));
 }

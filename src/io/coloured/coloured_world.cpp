@@ -18,7 +18,7 @@ Writer writer_of_bodies(MeshFormat format) {
     return nullptr;
 }
 
-void check(const WorldMesh& world, const WorldCollisions& collisions) {
+void check(const WorldMesh& world, const Intersections& collisions) {
     validate(world);
     if (static_cast<std::int64_t>(collisions.hit.size()) != world.triangle_count() ||
         collisions.first_triangle.size() != world.bodies.size() + 1 ||
@@ -28,8 +28,8 @@ void check(const WorldMesh& world, const WorldCollisions& collisions) {
 }
 
 /// As if they were of the mesh that posed_mesh makes.
-Collisions of_posed_mesh(const WorldCollisions& collisions) {
-    Collisions result;
+Intersections of_posed_mesh(const Intersections& collisions) {
+    Intersections result;
     result.hit = collisions.hit;
     result.contacts = collisions.contacts;
     const auto id = [&](std::int32_t body, std::int32_t triangle) {
@@ -43,7 +43,7 @@ Collisions of_posed_mesh(const WorldCollisions& collisions) {
 
 }  // namespace
 
-void write_coloured(const std::filesystem::path& path, const WorldMesh& world, const WorldCollisions& collisions) {
+void write_coloured(const std::filesystem::path& path, const WorldMesh& world, const Intersections& collisions) {
     const FloatEnvironment environment;
     check(world, collisions);
     const Writer write = writer_of_bodies(mesh_format_of(extension_of(path)));
@@ -53,7 +53,7 @@ void write_coloured(const std::filesystem::path& path, const WorldMesh& world, c
     file.commit();
 }
 
-void write_coloured(std::ostream& out, const WorldMesh& world, const WorldCollisions& collisions, MeshFormat format) {
+void write_coloured(std::ostream& out, const WorldMesh& world, const Intersections& collisions, MeshFormat format) {
     const FloatEnvironment environment;
     check(world, collisions);
     const Writer write = writer_of_bodies(format);

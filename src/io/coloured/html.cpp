@@ -135,7 +135,7 @@ void member(Sink& sink, const char* before, const char* name, Write write) {
     sink << '"';
 }
 
-void write_data(Sink& sink, const std::vector<Side>& sides, const Collisions& collisions) {
+void write_data(Sink& sink, const std::vector<Side>& sides, const Intersections& collisions) {
     const Normalised normalised(sides);
     member(sink, "{", "corners", [&](Base64& out) {
         for (const Side& side : sides) {
@@ -193,8 +193,8 @@ std::string unique_name() {
 
 }  // namespace
 
-void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions,
-                int height) {
+void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
+                const Intersections& collisions, int height) {
     std::vector<Side> sides{{&mesh, hit_triangles(mesh, collisions.hit), colours[0][0], colours[0][1]}};
     if (second) sides.push_back({second, hit_triangles(*second, collisions.hit_second), colours[1][0], colours[1][1]});
     std::size_t triangles = 0;
@@ -224,7 +224,7 @@ void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh*
     if (page) sink << "</html>\n";
 }
 
-std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions, int height) {
+std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions, int height) {
     const FloatEnvironment environment;
     if (height < 1) throw Error(ErrorCode::invalid_argument, "height must be at least 1 pixel", Element::option);
     check_collisions(mesh, second, collisions);

@@ -65,7 +65,7 @@ FeatureAnswer checked(const FeatureAnswer& answer) {
 FeatureListView view(const ImpactList& list) {
     return {true, span_of(list.pairs), span_of(list.bodies), span_of(list.toi), span_of(list.start)};
 }
-FeatureListView view(const NearList& list) {
+FeatureListView view(const ProximityList& list) {
     return {true, span_of(list.pairs), span_of(list.bodies), span_of(list.squared_distance), span_of(list.touching)};
 }
 
@@ -76,7 +76,7 @@ std::array<FeatureListView, candidate_kinds> views(const Answer& answer) {
         lists[static_cast<std::size_t>(kind_of(kind))] = view(answer[kind]);
     return lists;
 }
-std::array<FeatureListView, candidate_kinds> views(const CandidateLists& answer) {
+std::array<FeatureListView, candidate_kinds> views(const Candidates& answer) {
     std::array<FeatureListView, candidate_kinds> lists;
     for (std::size_t k = 0; k < candidate_kinds; ++k)
         lists[k] = {answer.listed[k], span_of(answer.lists[k].pairs), span_of(answer.lists[k].bodies), {}, {}};
@@ -178,12 +178,12 @@ FeatureAnswer view_of_triangle_pairs(const Impacts& impacts) {
         if (kind != CandidateKind::face_face) answer.lists[static_cast<std::size_t>(kind)] = {};
     return answer;
 }
-FeatureAnswer view(const Nearby& nearby) { return view(near_words, nearby); }
-FeatureAnswer view(const CandidateLists& candidates) { return view(candidate_words, candidates); }
+FeatureAnswer view(const Proximities& nearby) { return view(near_words, nearby); }
+FeatureAnswer view(const Candidates& candidates) { return view(candidate_words, candidates); }
 
 FeatureList list_of(const Impacts& impacts) { return as_list(view(impacts)); }
-FeatureList list_of(const Nearby& nearby) { return as_list(view(nearby)); }
-CandidateRows list_of(const CandidateLists& candidates) {
+FeatureList list_of(const Proximities& nearby) { return as_list(view(nearby)); }
+CandidateRows list_of(const Candidates& candidates) {
     const FeatureAnswer answer = view(candidates);
     CandidateRows list{{}, answer.has_bodies()};
     for_each_row(answer, [&](const CandidateRow& row) { list.rows.push_back(row); });

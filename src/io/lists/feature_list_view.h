@@ -63,8 +63,8 @@ struct FeatureAnswer {
 
 /// Valid as long as the answer. Throws Error (invalid_argument) unless its lists fit together.
 FeatureAnswer view(const Impacts& impacts);
-FeatureAnswer view(const Nearby& nearby);
-FeatureAnswer view(const CandidateLists& candidates);
+FeatureAnswer view(const Proximities& nearby);
+FeatureAnswer view(const Candidates& candidates);
 /// Of pairs of triangles alone.
 FeatureAnswer view_of_triangle_pairs(const Impacts& impacts);
 

@@ -102,20 +102,20 @@ void write_triangle_pairs(const std::filesystem::path& path, const Impacts& impa
     write_list(path, view_of_triangle_pairs(impacts), format);
 }
 
-void write_near(std::ostream& out, const Nearby& nearby, PairFormat format) {
+void write_near(std::ostream& out, const Proximities& nearby, PairFormat format) {
     const FloatEnvironment environment;
     write_list(out, view(nearby), format);
 }
-void write_near(const std::filesystem::path& path, const Nearby& nearby, PairFormat format) {
+void write_near(const std::filesystem::path& path, const Proximities& nearby, PairFormat format) {
     const FloatEnvironment environment;
     write_list(path, view(nearby), format);
 }
 
-void write_candidates(std::ostream& out, const CandidateLists& candidates, PairFormat format) {
+void write_candidates(std::ostream& out, const Candidates& candidates, PairFormat format) {
     const FloatEnvironment environment;
     write_list(out, view(candidates), format);
 }
-void write_candidates(const std::filesystem::path& path, const CandidateLists& candidates, PairFormat format) {
+void write_candidates(const std::filesystem::path& path, const Candidates& candidates, PairFormat format) {
     const FloatEnvironment environment;
     write_list(path, view(candidates), format);
 }

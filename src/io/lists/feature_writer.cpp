@@ -69,8 +69,8 @@ FeatureWriter::FeatureWriter(FeatureWriter&&) noexcept = default;
 FeatureWriter& FeatureWriter::operator=(FeatureWriter&&) noexcept = default;
 
 void FeatureWriter::add(const Impacts& block) { implementation_->add(block, ListKind::impacts); }
-void FeatureWriter::add(const Nearby& block) { implementation_->add(block, ListKind::near); }
-void FeatureWriter::add(const CandidateLists& block) { implementation_->add(block, ListKind::candidates); }
+void FeatureWriter::add(const Proximities& block) { implementation_->add(block, ListKind::near); }
+void FeatureWriter::add(const Candidates& block) { implementation_->add(block, ListKind::candidates); }
 
 void FeatureWriter::commit() {
     Implementation& to = *implementation_;

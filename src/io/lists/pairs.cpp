@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t most_points = 6;
 
-void add_txt(Sink& sink, const Collisions& collisions) {
+void add_txt(Sink& sink, const Intersections& collisions) {
     for (std::size_t i = 0; i < collisions.pairs.size(); ++i) {
         sink << collisions.pairs[i].a << ' ' << collisions.pairs[i].b;
         if (has_contacts(collisions)) {
@@ -37,7 +37,7 @@ void begin_csv(Sink& sink, bool contacts) {
     sink << '\n';
 }
 
-void add_csv(Sink& sink, const Collisions& collisions) {
+void add_csv(Sink& sink, const Intersections& collisions) {
     for (std::size_t i = 0; i < collisions.pairs.size(); ++i) {
         sink << collisions.pairs[i].a << ',' << collisions.pairs[i].b;
         if (has_contacts(collisions)) {
@@ -52,7 +52,7 @@ void add_csv(Sink& sink, const Collisions& collisions) {
     }
 }
 
-void validate(const Collisions& collisions) {
+void validate(const Intersections& collisions) {
     if (!has_contacts(collisions)) return;
     const Contacts& contacts = collisions.contacts;
     const std::size_t pairs = collisions.pairs.size();
@@ -66,7 +66,7 @@ void validate(const Collisions& collisions) {
     if (!consistent) throw Error(ErrorCode::invalid_argument, "the contacts are not those of the pairs");
 }
 
-void write(std::ostream& out, const Collisions& collisions, PairFormat format) {
+void write(std::ostream& out, const Intersections& collisions, PairFormat format) {
     switch (format) {
         case PairFormat::json:
             return write_pairs_json(out, collisions);
@@ -94,14 +94,14 @@ PairFormat pair_format_of(std::string_view extension) {
     return PairFormat::automatic;
 }
 
-void write_pairs(std::ostream& out, const Collisions& collisions, PairFormat format) {
+void write_pairs(std::ostream& out, const Intersections& collisions, PairFormat format) {
     const FloatEnvironment environment;
     validate(collisions);
     write(out, collisions, format);
     if (!out.flush()) throw Error(ErrorCode::file, "cannot write pairs to the stream");
 }
 
-void write_pairs(const std::filesystem::path& path, const Collisions& collisions, PairFormat format) {
+void write_pairs(const std::filesystem::path& path, const Intersections& collisions, PairFormat format) {
     const FloatEnvironment environment;
     if (format == PairFormat::automatic) format = pair_format_of(extension_of(path));
     if (format == PairFormat::automatic) {
@@ -120,7 +120,7 @@ void write_heading_of_pairs(std::ostream& out, bool contacts, PairFormat format)
     if (format == PairFormat::csv) begin_csv(sink, contacts);
 }
 
-void write_rows_of_pairs(std::ostream& out, const Collisions& block, PairFormat format) {
+void write_rows_of_pairs(std::ostream& out, const Intersections& block, PairFormat format) {
     const FloatEnvironment environment;
     Sink sink(out);
     format == PairFormat::csv ? add_csv(sink, block) : add_txt(sink, block);
@@ -156,7 +156,7 @@ PairWriter::~PairWriter() = default;
 PairWriter::PairWriter(PairWriter&&) noexcept = default;
 PairWriter& PairWriter::operator=(PairWriter&&) noexcept = default;
 
-void PairWriter::add(const Collisions& block) {
+void PairWriter::add(const Intersections& block) {
     const FloatEnvironment environment;
     Implementation& to = *implementation_;
     validate(block);

@@ -9,22 +9,22 @@
 #include <string_view>
 #include <utility>
 
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 #include "crumple/io.h"
 
 namespace crumple::io {
 
 /// .txt and .csv in pieces that somebody else puts one behind the other: what stands before the rows, and rows.
 void write_heading_of_pairs(std::ostream& out, bool contacts, PairFormat format);
-void write_rows_of_pairs(std::ostream& out, const Collisions& block, PairFormat format);
+void write_rows_of_pairs(std::ostream& out, const Intersections& block, PairFormat format);
 
 inline std::string_view name_of(ContactKind kind) {
     return kind == ContactKind::point ? "point" : kind == ContactKind::segment ? "segment" : "area";
 }
 
-inline bool has_contacts(const Collisions& collisions) { return !collisions.contacts.offsets.empty(); }
+inline bool has_contacts(const Intersections& collisions) { return !collisions.contacts.offsets.empty(); }
 
-inline std::span<const std::array<double, 3>> points_of_pair(const Collisions& collisions, std::size_t pair) {
+inline std::span<const std::array<double, 3>> points_of_pair(const Intersections& collisions, std::size_t pair) {
     const Contacts& contacts = collisions.contacts;
     return contacts.points.span().subspan(
         static_cast<std::size_t>(contacts.offsets[pair]),

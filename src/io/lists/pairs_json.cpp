@@ -8,7 +8,7 @@
 
 namespace crumple::io {
 
-void write_pairs_json(std::ostream& out, const Collisions& collisions) {
+void write_pairs_json(std::ostream& out, const Intersections& collisions) {
     Sink sink(out);
     sink << "{\n\"pairs\": ";
     write_json_array(sink, collisions.pairs.size(), [&](std::size_t i) {

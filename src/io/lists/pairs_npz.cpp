@@ -6,7 +6,7 @@
 
 namespace crumple::io {
 
-void write_pairs_npz(std::ostream& out, const Collisions& collisions) {
+void write_pairs_npz(std::ostream& out, const Intersections& collisions) {
     NpzWriter archive;
     archive.add<std::int32_t>("pairs", collisions.pairs.data(), collisions.pairs.size(), 2);
     archive.add<std::int64_t>("offsets", collisions.offsets.data(), collisions.offsets.size());

@@ -46,11 +46,11 @@ Array<std::uint8_t> hit_polygons(const TriangleMesh& mesh, const Array<std::uint
 
 }  // namespace
 
-Collisions by_polygon(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
+Intersections by_polygon(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions) {
     const FloatEnvironment environment;
     check(mesh, collisions.hit);
     if (second) check(*second, collisions.hit_second);
-    Collisions result;
+    Intersections result;
     result.pairs.reserve(collisions.pairs.size());
     for (const Pair& pair : collisions.pairs)
         result.pairs.push_back({polygon_of(mesh, pair.a), polygon_of(second ? *second : mesh, pair.b)});

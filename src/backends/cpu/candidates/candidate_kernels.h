@@ -66,7 +66,7 @@ struct CandidateKernels {
     /// Of candidates [begin, end): writes the pairs of features that overlap for certain and are not incident behind
     /// the ends of their lists, which it moves, and lists candidates with features of which that is not certain;
     /// returns how many. `record`: by physical row. Writes up to one more hit, and up to eight more pairs of a kind.
-    std::size_t (*find)(const CandidateRecord* record, const Candidates& candidates, std::int64_t begin,
+    std::size_t (*find)(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin,
                         std::int64_t end, const Rounds& rounds, PairEnds& next, UnsureHit* unsure);
 };
 

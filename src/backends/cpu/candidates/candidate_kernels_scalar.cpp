@@ -17,7 +17,7 @@ float gap(const CandidateRecord& a, int lane_a, const CandidateRecord& b, int la
     return most;
 }
 
-std::size_t find(const CandidateRecord* record, const Candidates& candidates, std::int64_t begin, std::int64_t end,
+std::size_t find(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin, std::int64_t end,
                  const Rounds& rounds, PairEnds& next, UnsureHit* unsure) {
     const CandidateRecord* rows = record + candidates.rows;
     const CandidateRecord* columns = record + candidates.columns;

@@ -76,8 +76,9 @@ HWY_INLINE std::size_t shared_corners(const CandidateRecord& a, const CandidateR
 
 // `known`: how many rounds there are, or 0.
 template <int known>
-HWY_INLINE std::size_t find_in_rounds(const CandidateRecord* record, const Candidates& candidates, std::int64_t begin,
-                                      std::int64_t end, const Rounds& rounds, PairEnds& ends, UnsureHit* unsure) {
+HWY_INLINE std::size_t find_in_rounds(const CandidateRecord* record, const CandidateChunk& candidates,
+                                      std::int64_t begin, std::int64_t end, const Rounds& rounds, PairEnds& ends,
+                                      UnsureHit* unsure) {
     const D d;
     const auto zero = hn::Zero(d);
     const CandidateRecord* rows = record + candidates.rows;
@@ -150,7 +151,7 @@ struct Impacts {
 
 // First the tests, then the writing: what overlaps cannot be foreseen, and a branch for each candidate, or for each
 // pair, costs more than both.
-std::size_t find_impacts(const CandidateRecord* record, const Candidates& candidates, std::int64_t begin,
+std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin,
                          std::int64_t end, const Rounds& rounds, PairEnds& ends, UnsureHit* unsure) {
     static const Impacts impacts;
     const hn::FixedTag<float, 16> d;
@@ -227,7 +228,7 @@ std::size_t find_impacts(const CandidateRecord* record, const Candidates& candid
 
 #endif
 
-std::size_t find(const CandidateRecord* record, const Candidates& candidates, std::int64_t begin, std::int64_t end,
+std::size_t find(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin, std::int64_t end,
                  const Rounds& rounds, PairEnds& next, UnsureHit* unsure) {
 #if HWY_TARGET <= HWY_AVX3
     if (rounds.of_impacts) return find_impacts(record, candidates, begin, end, rounds, next, unsure);

@@ -47,7 +47,7 @@ CandidateLeaves::CandidateLeaves(MemoryMeter* meter, int workers, const Candidat
     }
 }
 
-void CandidateLeaves::ask(const CandidateQuery& query) {
+void CandidateLeaves::ask(const CandidateRequest& query) {
     query_ = &query;
     share_ = {};
     rounds_ = Rounds(query.wanted);
@@ -122,7 +122,7 @@ void CandidateLeaves::build(const BuildInput& input, LeafMembers& members, std::
     LeafBounds& bounds = members.bounds;
     bounds = {};
     // Members lie anywhere in memory: what is read of them is fetched ahead, and further ahead what names it.
-    const Scene& scene = call_->scene;
+    const PreparedScene& scene = call_->scene;
     const auto fetch = [](const VertexReader& reader, std::int64_t vertex) {
         __builtin_prefetch(reader.data + vertex * reader.row_stride);
     };
@@ -180,9 +180,9 @@ void CandidateLeaves::sweep(const SortedLeaf& leaf, const Ownership& ownership, 
 
 // Candidates that are another leaf's, or not wanted, become padding.
 void CandidateLeaves::drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const {
-    const Scene& scene = call_->scene;
+    const PreparedScene& scene = call_->scene;
     const GroupRule& rule = call_->rule;
-    Candidates& candidates = worker.candidates;
+    CandidateChunk& candidates = worker.candidates;
     for (std::int64_t k = 0; k < candidates.count; ++k) {
         if (candidates.column[k] == candidates.dummy) continue;
         const std::int64_t row = candidates.rows + candidates.row[k],
@@ -197,7 +197,7 @@ void CandidateLeaves::drop_foreign(const SortedLeaf& leaf, const Ownership& owne
 // Pairs are written behind the end of their lists, in which there is room for what a batch finds at most.
 void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
     constexpr std::size_t most[candidate_kinds] = {6, 9, 6, 1, 18, 9};
-    const Candidates& candidates = worker.candidates;
+    const CandidateChunk& candidates = worker.candidates;
     const CandidateRecord* record = builder.sorted.data();
     worker.unsure.resize_discard(batch + 1);
     for (std::int64_t begin = 0; begin < candidates.count; begin += batch) {

@@ -13,7 +13,7 @@
 #include "backends/cpu/pair_range.h"
 #include "filters/candidates/box_test.h"
 #include "geometry/normaliser.h"
-#include "queries/candidate_query.h"
+#include "queries/candidate_request.h"
 
 namespace crumple::cpu {
 
@@ -36,7 +36,7 @@ class CandidateLeaves final : public LeafQuestion {
     CandidateLeaves(MemoryMeter* meter, int workers, const CandidateKernels& kernels);
 
     /// What is asked, from begin() on.
-    void ask(const CandidateQuery& query);
+    void ask(const CandidateRequest& query);
     /// Of which only a share is wanted at a time; until the next ask().
     void ask_for(const CandidateShare& share) { share_ = share; }
 
@@ -64,7 +64,7 @@ class CandidateLeaves final : public LeafQuestion {
         explicit Worker(MemoryMeter* m);
         Array<CandidateRecord> built;   ///< in the order of LeafMembers
         Array<CandidateRecord> sorted;  ///< by physical row
-        Candidates candidates;
+        CandidateChunk candidates;
         Array<UnsureHit> unsure;  ///< of a batch
         CandidateHits found;
         Statistics statistics;
@@ -87,7 +87,7 @@ class CandidateLeaves final : public LeafQuestion {
     std::array<std::vector<const Array<Pair>*>, candidate_kinds> found_;
     // Of the call:
     const Call* call_ = nullptr;
-    const CandidateQuery* query_ = nullptr;
+    const CandidateRequest* query_ = nullptr;
     CandidateShare share_;
     Normaliser normaliser_;
     Rounds rounds_;

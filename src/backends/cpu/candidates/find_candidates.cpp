@@ -10,7 +10,7 @@ namespace crumple::cpu {
 namespace {
 
 // Pairs of features that one triangle owns: two vertices, or a vertex and the edge across.
-void search_within(const Call& call, const CandidateQuery& query, CandidateLeaves& leaves) {
+void search_within(const Call& call, const CandidateRequest& query, CandidateLeaves& leaves) {
     if (!query.wants(CandidateKind::vertex_vertex) && !query.wants(CandidateKind::vertex_edge)) return;
     const std::int64_t n = call.scene.triangle_count();
     if (call.frugal) return leaves.search_within(0, n, 0);
@@ -23,16 +23,16 @@ void search_within(const Call& call, const CandidateQuery& query, CandidateLeave
 
 }  // namespace
 
-Inflation inflation_of(const Scene& scene, const CandidateQuery& query) {
+Inflation inflation_of(const PreparedScene& scene, const CandidateRequest& query) {
     return inflation_of_candidates(Normaliser(scene.low, scene.high), query.inflation);
 }
 
-void search_candidates(const Call& call, const CandidateQuery& query, CandidateLeaves& leaves) {
+void search_candidates(const Call& call, const CandidateRequest& query, CandidateLeaves& leaves) {
     search(call);
     search_within(call, query, leaves);
 }
 
-void sort_candidates(const Call& call, const CandidateQuery& query, CandidateKind kind, CandidateBuffers& buffers,
+void sort_candidates(const Call& call, const CandidateRequest& query, CandidateKind kind, CandidateBuffers& buffers,
                      Array<Pair>& pairs) {
     const auto count = [&](FeatureType type) { return static_cast<std::int32_t>(count_of(query.features, type)); };
     const FeatureTypes types = types_of(kind);
@@ -44,7 +44,7 @@ void sort_candidates(const Call& call, const CandidateQuery& query, CandidateKin
                nothing);
 }
 
-void find(const Call& call, const CandidateQuery& query, CandidateBuffers& buffers, CandidateAnswer& answer) {
+void find(const Call& call, const CandidateRequest& query, CandidateBuffers& buffers, CandidateAnswer& answer) {
     buffers.leaves.ask(query);
     measure(call);
     search_candidates(call, query, buffers.leaves);

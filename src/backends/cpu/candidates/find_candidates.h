@@ -21,16 +21,16 @@ struct CandidateBuffers {
 
 /// By how much the boxes of triangles are widened, in the normalised coordinates of the scene: rounded up, and at most
 /// what holds everything.
-Inflation inflation_of(const Scene& scene, const CandidateQuery& query);
+Inflation inflation_of(const PreparedScene& scene, const CandidateRequest& query);
 
 /// From `subdivide` to `narrow`, and pairs of features that one triangle owns. The leaves keep what is found.
-void search_candidates(const Call& call, const CandidateQuery& query, CandidateLeaves& leaves);
+void search_candidates(const Call& call, const CandidateRequest& query, CandidateLeaves& leaves);
 
 /// Stage `output` of one kind.
-void sort_candidates(const Call& call, const CandidateQuery& query, CandidateKind kind, CandidateBuffers& buffers,
+void sort_candidates(const Call& call, const CandidateRequest& query, CandidateKind kind, CandidateBuffers& buffers,
                      Array<Pair>& pairs);
 
 /// All stages; call.question is that of the buffers.
-void find(const Call& call, const CandidateQuery& query, CandidateBuffers& buffers, CandidateAnswer& answer);
+void find(const Call& call, const CandidateRequest& query, CandidateBuffers& buffers, CandidateAnswer& answer);
 
 }  // namespace crumple::cpu

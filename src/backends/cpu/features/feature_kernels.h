@@ -66,7 +66,7 @@ struct FeatureKernels {
 
     /// Lists the candidates that no direction separates by more than `gap`, packed as column << 16 | row; returns how
     /// many. `record`: by physical row. Writes up to `padding` more.
-    std::size_t (*separate)(const Record* record, const Candidates& candidates, float gap, std::uint32_t* left);
+    std::size_t (*separate)(const Record* record, const CandidateChunk& candidates, float gap, std::uint32_t* left);
 
     /// Lists the tests of pairs. `names`: what vertices are called where two are compared, or null.
     void (*list)(const PairsLeft<moments>& pairs, const std::int32_t* names, ListedTests& vertex_face,

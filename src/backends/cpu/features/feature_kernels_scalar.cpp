@@ -31,7 +31,7 @@ void scatter(const FeatureRecord<moments>* record, std::int64_t n, const std::in
 }
 
 template <int moments>
-std::size_t separate(const FeatureRecord<moments>* record, const Candidates& candidates, float gap,
+std::size_t separate(const FeatureRecord<moments>* record, const CandidateChunk& candidates, float gap,
                      std::uint32_t* left) {
     const FeatureRecord<moments>* rows = record + candidates.rows;
     const FeatureRecord<moments>* columns = record + candidates.columns;

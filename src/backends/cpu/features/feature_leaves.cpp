@@ -75,7 +75,7 @@ FeatureLeaves<moments>::FeatureLeaves(MemoryMeter* meter, int workers, const Fea
 }
 
 template <int moments>
-void FeatureLeaves<moments>::ask(const FeatureQuery& query, float distance, const float* radius) {
+void FeatureLeaves<moments>::ask(const FeatureRequest& query, float distance, const float* radius) {
     query_ = &query;
     distance_ = distance;
     radius_ = radius;
@@ -129,7 +129,7 @@ template <int moments>
 void FeatureLeaves<moments>::sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first,
                                    std::int64_t last, std::size_t builder, std::size_t w) {
     Worker& worker = *worker_[w];
-    Candidates& candidates = worker.candidates;
+    CandidateChunk& candidates = worker.candidates;
     Statistics& statistics = worker.statistics;
     Stopwatch watch;
     const auto asked_to_stop = [&] {
@@ -202,7 +202,7 @@ std::size_t FeatureLeaves<moments>::separate(const Worker& builder, Worker& work
 template <int moments>
 std::size_t FeatureLeaves<moments>::own_pairs(const SortedLeaf& leaf, const Ownership& ownership, std::size_t left,
                                               Worker& worker) const {
-    const Scene& scene = call_->scene;
+    const PreparedScene& scene = call_->scene;
     const GroupRule& rule = call_->rule;
     const auto foreign = [&](std::uint32_t packed) {
         const std::int64_t row = worker.candidates.rows + (packed & 0xffff),

@@ -13,7 +13,7 @@
 #include "backends/cpu/pair_range.h"
 #include "backends/cpu/stages/sweep.h"
 #include "backends/decide_features.h"
-#include "queries/feature_query.h"
+#include "queries/feature_request.h"
 
 namespace crumple::cpu {
 
@@ -38,8 +38,8 @@ class FeatureLeaves final : public LeafQuestion {
     FeatureLeaves(MemoryMeter* meter, int workers, const FeatureTables& kernels);
 
     /// What is asked, from begin() on. `distance`: what is asked for in normalised coordinates, rounded up; `radius`:
-    /// the same of FeatureQuery::radii, one a vertex, or null.
-    void ask(const FeatureQuery& query, float distance, const float* radius);
+    /// the same of FeatureRequest::radii, one a vertex, or null.
+    void ask(const FeatureRequest& query, float distance, const float* radius);
     /// Of which only a share is wanted at a time; until the next ask().
     void ask_for(const FeatureShare& share) { share_ = share; }
 
@@ -78,7 +78,7 @@ class FeatureLeaves final : public LeafQuestion {
         Array<Record> sorted;  ///< by physical row
         float reach = 0;       ///< the leaf's largest |coordinate|
         float farthest = 0;    ///< what is asked of any pair in the leaf
-        Candidates candidates;
+        CandidateChunk candidates;
         Array<std::uint32_t> left;                   ///< candidates that no direction separates, packed
         Array<float> distance;                       ///< of each test, where vertices have radii
         std::array<Array<std::uint32_t>, 2> listed;  ///< see ListedTests
@@ -109,7 +109,7 @@ class FeatureLeaves final : public LeafQuestion {
     std::array<std::vector<const Array<FeatureHit>*>, feature_kinds> found_;
     // Of the call:
     const Call* call_ = nullptr;
-    const FeatureQuery* query_ = nullptr;
+    const FeatureRequest* query_ = nullptr;
     FeatureShare share_;
     float distance_ = 0;
     const float* radius_ = nullptr;

@@ -73,7 +73,7 @@ FirstImpact first_of(std::span<const Array<FeatureHit>* const> found, FeatureKin
 }
 
 template <int moments>
-void find(const Call& call, const FeatureQuery& query, FeatureLeaves<moments>& leaves, FeatureBuffers& buffers,
+void find(const Call& call, const FeatureRequest& query, FeatureLeaves<moments>& leaves, FeatureBuffers& buffers,
           FeatureAnswer& answer) {
     measure(call);
     search(call);
@@ -93,11 +93,11 @@ void find(const Call& call, const FeatureQuery& query, FeatureLeaves<moments>& l
 
 }  // namespace
 
-Inflation inflation_of(const Scene& scene, const FeatureQuery& query) {
+Inflation inflation_of(const PreparedScene& scene, const FeatureRequest& query) {
     return crumple::inflation_of(Normaliser(scene.low, scene.high), query.distance, query.share);
 }
 
-Inflation inflation_of_radii(const Scene& scene, std::span<const double> radii, Workers& workers,
+Inflation inflation_of_radii(const PreparedScene& scene, std::span<const double> radii, Workers& workers,
                              FeatureBuffers& buffers) {
     const Normaliser normaliser(scene.low, scene.high);
     Array<float>&vertex = buffers.vertex_radius, &triangle = buffers.triangle_radius;
@@ -124,7 +124,7 @@ void sort_hits(std::span<const Array<FeatureHit>* const> found, IdRange firsts, 
         found, firsts, workers, buffers, [](std::size_t) {}, [](std::int64_t, std::int64_t) {});
 }
 
-void find(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, FeatureAnswer& answer) {
+void find(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureAnswer& answer) {
     with_leaves(call, query, buffers, [&](auto& leaves) { find(call, query, leaves, buffers, answer); });
 }
 

@@ -20,22 +20,22 @@ struct FeatureBuffers {
           placed(m) {}
     FeatureLeaves<1> at_rest;
     FeatureLeaves<2> moving;
-    Array<float> vertex_radius, triangle_radius;  ///< FeatureQuery::radii in normalised coordinates, rounded up
+    Array<float> vertex_radius, triangle_radius;  ///< FeatureRequest::radii in normalised coordinates, rounded up
     // Of `output`:
     Array<std::int64_t> place;  ///< of the rows of each first feature
     Array<FeatureHit> placed;
 };
 
 /// How much `query` asks for in the normalised coordinates of the scene: rounded up, and at most what holds everything.
-Inflation inflation_of(const Scene& scene, const FeatureQuery& query);
+Inflation inflation_of(const PreparedScene& scene, const FeatureRequest& query);
 
 /// The same where each vertex has a radius; of each triangle that is in the buffers, which are to stay.
-Inflation inflation_of_radii(const Scene& scene, std::span<const double> radii, Workers& workers,
+Inflation inflation_of_radii(const PreparedScene& scene, std::span<const double> radii, Workers& workers,
                              FeatureBuffers& buffers);
 
 /// Calls work(leaves) with the scene's, which are told what is asked.
 template <class Work>
-void with_leaves(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, Work work) {
+void with_leaves(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, Work work) {
     const auto ask = [&](auto& leaves) {
         leaves.ask(query, 2 * call.inflation.half, query.radii.empty() ? nullptr : buffers.vertex_radius.data());
         work(leaves);
@@ -51,6 +51,6 @@ void sort_hits(std::span<const Array<FeatureHit>* const> found, IdRange firsts, 
                FeatureBuffers& buffers);
 
 /// All stages; call.question is one of the buffers', as the scene moves.
-void find(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, FeatureAnswer& answer);
+void find(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureAnswer& answer);
 
 }  // namespace crumple::cpu

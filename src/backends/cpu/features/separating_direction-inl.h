@@ -163,7 +163,7 @@ HWY_INLINE M separates_centroids(const Records<V, moments>& a, const Records<V, 
 }
 
 template <int moments>
-std::size_t separate(const FeatureRecord<moments>* record, const Candidates& candidates, float gap,
+std::size_t separate(const FeatureRecord<moments>* record, const CandidateChunk& candidates, float gap,
                      std::uint32_t* left) {
     const hn::ScalableTag<float> d;
     const hn::RebindToUnsigned<decltype(d)> du;

@@ -62,12 +62,12 @@ void stream_in_order(const SceneFeatures& features, const std::vector<Kind>& kin
 }
 
 // Kinds of which there may be pairs, in the order of the answer.
-std::vector<FeatureKind> kinds_of(const FeatureQuery& query) {
+std::vector<FeatureKind> kinds_of(const FeatureRequest& query) {
     using enum FeatureKind;
     if (query.features.carriers() == 0) return {vertex_face, edge_edge};
     return {vertex_face, edge_edge, vertex_edge, vertex_vertex};
 }
-std::vector<CandidateKind> kinds_of(const CandidateQuery& query) {
+std::vector<CandidateKind> kinds_of(const CandidateRequest& query) {
     std::vector<CandidateKind> kinds;
     for (std::size_t k = 0; k < candidate_kinds; ++k)
         if (query.wanted[k]) kinds.push_back(static_cast<CandidateKind>(k));
@@ -103,7 +103,7 @@ void stream_as_found(const Call& call, Leaves& leaves, Sink sink, Search search)
 
 }  // namespace
 
-void stream_in_order(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, std::int64_t most,
+void stream_in_order(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, std::int64_t most,
                      FeatureSink sink) {
     with_leaves(call, query, buffers, [&](auto& leaves) {
         Found found{most};
@@ -126,10 +126,10 @@ void stream_in_order(const Call& call, const FeatureQuery& query, FeatureBuffers
     });
 }
 
-void stream_in_order(const Call& call, const CandidateQuery& query, CandidateBuffers& buffers, std::int64_t most,
+void stream_in_order(const Call& call, const CandidateRequest& query, CandidateBuffers& buffers, std::int64_t most,
                      CandidateSink sink) {
     CandidateLeaves& leaves = buffers.leaves;
-    CandidateQuery asked = query;
+    CandidateRequest asked = query;
     Found found{most};
     const auto told = [&](CandidateHits&, std::size_t more) { found.add(more); };
     const CandidateHitSink counted = told;
@@ -152,13 +152,13 @@ void stream_in_order(const Call& call, const CandidateQuery& query, CandidateBuf
     stream_in_order(query.features, kinds_of(query), most, search_share, hand_over);
 }
 
-void stream_as_found(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, FeatureSink sink) {
+void stream_as_found(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureSink sink) {
     with_leaves(call, query, buffers, [&](auto& leaves) {
         stream_as_found<FeatureKind, FeatureHits, HitSink, FeatureShare>(call, leaves, sink, [&] { search(call); });
     });
 }
 
-void stream_as_found(const Call& call, const CandidateQuery& query, CandidateBuffers& buffers, CandidateSink sink) {
+void stream_as_found(const Call& call, const CandidateRequest& query, CandidateBuffers& buffers, CandidateSink sink) {
     buffers.leaves.ask(query);
     stream_as_found<CandidateKind, CandidateHits, CandidateHitSink, CandidateShare>(
         call, buffers.leaves, sink, [&] { search_candidates(call, query, buffers.leaves); });

@@ -14,13 +14,13 @@
 namespace crumple::cpu {
 
 /// In pieces of at most `most` rows. call.question is one of the buffers'.
-void stream_in_order(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, std::int64_t most,
+void stream_in_order(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, std::int64_t most,
                      FeatureSink sink);
-void stream_in_order(const Call& call, const CandidateQuery& query, CandidateBuffers& buffers, std::int64_t most,
+void stream_in_order(const Call& call, const CandidateRequest& query, CandidateBuffers& buffers, std::int64_t most,
                      CandidateSink sink);
 
 /// In any order, by each worker.
-void stream_as_found(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, FeatureSink sink);
-void stream_as_found(const Call& call, const CandidateQuery& query, CandidateBuffers& buffers, CandidateSink sink);
+void stream_as_found(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureSink sink);
+void stream_as_found(const Call& call, const CandidateRequest& query, CandidateBuffers& buffers, CandidateSink sink);
 
 }  // namespace crumple::cpu

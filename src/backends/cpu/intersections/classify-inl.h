@@ -92,7 +92,7 @@ inline void write_codes(const PlaneSigns& signs, std::int64_t count, const Narro
 }
 
 /// Packs the candidates that are not apart; returns their number.
-inline std::size_t pack_survivors(const Candidates& candidates, const std::uint8_t* HWY_RESTRICT code,
+inline std::size_t pack_survivors(const CandidateChunk& candidates, const std::uint8_t* HWY_RESTRICT code,
                                   std::uint32_t* HWY_RESTRICT survivor, std::uint32_t* HWY_RESTRICT survivor_code) {
     const hn::ScalableTag<std::uint32_t> d;
     const hn::Rebind<std::uint16_t, decltype(d)> d16;
@@ -144,7 +144,7 @@ inline void sort_survivors(std::size_t count, std::uint16_t dummy, Verdicts& out
     out.undecided.resize(open_count);
 }
 
-inline void classify(const Candidates& candidates, const NarrowPolicy& policy, Verdicts& out) {
+inline void classify(const CandidateChunk& candidates, const NarrowPolicy& policy, Verdicts& out) {
     const auto count = static_cast<std::size_t>(candidates.count);
     out.code.resize_discard(count + 2 * padding);
     out.survivor.resize_discard(count + padding);

@@ -23,7 +23,7 @@ namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
 /// Appends to out.hit and out.undecided. `reach`: the leaf's largest coordinate.
-inline void edge_test(const Record* record, const Candidates& candidates, float reach, bool proper, Verdicts& out) {
+inline void edge_test(const Record* record, const CandidateChunk& candidates, float reach, bool proper, Verdicts& out) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
     const hn::RebindToUnsigned<decltype(d)> du;

@@ -12,7 +12,7 @@ void search_pairs(const IntersectCall& call) {
     search(call);
 }
 
-void write_result(const IntersectCall& call, Collisions& result) {
+void write_result(const IntersectCall& call, Intersections& result) {
     const auto found = call.leaves.found();
     const Copies& copies = call.leaves.copies();
     Stopwatch watch;
@@ -25,11 +25,11 @@ void write_result(const IntersectCall& call, Collisions& result) {
     call.statistics[Stage::output] += watch.lap();
 }
 
-void write_contacts(const IntersectCall& call, Collisions& result) {
+void write_contacts(const IntersectCall& call, Intersections& result) {
     result.contacts.kinds.clear();
     result.contacts.offsets.clear();
     result.contacts.points.clear();
-    if (!call.query.contacts) return;
+    if (!call.query.contacts()) return;
     constexpr std::size_t batch = 256;
     call.statistics.rational_contacts += contacts_of_pairs(call.scene, result, [&](std::size_t n, auto task) {
         call.workers.parallel_for((n + batch - 1) / batch, [&](std::size_t b, std::size_t) {
@@ -38,7 +38,7 @@ void write_contacts(const IntersectCall& call, Collisions& result) {
     });
 }
 
-void find(const IntersectCall& call, Collisions& result) {
+void find(const IntersectCall& call, Intersections& result) {
     measure(call);
     search_pairs(call);
     write_result(call, result);

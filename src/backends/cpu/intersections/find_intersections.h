@@ -11,7 +11,7 @@ namespace crumple::cpu {
 
 /// What is asked, and where the pairs go.
 struct IntersectCall : Call {
-    const Query& query;
+    const IntersectionQuery& query;
     IntersectLeaves& leaves;  ///< the same as `question`
     OutputScratch& output;
 
@@ -23,13 +23,13 @@ struct IntersectCall : Call {
 void search_pairs(const IntersectCall& call);
 
 /// Stage `output`: the result from the pairs that the workers hold.
-void write_result(const IntersectCall& call, Collisions& result);
+void write_result(const IntersectCall& call, Intersections& result);
 
 /// What belongs to the pairs of `result`: where they meet, if that is asked for.
-void write_contacts(const IntersectCall& call, Collisions& result);
+void write_contacts(const IntersectCall& call, Intersections& result);
 
 /// All stages.
-void find(const IntersectCall& call, Collisions& result);
+void find(const IntersectCall& call, Intersections& result);
 
 /// Whether there is any pair; ends at the first.
 bool any(IntersectCall call);

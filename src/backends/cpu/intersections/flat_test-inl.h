@@ -22,7 +22,7 @@ namespace HWY_NAMESPACE {
 /// Appends to out.undecided. Corners come from triangles_of(record of each lane); each coordinate of a difference of
 /// two errs by at most `difference_error` beyond its own rounding.
 template <class TrianglesOf>
-HWY_INLINE void flat_test_with(const Record* record, const Candidates& candidates, float difference_error,
+HWY_INLINE void flat_test_with(const Record* record, const CandidateChunk& candidates, float difference_error,
                                TrianglesOf triangles_of, Verdicts& out) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
@@ -106,7 +106,7 @@ HWY_INLINE void flat_test_with(const Record* record, const Candidates& candidate
 }
 
 /// `reach`: the leaf's largest coordinate.
-inline void flat_test(const Record* record, const Candidates& candidates, const PointRows& points, float reach,
+inline void flat_test(const Record* record, const CandidateChunk& candidates, const PointRows& points, float reach,
                       Verdicts& out) {
     with_triangles(points, reach, [&](float difference_error, auto triangles_of) {
         flat_test_with(record, candidates, difference_error, triangles_of, out);

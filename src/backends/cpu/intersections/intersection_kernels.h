@@ -10,7 +10,7 @@
 
 #include "backends/cpu/intersections/verdicts.h"
 #include "backends/cpu/stages/layout.h"
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 #include "crumple/options.h"
 #include "filters/intersection/plane_filter.h"
 
@@ -27,7 +27,7 @@ struct IntersectKernels {
     void (*scatter)(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted);
 
     /// Filters: sorts each candidate into hit, undecided or (silently) apart. `record`: by physical row.
-    void (*filter)(const Record* record, const Candidates& candidates, const PointRows& points,
+    void (*filter)(const Record* record, const CandidateChunk& candidates, const PointRows& points,
                    const NarrowPolicy& policy, float reach, Verdicts& verdicts);
 
     /// The triangles of packed pairs (column << 16 | row), lower id first. Reads and writes up to `padding` more.

@@ -30,7 +30,7 @@ void scatter(const Record* record, std::int64_t n, const std::int32_t* position,
     }
 }
 
-void filter(const Record* record, const Candidates& candidates, const PointRows& points, const NarrowPolicy& policy,
+void filter(const Record* record, const CandidateChunk& candidates, const PointRows& points, const NarrowPolicy& policy,
             float reach, Verdicts& verdicts) {
     verdicts.hit.resize_discard(static_cast<std::size_t>(candidates.count));
     verdicts.undecided.resize_discard(static_cast<std::size_t>(candidates.count));

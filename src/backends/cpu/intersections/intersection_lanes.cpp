@@ -27,7 +27,7 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
-inline void filter(const Record* record, const Candidates& candidates, const PointRows& points,
+inline void filter(const Record* record, const CandidateChunk& candidates, const PointRows& points,
                    const NarrowPolicy& policy, float reach, Verdicts& verdicts) {
     verdicts.signs.resize(candidates.count);
     plane_filter(record, candidates, verdicts.signs);

@@ -20,7 +20,7 @@ class IntersectLeaves final : public LeafQuestion {
 
     /// What is asked, and where pairs go, from begin() on; what is pointed to has to stay.
     struct Asked {
-        const Query* query = nullptr;
+        const IntersectionQuery* query = nullptr;
         const PairSink* sink = nullptr;       ///< see NarrowContext
         std::atomic<bool>* enough = nullptr;  ///< see NarrowContext
     };

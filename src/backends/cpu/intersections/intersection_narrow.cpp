@@ -10,7 +10,7 @@ namespace {
 
 // Turns one chunk's verdicts into pairs.
 void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, NarrowScratch& scratch) {
-    const Candidates& candidates = scratch.candidates;
+    const CandidateChunk& candidates = scratch.candidates;
     const auto ours = [&](std::int64_t row, std::int64_t column) {
         const std::int32_t a = leaf.link[row].triangle, b = leaf.link[column].triangle;
         if (!ownership.complete() && !ownership.owns(a, leaf.member[row], b, leaf.member[column])) return false;
@@ -36,8 +36,8 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
         const std::int64_t row = candidates.rows + (packed & 0xffff), column = candidates.columns + (packed >> 16);
         if (check && !ours(row, column)) continue;
         const std::int32_t a = leaf.link[row].triangle, b = leaf.link[column].triangle;
-        if (collide(context.scene.triangle(a), context.scene.triangle(b), context.query.neighbours,
-                    context.query.intersections, counts))
+        if (collide(context.scene.triangle(a), context.scene.triangle(b), context.query.neighbours, context.query.kind,
+                    counts))
             *next++ = {std::min(a, b), std::max(a, b)};
     }
     scratch.pairs.resize(static_cast<std::size_t>(next - scratch.pairs.data()));
@@ -50,9 +50,9 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
 
 void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const LeafRecords& records,
                       const Ownership& ownership, std::int64_t first, std::int64_t last, NarrowScratch& scratch) {
-    const NarrowPolicy policy = policy_of(context.query.neighbours, context.query.intersections);
+    const NarrowPolicy policy = policy_of(context.query.neighbours, context.query.kind);
     Statistics& statistics = scratch.statistics;
-    Candidates& candidates = scratch.candidates;
+    CandidateChunk& candidates = scratch.candidates;
     Stopwatch watch;
     const auto stop = [&] {
         watch.lap();

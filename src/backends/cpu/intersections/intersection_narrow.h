@@ -9,8 +9,8 @@
 #include "backends/cpu/stages/ownership.h"
 #include "backends/cpu/stages/sweep.h"
 #include "base/cancellation.h"
-#include "crumple/collisions.h"
 #include "crumple/function_ref.h"
+#include "crumple/intersections.h"
 #include "exact/intersection/decide_intersection.h"
 #include "scene/rules.h"
 
@@ -22,8 +22,8 @@ using PairSink = FunctionRef<void(Array<Pair>& pairs, std::size_t before)>;
 
 /// What narrow needs to know about the call.
 struct NarrowContext {
-    const Scene& scene;
-    const Query& query;
+    const PreparedScene& scene;
+    const IntersectionQuery& query;
     const GroupRule& rule;
     const StageKernels& stages;
     const IntersectKernels& kernels;
@@ -42,7 +42,7 @@ struct NarrowContext {
 /// Scratch and findings of one worker.
 struct NarrowScratch {
     explicit NarrowScratch(MemoryMeter* m) : candidates(m), verdicts(m), pairs(m) {}
-    Candidates candidates;
+    CandidateChunk candidates;
     Verdicts verdicts;
     Array<Pair> pairs;      ///< joint numbering, lower id first
     Statistics statistics;  ///< counts and times of sweep and narrow

@@ -24,7 +24,7 @@ void for_each_pair(IntersectCall call, Visit visit) {
 
 }  // namespace
 
-void find_in_chunks(IntersectCall call, Collisions& result) {
+void find_in_chunks(IntersectCall call, Intersections& result) {
     PairBudget budget(call.scene, call.query, call.meter);
     const Copies& copies = call.leaves.copies();
     const auto n = static_cast<std::size_t>(call.scene.triangles[0]);

@@ -9,6 +9,6 @@
 namespace crumple::cpu {
 
 /// As find(), in as little memory as may be. Throws MemoryMeter::Exceeded, or ResultExceeds, if that is too much.
-void find_in_chunks(IntersectCall call, Collisions& result);
+void find_in_chunks(IntersectCall call, Intersections& result);
 
 }  // namespace crumple::cpu

@@ -32,7 +32,7 @@ HWY_INLINE void put_nibbles(D d, M mask, std::int64_t pair, std::uint8_t* HWY_RE
     }
 }
 
-inline void plane_filter(const Record* record, const Candidates& candidates, PlaneSigns& out) {
+inline void plane_filter(const Record* record, const CandidateChunk& candidates, PlaneSigns& out) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
     using V = hn::Vec<decltype(d)>;

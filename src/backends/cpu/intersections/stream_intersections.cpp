@@ -37,7 +37,7 @@ void stream_in_order(IntersectCall call, std::int64_t most, BlockSink sink) {
     call.sink = &counted;
     call.enough = &enough;
     call.range = &range;
-    Collisions block = metered(&call.meter);
+    Intersections block = metered(&call.meter);
     const auto answer = [&] {
         pairs = 0;
         enough = false;
@@ -68,17 +68,17 @@ void stream_in_order(IntersectCall call, std::int64_t most, BlockSink sink) {
 
 void stream_as_found(IntersectCall call, std::int64_t most, BlockSink sink) {
     std::atomic<std::int64_t> rational{0};
-    const auto meet = [&](Collisions& block) {
-        if (call.query.contacts) rational += contacts_of_pairs(call.scene, block, one_after_another);
+    const auto meet = [&](Intersections& block) {
+        if (call.query.contacts()) rational += contacts_of_pairs(call.scene, block, one_after_another);
     };
-    FillingBlock<Collisions> filling(most, {[&] { return std::make_unique<Collisions>(metered(&call.meter)); }, meet,
-                                            sink, [](Collisions& block) { block.pairs.clear(); }});
+    FillingBlock<Intersections> filling(most, {[&] { return std::make_unique<Intersections>(metered(&call.meter)); },
+                                               meet, sink, [](Intersections& block) { block.pairs.clear(); }});
     const auto take = [&](Array<Pair>& found, std::size_t) {
         const auto second = static_cast<std::int32_t>(call.scene.between ? call.scene.triangles[0] : 0);
-        FillingBlock<Collisions>::Writer writer(filling);
+        FillingBlock<Intersections>::Writer writer(filling);
         for (const Pair& first : found)
             call.leaves.copies().for_each(first, call.cancellation, [&](Pair pair) {
-                writer.add(1, [&](Collisions& block, std::size_t, std::size_t) {
+                writer.add(1, [&](Intersections& block, std::size_t, std::size_t) {
                     block.pairs.push_back({pair.a, pair.b - second});
                 });
             });

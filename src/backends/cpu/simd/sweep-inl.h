@@ -16,7 +16,7 @@ namespace crumple::cpu {
 namespace HWY_NAMESPACE {
 
 inline std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t last, std::int64_t block_end,
-                          std::uint16_t dummy, std::int64_t capacity, Candidates& out) {
+                          std::uint16_t dummy, std::int64_t capacity, CandidateChunk& out) {
     const Columns d;
     constexpr auto lanes = static_cast<std::int64_t>(hn::MaxLanes(Columns()));
     const BoxColumns boxes{leaf.low_y.data(), leaf.high_y.data(), leaf.low_z.data(), leaf.high_z.data(),

@@ -13,7 +13,7 @@ constexpr std::int64_t chunk = 2048;
 std::size_t chunks(std::int64_t n) { return static_cast<std::size_t>((n + chunk - 1) / chunk); }
 
 template <class T>
-void normalise(const Scene& scene, Workers& workers, Array<T>& points) {
+void normalise(const PreparedScene& scene, Workers& workers, Array<T>& points) {
     const Normaliser normaliser(scene.low, scene.high);
     const std::int64_t n = scene.vertex_count(), moments = scene.moving ? 2 : 1;
     points.resize_discard(static_cast<std::size_t>(4 * moments * n + padding));
@@ -31,7 +31,7 @@ void normalise(const Scene& scene, Workers& workers, Array<T>& points) {
 }
 
 // Balls of triangles [begin, end) all the way, each widened by as much as it takes.
-void swept_balls(const Scene& scene, const PointRows& rows, const Inflation& inflation, std::int64_t begin,
+void swept_balls(const PreparedScene& scene, const PointRows& rows, const Inflation& inflation, std::int64_t begin,
                  std::int64_t end, Ball* ball) {
     const std::int64_t ends = scene.moving ? scene.vertex_count() : 0;
     for (std::int64_t t = begin; t < end; ++t) {
@@ -47,8 +47,8 @@ void swept_balls(const Scene& scene, const PointRows& rows, const Inflation& inf
 
 }  // namespace
 
-bool compute_bounds(const Scene& scene, const Inflation& inflation, const StageKernels& kernels, Workers& workers,
-                    Points& points, Array<Ball>& balls) {
+bool compute_bounds(const PreparedScene& scene, const Inflation& inflation, const StageKernels& kernels,
+                    Workers& workers, Points& points, Array<Ball>& balls) {
     PointRows rows;
     if (scene.float32) {
         normalise(scene, workers, points.f);
@@ -72,7 +72,8 @@ bool compute_bounds(const Scene& scene, const Inflation& inflation, const StageK
     return repeats_corner;
 }
 
-void exclude_far(const Scene& scene, Workers& workers, const Array<Ball>& balls, Array<std::uint8_t>& included) {
+void exclude_far(const PreparedScene& scene, Workers& workers, const Array<Ball>& balls,
+                 Array<std::uint8_t>& included) {
     const Normaliser normaliser(scene.low, scene.high);
     // Coordinates are at most 1, so rounding to float32 and the distance below err by less than the margin.
     constexpr float margin = 2e-6f;

@@ -4,7 +4,8 @@
 
 namespace crumple::cpu {
 
-void Copies::find(const Scene& scene, const GroupRule& rule, const Levels& levels, const std::uint8_t* included) {
+void Copies::find(const PreparedScene& scene, const GroupRule& rule, const Levels& levels,
+                  const std::uint8_t* included) {
     next_.clear();
     const auto n = static_cast<std::int32_t>(scene.triangle_count());
     const auto repeats_corner = [&](std::int32_t t) {

@@ -16,11 +16,11 @@
 
 #include "base/cancellation.h"
 #include "crumple/array.h"
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 #include "geometry/position_hash.h"
 #include "partition/levels.h"
+#include "scene/prepared_scene.h"
 #include "scene/rules.h"
-#include "scene/scene.h"
 
 namespace crumple::cpu {
 
@@ -31,7 +31,7 @@ class Copies {
     /// Finds the classes among the triangles t with included[t], or among all if that is null; members of a class also
     /// have the same masks of the levels above the scene. Two passes over the corners, so call it only if some triangle
     /// names a vertex twice; clear() if not.
-    void find(const Scene& scene, const GroupRule& rule, const Levels& levels, const std::uint8_t* included);
+    void find(const PreparedScene& scene, const GroupRule& rule, const Levels& levels, const std::uint8_t* included);
 
     void clear() { next_.clear(); }
     bool empty() const { return next_.empty(); }

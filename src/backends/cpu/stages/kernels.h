@@ -48,7 +48,7 @@ struct StageKernels {
     /// Appends to `out` the candidates of rows [row, last) with columns in [columns, block_end), until at least
     /// `capacity` columns are there; returns the row to go on with. `dummy` is the block's padding column.
     std::int64_t (*sweep)(const SortedLeaf& leaf, std::int64_t row, std::int64_t last, std::int64_t block_end,
-                          std::uint16_t dummy, std::int64_t capacity, Candidates& out);
+                          std::uint16_t dummy, std::int64_t capacity, CandidateChunk& out);
 };
 
 /// The table for an instruction set; throws backend_unavailable if the build or the machine lacks it.

@@ -85,7 +85,7 @@ void split_boxes(const RowBox* box, std::int64_t rows, SortedLeaf& sorted) {
 }
 
 std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t last, std::int64_t block_end,
-                   std::uint16_t dummy, std::int64_t capacity, Candidates& out) {
+                   std::uint16_t dummy, std::int64_t capacity, CandidateChunk& out) {
     out.dummy = dummy;
     std::int64_t count = out.count;
     const auto add = [&](std::int64_t i, std::int64_t column) {

@@ -117,13 +117,13 @@ void for_each_dummy(const SortedLeaf& leaf, Visit visit) {
 
 /// Candidate pairs: row[i] against column[i], as offsets from `rows` and `columns`. Four in a row, from a multiple of
 /// four on, have the same row; gaps are filled with the block's dummy. `count` is a multiple of 16.
-struct Candidates {
+struct CandidateChunk {
     std::int64_t rows = 0, columns = 0;  ///< physical position of row 0 and column 0
     std::int64_t count = 0;
     std::int64_t pairs = 0;   ///< without padding
     std::uint16_t dummy = 0;  ///< the padding column
     Array<std::uint16_t> row, column;
-    explicit Candidates(MemoryMeter* m) : row(m), column(m) {}
+    explicit CandidateChunk(MemoryMeter* m) : row(m), column(m) {}
 };
 
 }  // namespace crumple::cpu

@@ -12,7 +12,7 @@ void LeafMembers::make_room(std::size_t n) {
     boxes.resize(n);
 }
 
-void LeafMembers::gather(const Scene& scene, const Subdivision& s, const Leaf& leaf) {
+void LeafMembers::gather(const PreparedScene& scene, const Subdivision& s, const Leaf& leaf) {
     const auto n = static_cast<std::size_t>(leaf.size);
     make_room(n);
     if (leaf.child < 0)

@@ -4,7 +4,7 @@
 
 #include "backends/cpu/stages/layout.h"
 #include "backends/cpu/stages/subdivide.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::cpu {
 
@@ -24,7 +24,7 @@ struct LeafMembers {
     void make_room(std::size_t n);
 
     /// Lists the leaf's members, by id, and makes room for what the next stages write.
-    void gather(const Scene& scene, const Subdivision& subdivision, const Leaf& leaf);
+    void gather(const PreparedScene& scene, const Subdivision& subdivision, const Leaf& leaf);
 };
 
 }  // namespace crumple::cpu

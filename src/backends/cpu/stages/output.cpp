@@ -3,7 +3,8 @@
 namespace crumple::cpu {
 namespace {
 
-void mark_hits(std::span<const std::span<const Pair>> pieces, bool between, std::int32_t second, Collisions& result) {
+void mark_hits(std::span<const std::span<const Pair>> pieces, bool between, std::int32_t second,
+               Intersections& result) {
     std::uint8_t* first_hit = result.hit.data();
     std::uint8_t* second_hit = between ? result.hit_second.data() : first_hit;
     for (const auto& piece : pieces)
@@ -12,8 +13,8 @@ void mark_hits(std::span<const std::span<const Pair>> pieces, bool between, std:
 
 }  // namespace
 
-void write_output(const Scene& scene, Workers& workers, std::span<const Array<Pair>* const> found,
-                  OutputScratch& scratch, Collisions& result) {
+void write_output(const PreparedScene& scene, Workers& workers, std::span<const Array<Pair>* const> found,
+                  OutputScratch& scratch, Intersections& result) {
     const auto n = static_cast<std::int32_t>(scene.triangles[0]);
     const auto second = static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
     const auto seconds = static_cast<std::int32_t>(scene.between ? scene.triangles[1] : scene.triangles[0]);

@@ -15,14 +15,14 @@
 
 #include "backends/cpu/stages/subdivide.h"
 #include "partition/levels.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::cpu {
 
 class Ownership {
    public:
     /// `above`: levels above the scene.
-    Ownership(const Scene& scene, const Levels& above, const Subdivision& subdivision, const Leaf& leaf)
+    Ownership(const PreparedScene& scene, const Levels& above, const Subdivision& subdivision, const Leaf& leaf)
         : scene_(scene) {
         for (const crumple::Level& level : above) add_level(level.masks, level.cluster, false);
         add_level(subdivision.mask1.data(), leaf.cluster, false);
@@ -112,7 +112,7 @@ class Ownership {
     // The groups of a leaf, if they fit the lanes that are left.
     class FewGroups {
        public:
-        FewGroups(const Scene& scene, const std::int32_t* triangle, std::int64_t n, int lanes) {
+        FewGroups(const PreparedScene& scene, const std::int32_t* triangle, std::int64_t n, int lanes) {
             for (std::int64_t i = 0; i < n; ++i) {
                 const std::int32_t group = scene.group(triangle[i]);
                 if (count_ > 0 && group == ids_[last_]) continue;
@@ -125,7 +125,7 @@ class Ownership {
                 ids_[count_++] = group;
             }
         }
-        std::uint32_t bit(const Scene& scene, std::int32_t triangle) const {
+        std::uint32_t bit(const PreparedScene& scene, std::int32_t triangle) const {
             if (count_ == 0) return 0;
             return std::uint32_t{1} << find(scene.group(triangle));
         }
@@ -138,7 +138,7 @@ class Ownership {
         std::size_t count_ = 0, last_ = 0;
     };
 
-    const Scene& scene_;
+    const PreparedScene& scene_;
     std::array<Level, max_levels + 2> level_;
     std::size_t count_ = 0;
     int clusters_ = 0;  // lower ones of all levels

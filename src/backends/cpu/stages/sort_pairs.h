@@ -10,8 +10,8 @@
 #include <span>
 
 #include "backends/cpu/parallel.h"
-#include "crumple/collisions.h"
 #include "crumple/function_ref.h"
+#include "crumple/intersections.h"
 
 namespace crumple::cpu {
 

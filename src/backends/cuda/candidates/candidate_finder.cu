@@ -7,7 +7,7 @@
 namespace crumple::cuda {
 namespace {
 
-FirstOfCandidates firsts_of(const CandidateQuery& query) {
+FirstOfCandidates firsts_of(const CandidateRequest& query) {
     FirstOfCandidates firsts;
     std::int64_t base = 0;
     for (std::size_t k = 0; k < candidate_kinds; ++k) {
@@ -30,7 +30,7 @@ void CandidateFinder::release() {
     planned_for_ = -1;
 }
 
-void CandidateFinder::bring(std::size_t to, const Scene& scene, const CandidateQuery& query) {
+void CandidateFinder::bring(std::size_t to, const PreparedScene& scene, const CandidateRequest& query) {
     take_slot(to);
     input().bring(scene);
     input().want(query.rule);
@@ -38,7 +38,7 @@ void CandidateFinder::bring(std::size_t to, const Scene& scene, const CandidateQ
     adopt(query, Room::grows);
 }
 
-void CandidateFinder::view(std::size_t to, const Shape& shape, const CandidateQuery& query, Room room) {
+void CandidateFinder::view(std::size_t to, const Shape& shape, const CandidateRequest& query, Room room) {
     take_slot(to);
     features_.bring(query.features, shape.vertices.rows, room);
     input().view(shape, features_.known(), room);
@@ -46,9 +46,9 @@ void CandidateFinder::view(std::size_t to, const Shape& shape, const CandidateQu
     adopt(query, room);
 }
 
-void CandidateFinder::adopt(const CandidateQuery& query, Room room) {
+void CandidateFinder::adopt(const CandidateRequest& query, Room room) {
     CandidateSlot& slot = this->slot();
-    const Scene& scene = input().scene();
+    const PreparedScene& scene = input().scene();
     slot.revision = query.features.revision();
     slot.frugal = query.frugal;
     slot.firsts = firsts_of(query);

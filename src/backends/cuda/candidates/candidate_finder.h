@@ -7,7 +7,7 @@
 #include "backends/cuda/candidates/candidate_pass.h"
 #include "backends/cuda/features/feature_input.h"
 #include "backends/cuda/features/finder.h"
-#include "queries/candidate_query.h"
+#include "queries/candidate_request.h"
 #include "queries/device_answer.h"
 
 namespace crumple::cuda {
@@ -39,8 +39,8 @@ class CandidateFinder : public Finder<CandidateFinder, CandidatePass, CandidateS
                     const std::array<Input*, Flights::slots>& inputs, FeaturesOnDevice& features)
         : Finder(device, geometry, stream, options, meter, cancellation, flights, inputs), features_(features) {}
 
-    void bring(std::size_t slot, const Scene& scene, const CandidateQuery& query);
-    void view(std::size_t slot, const Shape& shape, const CandidateQuery& query, Room room = Room::grows);
+    void bring(std::size_t slot, const PreparedScene& scene, const CandidateRequest& query);
+    void view(std::size_t slot, const Shape& shape, const CandidateRequest& query, Room room = Room::grows);
 
     void copy_to(CandidateAnswer& answer);
     DeviceAnswer show();
@@ -52,7 +52,7 @@ class CandidateFinder : public Finder<CandidateFinder, CandidatePass, CandidateS
     static VertexReader rest() { return {}; }
     static Extent extent() { return Extent::all; }
     static bool all_kinds() { return false; }
-    void adopt(const CandidateQuery& query, Room room);
+    void adopt(const CandidateRequest& query, Room room);
     void look();
     void plan();
     void cut_answer(Cutter& cutter);

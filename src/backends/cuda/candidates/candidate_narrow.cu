@@ -9,11 +9,12 @@
 
 namespace crumple::cuda {
 
-template void sort_members(const Geometry&, cudaStream_t, const Scene&, const Points&, int, const Segments&,
+template void sort_members(const Geometry&, cudaStream_t, const PreparedScene&, const Points&, int, const Segments&,
                            const Members&, const Frames&, const Ownership&, const Sorted&, const Widened<2>&,
                            const CandidateRows&, const List<Unit>&, Counters*);
-template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const List<Unit>&, const Ownership&,
-                    const WantedPairs&, const OverlapAlone&, const List<Candidate>&, const Slice&, Counters*);
+template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<Unit>&,
+                    const Ownership&, const WantedPairs&, const OverlapAlone&, const List<Candidate>&, const Slice&,
+                    Counters*);
 template void make_offsets(const Geometry&, cudaStream_t, std::size_t, const CandidateOutput&, Counters*);
 template void order_buckets(const Geometry&, cudaStream_t, std::size_t, const CandidateOutput&, Counters*, Counters*);
 
@@ -76,7 +77,7 @@ __global__ void pair_kernel(AskedOfCandidates asked, const CandidateRecord* reco
     if (lane == 0 && tests) atomicAdd(listed_count, tests);
 }
 
-__global__ void within_kernel(Scene scene, WantedPairs pairs, AskedOfCandidates asked, CandidateHits hits) {
+__global__ void within_kernel(PreparedScene scene, WantedPairs pairs, AskedOfCandidates asked, CandidateHits hits) {
     const auto n = static_cast<std::size_t>(scene.triangle_count()), warps_end = (n + 31) / 32 * 32;
     for (std::size_t i = grid_thread(); i < warps_end; i += grid_stride()) {
         const auto t = static_cast<std::int32_t>(i);
@@ -128,7 +129,7 @@ void find_candidates(const Geometry& geometry, cudaStream_t stream, const AskedO
     Launch{stream, blocks, geometry.threads}(pair_kernel, asked, record, survivors, hits, &counters->listed);
 }
 
-void find_within(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const WantedPairs& pairs,
+void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const WantedPairs& pairs,
                  const AskedOfCandidates& asked, const CandidateHits& hits) {
     if (!asked.wants(CandidateKind::vertex_vertex) && !asked.wants(CandidateKind::vertex_edge)) return;
     Launch{stream, geometry.blocks(static_cast<std::size_t>(scene.triangle_count())), geometry.threads}(

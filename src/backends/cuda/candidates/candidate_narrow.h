@@ -35,7 +35,7 @@ void find_candidates(const Geometry& geometry, cudaStream_t stream, const AskedO
                      const CandidateRecord* record, const List<Candidate>& survivors, const CandidateHits& hits,
                      Counters* counters);
 /// Pairs that one triangle owns: two vertices, or a vertex and the edge across.
-void find_within(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const WantedPairs& pairs,
+void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const WantedPairs& pairs,
                  const AskedOfCandidates& asked, const CandidateHits& hits);
 
 struct CandidateOutput : RowsOfOutput {

@@ -5,8 +5,8 @@
 #include <type_traits>
 
 #include "backends/cuda/device/runtime.h"
-#include "crumple/collisions.h"
 #include "crumple/error.h"
+#include "crumple/intersections.h"
 
 namespace crumple::cuda {
 

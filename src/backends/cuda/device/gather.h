@@ -7,18 +7,18 @@
 
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/device/runtime.h"
-#include "crumple/collisions.h"
-#include "scene/scene.h"
+#include "crumple/intersections.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::cuda {
 
 /// The triangles of pairs [0, n), a's and b's in turn. `second` is added to b.
-void gather(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t n,
+void gather(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Pair* pairs, std::size_t n,
             std::int32_t second, Triangle* triangles);
 
 class Gathered {
    public:
-    Gathered(const Geometry& geometry, cudaStream_t stream, const Scene& scene, MemoryMeter& meter)
+    Gathered(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, MemoryMeter& meter)
         : geometry_(geometry), stream_(stream), scene_(scene), block_(meter) {}
 
     /// Calls use(i, a, b) for the triangles of each pair, a few thousand pairs at a time.
@@ -47,7 +47,7 @@ class Gathered {
 
     const Geometry& geometry_;
     cudaStream_t stream_;
-    const Scene& scene_;
+    const PreparedScene& scene_;
     Block block_;
 };
 

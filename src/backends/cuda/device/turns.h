@@ -16,9 +16,9 @@
 
 namespace crumple::cuda {
 
-inline const char* wait_for(Asked question) {
-    constexpr std::array<const char*, 5> names{"wait()", "wait_worlds()", "wait_impacts()", "wait_near()",
-                                               "wait_candidates()"};
+inline const char* name_of(Asked question) {
+    constexpr std::array<const char*, 5> names{"intersections", "intersections", "impacts", "proximities",
+                                               "candidates"};
     return names[static_cast<std::size_t>(question)];
 }
 
@@ -96,6 +96,12 @@ class Turns {
         return state == State::answered && answered_ == question;
     }
 
+    /// True if what is waited for, a replay or the oldest launch in flight, asks that.
+    bool awaits(Asked question) const {
+        if (state == State::captured) return captured_ == question;
+        return flights.count() > 0 && asked_[flights.oldest()] == question;
+    }
+
     /// Throws Error unless the oldest launch in flight asks that.
     void refuse_other(Asked question) const {
         if (flights.count() == 0) refuse(question, " needs a launch before it");
@@ -125,12 +131,11 @@ class Turns {
         return status != cudaStreamCaptureStatusNone;
     }
     [[noreturn]] static void refuse(Asked question, const char* why) {
-        throw Error(ErrorCode::invalid_argument, std::string(wait_for(question)) + why);
+        throw Error(ErrorCode::invalid_argument, std::string("wait() for ") + name_of(question) + why);
     }
     static void check(Asked launched, Asked question) {
         if (launched != question)
-            throw Error(ErrorCode::invalid_argument,
-                        std::string("the oldest launch is answered by ") + wait_for(launched));
+            throw Error(ErrorCode::invalid_argument, std::string("the oldest launch is one of ") + name_of(launched));
     }
 
     cudaStream_t own_;

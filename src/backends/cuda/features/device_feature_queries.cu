@@ -7,7 +7,7 @@
 namespace crumple::cuda {
 namespace {
 
-Asked asked(const FeatureQuery& query) { return query.motion ? Asked::impacts : Asked::near; }
+Asked asked(const FeatureRequest& query) { return query.motion ? Asked::impacts : Asked::near; }
 
 }  // namespace
 
@@ -29,7 +29,7 @@ void FeatureCalls::release() {
 }
 
 template <class Finder, class Query, class Answer>
-void FeatureCalls::find_of_scene(Finder& finder, const Scene& scene, const Query& query, Answer& answer) {
+void FeatureCalls::find_of_scene(Finder& finder, const PreparedScene& scene, const Query& query, Answer& answer) {
     with_device(device_, [&] {
         turns_.finish();
         clear(answer);
@@ -41,15 +41,15 @@ void FeatureCalls::find_of_scene(Finder& finder, const Scene& scene, const Query
     });
 }
 // Of a part all pairs are found, and those that another part owns are left out.
-void FeatureCalls::find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) {
+void FeatureCalls::find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) {
     if (!query.part) return find_of_scene(features_, scene, query, answer);
-    FeatureQuery all = query;
+    FeatureRequest all = query;
     all.part = nullptr;
     all.extent = Extent::all;
     find_of_scene(features_, scene, all, answer);
     keep_owned(scene, query, answer);
 }
-void FeatureCalls::find(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) {
+void FeatureCalls::find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) {
     find_of_scene(candidates_, scene, query, answer);
 }
 
@@ -89,10 +89,10 @@ bool FeatureCalls::find_of_mesh(Finder& finder, const DeviceShape& mesh, const Q
         return true;
     });
 }
-bool FeatureCalls::find(const DeviceShape& mesh, const FeatureQuery& query, FeatureAnswer& answer) {
+bool FeatureCalls::find(const DeviceShape& mesh, const FeatureRequest& query, FeatureAnswer& answer) {
     return find_of_mesh(features_, mesh, query, answer);
 }
-bool FeatureCalls::find(const DeviceShape& mesh, const CandidateQuery& query, CandidateAnswer& answer) {
+bool FeatureCalls::find(const DeviceShape& mesh, const CandidateRequest& query, CandidateAnswer& answer) {
     return find_of_mesh(candidates_, mesh, query, answer);
 }
 
@@ -114,10 +114,10 @@ std::size_t FeatureCalls::launch_with(Finder& finder, Asked question, const Devi
     });
     return finder.current();
 }
-std::size_t FeatureCalls::launch(const DeviceShape& mesh, const FeatureQuery& query) {
+std::size_t FeatureCalls::launch(const DeviceShape& mesh, const FeatureRequest& query) {
     return launch_with(features_, asked(query), mesh, query);
 }
-std::size_t FeatureCalls::launch(const DeviceShape& mesh, const CandidateQuery& query) {
+std::size_t FeatureCalls::launch(const DeviceShape& mesh, const CandidateRequest& query) {
     return launch_with(candidates_, Asked::candidates, mesh, query);
 }
 
@@ -164,11 +164,11 @@ std::optional<DeviceAnswer> FeatureCalls::again_with(Finder& finder, Asked quest
     });
 }
 std::optional<DeviceAnswer> FeatureCalls::find_again(std::size_t slot, const DeviceShape& mesh,
-                                                     const FeatureQuery& query) {
+                                                     const FeatureRequest& query) {
     return again_with(features_, asked(query), slot, mesh, query);
 }
 std::optional<DeviceAnswer> FeatureCalls::find_again(std::size_t slot, const DeviceShape& mesh,
-                                                     const CandidateQuery& query) {
+                                                     const CandidateRequest& query) {
     return again_with(candidates_, Asked::candidates, slot, mesh, query);
 }
 

@@ -17,20 +17,20 @@ class FeatureCalls final : public DeviceFeatureCalls {
                  MemoryMeter& meter, Cancellation& cancellation, Turns& turns,
                  const std::array<Input*, Flights::slots>& inputs);
 
-    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer);
-    void find(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer);
+    void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer);
+    void find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer);
 
     void copy_to_host(const DeviceShape& mesh, Copied what, HostShape& host) override;
-    bool find(const DeviceShape& mesh, const FeatureQuery& query, FeatureAnswer& answer) override;
-    bool find(const DeviceShape& mesh, const CandidateQuery& query, CandidateAnswer& answer) override;
+    bool find(const DeviceShape& mesh, const FeatureRequest& query, FeatureAnswer& answer) override;
+    bool find(const DeviceShape& mesh, const CandidateRequest& query, CandidateAnswer& answer) override;
     bool is_captured(const DeviceShape& mesh) override;
-    std::size_t launch(const DeviceShape& mesh, const FeatureQuery& query) override;
-    std::size_t launch(const DeviceShape& mesh, const CandidateQuery& query) override;
+    std::size_t launch(const DeviceShape& mesh, const FeatureRequest& query) override;
+    std::size_t launch(const DeviceShape& mesh, const CandidateRequest& query) override;
     Landed wait(Asked question) override;
     std::optional<DeviceAnswer> find_again(std::size_t slot, const DeviceShape& mesh,
-                                           const FeatureQuery& query) override;
+                                           const FeatureRequest& query) override;
     std::optional<DeviceAnswer> find_again(std::size_t slot, const DeviceShape& mesh,
-                                           const CandidateQuery& query) override;
+                                           const CandidateRequest& query) override;
 
     /// Gives back all that is kept between calls.
     void release();
@@ -39,7 +39,7 @@ class FeatureCalls final : public DeviceFeatureCalls {
     /// Work begins after what the caller's stream was given.
     void follow(const DeviceShape& mesh);
     template <class Finder, class Query, class Answer>
-    void find_of_scene(Finder& finder, const Scene& scene, const Query& query, Answer& answer);
+    void find_of_scene(Finder& finder, const PreparedScene& scene, const Query& query, Answer& answer);
     template <class Finder, class Query, class Answer>
     bool find_of_mesh(Finder& finder, const DeviceShape& mesh, const Query& query, Answer& answer);
     template <class Finder, class Query>

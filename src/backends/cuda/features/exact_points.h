@@ -10,7 +10,7 @@ namespace crumple::cuda {
 
 /// What the caller gave.
 struct ExactPoints {
-    Scene scene;
+    PreparedScene scene;
     bool aligned;
     friend bool operator==(const ExactPoints&, const ExactPoints&) = default;
 

@@ -13,7 +13,7 @@ constexpr std::size_t batch = 4096;  // cases that the host decides at once
 
 }  // namespace
 
-void FeatureSlot::ask(const FeatureQuery& asked) {
+void FeatureSlot::ask(const FeatureRequest& asked) {
     query.emplace(asked);
     if (!asked.rest) return;
     rest = *asked.rest;
@@ -29,7 +29,7 @@ void FeatureFinder::release() {
     planned_for_ = {};
 }
 
-void FeatureFinder::bring(std::size_t to, const Scene& scene, const FeatureQuery& query) {
+void FeatureFinder::bring(std::size_t to, const PreparedScene& scene, const FeatureRequest& query) {
     take_slot(to);
     input().bring(scene);
     input().want(query.rule);
@@ -37,7 +37,7 @@ void FeatureFinder::bring(std::size_t to, const Scene& scene, const FeatureQuery
     adopt(query);
 }
 
-void FeatureFinder::view(std::size_t to, const Shape& shape, const FeatureQuery& query, Room room) {
+void FeatureFinder::view(std::size_t to, const Shape& shape, const FeatureRequest& query, Room room) {
     take_slot(to);
     features_.bring(query.features, shape.vertices.rows, room);
     input().view(shape, features_.known(), room);
@@ -46,7 +46,7 @@ void FeatureFinder::view(std::size_t to, const Shape& shape, const FeatureQuery&
     adopt(query);
 }
 
-void FeatureFinder::adopt(const FeatureQuery& query) {
+void FeatureFinder::adopt(const FeatureRequest& query) {
     slot().ask(query);
     slot().frugal = query.frugal;
     slot().revision = query.features.revision();

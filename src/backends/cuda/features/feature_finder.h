@@ -10,7 +10,7 @@
 #include "backends/cuda/features/feature_rows.h"
 #include "backends/cuda/features/finder.h"
 #include "queries/device_answer.h"
-#include "queries/feature_query.h"
+#include "queries/feature_request.h"
 
 namespace crumple::cuda {
 
@@ -19,10 +19,10 @@ struct FeatureSlot : FinderSlot {
         : FinderSlot(device, stream, meter, input), features(stream, meter), host(&meter) {}
 
     /// Keeps what accepting an answer takes; scene, features and rule are the caller's.
-    void ask(const FeatureQuery& asked);
+    void ask(const FeatureRequest& asked);
 
     FeatureInput features;
-    std::optional<FeatureQuery> query;
+    std::optional<FeatureRequest> query;
     RestShape rest;  ///< the query's
     FeatureOutput output{};
     Earliest* earliest = nullptr;
@@ -46,8 +46,8 @@ class FeatureFinder : public Finder<FeatureFinder, FeaturePass, FeatureSlot, Fea
 
     /// Works on a slot, whose last answer goes, and brings what is asked: of a scene on the host, or of a mesh on the
     /// device whose counts are those of the features.
-    void bring(std::size_t slot, const Scene& scene, const FeatureQuery& query);
-    void view(std::size_t slot, const Shape& shape, const FeatureQuery& query, Room room = Room::grows);
+    void bring(std::size_t slot, const PreparedScene& scene, const FeatureRequest& query);
+    void view(std::size_t slot, const Shape& shape, const FeatureRequest& query, Room room = Room::grows);
     void copy_to(FeatureAnswer& answer);
     /// Where the answer lies on the device; brings it there if it does not.
     DeviceAnswer show();
@@ -63,12 +63,12 @@ class FeatureFinder : public Finder<FeatureFinder, FeaturePass, FeatureSlot, Fea
         friend bool operator==(const SceneKind&, const SceneKind&) = default;
     };
 
-    const FeatureQuery& query() const { return *slot().query; }
+    const FeatureRequest& query() const { return *slot().query; }
     const FirstOfKind& firsts() const { return slot().features.firsts(); }
     const VertexReader& rest() const { return slot().features.given_rest(); }
     Extent extent() const { return query().extent; }
     bool all_kinds() const { return pass_.all_kinds; }
-    void adopt(const FeatureQuery& query);
+    void adopt(const FeatureRequest& query);
     void look();
     void plan();
     void cut_answer(Cutter& cutter);

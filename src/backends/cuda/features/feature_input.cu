@@ -134,7 +134,8 @@ void FeaturesOnDevice::release() {
     known_ = {};
 }
 
-void FeatureInput::tell(const Scene& scene, const FeatureQuery& query, FeaturesOnDevice& features, Room room) {
+void FeatureInput::tell(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features,
+                        Room room) {
     all_kinds_ = !query.features.plain();
     firsts_ = firsts_of(query.features, static_cast<std::int64_t>(query.features.edges().size()));
     asked_ = {};
@@ -146,7 +147,7 @@ void FeatureInput::tell(const Scene& scene, const FeatureQuery& query, FeaturesO
     asked_.features = features.bring(query.features, scene.vertex_count(), room);
 }
 
-void FeatureInput::lay_out_values(const Scene& scene, const FeatureQuery& query, bool viewed, Room room) {
+void FeatureInput::lay_out_values(const PreparedScene& scene, const FeatureRequest& query, bool viewed, Room room) {
     const auto vertices = static_cast<std::size_t>(scene.vertex_count());
     const bool radii = !query.radii.empty(), body = query.rest && query.rest->body;
     viewed_ = viewed;
@@ -168,13 +169,14 @@ void FeatureInput::lay_out_values(const Scene& scene, const FeatureQuery& query,
     if (query.rest) asked_.rest = {resting_, body ? bodies_ : nullptr, query.rest->radius};
 }
 
-void FeatureInput::view(const Scene& scene, const FeatureQuery& query, FeaturesOnDevice& features, Room room) {
+void FeatureInput::view(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features,
+                        Room room) {
     tell(scene, query, features, room);
     lay_out_values(scene, query, true, room);
     given_rest_ = query.rest ? query.rest->position : VertexReader{};
 }
 
-void FeatureInput::bring(const Scene& scene, const FeatureQuery& query, FeaturesOnDevice& features) {
+void FeatureInput::bring(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features) {
     tell(scene, query, features, Room::grows);
     lay_out_values(scene, query, false, Room::grows);
     const auto vertices = static_cast<std::size_t>(scene.vertex_count());
@@ -190,8 +192,8 @@ void FeatureInput::bring(const Scene& scene, const FeatureQuery& query, Features
     if (asked_.rest.body) copy_now(stream_, bodies_, query.rest->body, vertices, cudaMemcpyHostToDevice);
 }
 
-void FeatureInput::enqueue(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,
-                           Counters* counters) const {
+void FeatureInput::enqueue(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
+                           const SceneBox* box, Counters* counters) const {
     const auto vertices = static_cast<std::size_t>(scene.vertex_count());
     const Launch over_vertices{stream, geometry.blocks(vertices), geometry.threads};
     if (viewed_ && asked_.radii) over_vertices(check_radii_kernel, asked_.radii, vertices, counters);

@@ -8,7 +8,7 @@
 #include "backends/cuda/features/feature_narrow.h"
 #include "backends/cuda/input/known_mesh.h"
 #include "backends/cuda/stages/bounds.h"
-#include "queries/feature_query.h"
+#include "queries/feature_request.h"
 
 namespace crumple::cuda {
 
@@ -47,12 +47,12 @@ class FeatureInput {
     FeatureInput(cudaStream_t stream, MemoryMeter& meter) : stream_(stream), block_(meter), rest_(&meter) {}
 
     /// Copies what the host has; done when it returns.
-    void bring(const Scene& scene, const FeatureQuery& query, FeaturesOnDevice& features);
+    void bring(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features);
     /// The same where radii and the shape at rest lie on the device, as the caller gave them.
-    void view(const Scene& scene, const FeatureQuery& query, FeaturesOnDevice& features, Room room);
+    void view(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features, Room room);
 
     /// Work that each pass begins with, once the scene's box is known.
-    void enqueue(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,
+    void enqueue(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const SceneBox* box,
                  Counters* counters) const;
 
     const AskedOfFeatures& asked() const { return asked_; }
@@ -64,8 +64,8 @@ class FeatureInput {
     void release();
 
    private:
-    void lay_out_values(const Scene& scene, const FeatureQuery& query, bool viewed, Room room);
-    void tell(const Scene& scene, const FeatureQuery& query, FeaturesOnDevice& features, Room room);
+    void lay_out_values(const PreparedScene& scene, const FeatureRequest& query, bool viewed, Room room);
+    void tell(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features, Room room);
 
     cudaStream_t stream_;
     Block block_;

@@ -263,7 +263,8 @@ __global__ void rank_kernel(FeatureHits hits) {
     }
 }
 
-__global__ void radii_kernel(Scene scene, const SceneBox* box, const double* radii, float* vertex, float* triangle) {
+__global__ void radii_kernel(PreparedScene scene, const SceneBox* box, const double* radii, float* vertex,
+                             float* triangle) {
     const Normaliser normaliser = normaliser_of(*box);
     const auto vertices = static_cast<std::size_t>(scene.vertex_count());
     for (std::size_t v = grid_thread(); v < vertices; v += grid_stride()) vertex[v] = radius_of(normaliser, radii[v]);
@@ -320,9 +321,9 @@ template void list_tests(const Geometry&, cudaStream_t, const FeatureSurvivors<1
 template void list_tests(const Geometry&, cudaStream_t, const FeatureSurvivors<2>&, const PointRows&, std::int32_t,
                          const AskedOfFeatures&, bool, const TestLists&, const FeatureHits&, Counters*);
 
-void decide_tests(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const AskedOfFeatures& asked,
-                  bool all_kinds, const TestLists& tests, const TestLists& open, const List<OpenTest>& beyond,
-                  const FeatureHits& hits) {
+void decide_tests(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
+                  const AskedOfFeatures& asked, bool all_kinds, const TestLists& tests, const TestLists& open,
+                  const List<OpenTest>& beyond, const FeatureHits& hits) {
     const auto most = [](const TestLists& lists, std::size_t begin) {
         return static_cast<std::size_t>(std::max(lists.of[begin].capacity, lists.of[begin + 1].capacity));
     };
@@ -354,14 +355,14 @@ void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Count
     AskedOfFeatures asked;
     const auto reserve = [&](bool motion, double distance) {
         asked.motion = motion, asked.distance = distance;
-        decide_tests(geometry, stream, Scene{}, asked, true, none, none, beyond, hits);
+        decide_tests(geometry, stream, PreparedScene{}, asked, true, none, none, beyond, hits);
     };
     reserve(false, 1);
     reserve(true, 0);
     reserve(true, 1);
 }
 
-void pack_cases(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const AskedOfFeatures& asked,
+void pack_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const AskedOfFeatures& asked,
                 const OpenTest* tests, std::size_t count, PackedFeatures* cases) {
     Launch{stream, geometry.blocks(count), geometry.threads}(pack_kernel, ExactPoints{scene, is_aligned(scene)}, asked,
                                                              tests, count, cases);
@@ -376,7 +377,7 @@ void rank_hits(const Geometry& geometry, cudaStream_t stream, const FeatureHits&
     Launch{stream, geometry.blocks(hits.list.capacity), geometry.threads}(rank_kernel, hits);
 }
 
-void normalise_radii(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,
+void normalise_radii(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const SceneBox* box,
                      const double* radii, float* vertex, float* triangle) {
     const auto elements = static_cast<std::size_t>(std::max(scene.vertex_count(), scene.triangle_count()));
     Launch{stream, geometry.blocks(elements), geometry.threads}(radii_kernel, scene, box, radii, vertex, triangle);

@@ -17,7 +17,7 @@
 #include "backends/cuda/stages/primitive.h"
 #include "filters/features/packed_features.h"
 #include "filters/features/tests_of_pair.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::cuda {
 
@@ -71,15 +71,15 @@ void list_tests(const Geometry& geometry, cudaStream_t stream, const FeatureSurv
                 const TestLists& tests, const FeatureHits& hits, Counters* counters);
 
 /// Decides them.
-void decide_tests(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const AskedOfFeatures& asked,
-                  bool all_kinds, const TestLists& tests, const TestLists& open, const List<OpenTest>& beyond,
-                  const FeatureHits& hits);
+void decide_tests(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
+                  const AskedOfFeatures& asked, bool all_kinds, const TestLists& tests, const TestLists& open,
+                  const List<OpenTest>& beyond, const FeatureHits& hits);
 
 /// Launches what keeps data on stacks on no tests, so that the driver gives it its stacks. All counters are 0.
 void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Counters* counters);
 
 /// All that decisions about open tests take.
-void pack_cases(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const AskedOfFeatures& asked,
+void pack_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const AskedOfFeatures& asked,
                 const OpenTest* tests, std::size_t count, PackedFeatures* cases);
 
 /// Writes hits that the host has found behind the list's first `begin`.
@@ -90,7 +90,7 @@ void append_hits(const Geometry& geometry, cudaStream_t stream, const RankedHit*
 void rank_hits(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits);
 
 /// Radii of vertices and triangles in normalised coordinates, rounded up; of a triangle the largest of its corners'.
-void normalise_radii(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,
+void normalise_radii(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const SceneBox* box,
                      const double* radii, float* vertex, float* triangle);
 
 /// Of a question that asks for a distance and a share; `radius`: one a triangle, or null.

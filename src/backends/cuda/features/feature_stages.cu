@@ -6,16 +6,18 @@
 
 namespace crumple::cuda {
 
-template void sort_members(const Geometry&, cudaStream_t, const Scene&, const Points&, int, const Segments&,
+template void sort_members(const Geometry&, cudaStream_t, const PreparedScene&, const Points&, int, const Segments&,
                            const Members&, const Frames&, const Ownership&, const Sorted&, const Widened<1>&,
                            const FeatureRows<1>&, const List<Unit>&, Counters*);
-template void sort_members(const Geometry&, cudaStream_t, const Scene&, const Points&, int, const Segments&,
+template void sort_members(const Geometry&, cudaStream_t, const PreparedScene&, const Points&, int, const Segments&,
                            const Members&, const Frames&, const Ownership&, const Sorted&, const Widened<2>&,
                            const FeatureRows<2>&, const List<Unit>&, Counters*);
 
-template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const List<Unit>&, const Ownership&,
-                    const WantedPairs&, const SeparationTest<1>&, const List<Candidate>&, const Slice&, Counters*);
-template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const List<Unit>&, const Ownership&,
-                    const WantedPairs&, const SeparationTest<2>&, const List<Candidate>&, const Slice&, Counters*);
+template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<Unit>&,
+                    const Ownership&, const WantedPairs&, const SeparationTest<1>&, const List<Candidate>&,
+                    const Slice&, Counters*);
+template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<Unit>&,
+                    const Ownership&, const WantedPairs&, const SeparationTest<2>&, const List<Candidate>&,
+                    const Slice&, Counters*);
 
 }  // namespace crumple::cuda

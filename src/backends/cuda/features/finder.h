@@ -25,7 +25,7 @@
 #include "base/cancellation.h"
 #include "crumple/options.h"
 #include "queries/device_answer.h"
-#include "queries/feature_query.h"
+#include "queries/feature_request.h"
 
 namespace crumple::cuda {
 
@@ -170,7 +170,7 @@ class Finder {
         pass_.wanted = input().wanted();
         statistics_ = {};
     }
-    static Primitives primitives(const Scene& scene, const Inflation* inflation, bool along_axes) {
+    static Primitives primitives(const PreparedScene& scene, const Inflation* inflation, bool along_axes) {
         return {true, scene.moving, scene.moving ? static_cast<std::int32_t>(scene.vertex_count()) : 0, inflation,
                 along_axes};
     }

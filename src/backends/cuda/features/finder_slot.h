@@ -10,7 +10,7 @@
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/input/device_input.h"
 #include "backends/cuda/stages/plan.h"
-#include "queries/feature_query.h"
+#include "queries/feature_request.h"
 
 namespace crumple::cuda {
 
@@ -24,7 +24,7 @@ struct FinderSlot {
     Block room;                  ///< of the answer
     Plan plan;                   ///< of its pass
     std::uint64_t revision = 0;  ///< of the features it was given
-    bool frugal = false;         ///< FeatureQuery::frugal
+    bool frugal = false;         ///< FeatureRequest::frugal
     bool on_host = false;        ///< the answer is there: it was found in chunks
     bool lost = true;            ///< there is no pass, or its answer had to go
     Statistics statistics;
@@ -34,7 +34,7 @@ struct FinderSlot {
 /// what the kernels of the question are told.
 template <class Asked, class Firsts>
 struct FinderKey {
-    Scene scene;
+    PreparedScene scene;
     WantedPairs wanted;
     Plan plan;
     Input::Work input;

@@ -26,7 +26,7 @@ __global__ void join_kernel(Reader read, std::size_t triangles, std::int64_t ver
 }
 
 // Open addressing, linear probing, half full at most. A slot holds the lowest vertex at its position.
-__global__ void fill_table_kernel(Scene scene, PositionHash hash, unsigned* table, std::size_t slots) {
+__global__ void fill_table_kernel(PreparedScene scene, PositionHash hash, unsigned* table, std::size_t slots) {
     const auto n = static_cast<std::size_t>(scene.vertex_count());
     for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {
         const auto vertex = static_cast<unsigned>(v);
@@ -44,7 +44,7 @@ __global__ void fill_table_kernel(Scene scene, PositionHash hash, unsigned* tabl
     }
 }
 
-__global__ void weld_kernel(Scene scene, PositionHash hash, const unsigned* table, std::size_t slots,
+__global__ void weld_kernel(PreparedScene scene, PositionHash hash, const unsigned* table, std::size_t slots,
                             std::int32_t* corners) {
     const auto n = 3 * static_cast<std::size_t>(scene.triangle_count());
     for (std::size_t i = grid_thread(); i < n; i += grid_stride()) {
@@ -95,7 +95,7 @@ void Input::forget() {
     weld_ = false;
 }
 
-void Input::bring(const Scene& host) {
+void Input::bring(const PreparedScene& host) {
     forget();
     scene_ = host;
     // The vertices of both meshes, and where those of the first one end.
@@ -197,12 +197,12 @@ void Input::pose(std::shared_ptr<const PosedWorlds> worlds, const DevicePoses& p
     posed_ = std::move(worlds);
 }
 
-void Input::want(const Query& query, Room room) {
+void Input::want(const IntersectionQuery& query, Room room) {
     if (posed_) {
         wanted_ = posed_->wanted();
         return;
     }
-    rule_.prepare(query, scene_.bodies);
+    rule_.prepare(query.filter, scene_.bodies);
     want(rule_, room);
 }
 

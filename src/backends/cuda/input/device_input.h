@@ -15,8 +15,8 @@
 #include "backends/cuda/stages/bounds.h"
 #include "crumple/mesh.h"
 #include "geometry/position_hash.h"
+#include "scene/prepared_scene.h"
 #include "scene/rules.h"
-#include "scene/scene.h"
 
 namespace crumple::cuda {
 
@@ -34,7 +34,7 @@ class Input {
           packed_(&meter) {}
 
     /// A scene in host memory; done when it returns.
-    void bring(const Scene& host);
+    void bring(const PreparedScene& host);
     /// One mesh or two in device memory. Throws Error (invalid_argument) for shapes that make no sense and for arrays
     /// that lie elsewhere; contents are checked by the work that enqueue() gives to the stream.
     void view(const MeshView& a, const MeshView* b, bool weld, Room room = Room::grows);
@@ -46,7 +46,7 @@ class Input {
     void pose(std::shared_ptr<const PosedWorlds> worlds, const DevicePoses& poses, bool weld, bool pairs,
               Room room = Room::grows);
     /// The query's rules, or those of the world that the scene is made of.
-    void want(const Query& query, Room room = Room::grows);
+    void want(const IntersectionQuery& query, Room room = Room::grows);
     void want(const GroupRule& rule, Room room = Room::grows);
 
     /// What is to be cleared before enqueue()'s work.
@@ -73,7 +73,7 @@ class Input {
     };
     Work work() const;
 
-    const Scene& scene() const { return scene_; }
+    const PreparedScene& scene() const { return scene_; }
     const SceneBox* box() const { return box_; }
     const Worlds& worlds() const { return worlds_; }
     const WantedPairs& wanted() const { return wanted_; }
@@ -95,7 +95,7 @@ class Input {
     Mirror<std::uint64_t> excluded_groups_, excluded_bodies_;
     Mirror<BodyClass> classes_;
     Array<std::byte> packed_;
-    Scene scene_;
+    PreparedScene scene_;
     std::optional<MeshView> mesh_[2];   ///< on the device; none: the host has checked and joined
     std::optional<Shape> known_shape_;  ///< or one whose features are known
     KnownMesh known_;

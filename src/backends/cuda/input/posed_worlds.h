@@ -29,7 +29,7 @@ class PosedWorlds {
     const RestingWorlds& resting() const { return *resting_; }
 
     /// The scene; its vertices are those that pose() has written for a launch.
-    const Scene& scene() const { return scene_; }
+    const PreparedScene& scene() const { return scene_; }
     std::size_t vertex_bytes() const;
     /// Each world's triangles, and a counter each for hits, if there are several; else null.
     const Segments& worlds() const { return worlds_; }
@@ -50,7 +50,7 @@ class PosedWorlds {
    private:
     std::unique_ptr<RestingWorlds> resting_;
     Block block_;
-    Scene scene_;
+    PreparedScene scene_;
     Segments worlds_{};
     unsigned long long* found_ = nullptr;
     WantedPairs wanted_;

@@ -14,7 +14,7 @@ __device__ BodyTriangle name_of(const WorldNames& names, std::int32_t t) {
 }
 
 // Pairs and worlds, a thread each.
-__global__ void name_kernel(std::size_t firsts, Output out, WorldNames names, WorldArrays to) {
+__global__ void name_kernel(std::size_t firsts, OutputArrays out, WorldNames names, WorldArrays to) {
     const auto worlds = static_cast<std::size_t>(names.worlds);
     for (std::size_t w = grid_thread(); w <= worlds; w += grid_stride()) {
         const auto begin = static_cast<std::int64_t>(out.offsets[names.first_of_world[w]]);
@@ -36,7 +36,7 @@ __global__ void name_kernel(std::size_t firsts, Output out, WorldNames names, Wo
 
 }  // namespace
 
-void name_pairs(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const Output& output,
+void name_pairs(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                 const WorldNames& names, const WorldArrays& arrays) {
     const std::size_t elements =
         std::max<std::size_t>(names.pairs ? output.capacity : 0, static_cast<std::size_t>(names.worlds) + 1);

@@ -33,7 +33,7 @@ struct WorldArrays {
 };
 
 /// After the output's pairs of `firsts` first triangles are in order.
-void name_pairs(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const Output& output,
+void name_pairs(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                 const WorldNames& names, const WorldArrays& arrays);
 
 }  // namespace crumple::cuda

@@ -4,7 +4,7 @@
 
 namespace crumple::cuda {
 
-void Worlds::bring(cudaStream_t stream, const Scene& host) {
+void Worlds::bring(cudaStream_t stream, const PreparedScene& host) {
     forget();
     if (host.worlds == 1) return;
     const auto n = static_cast<std::size_t>(host.worlds);

@@ -1,8 +1,8 @@
 #pragma once
 
-// Worlds side by side in one scene (Scene::worlds), which never meet: their triangles lie world by world, and the first
-// level of subdivision has the worlds as its parents. So no leaf holds triangles of two worlds, and no pair across
-// worlds is ever a candidate.
+// Worlds side by side in one scene (PreparedScene::worlds), which never meet: their triangles lie world by world, and
+// the first level of subdivision has the worlds as its parents. So no leaf holds triangles of two worlds, and no pair
+// across worlds is ever a candidate.
 //
 //     triangles   │ world 0      │ 1 │  │ 3        │ ...       first, count: Segments (layout.h)
 //     leaves      │ 0 │ 1 │ 2 │ 3 │ 4 │ ...                    as many for each world
@@ -12,7 +12,7 @@
 
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/stages/layout.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::cuda {
 
@@ -21,7 +21,7 @@ class Worlds {
     explicit Worlds(MemoryMeter& meter) : block_(meter) {}
 
     /// Those of a scene of the host, in none of which anything has been found. One takes no memory.
-    void bring(cudaStream_t stream, const Scene& host);
+    void bring(cudaStream_t stream, const PreparedScene& host);
     /// Those that lie on the device already, and whose counters are whoever's has `found`; null: one has all.
     void share(const Segments& triangles, unsigned long long* found) { triangles_ = triangles, found_ = found; }
     /// A scene of one world comes next.

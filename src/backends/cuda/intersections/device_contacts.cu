@@ -7,7 +7,8 @@
 namespace crumple::cuda {
 namespace {
 
-__global__ void contact_kernel(Scene scene, const Pair* pairs, std::size_t n, std::int32_t second, ContactArrays out) {
+__global__ void contact_kernel(PreparedScene scene, const Pair* pairs, std::size_t n, std::int32_t second,
+                               ContactArrays out) {
     const std::size_t warps_end = (n + 31) / 32 * 32;
     for (std::size_t i = grid_thread(); i < warps_end; i += grid_stride()) {
         bool open = false;
@@ -61,16 +62,16 @@ void ContactArrays::cut(Cutter& c, std::size_t pairs) {
     scan = c.take<std::byte>(scan_bytes);
 }
 
-void find_contacts(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t n,
-                   std::int32_t second, const ContactArrays& contacts) {
+void find_contacts(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Pair* pairs,
+                   std::size_t n, std::int32_t second, const ContactArrays& contacts) {
     fill(stream, contacts.open_count, 0, sizeof *contacts.open_count);
     fill(stream, contacts.offsets + n, 0, sizeof *contacts.offsets);
     Launch{stream, geometry.blocks(n), geometry.threads}(contact_kernel, scene, pairs, n, second, contacts);
 }
 
 void reserve_contact_stack(const Geometry& geometry, cudaStream_t stream) {
-    Launch{stream, 1, geometry.threads}(contact_kernel, Scene{}, static_cast<const Pair*>(nullptr), std::size_t{0},
-                                        std::int32_t{0}, ContactArrays{});
+    Launch{stream, 1, geometry.threads}(contact_kernel, PreparedScene{}, static_cast<const Pair*>(nullptr),
+                                        std::size_t{0}, std::int32_t{0}, ContactArrays{});
 }
 
 void list_open(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, const ContactArrays& contacts,

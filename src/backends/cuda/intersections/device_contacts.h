@@ -6,8 +6,8 @@
 
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/device/runtime.h"
-#include "crumple/collisions.h"
-#include "scene/scene.h"
+#include "crumple/intersections.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::cuda {
 
@@ -27,8 +27,8 @@ struct ContactArrays {
 };
 
 /// What double words can tell; lists the other pairs. `second` is added to each pair's b.
-void find_contacts(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t n,
-                   std::int32_t second, const ContactArrays& contacts);
+void find_contacts(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Pair* pairs,
+                   std::size_t n, std::int32_t second, const ContactArrays& contacts);
 /// Launches the same on no pairs, so that the driver gives it its stacks.
 void reserve_contact_stack(const Geometry& geometry, cudaStream_t stream);
 /// The open pairs themselves, in the list's order.

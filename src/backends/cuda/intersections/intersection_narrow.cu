@@ -36,7 +36,7 @@ __device__ bool is_decided(const Hits& hits, const Sorted& sorted, const Candida
     return hits.mode == Hits::Mode::by_world && atomicAdd(hits.worlds.of(sorted.leaf[c.row]), 0ull) != 0;
 }
 
-__device__ std::int32_t second_of(const Scene& scene) {
+__device__ std::int32_t second_of(const PreparedScene& scene) {
     return static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
 }
 
@@ -47,8 +47,9 @@ __device__ Pair pair_of(const Sorted& sorted, const Candidate& c) {
 
 // What filters can prove, in float32 and then in float64.
 __global__ void __launch_bounds__(256, 3)
-    filter_kernel(Scene scene, Sorted sorted, RecordRows records, PointRows points, Frames frames, NarrowPolicy policy,
-                  List<Candidate> survivors, List<Candidate> undecided, Hits hits, unsigned long long* doubles) {
+    filter_kernel(PreparedScene scene, Sorted sorted, RecordRows records, PointRows points, Frames frames,
+                  NarrowPolicy policy, List<Candidate> survivors, List<Candidate> undecided, Hits hits,
+                  unsigned long long* doubles) {
     const unsigned long long n = survivors.filled(), warps_end = (n + 31) / 32 * 32;
     for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
         Verdict verdict = Verdict::apart;
@@ -74,7 +75,7 @@ __global__ void __launch_bounds__(256, 3)
 }
 
 // The exact decision, with expansions where it takes them. Few pairs come here: registers and stack do not matter.
-__global__ void exact_kernel(Scene scene, Sorted sorted, Neighbours neighbours, Intersections intersections,
+__global__ void exact_kernel(PreparedScene scene, Sorted sorted, Neighbours neighbours, IntersectionKind intersections,
                              List<Candidate> undecided, List<Pair> beyond, Hits hits) {
     const unsigned long long n = undecided.filled(), warps_end = (n + 31) / 32 * 32;
     for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
@@ -93,7 +94,7 @@ __global__ void exact_kernel(Scene scene, Sorted sorted, Neighbours neighbours, 
     }
 }
 
-__global__ void add_kernel(Scene scene, const Pair* pairs, std::size_t n, Hits hits) {
+__global__ void add_kernel(PreparedScene scene, const Pair* pairs, std::size_t n, Hits hits) {
     const std::size_t warps_end = (n + 31) / 32 * 32;
     for (std::size_t i = grid_thread(); i < warps_end; i += grid_stride())
         add(hits, i < n, i < n ? pairs[i].a : 0, i < n ? pairs[i].b : 0, second_of(scene));
@@ -115,19 +116,19 @@ __global__ void rank_kernel(List<Hit> hits, unsigned long long* by_first, unsign
 
 }  // namespace
 
-void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
+void narrow(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
             const RecordRows& records, const Points& points, const Frames& frames, const NarrowPolicy& policy,
             const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
             const Hits& hits, unsigned long long* doubles) {
     const Neighbours neighbours = policy.skip_neighbours ? Neighbours::skip : Neighbours::geometric;
-    const Intersections intersections = policy.proper ? Intersections::proper : Intersections::all;
+    const IntersectionKind intersections = policy.proper ? IntersectionKind::proper : IntersectionKind::all;
     Launch{stream, std::min(geometry.blocks(survivors.capacity), geometry.fitting(filter_kernel)), geometry.threads}(
         filter_kernel, scene, sorted, records, points.rows(), frames, policy, survivors, undecided, hits, doubles);
     decide_exactly(geometry, stream, scene, sorted, neighbours, intersections, undecided, beyond, hits);
 }
 
-void decide_exactly(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
-                    Neighbours neighbours, Intersections intersections, const List<Candidate>& undecided,
+void decide_exactly(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
+                    Neighbours neighbours, IntersectionKind intersections, const List<Candidate>& undecided,
                     const List<Pair>& beyond, const Hits& hits) {
     // Its registers let one block in at a time.
     const unsigned blocks = std::min(geometry.blocks(undecided.capacity), std::max(1u, geometry.multiprocessors));
@@ -136,7 +137,7 @@ void decide_exactly(const Geometry& geometry, cudaStream_t stream, const Scene& 
 }
 
 void reserve_exact_stack(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
-    decide_exactly(geometry, stream, Scene{}, Sorted{}, Neighbours::geometric, Intersections::all,
+    decide_exactly(geometry, stream, PreparedScene{}, Sorted{}, Neighbours::geometric, IntersectionKind::all,
                    {nullptr, &counters->undecided, 0}, {nullptr, &counters->beyond, 0}, Hits{});
 }
 
@@ -150,8 +151,8 @@ void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& h
     Launch{stream, geometry.blocks(hits.capacity), geometry.threads}(rank_kernel, hits, by_first, by_tile);
 }
 
-void add_hits(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t count,
-              const Hits& hits) {
+void add_hits(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Pair* pairs,
+              std::size_t count, const Hits& hits) {
     Launch{stream, geometry.blocks(count), geometry.threads}(add_kernel, scene, pairs, count, hits);
 }
 

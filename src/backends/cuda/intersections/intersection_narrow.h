@@ -6,7 +6,7 @@
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/intersections/intersection_records.h"
 #include "backends/cuda/stages/layout.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::cuda {
 
@@ -28,14 +28,14 @@ struct Hits {
 };
 
 /// `doubles` counts the pairs that float32 leaves undecided.
-void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
+void narrow(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
             const RecordRows& records, const Points& points, const Frames& frames, const NarrowPolicy& policy,
             const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
             const Hits& hits, unsigned long long* doubles);
 
 /// Decides pairs that the filters left undecided.
-void decide_exactly(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
-                    Neighbours neighbours, Intersections intersections, const List<Candidate>& undecided,
+void decide_exactly(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
+                    Neighbours neighbours, IntersectionKind intersections, const List<Candidate>& undecided,
                     const List<Pair>& beyond, const Hits& hits);
 /// The same for no pairs, so that the driver reserves the kernel's stacks. All counters are 0.
 void reserve_exact_stack(const Geometry& geometry, cudaStream_t stream, Counters* counters);
@@ -48,7 +48,7 @@ void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& h
                unsigned long long* by_tile);
 
 /// Adds pairs (in joint numbering, lower id first) that the host has decided.
-void add_hits(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t count,
-              const Hits& hits);
+void add_hits(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Pair* pairs,
+              std::size_t count, const Hits& hits);
 
 }  // namespace crumple::cuda

@@ -74,14 +74,14 @@ void Search::pose(std::size_t slot, const std::shared_ptr<const PosedWorlds>& wo
     bring_with_room([&] { input().pose(worlds, poses, weld, pairs, room); });
 }
 
-void Search::bring(const Scene& scene) {
+void Search::bring(const PreparedScene& scene) {
     bring_with_room([&] { input().bring(scene); });
 }
 
-void Search::adopt(const Query& query, Room room) {
+void Search::adopt(const IntersectionQuery& query, Room room) {
     captured_ = false;
     slot().query = query;
-    slot().query.excluded_groups = {};
+    slot().query.filter = {};
     input().want(query, room);
     look();
 }
@@ -97,7 +97,7 @@ void Search::look() {
     pass_.box = input().box();
     pass_.worlds = input().worlds().triangles();
     pass_.wanted = input().wanted();
-    pass_.policy = policy_of(query().neighbours, query().intersections);
+    pass_.policy = policy_of(query().neighbours, query().kind);
     answer().names = input().names();
     statistics_ = {};
 }
@@ -139,7 +139,7 @@ void Search::release() {
 
 void Search::plan() {
     if (grown_) pass_.plan = *std::exchange(grown_, std::nullopt);
-    const Scene& scene = pass_.scene;
+    const PreparedScene& scene = pass_.scene;
     const SceneKind kind{scene.triangle_count(), scene.between, scene.worlds};
     if (planned_for_ != kind && scene.worlds == 1) pass_.plan.choose(kind.triangles, kind.between, options_);
     if (planned_for_ != kind && scene.worlds > 1)
@@ -402,7 +402,7 @@ std::size_t Search::decide_beyond(std::size_t n) {
     gathered.each(pass_.beyond(), n, 0, [&](std::size_t i, const Triangle& a, const Triangle& b) {
         cancellation_.check();
         DecisionCounts counts;
-        if (collide(a, b, query().neighbours, query().intersections, counts)) hits.push_back(pairs[i]);
+        if (collide(a, b, query().neighbours, query().kind, counts)) hits.push_back(pairs[i]);
     });
     copy(pass_.beyond(), hits.data(), hits.size(), cudaMemcpyHostToDevice);
     return hits.size();
@@ -430,16 +430,16 @@ void Search::count(const Counters& c, const Plan& plan) {
 void Search::make_contacts() {
     with_room_for(
         [&] {
-            if (query().contacts) statistics_.rational_contacts = answer().make_contacts(pass_.scene, cancellation_);
+            if (query().contacts()) statistics_.rational_contacts = answer().make_contacts(pass_.scene, cancellation_);
         },
         [] {});
 }
 
-void Search::copy_to(Collisions& result) {
+void Search::copy_to(Intersections& result) {
     with_room_for(
         [&] {
-            if (query().contacts) statistics_.rational_contacts = answer().make_contacts(pass_.scene, cancellation_);
-            answer().copy_to(pass_.scene, query().contacts, result);
+            if (query().contacts()) statistics_.rational_contacts = answer().make_contacts(pass_.scene, cancellation_);
+            answer().copy_to(pass_.scene, query().contacts(), result);
         },
         [&] {
             result.pairs.release();
@@ -454,20 +454,20 @@ Statistics Search::shown_statistics() const {
     return shown;
 }
 
-DeviceCollisions Search::show() const {
-    DeviceCollisions shown = answer().show(pass_.scene, query().contacts);
+DeviceIntersections Search::show() const {
+    DeviceIntersections shown = answer().show(pass_.scene, query().contacts());
     shown.statistics = shown_statistics();
     return shown;
 }
 
-DeviceWorldCollisions Search::show_worlds() const {
-    DeviceWorldCollisions shown = answer().show_worlds(query().contacts);
+DeviceIntersections Search::show_worlds() const {
+    DeviceIntersections shown = answer().show_worlds(query().contacts());
     shown.statistics = shown_statistics();
     return shown;
 }
 
-DeviceCollisions Search::show_incomplete() const {
-    DeviceCollisions shown;
+DeviceIntersections Search::show_incomplete() const {
+    DeviceIntersections shown;
     shown.complete = false;
     shown.pairs_needed = static_cast<std::int64_t>(slot().counters->hits);
     shown.statistics.backend = "cuda";
@@ -475,10 +475,11 @@ DeviceCollisions Search::show_incomplete() const {
     return shown;
 }
 
-DeviceWorldCollisions Search::show_incomplete_worlds() const {
-    const DeviceCollisions scene = show_incomplete();
-    DeviceWorldCollisions shown;
+DeviceIntersections Search::show_incomplete_worlds() const {
+    const DeviceIntersections scene = show_incomplete();
+    DeviceIntersections shown;
     shown.complete = false;
+    shown.of_worlds = true;
     shown.pairs_needed = scene.pairs_needed;
     shown.worlds = answer().names.worlds;
     shown.statistics = scene.statistics;

@@ -26,8 +26,8 @@ struct Slot {
     void release();
 
     Input input;
-    Query query;  ///< without its list of groups, which is the caller's
-    Plan plan;    ///< of its pass
+    IntersectionQuery query;  ///< without its filter, which the input has
+    Plan plan;                ///< of its pass
     Pinned<Counters> counters;
     Answer answer;
     bool lost = true;  ///< there is no pass, or its answer had to go
@@ -48,7 +48,7 @@ class Search {
     void pose(std::size_t slot, const std::shared_ptr<const PosedWorlds>& worlds, const DevicePoses& poses, bool weld,
               bool pairs, Room room = Room::grows);
     /// Has its input bring a scene.
-    void bring(const Scene& scene);
+    void bring(const PreparedScene& scene);
     std::size_t current() const { return now_; }
     /// Works on a slot again, as adopt() has left it.
     void resume(std::size_t slot);
@@ -56,7 +56,7 @@ class Search {
     bool alone() const { return alone_; }
 
     /// What is asked of the input, whichever way it came.
-    void adopt(const Query& query, Room room = Room::grows);
+    void adopt(const IntersectionQuery& query, Room room = Room::grows);
 
     /// Leaves the answer on the device. Worlds side by side are not searched in chunks: where they do not fit, this and
     /// what follows throw MemoryMeter::Exceeded.
@@ -81,17 +81,17 @@ class Search {
 
     /// The contacts, if they are wanted; on the device, or with all of the answer copied to the host.
     void make_contacts();
-    void copy_to(Collisions& result);
+    void copy_to(Intersections& result);
     /// What make_contacts() and find() have left.
-    DeviceCollisions show() const;
-    DeviceWorldCollisions show_worlds() const;
+    DeviceIntersections show() const;
+    DeviceIntersections show_worlds() const;
     /// After a replay that has not left the whole answer.
-    DeviceCollisions show_incomplete() const;
-    DeviceWorldCollisions show_incomplete_worlds() const;
-    void download(Collisions& result) { answer().copy_to(scene(), query().contacts, result); }
+    DeviceIntersections show_incomplete() const;
+    DeviceIntersections show_incomplete_worlds() const;
+    void download(Intersections& result) { answer().copy_to(scene(), query().contacts(), result); }
 
-    const Scene& scene() const { return pass_.scene; }
-    const Query& query() const { return slot().query; }
+    const PreparedScene& scene() const { return pass_.scene; }
+    const IntersectionQuery& query() const { return slot().query; }
     const Statistics& statistics() const { return statistics_; }
     void forget_statistics() { statistics_ = {}; }
 
@@ -103,7 +103,7 @@ class Search {
    private:
     // Everything that the commands of a guided pass were made of. While it stays the same, they are the same.
     struct Key {
-        Scene scene;
+        PreparedScene scene;
         WantedPairs wanted;
         NarrowPolicy policy;
         Plan plan;

@@ -6,11 +6,12 @@
 
 namespace crumple::cuda {
 
-template void sort_members(const Geometry&, cudaStream_t, const Scene&, const Points&, int, const Segments&,
+template void sort_members(const Geometry&, cudaStream_t, const PreparedScene&, const Points&, int, const Segments&,
                            const Members&, const Frames&, const Ownership&, const Sorted&, const AtRest&,
                            const RecordRows&, const List<Unit>&, Counters*);
 
-template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const List<Unit>&, const Ownership&,
-                    const WantedPairs&, const PlaneTest&, const List<Candidate>&, const Slice&, Counters*);
+template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<Unit>&,
+                    const Ownership&, const WantedPairs&, const PlaneTest&, const List<Candidate>&, const Slice&,
+                    Counters*);
 
 }  // namespace crumple::cuda

@@ -8,11 +8,13 @@
 namespace crumple::cuda {
 namespace {
 
-std::int32_t second_of(const Scene& scene) { return static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0); }
+std::int32_t second_of(const PreparedScene& scene) {
+    return static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
+}
 
 }  // namespace
 
-void Answer::cut(Cutter& c, const Scene& scene, std::size_t pairs) {
+void Answer::cut(Cutter& c, const PreparedScene& scene, std::size_t pairs) {
     const auto first = static_cast<std::size_t>(scene.triangles[0]),
                second = static_cast<std::size_t>(scene.triangles[1]);
     output.offsets = c.take<unsigned long long>(first + 1);
@@ -31,12 +33,12 @@ void Answer::cut(Cutter& c, const Scene& scene, std::size_t pairs) {
                   c.take<std::int64_t>(worlds), c.take<std::uint8_t>(worlds)};
 }
 
-void Answer::make_room(const Scene& scene, std::size_t pairs, Room room) {
+void Answer::make_room(const PreparedScene& scene, std::size_t pairs, Room room) {
     lay_out(
         block_, [&](Cutter& c) { cut(c, scene, pairs); }, room);
 }
 
-std::size_t Answer::bytes(const Scene& scene, std::size_t pairs, bool contacts) {
+std::size_t Answer::bytes(const PreparedScene& scene, std::size_t pairs, bool contacts) {
     MemoryMeter none;
     Cutter cutter;
     Answer(Geometry{}, nullptr, none).cut(cutter, scene, pairs);
@@ -49,14 +51,14 @@ std::size_t Answer::bytes(const Scene& scene, std::size_t pairs, bool contacts) 
     return cutter.used();
 }
 
-void Answer::clear(Clearing& clearing, const Scene& scene) const {
+void Answer::clear(Clearing& clearing, const PreparedScene& scene) const {
     const auto first = static_cast<std::size_t>(scene.triangles[0]);
     clearing.add(output.offsets, (first + 1) * sizeof *output.offsets);
     clearing.add(output.by_tile, offset_tiles(first) * sizeof *output.by_tile);
     clear_flags(clearing, scene, output);
 }
 
-void Answer::write(const Scene& scene, const List<Hit>& hits, Counters* counters, Counters* told) {
+void Answer::write(const PreparedScene& scene, const List<Hit>& hits, Counters* counters, Counters* told) {
     const auto firsts = static_cast<std::size_t>(scene.triangles[0]);
     make_offsets(geometry_, stream_, firsts, output, counters);
     fill_buckets(geometry_, stream_, scene, hits, output);
@@ -64,7 +66,7 @@ void Answer::write(const Scene& scene, const List<Hit>& hits, Counters* counters
     if (names.any()) name_pairs(geometry_, stream_, firsts, output, names, of_worlds_);
 }
 
-std::int64_t Answer::make_contacts(const Scene& scene, Cancellation& cancellation) {
+std::int64_t Answer::make_contacts(const PreparedScene& scene, Cancellation& cancellation) {
     const auto n = static_cast<std::size_t>(total);
     lay_out(contact_block_, [&](Cutter& c) { contacts_.cut(c, n); });
     find_contacts(geometry_, stream_, scene, output.pairs, n, second_of(scene), contacts_);
@@ -77,7 +79,7 @@ std::int64_t Answer::make_contacts(const Scene& scene, Cancellation& cancellatio
 }
 
 // Contacts that only the host can round.
-void Answer::decide_open(const Scene& scene, std::size_t n, std::int32_t second, Cancellation& cancellation) {
+void Answer::decide_open(const PreparedScene& scene, std::size_t n, std::int32_t second, Cancellation& cancellation) {
     Block block(meter_);
     Pair* pairs = nullptr;
     HostContact* found = nullptr;
@@ -101,9 +103,10 @@ void Answer::decide_open(const Scene& scene, std::size_t n, std::int32_t second,
     CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
 }
 
-DeviceCollisions Answer::show(const Scene& scene, bool contacts) const {
-    DeviceCollisions shown;
-    shown.pairs_needed = shown.pair_count = static_cast<std::int64_t>(total);
+DeviceIntersections Answer::show(const PreparedScene& scene, bool contacts) const {
+    DeviceIntersections shown;
+    shown.any = total > 0;
+    shown.pairs_needed = shown.count = static_cast<std::int64_t>(total);
     shown.pairs = output.pairs;
     shown.offsets = reinterpret_cast<const std::int64_t*>(output.offsets);
     shown.hit = output.hit;
@@ -119,8 +122,9 @@ DeviceCollisions Answer::show(const Scene& scene, bool contacts) const {
     return shown;
 }
 
-DeviceWorldCollisions Answer::show_worlds(bool contacts) const {
-    DeviceWorldCollisions shown;
+DeviceIntersections Answer::show_worlds(bool contacts) const {
+    DeviceIntersections shown;
+    shown.of_worlds = true;
     shown.any = total > 0;
     shown.pairs_needed = shown.count = static_cast<std::int64_t>(total);
     shown.worlds = names.worlds;
@@ -140,7 +144,7 @@ DeviceWorldCollisions Answer::show_worlds(bool contacts) const {
     return shown;
 }
 
-void Answer::copy_to(const Scene& scene, bool contacts, Collisions& result) {
+void Answer::copy_to(const PreparedScene& scene, bool contacts, Intersections& result) {
     const auto copy = [&](auto& array, const auto* device, std::size_t n) {
         using T = std::remove_reference_t<decltype(array[0])>;
         copy_now(stream_, array.resize_discard(n), reinterpret_cast<const T*>(device), n, cudaMemcpyDeviceToHost);

@@ -7,7 +7,7 @@
 #include "backends/cuda/intersections/device_contacts.h"
 #include "backends/cuda/stages/output.h"
 #include "base/cancellation.h"
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 
 namespace crumple::cuda {
 
@@ -16,27 +16,27 @@ class Answer {
     Answer(const Geometry& geometry, cudaStream_t stream, MemoryMeter& meter)
         : geometry_(geometry), stream_(stream), meter_(meter), block_(meter), contact_block_(meter) {}
 
-    Output output{};
+    OutputArrays output{};
     unsigned long long total = 0;  ///< pairs
     WorldNames names;              ///< of a scene of worlds that are to be told of; set before make_room()
 
     /// Makes room for so many pairs.
-    void make_room(const Scene& scene, std::size_t pairs, Room room = Room::grows);
+    void make_room(const PreparedScene& scene, std::size_t pairs, Room room = Room::grows);
     /// What make_room and make_contacts take.
-    static std::size_t bytes(const Scene& scene, std::size_t pairs, bool contacts);
+    static std::size_t bytes(const PreparedScene& scene, std::size_t pairs, bool contacts);
 
     /// What write() finds cleared, beside the counter of parts: flags, and numbers by first triangle, which are
     /// counted before.
-    void clear(Clearing& clearing, const Scene& scene) const;
+    void clear(Clearing& clearing, const PreparedScene& scene) const;
     /// Turns listed hits, counted by first triangle in output.offsets, into the answer; `told` as order_buckets() has
     /// it.
-    void write(const Scene& scene, const List<Hit>& hits, Counters* counters, Counters* told);
+    void write(const PreparedScene& scene, const List<Hit>& hits, Counters* counters, Counters* told);
     /// Computes the contacts of the answer and leaves them on the device. Returns how many the host had to round.
-    std::int64_t make_contacts(const Scene& scene, Cancellation& cancellation);
+    std::int64_t make_contacts(const PreparedScene& scene, Cancellation& cancellation);
 
-    DeviceCollisions show(const Scene& scene, bool contacts) const;
-    DeviceWorldCollisions show_worlds(bool contacts) const;
-    void copy_to(const Scene& scene, bool contacts, Collisions& result);
+    DeviceIntersections show(const PreparedScene& scene, bool contacts) const;
+    DeviceIntersections show_worlds(bool contacts) const;
+    void copy_to(const PreparedScene& scene, bool contacts, Intersections& result);
 
     void release();
     void release_contacts() { contact_block_.release(); }
@@ -44,8 +44,8 @@ class Answer {
     const void* place() const { return block_.data(); }
 
    private:
-    void cut(Cutter& cutter, const Scene& scene, std::size_t pairs);
-    void decide_open(const Scene& scene, std::size_t n, std::int32_t second, Cancellation& cancellation);
+    void cut(Cutter& cutter, const PreparedScene& scene, std::size_t pairs);
+    void decide_open(const PreparedScene& scene, std::size_t n, std::int32_t second, Cancellation& cancellation);
 
     const Geometry& geometry_;
     cudaStream_t stream_;

@@ -23,7 +23,7 @@ void Search::find_in_chunks(Lists lists) {
     copy(offsets.resize_discard(n), answer().output.offsets, n, cudaMemcpyDeviceToHost);
     drop_lists();
     answer().make_room(pass_.scene, static_cast<std::size_t>(answer().total));
-    const Output& output = answer().output;
+    const OutputArrays& output = answer().output;
     copy(output.offsets, offsets.data(), n, cudaMemcpyHostToDevice);
     copy(output.next, offsets.data(), n, cudaMemcpyHostToDevice);
     offsets.release();
@@ -45,7 +45,7 @@ unsigned long long Search::count_in_chunks(Lists lists) {
     Clearing clearing;
     answer().clear(clearing, pass_.scene);
     clearing.launch(geometry_, stream_);
-    const Output& output = answer().output;
+    const OutputArrays& output = answer().output;
     pass_over_chunks({Hits::Mode::count, {}, output.offsets, output.by_tile, nullptr});
     make_offsets(geometry_, stream_, static_cast<std::size_t>(pass_.scene.triangles[0]), output, pass_.counters);
     unsigned long long total = 0;
@@ -125,7 +125,7 @@ void Search::pass_over_slices(Hits hits, std::size_t& counted) {
 
 // Throws if an answer with so many pairs alone exceeds the limit.
 void Search::require_room(std::size_t pairs) const {
-    const auto bytes = static_cast<std::int64_t>(Answer::bytes(pass_.scene, pairs, query().contacts));
+    const auto bytes = static_cast<std::int64_t>(Answer::bytes(pass_.scene, pairs, query().contacts()));
     if (meter_.limit > 0 && bytes > meter_.limit) throw MemoryMeter::Exceeded{bytes};
 }
 

@@ -7,15 +7,6 @@
 
 namespace crumple::cuda {
 
-Query query_of(const Intersect& question) {
-    Query query;
-    query.neighbours = question.neighbours;
-    query.intersections = question.intersections;
-    query.weld = question.weld;
-    query.contacts = question.wants == Wants::contacts;
-    return query;
-}
-
 WorldFinder::WorldFinder(Search& search, cudaStream_t stream, MemoryMeter& meter)
     : search_(search), stream_(stream), meter_(meter), found_(metered(&meter)) {}
 
@@ -25,8 +16,8 @@ void WorldFinder::release() {
 }
 
 // Launches in flight keep the bodies that they were given.
-std::shared_ptr<const PosedWorlds> WorldFinder::bodies_of(const World& world, const Rules& rules, ParallelFor& workers,
-                                                          Room room) {
+std::shared_ptr<const PosedWorlds> WorldFinder::bodies_of(const World& world, const PairFilter& rules,
+                                                          ParallelFor& workers, Room room) {
     if (known_ && known_->resting().is_of(world, rules)) return known_;
     if (room == Room::fixed) throw NoRoom{};
     known_.reset();
@@ -35,15 +26,16 @@ std::shared_ptr<const PosedWorlds> WorldFinder::bodies_of(const World& world, co
     return known_;
 }
 
-bool WorldFinder::find(const World& world, const Intersect& question, ParallelFor& workers, WorldCollisions& result) {
-    const std::shared_ptr<const PosedWorlds> worlds = bodies_of(world, question.rules, workers);
+bool WorldFinder::find(const World& world, const IntersectionQuery& question, ParallelFor& workers,
+                       Intersections& result) {
+    const std::shared_ptr<const PosedWorlds> worlds = bodies_of(world, question.filter, workers);
     if (!worlds) return false;
     const RestingWorlds& resting = worlds->resting();
     resting.begin(question, result);
     search_.pose(search_.current(), worlds, world.device_poses, question.weld, false);
-    search_.adopt(query_of(question));
-    if (question.wants <= Wants::any_by_world) {
-        find_flags(*worlds, question.wants, result);
+    search_.adopt(question);
+    if (question.output <= Output::any_by_world) {
+        find_flags(*worlds, question.output, result);
     } else {
         search_.find();
         search_.copy_to(found_);
@@ -54,11 +46,11 @@ bool WorldFinder::find(const World& world, const Intersect& question, ParallelFo
     return true;
 }
 
-void WorldFinder::find_flags(const PosedWorlds& worlds, Wants wants, WorldCollisions& result) {
+void WorldFinder::find_flags(const PosedWorlds& worlds, Output wants, Intersections& result) {
     const auto several = static_cast<std::size_t>(worlds.scene().worlds);
     std::vector<std::uint8_t> flags(worlds.resting().empty() ? 0 : several, 0);
     if (flags.empty()) return;
-    if (wants == Wants::any || several == 1) {
+    if (wants == Output::any || several == 1) {
         flags[0] = search_.any();
     } else {
         fill(stream_, worlds.found(), 0, several * sizeof *worlds.found());

@@ -13,7 +13,6 @@
 namespace crumple::cuda {
 
 /// A world's question as that about its scene.
-Query query_of(const Intersect& question);
 
 class WorldFinder {
    public:
@@ -21,23 +20,23 @@ class WorldFinder {
 
     /// The world's bodies, brought to the device unless they are those of the call before. Null if one scene cannot
     /// hold them. Throws NoRoom if that is fixed and they are not there.
-    std::shared_ptr<const PosedWorlds> bodies_of(const World& world, const Rules& rules, ParallelFor& workers,
+    std::shared_ptr<const PosedWorlds> bodies_of(const World& world, const PairFilter& rules, ParallelFor& workers,
                                                  Room room = Room::grows);
 
     /// Fills the answer, once our stream waits for the poses; false if one scene cannot hold the worlds. Throws
     /// MemoryMeter::Exceeded if memory does not hold all of them at once.
-    bool find(const World& world, const Intersect& question, ParallelFor& workers, WorldCollisions& result);
+    bool find(const World& world, const IntersectionQuery& question, ParallelFor& workers, Intersections& result);
 
     void release();
 
    private:
-    void find_flags(const PosedWorlds& worlds, Wants wants, WorldCollisions& result);
+    void find_flags(const PosedWorlds& worlds, Output wants, Intersections& result);
 
     Search& search_;
     cudaStream_t stream_;
     MemoryMeter& meter_;
     std::shared_ptr<const PosedWorlds> known_;
-    Collisions found_;
+    Intersections found_;
 };
 
 }  // namespace crumple::cuda

@@ -67,8 +67,8 @@ __device__ void turn_to_coordinates(LeafFrame& frame) {
 
 // The frame of one leaf, by one block.
 __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsigned long long members,
-                           const std::int32_t* triangle, const Scene& scene, const PointRows& points, const Ball* balls,
-                           bool along_axes, BinnedFrame& result) {
+                           const std::int32_t* triangle, const PreparedScene& scene, const PointRows& points,
+                           const Ball* balls, bool along_axes, BinnedFrame& result) {
     const auto samples = static_cast<unsigned>(members < threads ? members : threads);
     const bool has = threadIdx.x < samples;
     const std::int32_t sample = has ? triangle[begin + threadIdx.x * members / samples] : 0;
@@ -128,7 +128,7 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
     result = is_finite(frame) ? frame : plain_frame();
 }
 
-__global__ void frame_kernel(int leaves, Segments members_of, const std::int32_t* triangle, Scene scene,
+__global__ void frame_kernel(int leaves, Segments members_of, const std::int32_t* triangle, PreparedScene scene,
                              PointRows points, const Ball* balls, bool along_axes, BinnedFrame* frames) {
     auto& shared = dynamic_shared<FrameShared>();
     for (int leaf = static_cast<int>(blockIdx.x); leaf < leaves; leaf += static_cast<int>(gridDim.x)) {
@@ -142,7 +142,7 @@ __global__ void frame_kernel(int leaves, Segments members_of, const std::int32_t
 }
 
 template <class Primitive>
-__global__ void reach_kernel(int leaves, Segments members_of, Members members, Scene scene, Primitive primitive,
+__global__ void reach_kernel(int leaves, Segments members_of, Members members, PreparedScene scene, Primitive primitive,
                              PointRows points, const Ball* balls, Frames frames) {
     const auto n = static_cast<std::size_t>(leaves);
     for (unsigned long long m = grid_thread(); m < members_of.first[n]; m += grid_stride()) {
@@ -159,7 +159,7 @@ __global__ void reach_kernel(int leaves, Segments members_of, Members members, S
 }  // namespace
 
 void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
-                 const std::int32_t* triangle, const Scene& scene, const Points& points, const Ball* balls,
+                 const std::int32_t* triangle, const PreparedScene& scene, const Points& points, const Ball* balls,
                  bool along_axes, BinnedFrame* frames) {
     const unsigned blocks = std::min(static_cast<unsigned>(leaves), geometry.resident * geometry.threads / threads);
     Launch{stream, blocks, threads, sizeof(FrameShared)}(frame_kernel, leaves, members_of, triangle, scene,
@@ -167,8 +167,8 @@ void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, cons
 }
 
 void measure_reach(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
-                   const Members& members, const Scene& scene, const Primitives& primitives, const Points& points,
-                   const Ball* balls, const Frames& frames) {
+                   const Members& members, const PreparedScene& scene, const Primitives& primitives,
+                   const Points& points, const Ball* balls, const Frames& frames) {
     with_primitive(primitives, [&](auto primitive) {
         Launch{stream, geometry.blocks(members.capacity), geometry.threads}(reach_kernel<decltype(primitive)>, leaves,
                                                                             members_of, members, scene, primitive,

@@ -20,7 +20,7 @@ __device__ bool is_finite(const Vec3d& p) {
 }
 
 template <bool aligned>
-__global__ void check_kernel(Scene scene, SceneBox* box, Counters* counters) {
+__global__ void check_kernel(PreparedScene scene, SceneBox* box, Counters* counters) {
     auto& shared = dynamic_shared<BoxShared>();
     Vec3d low{most, most, most}, high{-most, -most, -most};
     const auto n = static_cast<std::size_t>(scene.vertex_count());
@@ -54,7 +54,7 @@ __device__ Vec3f in_float(const Row<T>& row) {
 // Rows and balls. A triangle normalises its corners once more instead of waiting for their rows, which would be a
 // kernel of its own.
 template <bool aligned, class T>
-__global__ void bounds_kernel(Scene scene, const SceneBox* box, Row<T>* rows, Ball* balls, Counters* counters) {
+__global__ void bounds_kernel(PreparedScene scene, const SceneBox* box, Row<T>* rows, Ball* balls, Counters* counters) {
     auto& normaliser = dynamic_shared<Normaliser>();
     if (threadIdx.x == 0) normaliser = normaliser_of(*box);
     __syncthreads();
@@ -75,7 +75,7 @@ __global__ void bounds_kernel(Scene scene, const SceneBox* box, Row<T>* rows, Ba
 
 // The same for what is asked of more than contact: rows at the start and at the end, and widened balls.
 template <bool aligned, class T>
-__global__ void widened_bounds_kernel(Scene scene, Primitives primitives, const SceneBox* box, Row<T>* rows,
+__global__ void widened_bounds_kernel(PreparedScene scene, Primitives primitives, const SceneBox* box, Row<T>* rows,
                                       Ball* balls, Counters* counters) {
     auto& normaliser = dynamic_shared<Normaliser>();
     if (threadIdx.x == 0) normaliser = normaliser_of(*box);
@@ -122,15 +122,16 @@ void clear(Clearing& clearing, SceneBox* box) {
     clearing.add(box->high, sizeof box->high);
 }
 
-void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& scene, SceneBox* box,
+void check_vertices(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, SceneBox* box,
                     Counters* counters) {
     const auto n = static_cast<std::size_t>(scene.vertex_count());
     Launch{stream, geometry.blocks(n), geometry.threads, sizeof(BoxShared)}(
         is_aligned(scene) ? check_kernel<true> : check_kernel<false>, scene, box, counters);
 }
 
-void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Primitives& primitives,
-                    const SceneBox* box, const Points& points, Ball* balls, Counters* counters) {
+void compute_bounds(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
+                    const Primitives& primitives, const SceneBox* box, const Points& points, Ball* balls,
+                    Counters* counters) {
     const auto elements = static_cast<std::size_t>(std::max(scene.vertex_count(), scene.triangle_count()));
     const Launch launch{stream, geometry.blocks(elements), geometry.threads, sizeof(Normaliser)};
     const auto run = [&]<bool aligned>(auto* rows) {

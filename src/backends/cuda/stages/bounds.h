@@ -9,7 +9,7 @@
 #include "backends/cuda/stages/layout.h"
 #include "backends/cuda/stages/primitive.h"
 #include "geometry/normaliser.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::cuda {
 
@@ -42,11 +42,11 @@ void clear(Clearing& clearing, SceneBox* box);
 
 /// Widens the box by the scene's vertices, also at their ends, and notes the first that is not finite. For scenes that
 /// lie on the device; others were checked by the host.
-void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& scene, SceneBox* box,
+void check_vertices(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, SceneBox* box,
                     Counters* counters);
 
 /// Whether the triangle's corners exist; if not, notes it if it is the first.
-__device__ inline bool corners_exist(const Scene& scene, std::size_t t, Counters* counters) {
+__device__ inline bool corners_exist(const PreparedScene& scene, std::size_t t, Counters* counters) {
     const std::int32_t* corner = scene.corners + 3 * t;
     const auto vertices = static_cast<std::uint32_t>(scene.vertex_count());
     if (static_cast<std::uint32_t>(corner[0]) < vertices && static_cast<std::uint32_t>(corner[1]) < vertices &&
@@ -59,7 +59,8 @@ __device__ inline bool corners_exist(const Scene& scene, std::size_t t, Counters
 }
 
 /// Of a scene that moves, a ball holds the triangle's whole way, and rows of ends follow those of starts.
-void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Primitives& primitives,
-                    const SceneBox* box, const Points& points, Ball* balls, Counters* counters);
+void compute_bounds(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
+                    const Primitives& primitives, const SceneBox* box, const Points& points, Ball* balls,
+                    Counters* counters);
 
 }  // namespace crumple::cuda

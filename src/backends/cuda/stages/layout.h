@@ -23,8 +23,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "crumple/collisions.h"
 #include "crumple/features.h"
+#include "crumple/intersections.h"
 #include "geometry/ball.h"
 #include "geometry/leaf_frame.h"
 #include "geometry/point_rows.h"

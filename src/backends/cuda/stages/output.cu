@@ -5,7 +5,7 @@
 namespace crumple::cuda {
 namespace {
 
-__global__ void bucket_kernel(List<Hit> hits, std::int32_t second, Output out) {
+__global__ void bucket_kernel(List<Hit> hits, std::int32_t second, OutputArrays out) {
     const unsigned long long n = hits.filled();
     for (unsigned long long i = grid_thread(); i < n; i += grid_stride()) {
         const Hit hit = hits.data[i];
@@ -22,17 +22,17 @@ std::size_t whole_words(std::size_t flags) { return (flags + 3) / 4 * 4; }
 
 std::size_t part_capacity(std::size_t pairs) { return pairs / detail::short_row + pairs / detail::part_pairs + 1; }
 
-template void make_offsets(const Geometry&, cudaStream_t, std::size_t, const Output&, Counters*);
-template void list_parts(const Geometry&, cudaStream_t, std::size_t, const Output&, Counters*);
-template void order_buckets(const Geometry&, cudaStream_t, std::size_t, const Output&, Counters*, Counters*);
+template void make_offsets(const Geometry&, cudaStream_t, std::size_t, const OutputArrays&, Counters*);
+template void list_parts(const Geometry&, cudaStream_t, std::size_t, const OutputArrays&, Counters*);
+template void order_buckets(const Geometry&, cudaStream_t, std::size_t, const OutputArrays&, Counters*, Counters*);
 
-void fill_buckets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const List<Hit>& hits,
-                  const Output& output) {
+void fill_buckets(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const List<Hit>& hits,
+                  const OutputArrays& output) {
     const auto second = static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
     Launch{stream, geometry.blocks(hits.capacity), geometry.threads}(bucket_kernel, hits, second, output);
 }
 
-void clear_flags(Clearing& clearing, const Scene& scene, const Output& output) {
+void clear_flags(Clearing& clearing, const PreparedScene& scene, const OutputArrays& output) {
     clearing.add(output.hit, whole_words(static_cast<std::size_t>(scene.triangles[0])));
     if (scene.between) clearing.add(output.hit_second, whole_words(static_cast<std::size_t>(scene.triangles[1])));
 }

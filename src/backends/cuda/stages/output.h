@@ -7,7 +7,7 @@
 #include "backends/cuda/intersections/intersection_narrow.h"
 #include "backends/cuda/stages/clearing.h"
 #include "backends/cuda/stages/layout.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::cuda {
 
@@ -35,7 +35,7 @@ struct RowsOfOutput {
 };
 
 /// Pairs of triangles.
-struct Output : RowsOfOutput {
+struct OutputArrays : RowsOfOutput {
     using Key = std::int32_t;
     unsigned long long* next;  ///< offsets, counted up while pairs are written to their buckets
     Key* second;               ///< by pair, in no order within a bucket
@@ -58,22 +58,22 @@ std::size_t whole_words(std::size_t flags);
 
 /// Turns numbers by first element into offsets, and lists the parts of long rows. Defined, as those that follow are, in
 /// output_kernel.h.
-template <class Output>
-void make_offsets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const Output& output,
+template <class OutputArrays>
+void make_offsets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                   Counters* counters);
 /// Lists them where the offsets are known.
-template <class Output>
-void list_parts(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const Output& output,
+template <class OutputArrays>
+void list_parts(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                 Counters* counters);
 /// Writes the list's hits to their buckets.
-void fill_buckets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const List<Hit>& hits,
-                  const Output& output);
+void fill_buckets(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const List<Hit>& hits,
+                  const OutputArrays& output);
 /// What order_buckets() finds cleared, beside the list of parts.
-void clear_flags(Clearing& clearing, const Scene& scene, const Output& output);
+void clear_flags(Clearing& clearing, const PreparedScene& scene, const OutputArrays& output);
 /// Puts each bucket in order and sets the flags. `told`, unless it is null, is given a copy of the counters: memory of
 /// the host that the device can write.
-template <class Output>
-void order_buckets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const Output& output,
+template <class OutputArrays>
+void order_buckets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                    Counters* counters, Counters* told);
 
 }  // namespace crumple::cuda

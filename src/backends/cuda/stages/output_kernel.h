@@ -26,8 +26,8 @@ inline constexpr int offset_threads = 256, offsets_a_thread = offset_tile / offs
 inline constexpr unsigned part_pairs = 2048;  ///< of a long row, which a block sorts in shared memory
 
 // Lists the parts of first triangle `a`'s row, if it is long.
-template <class Output>
-__device__ void list_row(const Output& out, std::size_t a, unsigned long long pairs, Counters* counters) {
+template <class OutputArrays>
+__device__ void list_row(const OutputArrays& out, std::size_t a, unsigned long long pairs, Counters* counters) {
     if (pairs <= short_row) return;
     const unsigned long long parts = (pairs + part_pairs - 1) / part_pairs, place = atomicAdd(&counters->parts, parts);
     for (unsigned long long i = 0; i < parts && place + i < out.part_capacity; ++i)
@@ -42,8 +42,8 @@ struct OffsetsShared {
 
 // Prefix sums in one kernel: tiles were counted beside the triangles, so a block learns where its tile begins without
 // waiting for another block. That it reads the numbers of all tiles before is little: there is one for 2,048 triangles.
-template <class Output>
-__global__ void offsets_kernel(std::size_t n, Output out, Counters* counters) {
+template <class OutputArrays>
+__global__ void offsets_kernel(std::size_t n, OutputArrays out, Counters* counters) {
     auto& shared = dynamic_shared<OffsetsShared>();
     for (std::size_t tile = blockIdx.x; tile <= n / offset_tile; tile += gridDim.x) {
         unsigned long long own = 0;
@@ -66,8 +66,8 @@ __global__ void offsets_kernel(std::size_t n, Output out, Counters* counters) {
     }
 }
 
-template <class Output>
-__global__ void parts_kernel(std::size_t n, Output out, Counters* counters) {
+template <class OutputArrays>
+__global__ void parts_kernel(std::size_t n, OutputArrays out, Counters* counters) {
     for (std::size_t a = grid_thread(); a < n; a += grid_stride())
         list_row(out, a, out.offsets[a + 1] - out.offsets[a], counters);
 }
@@ -76,8 +76,8 @@ __global__ void parts_kernel(std::size_t n, Output out, Counters* counters) {
 struct PartRange {
     unsigned long long begin, end;
 };
-template <class Output>
-__device__ PartRange range_of(const Output& out, std::int32_t row, std::uint32_t number) {
+template <class OutputArrays>
+__device__ PartRange range_of(const OutputArrays& out, std::int32_t row, std::uint32_t number) {
     const unsigned long long begin = out.offsets[row] + std::uint64_t{number} * part_pairs;
     return {begin, min(begin + part_pairs, out.offsets[row + 1])};
 }
@@ -107,9 +107,9 @@ __device__ void sort_part(Key* second, unsigned n) {
 }
 
 // Flags; the pairs of short rows in order; parts of long rows sorted, a block a part.
-template <class Output>
-__global__ void order_kernel(std::size_t n, Output out, const Counters* counters) {
-    using Key = typename Output::Key;
+template <class OutputArrays>
+__global__ void order_kernel(std::size_t n, OutputArrays out, const Counters* counters) {
+    using Key = typename OutputArrays::Key;
     auto& shared = dynamic_shared<PartShared<Key>>();
     const unsigned long long total = out.total(n), parts = total ? min(counters->parts, out.part_capacity) : 0;
     for (unsigned long long p = blockIdx.x; p < parts; p += gridDim.x) {
@@ -154,8 +154,8 @@ __device__ unsigned long long count_less(const Key* second, PartRange range, Key
 // Each pair of a long row finds its place by bisection in all parts, which are merged by that: a block a part, so that
 // the longest row is the whole device's. It is a pass's last kernel, so all counters have their values, and the first
 // block tells the host.
-template <class Output>
-__global__ void merge_kernel(std::size_t n, Output out, const Counters* counters, Counters* told) {
+template <class OutputArrays>
+__global__ void merge_kernel(std::size_t n, OutputArrays out, const Counters* counters, Counters* told) {
     if (told && blockIdx.x == 0 && threadIdx.x == 0) *told = *counters;
     const unsigned long long parts = out.total(n) ? min(counters->parts, out.part_capacity) : 0;
     for (unsigned long long p = blockIdx.x; p < parts; p += gridDim.x) {
@@ -175,28 +175,29 @@ __global__ void merge_kernel(std::size_t n, Output out, const Counters* counters
 
 }  // namespace detail
 
-template <class Output>
-void make_offsets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const Output& output,
+template <class OutputArrays>
+void make_offsets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                   Counters* counters) {
     const auto blocks = static_cast<unsigned>(std::min<std::size_t>(offset_tiles(firsts), geometry.resident));
-    Launch{stream, blocks, detail::offset_threads, sizeof(detail::OffsetsShared)}(detail::offsets_kernel<Output>,
+    Launch{stream, blocks, detail::offset_threads, sizeof(detail::OffsetsShared)}(detail::offsets_kernel<OutputArrays>,
                                                                                   firsts, output, counters);
 }
 
-template <class Output>
-void list_parts(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const Output& output,
+template <class OutputArrays>
+void list_parts(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                 Counters* counters) {
-    Launch{stream, geometry.blocks(firsts), geometry.threads}(detail::parts_kernel<Output>, firsts, output, counters);
+    Launch{stream, geometry.blocks(firsts), geometry.threads}(detail::parts_kernel<OutputArrays>, firsts, output,
+                                                              counters);
 }
 
-template <class Output>
-void order_buckets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const Output& output,
+template <class OutputArrays>
+void order_buckets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                    Counters* counters, Counters* told) {
-    constexpr std::size_t shared = sizeof(detail::PartShared<typename Output::Key>);
-    Launch{stream, geometry.blocks(output.capacity), geometry.threads, shared}(detail::order_kernel<Output>, firsts,
-                                                                               output, counters);
+    constexpr std::size_t shared = sizeof(detail::PartShared<typename OutputArrays::Key>);
+    Launch{stream, geometry.blocks(output.capacity), geometry.threads, shared}(detail::order_kernel<OutputArrays>,
+                                                                               firsts, output, counters);
     Launch{stream, geometry.blocks(32 * part_capacity(output.capacity)), geometry.threads}(
-        detail::merge_kernel<Output>, firsts, output, counters, told);
+        detail::merge_kernel<OutputArrays>, firsts, output, counters, told);
 }
 
 }  // namespace crumple::cuda

@@ -34,7 +34,7 @@ class Pass {
         : geometry_(geometry), stream_(stream), options_(options) {}
 
     /// What is asked. Pointers are of the device.
-    Scene scene;
+    PreparedScene scene;
     const SceneBox* box = nullptr;
     Primitives primitives;
     Segments worlds{};  ///< triangles of each world; null: one has all

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "backends/cuda/device/runtime.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::cuda {
 
@@ -19,7 +19,7 @@ bool is_aligned(const VertexReader& reader) {
 inline bool is_aligned(const VertexReader& reader) {
     return reader.float32 ? is_aligned<float>(reader) : is_aligned<double>(reader);
 }
-inline bool is_aligned(const Scene& scene) {
+inline bool is_aligned(const PreparedScene& scene) {
     return is_aligned(scene.reader[0]) && is_aligned(scene.reader[1]) && (!scene.moving || is_aligned(scene.end));
 }
 
@@ -42,12 +42,12 @@ CRUMPLE_HD Vec3d read(const VertexReader& reader, std::size_t v) {
 }  // namespace detail
 
 template <bool aligned>
-CRUMPLE_HD Vec3d position(const Scene& scene, std::size_t v) {
+CRUMPLE_HD Vec3d position(const PreparedScene& scene, std::size_t v) {
     const auto first = static_cast<std::size_t>(scene.vertices[0]);
     return v < first ? detail::read<aligned>(scene.reader[0], v) : detail::read<aligned>(scene.reader[1], v - first);
 }
 template <bool aligned>
-CRUMPLE_HD Vec3d end_position(const Scene& scene, std::size_t v) {
+CRUMPLE_HD Vec3d end_position(const PreparedScene& scene, std::size_t v) {
     return detail::read<aligned>(scene.end, v);
 }
 

@@ -31,8 +31,8 @@ __device__ void sum_bins(std::uint32_t* bin_first, std::uint32_t first) {
 // leaves. Fences on both sides of the counter: the last warp sees what the others have counted. The first fence is lane
 // 0's, and comes after a __syncwarp, since only then it follows what the other lanes have counted.
 template <class T, class Primitive>
-__global__ void bin_kernel(Scene scene, Primitive primitive, const Row<T>* rows, int leaves, Segments members_of,
-                           Members members, Frames frames, Sorted sorted) {
+__global__ void bin_kernel(PreparedScene scene, Primitive primitive, const Row<T>* rows, int leaves,
+                           Segments members_of, Members members, Frames frames, Sorted sorted) {
     const unsigned lane = threadIdx.x % 32;
     const auto n = static_cast<std::size_t>(leaves);
     for (unsigned long long m = grid_thread(); m < members_of.first[n]; m += grid_stride()) {
@@ -94,7 +94,7 @@ void clear(Clearing& clearing, const Sorted& sorted, int leaves) {
 }
 
 template <class Primitive>
-void bin_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Primitive& primitive,
+void bin_members(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Primitive& primitive,
                  const Points& points, int leaves, const Segments& members_of, const Members& members,
                  const Frames& frames, const Sorted& sorted) {
     const auto bin = [&](const auto* rows, auto kernel) {
@@ -106,11 +106,11 @@ void bin_members(const Geometry& geometry, cudaStream_t stream, const Scene& sce
     else
         bin(points.d, bin_kernel<double, Primitive>);
 }
-template void bin_members(const Geometry&, cudaStream_t, const Scene&, const AtRest&, const Points&, int,
+template void bin_members(const Geometry&, cudaStream_t, const PreparedScene&, const AtRest&, const Points&, int,
                           const Segments&, const Members&, const Frames&, const Sorted&);
-template void bin_members(const Geometry&, cudaStream_t, const Scene&, const Widened<1>&, const Points&, int,
+template void bin_members(const Geometry&, cudaStream_t, const PreparedScene&, const Widened<1>&, const Points&, int,
                           const Segments&, const Members&, const Frames&, const Sorted&);
-template void bin_members(const Geometry&, cudaStream_t, const Scene&, const Widened<2>&, const Points&, int,
+template void bin_members(const Geometry&, cudaStream_t, const PreparedScene&, const Widened<2>&, const Points&, int,
                           const Segments&, const Members&, const Frames&, const Sorted&);
 
 void list_units(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,

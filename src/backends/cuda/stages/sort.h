@@ -8,7 +8,7 @@
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/stages/clearing.h"
 #include "backends/cuda/stages/layout.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::cuda {
 
@@ -28,14 +28,14 @@ void clear(Clearing& clearing, const Sorted& sorted, int leaves);
 /// of the device put(row, triangle, its corners as `Primitive` has them, ids, member in its frame, frame). Defined in
 /// sort_kernel.h.
 template <class Primitive, class Records>
-void sort_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
-                  const Segments& members_of, const Members& members, const Frames& frames, const Ownership& ownership,
-                  const Sorted& sorted, const Primitive& primitive, const Records& records, const List<Unit>& units,
-                  Counters* counters);
+void sort_members(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Points& points,
+                  int leaves, const Segments& members_of, const Members& members, const Frames& frames,
+                  const Ownership& ownership, const Sorted& sorted, const Primitive& primitive, const Records& records,
+                  const List<Unit>& units, Counters* counters);
 
 /// Its first part: the bins of each member, and where each bin's rows begin.
 template <class Primitive>
-void bin_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Primitive& primitive,
+void bin_members(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Primitive& primitive,
                  const Points& points, int leaves, const Segments& members_of, const Members& members,
                  const Frames& frames, const Sorted& sorted);
 /// Its last part: units of work.

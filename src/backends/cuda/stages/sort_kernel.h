@@ -11,7 +11,7 @@ namespace detail {
 
 // Box and record are made from one gather of the corners.
 template <class T, class Primitive, class Records>
-__global__ void place_kernel(Scene scene, const Row<T>* rows, int leaves, Segments members_of, Members members,
+__global__ void place_kernel(PreparedScene scene, const Row<T>* rows, int leaves, Segments members_of, Members members,
                              Frames frames, Ownership ownership, Sorted sorted, Primitive primitive, Records records,
                              Counters* counters) {
     unsigned long long tests = 0;
@@ -46,10 +46,10 @@ __global__ void place_kernel(Scene scene, const Row<T>* rows, int leaves, Segmen
 }  // namespace detail
 
 template <class Primitive, class Records>
-void sort_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
-                  const Segments& members_of, const Members& members, const Frames& frames, const Ownership& ownership,
-                  const Sorted& sorted, const Primitive& primitive, const Records& records, const List<Unit>& units,
-                  Counters* counters) {
+void sort_members(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Points& points,
+                  int leaves, const Segments& members_of, const Members& members, const Frames& frames,
+                  const Ownership& ownership, const Sorted& sorted, const Primitive& primitive, const Records& records,
+                  const List<Unit>& units, Counters* counters) {
     bin_members(geometry, stream, scene, primitive, points, leaves, members_of, members, frames, sorted);
     const auto place = [&](const auto* rows, auto kernel) {
         Launch{stream, geometry.blocks(members.capacity), geometry.threads}(

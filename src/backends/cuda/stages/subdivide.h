@@ -11,7 +11,7 @@
 #include "backends/cuda/stages/clearing.h"
 #include "backends/cuda/stages/layout.h"
 #include "backends/cuda/stages/primitive.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::cuda {
 
@@ -39,7 +39,7 @@ void fuzzy_c_means(const Geometry& geometry, cudaStream_t stream, const Level& l
 /// How far members reach in their leaves, which is found while they are listed, if `frames.reach` is there.
 struct Reaching {
     Frames frames;
-    Scene scene;
+    PreparedScene scene;
     Primitives primitives;
     PointRows points;
 };

@@ -7,7 +7,7 @@
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/stages/layout.h"
 #include "backends/cuda/stages/sort.h"
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 #include "scene/wanted_pairs.h"
 
 namespace crumple::cuda {
@@ -24,7 +24,7 @@ struct Slice {
 /// `Filter`: a function of the device that tells of a Candidate whether it goes
 /// on. Defined in sweep_kernel.h.
 template <class Filter>
-void sweep(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
+void sweep(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
            const List<Unit>& units, const Ownership& ownership, const WantedPairs& wanted, const Filter& filter,
            const List<Candidate>& survivors, const Slice& slice, Counters* counters);
 

@@ -34,7 +34,7 @@ __device__ inline bool ours(const Ownership& o, std::uint32_t leaf, std::int32_t
 
 template <class Filter>
 struct Sweep {
-    const Scene& scene;
+    const PreparedScene& scene;
     const Sorted& sorted;
     const Ownership& ownership;
     const WantedPairs& wanted;
@@ -109,8 +109,8 @@ __device__ inline unsigned columns_within(std::uint32_t first, std::uint32_t beg
 
 template <int threads, class Filter>
 __global__ void __launch_bounds__(threads)
-    sweep_kernel(Scene scene, Sorted sorted, List<Unit> units, Ownership ownership, WantedPairs wanted, Filter filter,
-                 List<Candidate> list, Slice slice, Counters* counters) {
+    sweep_kernel(PreparedScene scene, Sorted sorted, List<Unit> units, Ownership ownership, WantedPairs wanted,
+                 Filter filter, List<Candidate> list, Slice slice, Counters* counters) {
     const unsigned lane = threadIdx.x % 32;
     WarpShared& shared = dynamic_shared<SweepShared<threads>>().warp[threadIdx.x / 32];
     Sweep<Filter> sweep{scene, sorted, ownership, wanted, filter, list, shared, lane};
@@ -162,7 +162,7 @@ __global__ void __launch_bounds__(threads)
 }  // namespace detail
 
 template <class Filter>
-void sweep(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
+void sweep(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
            const List<Unit>& units, const Ownership& ownership, const WantedPairs& wanted, const Filter& filter,
            const List<Candidate>& survivors, const Slice& slice, Counters* counters) {
     const auto run = [&]<int threads>() {

@@ -3,36 +3,53 @@
 #include <cstdint>
 
 #include "crumple/array.h"
-#include "crumple/collisions.h"
 #include "crumple/features.h"
+#include "crumple/intersections.h"
 #include "crumple/world.h"
 
 namespace crumple {
 
-/// How much of the answer is wanted; each ends as soon as it may.
-enum class MotionWants : std::uint8_t {
-    any,           ///< whether anything touches on the way
-    any_by_world,  ///< the same for each world
-    earliest,      ///< the first impact of each world
-    impacts,       ///< all impacts
-};
+struct Impacts;
+struct DeviceImpacts;
+struct DistributedImpacts;
+struct FirstImpact;
+struct FreeStep;
 
-/// What touches what while every vertex goes straight from its start to its end (docs/motion.md). A value: it owns what
-/// it names.
-struct Motion {
-    MotionWants wants = MotionWants::impacts;
+/// Which features touch while every vertex goes straight from its start to its end, and when (docs/motion.md). A value:
+/// it owns what it names.
+struct ImpactQuery {
+    using Result = Impacts;
+    using DeviceResult = DeviceImpacts;
+    using DistributedResult = DistributedImpacts;
+
+    Output output = Output::pairs;  ///< `any`, `any_by_world`, `first` or `pairs`
     /// Features touch where their distance is at most this: Euclidean, finite, 0 or more; in the units of the
     /// coordinates. Exact as given.
-    double separation = 0;
+    double min_distance = 0;
     /// Or at most this share, in [0, 1), of the pair's own distance at the start, if that is more. A share above 0
     /// takes 5 to 31 times as long as 0.
-    double separation_share = 0;
+    double min_distance_share = 0;
     bool weld = false;  ///< vertices at equal positions at the start and at the end count as one, for neighbours
-    Rules rules = {};
-    bool index = false;  ///< also make the offsets of ImpactList, where impacts are wanted
-    /// Also ask for pairs of triangles: those that intersect at the start (docs/contract.md, Neighbours::geometric),
-    /// and those of whose features some pair is an impact. The answers to `any` and `any_by_world` count them, too.
+    PairFilter filter = {};
+    bool index = false;  ///< also make the offsets of ImpactList, where impacts are listed
+    /// Also list pairs of triangles: those that intersect at the start (docs/contract.md, Neighbours::geometric), and
+    /// those of whose features some pair is an impact. They count for `any` and `any_by_world`, too.
     bool triangle_pairs = false;
+};
+
+/// The first impact of all worlds. `output` and `index` are not read. FirstImpactQuery{{.min_distance = 1e-3}}: its
+/// members are those of an ImpactQuery.
+struct FirstImpactQuery : ImpactQuery {
+    using Result = FirstImpact;
+};
+
+/// A share of the step with positions, so that no feature touches another on the way to those, as they are rounded:
+/// start + toi (end - start), computed in floating point, is another motion than the one whose toi that is. The share
+/// is somewhat less than the first time of contact, by 2^-16 of it if that does and by more if rounding needs it; 0,
+/// and the start, where contact is there, or too near for any share above 2^-40. Of a mesh; `output` and `index` are
+/// not read. Cost: two or three times that of a FirstImpactQuery.
+struct FreeStepQuery : ImpactQuery {
+    using Result = FreeStep;
 };
 
 /// Impacts of one kind: unique, by first feature, then second; of worlds by world, then by body before each feature,
@@ -43,7 +60,7 @@ struct ImpactList {
     Array<double> toi;          ///< first time of contact in [0, 1], rounded down: toi <= exact < next number
     Array<std::uint8_t> start;  ///< 1: they touch at the start, toi = 0 exactly
 
-    // Where Motion::index asks for them; a single mesh only:
+    // Where ImpactQuery::index asks for them; a single mesh only:
     Array<std::int64_t> offsets;         ///< impacts of first feature i: [offsets[i], offsets[i + 1])
     Array<std::int64_t> second_offsets;  ///< the same of second features, into `by_second`
     Array<std::int64_t> by_second;       ///< positions in `pairs`, by second feature, then first
@@ -66,19 +83,19 @@ struct FreeStep {
     Array<double> positions;  ///< 3 a vertex: start + share (end - start), rounded to the precision of the mesh
 };
 
-/// The answer. A plain value: copy it to keep it beyond the detector's next call.
+/// Result of an ImpactQuery. A plain value: copy it to keep it beyond the detector's next call.
 struct Impacts {
-    /// Whether anything touches; else the step is free. With Motion::triangle_pairs also whether any intersect at the
-    /// start.
+    /// Whether anything touches; else the step is free. With ImpactQuery::triangle_pairs also whether any intersect at
+    /// the start.
     bool any = false;
-    FirstImpact first;       ///< of features, of all worlds (from MotionWants::earliest on)
+    FirstImpact first;       ///< of features, of all worlds (from Output::first on)
     std::int64_t count = 0;  ///< impacts, where they are listed; else 0
 
-    Array<std::uint8_t> world_hit;                ///< one a world: something touches (not for MotionWants::any)
-    Array<FirstImpact> world_first;               ///< one a world (from MotionWants::earliest on)
+    Array<std::uint8_t> world_hit;                ///< one a world: something touches (not for Output::any)
+    Array<FirstImpact> world_first;               ///< one a world (from Output::first on)
     std::array<ImpactList, feature_kinds> lists;  ///< by FeatureKind
-    /// Where Motion::triangle_pairs asks for them: triangles a < b (of worlds body by body) whose groups are wanted.
-    /// The first time of their features; 0, with `start`, if they intersect at the start.
+    /// Where ImpactQuery::triangle_pairs asks for them: triangles a < b (of worlds body by body) whose groups are
+    /// wanted. The first time of their features; 0, with `start`, if they intersect at the start.
     ImpactList triangle_pairs;
     bool lists_triangle_pairs = false;  ///< they were asked for, be there none
 

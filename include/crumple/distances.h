@@ -5,25 +5,32 @@
 #include <limits>
 
 #include "crumple/array.h"
-#include "crumple/collisions.h"
+#include "crumple/intersections.h"
 #include "crumple/world.h"
 
 namespace crumple {
 
+struct Distances;
+
 /// How far apart the bodies of a world are, each pair of them (docs/nearest.md). A value: it owns what it names.
-struct Nearest {
+struct DistanceQuery {
+    using Result = Distances;
+
     /// Only pairs of bodies whose distance is at most this: Euclidean, 0 or more, or infinite; in the units of the
     /// world. Exact as given.
     double radius = std::numeric_limits<double>::infinity();
     /// Which pairs of triangles count. Pairs within a body never do, so `bodies` must not be `within`.
-    Rules rules = {};
+    PairFilter filter = {};
 };
 
-/// The answer: one row for each pair of bodies that has a wanted pair of triangles, at most `radius` apart. First body
-/// < second body; rows in that order, so that worlds follow each other, and pairs among bodies that are in all worlds
-/// are last. The same bytes from every backend, thread count and instruction set. A plain value: copy it to keep it
-/// beyond the detector's next call.
-struct NearestBodies {
+/// Result of a DistanceQuery: one row for each pair of bodies that has a wanted pair of triangles, at most `radius`
+/// apart. First body < second body; rows in that order, so that worlds follow each other, and pairs among bodies that
+/// are in all worlds are last. The same bytes from every backend, thread count and instruction set. A plain value: copy
+/// it to keep it beyond the detector's next call.
+struct Distances {
+    bool any = false;        ///< whether there is any row
+    std::int64_t count = 0;  ///< rows
+
     Array<BodyPair> bodies;
     /// Of the triangles as sets of points, closed: 0 where some intersect. Exact, then rounded to the nearest number;
     /// infinite beyond the largest.

@@ -53,7 +53,7 @@ struct VertexReader {
     }
 };
 
-struct Scene {
+struct PreparedScene {
     bool between = false;                    ///< two meshes: pairs across only
     bool float32 = true;                     ///< all coordinates are float32 numbers
     std::array<VertexReader, 2> reader;      ///< of the first and the second mesh
@@ -72,7 +72,7 @@ struct Scene {
     Vec3d low, high;                           ///< box of all vertices, also at their ends; 0 if there are none
     std::array<Vec3d, 2> side_low, side_high;  ///< box of each mesh's vertices; low > high if there are none
 
-    friend bool operator==(const Scene&, const Scene&) = default;
+    friend bool operator==(const PreparedScene&, const PreparedScene&) = default;
     CRUMPLE_HD std::int64_t vertex_count() const { return vertices[0] + vertices[1]; }
     CRUMPLE_HD std::int64_t triangle_count() const { return triangles[0] + triangles[1]; }
     std::int64_t largest_world() const {
@@ -112,17 +112,18 @@ inline constexpr std::int64_t most_moving_vertices = std::int64_t{1} << 30;
 inline constexpr const char* too_many_moving_vertices = "in motion there may be 1073741824 vertices at most";
 
 /// Gives each vertex of a scene of one mesh an end. Throws Error: not_finite, invalid_argument.
-void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffers, Scene& scene);
+void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffers, PreparedScene& scene);
 
 /// Throws Error (not_finite) that names the first vertex that is not finite, after `which`.
 void check_finite(const VertexView& vertices, const std::string& which, ParallelFor& workers, SceneBuffers& buffers);
 
 /// names[v]: the lowest vertex at v's position, at the start and, if the scene moves, at the end. -0 equals +0.
 /// `table` is scratch.
-void name_equal_positions(const Scene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names);
+void name_equal_positions(const PreparedScene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names);
 
 /// Checks one mesh (b null) or two, on the threads of `workers`, and joins them. Throws Error: not_finite,
 /// index_out_of_range, invalid_argument.
-Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor& workers, SceneBuffers& buffers);
+PreparedScene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor& workers,
+                            SceneBuffers& buffers);
 
 }  // namespace crumple

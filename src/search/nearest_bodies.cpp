@@ -1,4 +1,4 @@
-#include "search/distances.h"
+#include "search/nearest_bodies.h"
 
 #include <algorithm>
 #include <atomic>
@@ -55,12 +55,12 @@ void NearestSearch::release() {
     kept_.release();
 }
 
-void NearestSearch::find(ParallelFor& workers, const World& world, const Nearest& question, bool frugal,
-                         NearestBodies& answer) {
+void NearestSearch::find(ParallelFor& workers, const World& world, const DistanceQuery& question, bool frugal,
+                         Distances& answer) {
     named_.begin();
     radius_ = question.radius;
-    outline_.read(world, question.rules);
-    rules_.prepare(question.rules);
+    outline_.read(world, question.filter);
+    rules_.prepare(question.filter);
     clear(answer);
     answer.statistics.triangles = outline_.triangles();
     answer.statistics.backend = "cpu";
@@ -160,7 +160,7 @@ void NearestSearch::check_vertices(std::int32_t b) const {
 }
 
 // Bodies are in the order of their worlds, so ascending pairs are as the answer wants them.
-void NearestSearch::list_pairs(NearestBodies& answer) {
+void NearestSearch::list_pairs(Distances& answer) {
     const std::int32_t worlds = outline_.worlds(), rest = outline_.first_body(worlds);
     for (std::int32_t w = 0; w < worlds; ++w) {
         const std::int32_t end = outline_.first_body(w + 1);
@@ -176,7 +176,7 @@ void NearestSearch::list_pairs(NearestBodies& answer) {
     }
 }
 
-void NearestSearch::add_pairs(std::int32_t a, std::int32_t begin, std::int32_t end, NearestBodies& answer) {
+void NearestSearch::add_pairs(std::int32_t a, std::int32_t begin, std::int32_t end, Distances& answer) {
     const auto lacks_triangles = [&](std::int32_t b) { return outline_.shape(b).triangles.rows == 0; };
     if (lacks_triangles(a)) return;
     for (std::int32_t b = begin; b < end; ++b) {

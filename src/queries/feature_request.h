@@ -8,15 +8,15 @@
 #include <span>
 
 #include "crumple/array.h"
-#include "crumple/collisions.h"
 #include "crumple/features.h"
 #include "crumple/function_ref.h"
-#include "crumple/motion.h"
-#include "crumple/near.h"
+#include "crumple/impacts.h"
+#include "crumple/intersections.h"
 #include "crumple/part.h"
+#include "crumple/proximities.h"
+#include "scene/prepared_scene.h"
 #include "scene/rest_shape.h"
 #include "scene/rules.h"
-#include "scene/scene.h"
 #include "scene/scene_features.h"
 #include "scene/vertex_rings.h"
 
@@ -25,16 +25,17 @@ namespace crumple {
 /// How much of the answer is wanted.
 enum class Extent : std::uint8_t { any, first, all };
 
-struct FeatureQuery {
+struct FeatureRequest {
     bool motion = false;  ///< which features touch on their way; else which are near each other
     Extent extent = Extent::all;
-    double distance = 0;  ///< the separation, or the radius
-    double share = 0;     ///< Motion::separation_share
-    bool strict = false;  ///< Near::strict
+    double distance = 0;  ///< the minimum distance, or the radius
+    double share = 0;     ///< ImpactQuery::min_distance_share
+    bool strict = false;  ///< ProximityQuery::strict
     bool frugal = false;  ///< with as little memory as can be, and always as much
     const SceneFeatures& features;
     const GroupRule& rule;
-    std::span<const double> radii = {};  ///< Near::radii of the scene's vertices; empty: `distance` is asked for
+    std::span<const double> radii =
+        {};  ///< ProximityQuery::radii of the scene's vertices; empty: `distance` is asked for
     const VertexRings* rings = nullptr;  ///< neighbours that have no vertex in common; null: there are none
     const RestShape* rest = nullptr;     ///< null: there is none
     const Part* part = nullptr;          ///< what the scene is made of, whose pairs are asked for; null: all

@@ -1,4 +1,4 @@
-#include "scene/scene.h"
+#include "scene/prepared_scene.h"
 
 #include <algorithm>
 #include <bit>
@@ -172,7 +172,7 @@ void check_content(const MeshView& mesh, const VertexReader& reader, const std::
 }  // namespace
 
 // Open addressing, linear probing, half full at most.
-void name_equal_positions(const Scene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names) {
+void name_equal_positions(const PreparedScene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names) {
     const std::int64_t n = scene.vertex_count();
     const std::uint64_t slots = std::bit_ceil(static_cast<std::uint64_t>(2 * n + 1));
     const PositionHash hash;
@@ -189,7 +189,7 @@ void name_equal_positions(const Scene& scene, Array<std::int32_t>& table, Array<
     }
 }
 
-void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffers, Scene& scene) {
+void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffers, PreparedScene& scene) {
     outline_motion(end, scene);
     Vec3d low = scene.low, high = scene.high;
     check_content(MeshView(end, {}), scene.end, "at the end: ", workers, buffers.checks, low, high);
@@ -203,8 +203,9 @@ void check_finite(const VertexView& vertices, const std::string& which, Parallel
     check_content(MeshView(vertices, {}), reader, which, workers, buffers.checks, low, high);
 }
 
-Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor& workers, SceneBuffers& buffers) {
-    Scene scene = outline_scene(a, b, MemorySpace::host);
+PreparedScene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor& workers,
+                            SceneBuffers& buffers) {
+    PreparedScene scene = outline_scene(a, b, MemorySpace::host);
     const std::array<const MeshView*, 2> meshes{&a, b};
     constexpr double most = std::numeric_limits<double>::max();
     scene.side_low.fill({most, most, most});

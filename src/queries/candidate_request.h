@@ -8,18 +8,18 @@
 
 #include "crumple/array.h"
 #include "crumple/candidates.h"
-#include "crumple/collisions.h"
 #include "crumple/function_ref.h"
-#include "queries/feature_query.h"
+#include "crumple/intersections.h"
+#include "queries/feature_request.h"
 #include "scene/rules.h"
 #include "scene/scene_features.h"
 
 namespace crumple {
 
-struct CandidateQuery {
+struct CandidateRequest {
     std::array<bool, candidate_kinds> wanted{};  ///< by CandidateKind
     double inflation = 0;
-    bool frugal = false;  ///< as FeatureQuery::frugal
+    bool frugal = false;  ///< as FeatureRequest::frugal
     const SceneFeatures& features;
     const GroupRule& rule;
 

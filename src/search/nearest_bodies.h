@@ -10,7 +10,7 @@
 
 #include "base/cancellation.h"
 #include "base/parallel_for.h"
-#include "crumple/nearest.h"
+#include "crumple/distances.h"
 #include "scene/body_rules.h"
 #include "scene/shape_trees.h"
 #include "scene/world_outline.h"
@@ -25,7 +25,7 @@ class NearestSearch {
     ~NearestSearch();
 
     /// `frugal`: one pair after the other, so that as much memory is needed as in each such call.
-    void find(ParallelFor& workers, const World& world, const Nearest& question, bool frugal, NearestBodies& answer);
+    void find(ParallelFor& workers, const World& world, const DistanceQuery& question, bool frugal, Distances& answer);
 
     /// Gives all memory back, but for named shapes.
     void release();
@@ -36,8 +36,8 @@ class NearestSearch {
     void read_shapes();
     void read_bodies();
     void check_vertices(std::int32_t b) const;
-    void list_pairs(NearestBodies& answer);
-    void add_pairs(std::int32_t a, std::int32_t begin, std::int32_t end, NearestBodies& answer);
+    void list_pairs(Distances& answer);
+    void add_pairs(std::int32_t a, std::int32_t begin, std::int32_t end, Distances& answer);
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;

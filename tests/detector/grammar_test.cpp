@@ -1,0 +1,148 @@
+// One grammar: every query is asked of every scene by the same call, and what is not there is refused by one error.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "agreement/compare.h"
+#include "error_of.h"
+#include "soups.h"
+
+namespace crumple {
+namespace {
+
+using test::error_of;
+using test::random_soup;
+using test::same_bytes;
+
+std::string refusal(const Error& error) {
+    EXPECT_EQ(error.code, ErrorCode::invalid_argument) << error.what();
+    return error.what();
+}
+
+/// Two meshes as bodies of a world.
+struct TwoBodies {
+    std::array<Shape, 2> shapes;
+    std::array<Body, 2> bodies{Body{.shape = 0}, Body{.shape = 1}};
+    TwoBodies(const MeshView& a, const MeshView& b) : shapes{Shape(a), Shape(b)} {}
+    World world() const { return {shapes, bodies, {}}; }
+};
+
+class Grammar : public testing::TestWithParam<Backend> {
+   public:
+    const test::Soup<double> a_ = random_soup<double>(60, 0.4), b_ = random_soup<double>(70, 0.4, 5);
+    const std::vector<std::array<double, 3>> end_ = [this] {
+        auto end = a_.vertices;
+        for (std::size_t v = 0; v < end.size(); ++v) end[v][v % 3] += 0.1;
+        return end;
+    }();
+    const VertexView end_view_ = rows_of_three(end_[0].data(), static_cast<std::int64_t>(end_.size()));
+    Detector detector_{{.backend = GetParam()}}, other_{{.backend = GetParam()}};
+};
+
+INSTANTIATE_TEST_SUITE_P(, Grammar, testing::Values(Backend::cpu, Backend::reference),
+                         [](const auto& b) { return b.param == Backend::cpu ? "cpu" : "reference"; });
+
+TEST_P(Grammar, less_output_of_meshes_tells_of_the_same_pairs) {
+    const MeshView a = a_.view(), b = b_.view();
+    for (const Scene& scene : {Scene(a), Scene(a, b)}) {
+        const Intersections all = other_.find(scene);
+        ASSERT_GT(all.count, 20);
+        EXPECT_TRUE(all.any);
+        EXPECT_EQ(all.count, static_cast<std::int64_t>(all.pairs.size()));
+        const auto with = [&](Output output) -> const Intersections& {
+            return detector_.find(scene, {.output = output});
+        };
+        EXPECT_TRUE(with(Output::any).any);
+        EXPECT_TRUE(with(Output::any).pairs.empty());
+        EXPECT_EQ(with(Output::any_by_world).world_hit.size(), 1u);
+        EXPECT_EQ(with(Output::count).count, all.count);
+        EXPECT_TRUE(with(Output::count).pairs.empty());
+        EXPECT_EQ(with(Output::body_pairs).bodies.size(), 1u);
+        EXPECT_TRUE(detector_.any(scene));
+        EXPECT_EQ(with(Output::pairs).pairs.size(), all.pairs.size());
+        EXPECT_TRUE(same_bytes(detector_.find(scene).hit, all.hit, "hit flags"));
+    }
+}
+
+TEST_P(Grammar, two_meshes_are_two_bodies) {
+    const MeshView a = a_.view(), b = b_.view();
+    const TwoBodies bodies(a, b);
+    const ProximityQuery near{.radius = 0.02};
+    const Proximities of_meshes = detector_.find({a, b}, near), of_world = other_.find(bodies.world(), near);
+    ASSERT_GT(of_meshes.count, 5);
+    EXPECT_TRUE(same_bytes(of_meshes.vertex_faces().pairs, of_world.vertex_faces().pairs, "pairs"));
+    EXPECT_TRUE(same_bytes(of_meshes.edge_edges().bodies, of_world.edge_edges().bodies, "bodies"));
+    const MeshView moving = a.moving_to(end_view_);
+    const TwoBodies step(moving, b);
+    const Impacts impacts = detector_.find({moving, b}, ImpactQuery()),
+                  expected = other_.find(step.world(), ImpactQuery());
+    ASSERT_GT(impacts.count, 5);
+    EXPECT_TRUE(same_bytes(impacts.vertex_faces().toi, expected.vertex_faces().toi, "toi"));
+    EXPECT_EQ(detector_.find({moving, b}, FirstImpactQuery()), expected.first);
+    const Candidates candidates = detector_.find({a, b}, CandidateQuery{.inflation = 0.01});
+    EXPECT_EQ(candidates.count, other_.find(bodies.world(), CandidateQuery{.inflation = 0.01}).count);
+    EXPECT_TRUE(candidates.any);
+    const Distances distances = detector_.find({a, b}, DistanceQuery());
+    EXPECT_EQ(distances.count, 1);
+    EXPECT_TRUE(same_bytes(distances.squared_distance, other_.find(bodies.world(), DistanceQuery()).squared_distance,
+                           "squared distances"));
+    std::int64_t rows = 0;
+    detector_.stream({a, b}, near, [&](const Proximities& block) { rows = block.count; });
+    EXPECT_EQ(rows, of_meshes.count);
+}
+
+TEST_P(Grammar, a_step_is_free_until_its_first_impact) {
+    const MeshView moving = a_.view().moving_to(end_view_);
+    const Impacts all = other_.find(moving, ImpactQuery{.output = Output::first});
+    ASSERT_TRUE(all.first.found);
+    EXPECT_EQ(detector_.find(moving, FirstImpactQuery()), all.first);
+    EXPECT_TRUE(detector_.any(moving, ImpactQuery()));
+    const double share = detector_.find(moving, FreeStepQuery()).share;
+    EXPECT_GT(share, 0);
+    EXPECT_LT(share, all.first.toi);
+    EXPECT_EQ(detector_.find(moving, FreeStepQuery{{.triangle_pairs = true}}).share, 0) << "some intersect already";
+    EXPECT_EQ(detector_.find(a_.view().moving_to(a_.view().vertices), FirstImpactQuery{{.min_distance = 1}}).toi, 0);
+}
+
+TEST_P(Grammar, refuses_what_is_not_there) {
+    const MeshView a = a_.view();
+    const TwoBodies bodies(a, a);
+    const Part part = detector_.partition(a, {}, 2)[0];
+    const auto of = [&](const Scene& scene, const auto& query) {
+        return refusal(error_of([&] { detector_.find(scene, query); }));
+    };
+    EXPECT_EQ(of(a, DistanceQuery()), "distances are those of bodies: a world, or two meshes");
+    EXPECT_EQ(of(part, DistanceQuery()), "parts know intersections, impacts and proximities");
+    EXPECT_EQ(of(part, CandidateQuery()), "parts know intersections, impacts and proximities");
+    EXPECT_EQ(of(bodies.world(), FreeStepQuery()), "a free step is that of one mesh");
+    EXPECT_EQ(of({a, a}, FreeStepQuery()), "a free step is that of one mesh");
+    EXPECT_EQ(of(a, ImpactQuery()), "the vertices at the end are missing");
+    EXPECT_EQ(of(part, IntersectionQuery{.output = Output::count}),
+              "output must be pairs or contacts: these are what parts have");
+    for (const Scene& scene : {Scene(a), Scene(a, a), Scene(bodies.world())})
+        EXPECT_EQ(of(scene, IntersectionQuery{.output = Output::first}),
+                  "output must be any, any_by_world, body_pairs, count, pairs or contacts");
+    EXPECT_EQ(of(a.moving_to(end_view_), ImpactQuery{.output = Output::contacts}),
+              "output must be any, any_by_world, first or pairs");
+    EXPECT_EQ(of(a, ProximityQuery{.output = Output::first}), "output must be any, any_by_world or pairs");
+    EXPECT_EQ(of(a, IntersectionQuery{.filter = {.bodies = PairScope::within}}),
+              "a filter of bodies needs a world of bodies");
+    EXPECT_EQ(of({a, a}, IntersectionQuery{.filter = {.excluded_bodies = {{0, 1}}}}),
+              "a filter of bodies needs a world of bodies");
+    const auto ignore = [](const auto&) { FAIL(); };
+    EXPECT_EQ(refusal(error_of([&] { detector_.stream(part, IntersectionQuery(), ignore); })),
+              "blocks are not made of parts");
+    EXPECT_EQ(refusal(error_of([&] { detector_.partition(bodies.world(), {}, 2); })),
+              "parts are made of one mesh or two");
+    EXPECT_EQ(refusal(error_of([&] {
+                  detector_.partition({a, a}, ProximityQuery(), 2);
+              })),
+              "parts for a query about features are made of one mesh");
+    EXPECT_EQ(detector_.find(a).count, other_.find(a).count) << "and goes on";
+}
+
+}  // namespace
+}  // namespace crumple
