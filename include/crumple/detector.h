@@ -75,9 +75,14 @@ class CRUMPLE_API Detector {
     /// the part; edges and points are empty, for a part knows its own (PartFeatures). A part that did not come from
     /// partition() is checked, and an Error's vertex or triangle is a position in the part.
     ///
-    /// Distances need the cpu or the reference backend; parts of features too.
+    /// Throws Error (invalid_argument), with the sentence that supports() is about, where that is false.
     template <AnyQuery Query = IntersectionQuery>
     const typename Query::Result& find(const Scene& scene, const Query& query = {}, std::stop_token stop = {});
+
+    /// True if find() takes queries of this type about such a scene: by what it is, where it lies, and the backend that
+    /// works. docs/supported.md has the table. Says nothing of options and sizes, and looks at no array.
+    template <AnyQuery Query = IntersectionQuery>
+    bool supports(const Scene& scene, const Query& query = {}) const;
 
     /// Whether there is anything to find: of intersections, impacts and proximities. Stops at the first pair found; the
     /// cuda backend at those found at the same time. Query::output does not matter. A step is free if there is no

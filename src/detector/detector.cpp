@@ -179,6 +179,33 @@ struct Detector::Implementation : WorldCalls {
         return parts;
     }
 
+    /// Why a query cannot be asked of this scene with this backend, in one sentence; else empty.
+    template <class Query>
+    const char* refusal(const Scene& scene) const {
+        constexpr bool intersections = std::same_as<Query, IntersectionQuery>;
+        constexpr bool distances = std::same_as<Query, DistanceQuery>;
+        const auto* mesh = std::get_if<MeshView>(&scene.source());
+        const auto* two = std::get_if<TwoMeshes>(&scene.source());
+        const auto* world = std::get_if<World>(&scene.source());
+        const auto on_device = [](const MeshView& of) { return of.memory != MemorySpace::host; };
+        const bool some_on_device = (mesh && on_device(*mesh)) || (two && (on_device(two->a) || on_device(two->b)));
+        const bool on_cuda = working == Backend::cuda;
+        if (distances && on_cuda) return "distances of bodies need the cpu backend (Options::backend)";
+        if (distances && mesh) return "distances are those of bodies: a world, or two meshes";
+        if (std::same_as<Query, FreeStepQuery> && !mesh) return "a free step is that of one mesh";
+        if ((distances || std::same_as<Query, CandidateQuery>)&&!mesh && !two && !world)
+            return "parts know intersections, impacts and proximities";
+        if (some_on_device && !on_cuda) return "meshes in device memory need the cuda backend (Options::backend)";
+        if (some_on_device && two && !intersections) return "two meshes lie in host memory, except for intersections";
+        if (world && lies_on_device(*world) && !on_cuda)
+            return "poses in device memory need the cuda backend (Options::backend)";
+        return "";
+    }
+    template <class Query>
+    void require_supported(const Scene& scene) {
+        if (const char* why = refusal<Query>(scene); *why) refuse(why);
+    }
+
     // What only some queries have:
 
     const FirstImpact& find(const Scene& scene, const FirstImpactQuery& query, std::stop_token stop) {
@@ -188,8 +215,8 @@ struct Detector::Implementation : WorldCalls {
         return first_impact = find(scene, impacts_of, std::move(stop)).first;
     }
     const FreeStep& find(const Scene& scene, const FreeStepQuery& query, const std::stop_token& stop) {
+        require_supported<FreeStepQuery>(scene);
         const MeshView* mesh = std::get_if<MeshView>(&scene.source());
-        if (!mesh) refuse("a free step is that of one mesh");
         HostShape copy;
         MeshView on_host = *mesh;
         if (mesh->memory != MemorySpace::host) {
@@ -212,13 +239,14 @@ struct Detector::Implementation : WorldCalls {
     const typename Query::Result& find(const Scene& scene, const Query& query, std::stop_token stop) {
         using Result = typename Query::Result;
         constexpr bool intersections = std::same_as<Query, IntersectionQuery>;
+        require_supported<Query>(scene);
         const auto of_mesh = [&](const MeshView& mesh) -> const Result& {
             if constexpr (intersections)
                 return find(mesh, nullptr, query, std::move(stop));
             else if constexpr (FeatureQuery<Query>)
                 return find(mesh, query, std::move(stop));
             else
-                refuse("distances are those of bodies: a world, or two meshes");
+                return nearest_bodies;  // refused
         };
         const auto of_two = [&](const TwoMeshes& meshes) -> const Result& {
             if constexpr (intersections) {
@@ -239,7 +267,7 @@ struct Detector::Implementation : WorldCalls {
             } else if constexpr (std::same_as<Query, ImpactQuery> || std::same_as<Query, ProximityQuery>) {
                 return find(*part, query, std::move(stop));
             } else {
-                refuse("parts know intersections, impacts and proximities");
+                return result_of(query);  // refused
             }
         };
         return std::visit(Overloaded{of_mesh, of_two, of_world, of_part}, scene.source());
@@ -332,6 +360,10 @@ template <AnyQuery Query>
 const typename Query::Result& Detector::find(const Scene& scene, const Query& query, std::stop_token stop) {
     return implementation_->find(scene, query, std::move(stop));
 }
+template <AnyQuery Query>
+bool Detector::supports(const Scene& scene, const Query&) const {
+    return !*implementation_->refusal<Query>(scene);
+}
 template <PairQuery Query>
 bool Detector::any(const Scene& scene, const Query& query, std::stop_token stop) {
     return implementation_->any(scene, query, std::move(stop));
@@ -356,8 +388,9 @@ const typename Query::DeviceResult& Detector::wait(std::stop_token stop) {
 }
 
 // Which query has which delivery:
-#define CRUMPLE_FIND(Query) \
-    template CRUMPLE_API const Query::Result& Detector::find(const Scene&, const Query&, std::stop_token);
+#define CRUMPLE_FIND(Query)                                                                                \
+    template CRUMPLE_API const Query::Result& Detector::find(const Scene&, const Query&, std::stop_token); \
+    template CRUMPLE_API bool Detector::supports(const Scene&, const Query&) const;
 #define CRUMPLE_ANY(Query) template CRUMPLE_API bool Detector::any(const Scene&, const Query&, std::stop_token);
 #define CRUMPLE_STREAM(Query)                         \
     template CRUMPLE_API Statistics Detector::stream( \

@@ -93,7 +93,6 @@ const Distances& WorldCalls::find(const World& world, const DistanceQuery& query
     Stopwatch watch;
     bool frugal = false;
     const auto attempt = [&] {
-        check(working != Backend::cuda, "distances of bodies need the cpu backend (Options::backend)");
         check_question(query);
         check_bodies_have_triangles(world, query.filter, false, "distances of bodies are those of triangles");
         const PosedOnHost there(*backend, world);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "agreement/compare.h"
@@ -142,6 +143,53 @@ TEST_P(Grammar, refuses_what_is_not_there) {
               })),
               "parts for a query about features are made of one mesh");
     EXPECT_EQ(detector_.find(a).count, other_.find(a).count) << "and goes on";
+}
+
+/// A scene of every kind, in host memory.
+struct Scenes {
+    test::Soup<double> soup = random_soup<double>(20, 0.4);
+    MeshView mesh = soup.view();
+    MeshView moving = mesh.moving_to(mesh.vertices);
+    TwoBodies bodies{moving, moving};
+    World world = bodies.world();
+    Detector cpu{{.backend = Backend::cpu}};
+    Part part = cpu.partition(mesh, {}, 1)[0];
+    Part part_of_step = cpu.partition(moving, ImpactQuery(), 1)[0];
+    Part part_of_proximities = cpu.partition(mesh, ProximityQuery(), 1)[0];
+};
+
+template <class Query>
+Scene part_for(const Scenes& scenes) {
+    if constexpr (std::is_base_of_v<ImpactQuery, Query>) return scenes.part_of_step;
+    if constexpr (std::is_same_v<Query, ProximityQuery>) return scenes.part_of_proximities;
+    return scenes.part;
+}
+
+template <class Query>
+class Supports : public testing::Test {};
+using Queries = testing::Types<IntersectionQuery, ImpactQuery, FirstImpactQuery, FreeStepQuery, ProximityQuery,
+                               CandidateQuery, DistanceQuery>;
+TYPED_TEST_SUITE(Supports, Queries, );
+
+TYPED_TEST(Supports, says_what_find_takes) {
+    const Scenes scenes;
+    Detector detectors[] = {Detector({.backend = Backend::cpu}), Detector({.backend = Backend::reference})};
+    for (Detector& detector : detectors)
+        for (const Scene& scene : {Scene(scenes.moving), Scene(scenes.moving, scenes.moving), Scene(scenes.world),
+                                   part_for<TypeParam>(scenes)}) {
+            bool found = true;
+            try {
+                detector.find(scene, TypeParam());
+            } catch (const Error& error) {
+                found = false;
+                EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+            }
+            EXPECT_EQ(detector.supports(scene, TypeParam()), found) << scene.source().index();
+        }
+    MeshView on_device = scenes.moving;
+    on_device.memory = MemorySpace::cuda;
+    EXPECT_FALSE(detectors[0].supports(on_device, TypeParam())) << "the cpu backend reads no device memory";
+    EXPECT_FALSE(detectors[0].supports({on_device, on_device}, TypeParam()));
 }
 
 }  // namespace
