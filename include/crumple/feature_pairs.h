@@ -6,6 +6,7 @@
 
 #include "crumple/array.h"
 #include "crumple/export.h"
+#include "crumple/features.h"
 #include "crumple/mesh.h"
 
 namespace crumple {
@@ -14,16 +15,16 @@ namespace crumple {
 // (docs/given_pairs.md). The decisions are those of Detector::find, pair by pair. Nothing is
 // known of meshes, so nothing is left out as a neighbour.
 //
-// Points lie in rows, pair after pair, float32 or float64, in host memory: the vertex, then the face's three corners;
-// the two ends of the one edge, then those of the other; the vertex, then the edge's ends; or two vertices. So k pairs
-// have 4k, 4k, 3k or 2k rows. A feature is the closed convex hull of its points, collapsed or not.
+// Points lie in rows, pair after pair, float32 or float64, in host memory, as the kind has them: the vertex, then the
+// face's three corners; the two ends of the one edge, then those of the other; the vertex, then the edge's ends; or two
+// vertices. So k pairs have 4k, 4k, 3k or 2k rows. A feature is the closed convex hull of its points, collapsed or not.
 //
-// All throw Error: invalid_argument where the rows are no whole number of pairs, or the start has not as many as the
+// Both throw Error: invalid_argument where the rows are no whole number of pairs, or the start has not as many as the
 // end; not_finite, which names the pair and the point; cancelled. Thread-safe. Answers are the same bytes for every
 // number of threads.
 
-/// When two features count as touching, and how many threads decide it.
-struct PairMotion {
+/// When two features of a pair count as touching, and how many threads decide it.
+struct PairImpactQuery {
     double min_distance = 0;        ///< as ImpactQuery::min_distance
     double min_distance_share = 0;  ///< as ImpactQuery::min_distance_share
     int threads = 0;                ///< 0: as many as the machine has
@@ -36,16 +37,10 @@ struct PairImpacts {
     Array<std::uint8_t> start;  ///< 1: they touch at the start, toi = 0 exactly
 };
 
-/// What the pairs do while each point goes straight from its start to its end. Cost: some 0.3 us for a pair that is
-/// apart, some 2 us for one that touches, 5 to 200 us where only rational arithmetic can tell.
-CRUMPLE_API PairImpacts vertex_face_impacts(const VertexView& start, const VertexView& end,
-                                            const PairMotion& question = {}, std::stop_token stop = {});
-CRUMPLE_API PairImpacts edge_edge_impacts(const VertexView& start, const VertexView& end,
-                                          const PairMotion& question = {}, std::stop_token stop = {});
-CRUMPLE_API PairImpacts vertex_edge_impacts(const VertexView& start, const VertexView& end,
-                                            const PairMotion& question = {}, std::stop_token stop = {});
-CRUMPLE_API PairImpacts vertex_vertex_impacts(const VertexView& start, const VertexView& end,
-                                              const PairMotion& question = {}, std::stop_token stop = {});
+/// Returns what pairs of one kind do while each point goes straight from its start to its end. Cost: some 0.3 us for a
+/// pair that is apart, some 2 us for one that touches, 5 to 200 us where only rational arithmetic can tell.
+CRUMPLE_API PairImpacts pair_impacts(FeatureKind kind, const VertexView& start, const VertexView& end,
+                                     const PairImpactQuery& query = {}, std::stop_token stop = {});
 
 /// One element a pair.
 struct PairDistances {
@@ -59,10 +54,8 @@ struct PairDistances {
     Array<std::array<double, 2>> at;
 };
 
-/// How far apart the pairs are, at rest. `threads`: 0: as many as the machine has. Cost: some 0.6 us a pair.
-CRUMPLE_API PairDistances vertex_face_distances(const VertexView& points, int threads = 0, std::stop_token stop = {});
-CRUMPLE_API PairDistances edge_edge_distances(const VertexView& points, int threads = 0, std::stop_token stop = {});
-CRUMPLE_API PairDistances vertex_edge_distances(const VertexView& points, int threads = 0, std::stop_token stop = {});
-CRUMPLE_API PairDistances vertex_vertex_distances(const VertexView& points, int threads = 0, std::stop_token stop = {});
+/// Returns how far apart pairs of one kind are. `threads`: 0: as many as the machine has. Cost: some 0.6 us a pair.
+CRUMPLE_API PairDistances pair_distances(FeatureKind kind, const VertexView& points, int threads = 0,
+                                         std::stop_token stop = {});
 
 }  // namespace crumple

@@ -25,18 +25,7 @@ from ._core import Part, Statistics, __version__
 from ._detector import Detector
 from ._devices import DeviceInfo, DeviceList, list_devices
 from ._errors import BackendUnavailable, Error, FileError, FileWarning, InvalidInput, InvalidType, MemoryLimit
-from ._feature_pairs import (
-    PairDistances,
-    PairImpacts,
-    edge_edge_distances,
-    edge_edge_impacts,
-    vertex_edge_distances,
-    vertex_edge_impacts,
-    vertex_face_distances,
-    vertex_face_impacts,
-    vertex_vertex_distances,
-    vertex_vertex_impacts,
-)
+from ._feature_pairs import PairDistances, PairImpacts, pair_distances, pair_impacts
 from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
 from ._fuzzy_c_means import FuzzyCMeans
 from ._impacts import FirstImpact, FreeStep, Impacts
@@ -108,8 +97,6 @@ __all__ = [
     "WorldResult",
     "__version__",
     "as_mesh",
-    "edge_edge_distances",
-    "edge_edge_impacts",
     "find_candidates",
     "find_free_step",
     "find_impacts",
@@ -122,17 +109,13 @@ __all__ = [
     "is_free",
     "list_devices",
     "make_scene",
+    "pair_distances",
+    "pair_impacts",
     "read_mesh",
     "read_pairs",
     "read_poses",
     "read_world",
     "scenes",
     "time_of_first_impact",
-    "vertex_edge_distances",
-    "vertex_edge_impacts",
-    "vertex_face_distances",
-    "vertex_face_impacts",
-    "vertex_vertex_distances",
-    "vertex_vertex_impacts",
     "write_mesh",
 ]

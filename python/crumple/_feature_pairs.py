@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from . import _core
-from ._errors import InvalidInput
+from ._errors import InvalidInput, InvalidType
 from ._names import suggesting
 
 if TYPE_CHECKING:
@@ -61,89 +61,57 @@ def _rows(given: Any, points: int, name: str) -> NDArray[np.float64]:
     return np.ascontiguousarray(array, np.float64).reshape(-1, 3)
 
 
-def _impacts(decide: Any, points: int, start: Any, end: Any, options: dict[str, Any]) -> PairImpacts:
-    return PairImpacts(*decide(_rows(start, points, "start"), _rows(end, points, "end"), **options))
+PairKind = Literal["vertex_face", "edge_edge", "vertex_edge", "vertex_vertex"]
+_POINTS = {"vertex_face": 4, "edge_edge": 4, "vertex_edge": 3, "vertex_vertex": 2}
+
+
+def _points_of(kind: Any) -> int:
+    if not isinstance(kind, str):
+        raise InvalidType(f"kind must be a string, not {type(kind).__name__}")
+    if kind not in _POINTS:
+        raise InvalidInput(f"kind must be one of {', '.join(_POINTS)}, not {kind!r}")
+    return _POINTS[kind]
 
 
 @suggesting
-def vertex_face_impacts(
-    start: Any, end: Any, *, min_distance: float = 0.0, min_distance_share: float = 0.0, threads: int = 0
+def pair_impacts(
+    kind: PairKind,
+    start: Any,
+    end: Any,
+    *,
+    min_distance: float = 0.0,
+    min_distance_share: float = 0.0,
+    threads: int = 0,
 ) -> PairImpacts:
-    """Whether and when vertices touch faces while all points go straight from their start to their end: exactly.
+    """Whether and when features of pairs touch while all points go straight from their start to their end: exactly.
 
     Each pair is decided as Detector.find_impacts decides it. Nothing is known of a mesh, so pairs that have a vertex in
     common touch at the start.
 
     Args:
-        start, end: (k, 4, 3) float64 or float32, on the host: the vertex, then the face's three corners.
+        kind: "vertex_face", "edge_edge", "vertex_edge" or "vertex_vertex".
+        start, end: float64 or float32, on the host. (k, 4, 3): the vertex, then the face's three corners; or the ends of
+            the one edge, then those of the other. (k, 3, 3): the vertex, then the edge's ends. (k, 2, 3): two vertices.
         min_distance, min_distance_share: as of Detector.find_impacts.
         threads: 0: as many as the machine has.
 
-    Raises InvalidInput, which names the argument, the pair and the point. Ctrl-C waits for the answer. Cost: some
+    Raises InvalidInput, which names the argument, the pair and the point. Ctrl-C waits for the result. Cost: some
     0.3 us for a pair that is apart, 2 us for one that touches, 5 to 200 us where only rational arithmetic can tell.
     """
-    options = {"min_distance": min_distance, "min_distance_share": min_distance_share, "threads": threads}
-    return _impacts(_core.vertex_face_impacts, 4, start, end, options)
+    points = _points_of(kind)
+    rows = _rows(start, points, "start"), _rows(end, points, "end")
+    return PairImpacts(*_core.pair_impacts(kind, *rows, min_distance, min_distance_share, threads))
 
 
 @suggesting
-def edge_edge_impacts(
-    start: Any, end: Any, *, min_distance: float = 0.0, min_distance_share: float = 0.0, threads: int = 0
-) -> PairImpacts:
-    """The same of two edges: (k, 4, 3), the ends of the one, then those of the other. See vertex_face_impacts."""
-    options = {"min_distance": min_distance, "min_distance_share": min_distance_share, "threads": threads}
-    return _impacts(_core.edge_edge_impacts, 4, start, end, options)
-
-
-@suggesting
-def vertex_edge_impacts(
-    start: Any, end: Any, *, min_distance: float = 0.0, min_distance_share: float = 0.0, threads: int = 0
-) -> PairImpacts:
-    """The same of a vertex and an edge: (k, 3, 3), the vertex, then the edge's ends. See vertex_face_impacts."""
-    options = {"min_distance": min_distance, "min_distance_share": min_distance_share, "threads": threads}
-    return _impacts(_core.vertex_edge_impacts, 3, start, end, options)
-
-
-@suggesting
-def vertex_vertex_impacts(
-    start: Any, end: Any, *, min_distance: float = 0.0, min_distance_share: float = 0.0, threads: int = 0
-) -> PairImpacts:
-    """The same of two vertices: (k, 2, 3). See vertex_face_impacts."""
-    options = {"min_distance": min_distance, "min_distance_share": min_distance_share, "threads": threads}
-    return _impacts(_core.vertex_vertex_impacts, 2, start, end, options)
-
-
-def _distances(decide: Any, size: int, points: Any, threads: int) -> PairDistances:
-    return PairDistances(*decide(_rows(points, size, "points"), threads))
-
-
-@suggesting
-def vertex_face_distances(points: Any, *, threads: int = 0) -> PairDistances:
-    """How far apart vertices and faces are, and where they are closest: exact, then rounded.
+def pair_distances(kind: PairKind, points: Any, *, threads: int = 0) -> PairDistances:
+    """How far apart features of pairs are, and where they are closest: exact, then rounded.
 
     Args:
-        points: (k, 4, 3) float64 or float32, on the host: the vertex, then the face's three corners.
+        kind, points: as kind and start of pair_impacts.
         threads: 0: as many as the machine has.
 
-    Raises InvalidInput, which names the argument, the pair and the point. Ctrl-C waits for the answer. Cost: some
+    Raises InvalidInput, which names the argument, the pair and the point. Ctrl-C waits for the result. Cost: some
     0.6 us a pair, microseconds where only rational arithmetic can tell.
     """
-    return _distances(_core.vertex_face_distances, 4, points, threads)
-
-
-@suggesting
-def edge_edge_distances(points: Any, *, threads: int = 0) -> PairDistances:
-    """The same of two edges: (k, 4, 3), the ends of the one, then those of the other. See vertex_face_distances."""
-    return _distances(_core.edge_edge_distances, 4, points, threads)
-
-
-@suggesting
-def vertex_edge_distances(points: Any, *, threads: int = 0) -> PairDistances:
-    """The same of a vertex and an edge: (k, 3, 3), the vertex, then the edge's ends. See vertex_face_distances."""
-    return _distances(_core.vertex_edge_distances, 3, points, threads)
-
-
-@suggesting
-def vertex_vertex_distances(points: Any, *, threads: int = 0) -> PairDistances:
-    """The same of two vertices: (k, 2, 3). See vertex_face_distances."""
-    return _distances(_core.vertex_vertex_distances, 2, points, threads)
+    return PairDistances(*_core.pair_distances(kind, _rows(points, _points_of(kind), "points"), threads))

@@ -54,6 +54,10 @@ inline constexpr Names<CandidateKind, 6> candidate_kind_names{{{"vertex_face", C
                                                                {"face_face", CandidateKind::face_face},
                                                                {"vertex_edge", CandidateKind::vertex_edge},
                                                                {"vertex_vertex", CandidateKind::vertex_vertex}}};
+inline constexpr Names<FeatureKind, 4> feature_kind_names{{{"vertex_face", FeatureKind::vertex_face},
+                                                           {"edge_edge", FeatureKind::edge_edge},
+                                                           {"vertex_edge", FeatureKind::vertex_edge},
+                                                           {"vertex_vertex", FeatureKind::vertex_vertex}}};
 /// What its array is called.
 inline std::string plural_of_kind(std::string_view kind) {
     return kind == "vertex_vertex" ? "vertex_vertices" : std::string(kind) + 's';

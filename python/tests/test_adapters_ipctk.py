@@ -69,9 +69,9 @@ def test_candidates_are_those_of_boxes_that_are_near(kind, moving):
         found.append(numbers(getattr(broad_phase, f"detect_{kind}_candidates")(), kind))
     pairs, points = points_of(kind, found[0], edges, faces)
     if moving:
-        near = getattr(crumple, f"{LISTS[kind][1]}_impacts")(vertices[points], end[points], min_distance=2 * radius).hit
+        near = crumple.pair_impacts(LISTS[kind][1], vertices[points], end[points], min_distance=2 * radius).hit
     else:
-        near = getattr(crumple, f"{LISTS[kind][1]}_distances")(vertices[points]).squared_distance <= (2 * radius) ** 2
+        near = crumple.pair_distances(LISTS[kind][1], vertices[points]).squared_distance <= (2 * radius) ** 2
     assert near.any() and not near.all()
     assert found[1] == {tuple(pair) for pair in pairs[near].tolist()}
 

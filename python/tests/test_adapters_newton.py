@@ -36,7 +36,7 @@ def lists(kind, contacts, width):
 
 def near(points, kind):
     """Which pairs are near, and how far apart they are."""
-    squared = getattr(crumple, f"{kind}_distances")(points).squared_distance
+    squared = crumple.pair_distances(kind, points).squared_distance
     return squared < RADIUS**2, np.sqrt(squared)
 
 

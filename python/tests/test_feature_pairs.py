@@ -1,5 +1,7 @@
 """Pairs of features that are given: decided as a search of the mesh that they are of decides them."""
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -33,7 +35,7 @@ def test_impacts_are_those_of_the_mesh(dtype, question, detector):
     start, end = mesh.vertices, moved(mesh, dtype)
     expected = detector.find_impacts(start, end, mesh.faces, **question)
     for kind, (pairs, points) in zip(("vertex_face", "edge_edge"), all_pairs(mesh, expected.edges)):
-        find = getattr(crumple, f"{kind}_impacts")
+        find = functools.partial(crumple.pair_impacts, kind)
         found = find(start[points], end[points], **question)
         assert found.hit.any() and not found.hit.all()
         np.testing.assert_array_equal(pairs[found.hit], getattr(expected, f"{kind}s"))
@@ -51,7 +53,7 @@ def test_distances_are_those_of_the_mesh(dtype, detector):
     expected = detector.find_near(mesh, radius=0.1, closest=True)
     assert len(expected)
     for kind, (pairs, points) in zip(("vertex_face", "edge_edge"), all_pairs(mesh, expected.edges)):
-        find = getattr(crumple, f"{kind}_distances")
+        find = functools.partial(crumple.pair_distances, kind)
         found = find(mesh.vertices[points])
         listed = {tuple(pair) for pair in getattr(expected, f"{kind}s").tolist()}
         near = np.array([tuple(pair) in listed for pair in pairs.tolist()])
@@ -70,31 +72,31 @@ def told(found):
 def test_a_vertex_meets_an_edge():
     edge = [[1, -1, 0], [1, 1, 0]]
     start, end = np.array([[[0, 0, 0], *edge]]), np.array([[[2, 0, 0], *edge]])
-    assert told(crumple.vertex_edge_impacts(start, end)) == (True, 0.5, False)
-    assert told(crumple.vertex_edge_impacts(start, end, min_distance=0.5)) == (True, 0.25, False)
+    assert told(crumple.pair_impacts("vertex_edge", start, end)) == (True, 0.5, False)
+    assert told(crumple.pair_impacts("vertex_edge", start, end, min_distance=0.5)) == (True, 0.25, False)
     aside = np.array([[[0, 0, 2.0**-300], *edge]])
     passed = np.array([[[2, 0, 2.0**-300], *edge]])
-    assert told(crumple.vertex_edge_impacts(aside, passed)) == (False, np.inf, False)
-    assert told(crumple.vertex_edge_distances(start)) == (1, False, 2, [0.5, 0])
+    assert told(crumple.pair_impacts("vertex_edge", aside, passed)) == (False, np.inf, False)
+    assert told(crumple.pair_distances("vertex_edge", start)) == (1, False, 2, [0.5, 0])
 
 
 def test_a_vertex_meets_a_vertex():
     start, end = np.array([[[0, 0, 0], [3, 4, 0]]]), np.array([[[3, 4, 0], [3, 4, 0]]])
-    assert told(crumple.vertex_vertex_impacts(start, end)) == (True, 1, False)
-    assert told(crumple.vertex_vertex_impacts(start, end, min_distance_share=0.25)) == (True, 0.75, False)
-    assert told(crumple.vertex_vertex_impacts(end, start)) == (True, 0, True)
-    assert told(crumple.vertex_vertex_distances(start)) == (25, False, 0, [0, 0])
+    assert told(crumple.pair_impacts("vertex_vertex", start, end)) == (True, 1, False)
+    assert told(crumple.pair_impacts("vertex_vertex", start, end, min_distance_share=0.25)) == (True, 0.75, False)
+    assert told(crumple.pair_impacts("vertex_vertex", end, start)) == (True, 0, True)
+    assert told(crumple.pair_distances("vertex_vertex", start)) == (25, False, 0, [0, 0])
 
 
 def test_arrays_of_any_layout_are_taken():
     random = np.random.default_rng(1)
     start, end = random.random((2, 40, 4, 3)) - 0.5
-    expected = crumple.vertex_face_impacts(start, end)
+    expected = crumple.pair_impacts("vertex_face", start, end)
     assert expected.hit.any()
     turned = np.asfortranarray(start), end[:, ::-1][:, ::-1]
-    for one, other in zip(crumple.vertex_face_impacts(*turned), expected):
+    for one, other in zip(crumple.pair_impacts("vertex_face", *turned), expected):
         np.testing.assert_array_equal(one, other, strict=True)
-    for one, other in zip(crumple.vertex_face_impacts(start.tolist(), end.tolist()), expected):
+    for one, other in zip(crumple.pair_impacts("vertex_face", start.tolist(), end.tolist()), expected):
         np.testing.assert_array_equal(one, other, strict=True)
     expected.toi[:] = 2  # arrays of their own
 
@@ -102,15 +104,15 @@ def test_arrays_of_any_layout_are_taken():
 @pytest.mark.parametrize("kind, points", KINDS.items())
 def test_no_pairs_at_all(kind, points):
     empty = np.empty((0, points, 3))
-    impacts = getattr(crumple, f"{kind}_impacts")(empty, [])
+    impacts = functools.partial(crumple.pair_impacts, kind)(empty, [])
     assert [(len(a), a.dtype) for a in impacts] == [(0, bool), (0, float), (0, bool)]
-    distances = getattr(crumple, f"{kind}_distances")(empty)
+    distances = functools.partial(crumple.pair_distances, kind)(empty)
     assert [a.shape for a in distances] == [(0,), (0,), (0,), (0, 2)]
 
 
 @pytest.mark.parametrize("kind, points", KINDS.items())
 def test_errors_name_the_argument_and_the_pair(kind, points):
-    impacts, distances = getattr(crumple, f"{kind}_impacts"), getattr(crumple, f"{kind}_distances")
+    impacts, distances = functools.partial(crumple.pair_impacts, kind), functools.partial(crumple.pair_distances, kind)
     good = np.arange(9.0 * points).reshape(3, points, 3)
     bad = good.copy()
     bad[2, 1, 0] = np.nan
@@ -139,3 +141,11 @@ def test_errors_name_the_argument_and_the_pair(kind, points):
             call()
     with pytest.raises(TypeError, match="Did you mean 'min_distance'"):
         impacts(good, good, min_distence=1)
+
+
+def test_errors_name_the_kind():
+    points = np.zeros((1, 4, 3))
+    with pytest.raises(crumple.InvalidInput, match="^kind must be one of vertex_face, edge_edge, .*, not 'face_face'$"):
+        crumple.pair_impacts("face_face", points, points)
+    with pytest.raises(TypeError, match="^kind must be a string, not int$"):
+        crumple.pair_distances(0, points)

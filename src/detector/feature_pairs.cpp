@@ -15,6 +15,7 @@
 #include "exact/impact/decide_impact.h"
 #include "exact/impact/decide_separation.h"
 #include "exact/proximity/decide_distance.h"
+#include "filters/features/feature_points.h"
 #include "queries/checks.h"
 #include "scene/prepared_scene.h"
 
@@ -75,13 +76,18 @@ void for_each_pair(std::size_t pairs, int threads, std::stop_token stop, Decide 
     });
 }
 
+FeatureKinds checked(FeatureKind kind) {
+    check(static_cast<int>(kind) < feature_kinds, "kind names a kind of features that there is not");
+    return kinds_of(kind);
+}
+
 void check_threads(int threads) {
     Options options;
     options.threads = threads;
     check_options(options);
 }
 
-Impact decide_impact(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, const PairMotion& question) {
+Impact decide_impact(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, const PairImpactQuery& question) {
     const Separation separation{question.min_distance, question.min_distance_share};
     const bool contact = separation.distance == 0 && separation.share == 0;
     ImpactCounts counts;
@@ -91,9 +97,12 @@ Impact decide_impact(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, co
     return decide_separation(kinds, p, separation, separation_counts);
 }
 
-PairImpacts impacts(FeatureKinds kinds, const VertexView& start, const VertexView& end, const PairMotion& question,
-                    std::stop_token stop) {
+}  // namespace
+
+PairImpacts pair_impacts(FeatureKind kind, const VertexView& start, const VertexView& end,
+                         const PairImpactQuery& question, std::stop_token stop) {
     const FloatEnvironment environment;
+    const FeatureKinds kinds = checked(kind);
     check_threads(question.threads);
     ImpactQuery as_motion;
     as_motion.min_distance = question.min_distance;
@@ -123,8 +132,9 @@ PairImpacts impacts(FeatureKinds kinds, const VertexView& start, const VertexVie
     return answer;
 }
 
-PairDistances distances(FeatureKinds kinds, const VertexView& view, int threads, std::stop_token stop) {
+PairDistances pair_distances(FeatureKind kind, const VertexView& view, int threads, std::stop_token stop) {
     const FloatEnvironment environment;
+    const FeatureKinds kinds = checked(kind);
     check_threads(threads);
     const PairPoints points(kinds, view, "points");
     points.check_finite("points");
@@ -146,38 +156,6 @@ PairDistances distances(FeatureKinds kinds, const VertexView& view, int threads,
         answer.at[pair] = closest.at;
     });
     return answer;
-}
-
-}  // namespace
-
-PairImpacts vertex_face_impacts(const VertexView& start, const VertexView& end, const PairMotion& question,
-                                std::stop_token stop) {
-    return impacts(FeatureKinds::vertex_face, start, end, question, std::move(stop));
-}
-PairImpacts edge_edge_impacts(const VertexView& start, const VertexView& end, const PairMotion& question,
-                              std::stop_token stop) {
-    return impacts(FeatureKinds::edge_edge, start, end, question, std::move(stop));
-}
-PairImpacts vertex_edge_impacts(const VertexView& start, const VertexView& end, const PairMotion& question,
-                                std::stop_token stop) {
-    return impacts(FeatureKinds::vertex_edge, start, end, question, std::move(stop));
-}
-PairImpacts vertex_vertex_impacts(const VertexView& start, const VertexView& end, const PairMotion& question,
-                                  std::stop_token stop) {
-    return impacts(FeatureKinds::vertex_vertex, start, end, question, std::move(stop));
-}
-
-PairDistances vertex_face_distances(const VertexView& points, int threads, std::stop_token stop) {
-    return distances(FeatureKinds::vertex_face, points, threads, std::move(stop));
-}
-PairDistances edge_edge_distances(const VertexView& points, int threads, std::stop_token stop) {
-    return distances(FeatureKinds::edge_edge, points, threads, std::move(stop));
-}
-PairDistances vertex_edge_distances(const VertexView& points, int threads, std::stop_token stop) {
-    return distances(FeatureKinds::vertex_edge, points, threads, std::move(stop));
-}
-PairDistances vertex_vertex_distances(const VertexView& points, int threads, std::stop_token stop) {
-    return distances(FeatureKinds::vertex_vertex, points, threads, std::move(stop));
 }
 
 }  // namespace crumple

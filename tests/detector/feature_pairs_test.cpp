@@ -31,14 +31,13 @@ Rows lattice(std::size_t rows, std::uint64_t seed, int reach) {
 }
 
 struct Kind {
+    FeatureKind kind;
     FeatureKinds kinds;
-    PairImpacts (*impacts)(const VertexView&, const VertexView&, const PairMotion&, std::stop_token);
-    PairDistances (*distances)(const VertexView&, int, std::stop_token);
 };
-constexpr std::array all_kinds{Kind{FeatureKinds::vertex_face, vertex_face_impacts, vertex_face_distances},
-                               Kind{FeatureKinds::edge_edge, edge_edge_impacts, edge_edge_distances},
-                               Kind{FeatureKinds::vertex_edge, vertex_edge_impacts, vertex_edge_distances},
-                               Kind{FeatureKinds::vertex_vertex, vertex_vertex_impacts, vertex_vertex_distances}};
+constexpr std::array all_kinds{Kind{FeatureKind::vertex_face, FeatureKinds::vertex_face},
+                               Kind{FeatureKind::edge_edge, FeatureKinds::edge_edge},
+                               Kind{FeatureKind::vertex_edge, FeatureKinds::vertex_edge},
+                               Kind{FeatureKind::vertex_vertex, FeatureKinds::vertex_vertex}};
 
 Vec3d vec(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }
 
@@ -52,10 +51,11 @@ Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, const S
 TEST(FeaturePairs, ImpactsAreThoseOfRationalArithmetic) {
     constexpr std::size_t pairs = 700;  // more than a task has
     for (const Kind& kind : all_kinds) {
-        for (const PairMotion& question : {PairMotion{}, PairMotion{0.5, 0, 3}, PairMotion{0, 0.25, 3}}) {
+        for (const PairImpactQuery& question :
+             {PairImpactQuery{}, PairImpactQuery{0.5, 0, 3}, PairImpactQuery{0, 0.25, 3}}) {
             const std::size_t points = points_of(kind.kinds);
             const Rows start = lattice(pairs * points, 1, 2), end = lattice(pairs * points, 2, 2);
-            const PairImpacts found = kind.impacts(view(start), view(end), question, {});
+            const PairImpacts found = pair_impacts(kind.kind, view(start), view(end), question);
             ASSERT_EQ(found.hit.size(), pairs);
             std::size_t hits = 0;
             for (std::size_t i = 0; i < pairs; ++i) {
@@ -78,7 +78,7 @@ TEST(FeaturePairs, DistancesAreThoseOfRationalArithmetic) {
     for (const Kind& kind : all_kinds) {
         const std::size_t points = points_of(kind.kinds);
         const Rows rows = lattice(pairs * points, 3, 2);
-        const PairDistances found = kind.distances(view(rows), 3, {});
+        const PairDistances found = pair_distances(kind.kind, view(rows), 3);
         ASSERT_EQ(found.type.size(), pairs);
         for (std::size_t i = 0; i < pairs; ++i) {
             Features features{kind.kinds, {}};
@@ -99,8 +99,8 @@ TEST(FeaturePairs, AreReadWhereTheyLie) {
         strided[i] = {static_cast<float>(start[i][0]), static_cast<float>(start[i][1]), static_cast<float>(start[i][2]),
                       9, 9};
     const VertexView odd{strided.data(), static_cast<std::int64_t>(strided.size()), 20, 4, ScalarType::float32};
-    const PairImpacts found = vertex_face_impacts(odd, view(end)),
-                      expected = vertex_face_impacts(view(start), view(end));
+    const PairImpacts found = pair_impacts(FeatureKind::vertex_face, odd, view(end)),
+                      expected = pair_impacts(FeatureKind::vertex_face, view(start), view(end));
     for (std::size_t i = 0; i < expected.toi.size(); ++i) ASSERT_EQ(found.toi[i], expected.toi[i]) << "pair " << i;
 }
 
@@ -108,18 +108,21 @@ TEST(FeaturePairs, NameWhatIsWrong) {
     const Rows good = lattice(12, 6, 3);
     Rows bad = good;
     bad[9][1] = std::numeric_limits<double>::infinity();
-    Error error = test::error_of([&] { vertex_face_impacts(view(good), view(bad)); });
+    Error error = test::error_of([&] { pair_impacts(FeatureKind::vertex_face, view(good), view(bad)); });
     EXPECT_EQ(error.code, ErrorCode::not_finite);
     EXPECT_STREQ(error.what(), "end: point 1 of pair 2 is not finite");
-    error = test::error_of([&] { vertex_edge_distances(view(bad)); });
+    error = test::error_of([&] { pair_distances(FeatureKind::vertex_edge, view(bad)); });
     EXPECT_STREQ(error.what(), "points: point 0 of pair 3 is not finite");
-    error = test::error_of([&] { vertex_face_distances(view(lattice(11, 6, 3))); });
+    error = test::error_of([&] { pair_distances(FeatureKind::vertex_face, view(lattice(11, 6, 3))); });
     EXPECT_STREQ(error.what(), "points must have 4 points a pair, and 11 are no multiple of that");
-    error = test::error_of([&] { vertex_edge_impacts(view(good), view(lattice(9, 6, 3))); });
+    error = test::error_of([&] { pair_impacts(FeatureKind::vertex_edge, view(good), view(lattice(9, 6, 3))); });
     EXPECT_STREQ(error.what(), "end must have as many pairs as start, 4, not 3");
-    error = test::error_of([&] { edge_edge_impacts(view(good), view(good), {.min_distance_share = 1}); });
+    error = test::error_of(
+        [&] { pair_impacts(FeatureKind::edge_edge, view(good), view(good), {.min_distance_share = 1}); });
     EXPECT_EQ(error.code, ErrorCode::invalid_argument);
-    error = test::error_of([&] { edge_edge_distances(view(good), -1); });
+    error = test::error_of([&] { pair_distances(static_cast<FeatureKind>(4), view(good)); });
+    EXPECT_STREQ(error.what(), "kind names a kind of features that there is not");
+    error = test::error_of([&] { pair_distances(FeatureKind::edge_edge, view(good), -1); });
     EXPECT_EQ(error.code, ErrorCode::invalid_argument);
 }
 
@@ -127,9 +130,12 @@ TEST(FeaturePairs, EndWhenAskedTo) {
     const Rows rows = lattice(12, 7, 3);
     std::stop_source stop;
     stop.request_stop();
-    EXPECT_EQ(test::error_of([&] { vertex_face_impacts(view(rows), view(rows), {}, stop.get_token()); }).code,
+    EXPECT_EQ(test::error_of([&] {
+                  pair_impacts(FeatureKind::vertex_face, view(rows), view(rows), {}, stop.get_token());
+              }).code,
               ErrorCode::cancelled);
-    EXPECT_EQ(test::error_of([&] { edge_edge_distances(view(rows), 0, stop.get_token()); }).code, ErrorCode::cancelled);
+    EXPECT_EQ(test::error_of([&] { pair_distances(FeatureKind::edge_edge, view(rows), 0, stop.get_token()); }).code,
+              ErrorCode::cancelled);
 }
 
 }  // namespace

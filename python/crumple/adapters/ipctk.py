@@ -16,17 +16,12 @@ import numpy as np
 
 from .._detector import Detector
 from .._errors import InvalidInput
-from .._feature_pairs import (
-    edge_edge_impacts,
-    vertex_edge_impacts,
-    vertex_face_impacts,
-    vertex_vertex_impacts,
-)
+from .._feature_pairs import pair_impacts
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from .._feature_pairs import PairImpacts
+    from .._feature_pairs import PairImpacts, PairKind
 
 __all__ = ["BroadPhase", "NarrowPhaseCCD", "compute_collision_free_stepsize", "is_step_collision_free"]
 
@@ -277,7 +272,7 @@ class NarrowPhaseCCD(ipctk.NarrowPhaseCCD):
         tmax: float = 1.0,
     ) -> tuple[bool, float]:
         start, end = [p_t0, t0_t0, t1_t0, t2_t0], [p_t1, t0_t1, t1_t1, t2_t1]
-        return self._ccd(vertex_face_impacts, start, end, min_distance, tmax)
+        return self._ccd("vertex_face", start, end, min_distance, tmax)
 
     def edge_edge_ccd(
         self,
@@ -293,7 +288,7 @@ class NarrowPhaseCCD(ipctk.NarrowPhaseCCD):
         tmax: float = 1.0,
     ) -> tuple[bool, float]:
         start, end = [ea0_t0, ea1_t0, eb0_t0, eb1_t0], [ea0_t1, ea1_t1, eb0_t1, eb1_t1]
-        return self._ccd(edge_edge_impacts, start, end, min_distance, tmax)
+        return self._ccd("edge_edge", start, end, min_distance, tmax)
 
     def point_edge_ccd(
         self,
@@ -306,16 +301,16 @@ class NarrowPhaseCCD(ipctk.NarrowPhaseCCD):
         min_distance: float = 0.0,
         tmax: float = 1.0,
     ) -> tuple[bool, float]:
-        return self._ccd(vertex_edge_impacts, [p_t0, e0_t0, e1_t0], [p_t1, e0_t1, e1_t1], min_distance, tmax)
+        return self._ccd("vertex_edge", [p_t0, e0_t0, e1_t0], [p_t1, e0_t1, e1_t1], min_distance, tmax)
 
     def point_point_ccd(
         self, p0_t0: Any, p1_t0: Any, p0_t1: Any, p1_t1: Any, min_distance: float = 0.0, tmax: float = 1.0
     ) -> tuple[bool, float]:
-        return self._ccd(vertex_vertex_impacts, [p0_t0, p1_t0], [p0_t1, p1_t1], min_distance, tmax)
+        return self._ccd("vertex_vertex", [p0_t0, p1_t0], [p0_t1, p1_t1], min_distance, tmax)
 
-    def _ccd(self, decide: Any, start: Any, end: Any, min_distance: float, tmax: float) -> tuple[bool, float]:
+    def _ccd(self, kind: PairKind, start: Any, end: Any, min_distance: float, tmax: float) -> tuple[bool, float]:
         options = {"min_distance": min_distance, "min_distance_share": self.min_distance_share, "threads": 1}
-        toi = float(decide([_in_space(start)], [_in_space(end)], **options).toi[0])
+        toi = float(pair_impacts(kind, [_in_space(start)], [_in_space(end)], **options).toi[0])
         return (True, toi) if toi <= tmax else (False, float("inf"))
 
 
@@ -327,17 +322,17 @@ def _numbers(candidates: list[Any], *names: str) -> Iterator[np.ndarray]:
 def _impacts(candidates: Any, mesh: Any, t0: Any, t1: Any, options: dict[str, Any]) -> Iterator[PairImpacts]:
     """Of each list of candidates that is not empty."""
     t0, t1, edges, faces = _in_space(t0), _in_space(t1), mesh.edges, mesh.faces
-    lists = (
-        (vertex_face_impacts, candidates.fv_candidates, ("vertex_id", "face_id"), (None, faces)),
-        (edge_edge_impacts, candidates.ee_candidates, ("edge0_id", "edge1_id"), (edges, edges)),
-        (vertex_edge_impacts, candidates.ev_candidates, ("vertex_id", "edge_id"), (None, edges)),
-        (vertex_vertex_impacts, candidates.vv_candidates, ("vertex0_id", "vertex1_id"), (None, None)),
+    lists: tuple[tuple[PairKind, Any, tuple[str, ...], tuple[Any, ...]], ...] = (
+        ("vertex_face", candidates.fv_candidates, ("vertex_id", "face_id"), (None, faces)),
+        ("edge_edge", candidates.ee_candidates, ("edge0_id", "edge1_id"), (edges, edges)),
+        ("vertex_edge", candidates.ev_candidates, ("vertex_id", "edge_id"), (None, edges)),
+        ("vertex_vertex", candidates.vv_candidates, ("vertex0_id", "vertex1_id"), (None, None)),
     )
-    for decide, listed, names, corners in lists:
+    for kind, listed, names, corners in lists:
         if listed:
             numbers = zip(_numbers(listed, *names), corners)
             points = np.column_stack([number if of is None else of[number] for number, of in numbers])
-            yield decide(t0[points], t1[points], **options)
+            yield pair_impacts(kind, t0[points], t1[points], **options)
 
 
 def compute_collision_free_stepsize(
