@@ -1,6 +1,6 @@
 // crumple_cuda_benchmark: the cuda backend alone, on meshes that lie on the device, as a simulation there has them.
 //
-// A detector is warmed up, then answers the same frame again and again by launch_self and wait: the time of a frame is
+// A detector is warmed up, then answers the same frame again and again by launch and wait: the time of a frame is
 // the device's, between events around the graph on the caller's stream, which a kernel has kept busy until the graph
 // was there. Beside it: the same on a stream that was idle, so that the host's launch counts; by the host's clock, with
 // what wait() does; with the mesh on the host, so that it is brought in and the answer out; the cpu backend on all

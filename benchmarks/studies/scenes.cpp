@@ -50,7 +50,7 @@ std::vector<Way> ways_here() {
 std::int64_t peak_memory(const Options& options, const Workload& workload) {
     Detector detector(options);
     const MeshView a = workload.a.view(), b = workload.b.view();
-    if (workload.question == Question::any) return 0;  // has_collision tells no statistics
+    if (workload.question == Question::any) return 0;  // any() returns no statistics
     return (workload.question == Question::between ? detector.find({a, b}) : detector.find(a))
         .statistics.peak_memory_bytes;
 }

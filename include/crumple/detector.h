@@ -84,9 +84,9 @@ class CRUMPLE_API Detector {
     template <AnyQuery Query = IntersectionQuery>
     bool supports(const Scene& scene, const Query& query = {}) const;
 
-    /// Whether there is anything to find: of intersections, impacts and proximities. Stops at the first pair found; the
-    /// cuda backend at those found at the same time. Query::output does not matter. A step is free if there is no
-    /// impact.
+    /// True if there is anything to find: of intersections, impacts and proximities. Stops at the first pair found; the
+    /// cuda backend at those found at the same time. Query::output does not matter, if the query has it. A step is free
+    /// if there is no impact.
     template <PairQuery Query = IntersectionQuery>
     bool any(const Scene& scene, const Query& query = {}, std::stop_token stop = {});
 

@@ -85,7 +85,7 @@ struct FreeStep {
 
 /// Result of an ImpactQuery. A plain value: copy it to keep it beyond the detector's next call.
 struct Impacts {
-    /// Whether anything touches; else the step is free. With ImpactQuery::triangle_pairs also whether any intersect at
+    /// True if anything touches; else the step is free. With ImpactQuery::triangle_pairs also if any intersect at
     /// the start.
     bool any = false;
     FirstImpact first;       ///< of features, of all worlds (from Output::first on)

@@ -40,7 +40,7 @@ constexpr std::string_view stage_name(Stage stage) {
     return names[static_cast<std::size_t>(stage)];
 }
 
-/// What a call did. Times are wall-clock for the total and summed over threads for the stages.
+/// Counts and times of a call. Times are wall-clock for the total and summed over threads for the stages.
 struct Statistics {
     double milliseconds = 0;                               ///< wall-clock time of the call
     std::array<double, stage_count> stage_milliseconds{};  ///< summed over threads
@@ -109,19 +109,19 @@ struct Intersections {
     Array<std::uint8_t> world_hit;     ///< one a world: something intersects (not for Output::any); of worlds only
     Array<std::int64_t> world_counts;  ///< one a world: pairs of triangles (from Output::count on); of worlds only
 
-    /// Of worlds: for each pair its bodies; for Output::body_pairs those that intersect, each once. Else empty.
+    /// Bodies of each pair, in worlds; for Output::body_pairs those that intersect, each once. Else empty.
     Array<BodyPair> bodies;
     Array<Pair> pairs;  ///< triangles, as they count within their bodies or meshes
     Contacts contacts;  ///< for Output::contacts
 
-    // Of a mesh, of two, and of parts:
+    // For a mesh, two meshes, and parts:
     Array<std::int64_t> offsets;     ///< pairs of triangle i as first: [offsets[i], offsets[i + 1]); size m + 1
     Array<std::uint8_t> hit_second;  ///< 1 for each triangle of the second mesh in some pair; empty for one mesh
 
     /// 1 for each triangle (of the first mesh; of all bodies, one after another, see first_triangle) in some pair.
     Array<std::uint8_t> hit;
 
-    // Of worlds, where IntersectionQuery::index asks for them:
+    // For worlds, where IntersectionQuery::index asks for them:
     Array<std::int64_t>
         world_offsets;                 ///< pairs of world w: [world_offsets[w], world_offsets[w + 1]); the rest follows
     Array<std::int64_t> body_offsets;  ///< pairs whose first body is b: [body_offsets[b], body_offsets[b + 1])
@@ -147,13 +147,13 @@ struct DeviceIntersections {
     const std::array<double, 3>* contact_points = nullptr;  ///< contact_point_count
     std::int64_t contact_point_count = 0;
 
-    // Of a mesh, and of two:
+    // For a mesh, and two meshes:
     const std::int64_t* offsets = nullptr;     ///< hit_count + 1
     const std::uint8_t* hit = nullptr;         ///< hit_count: triangles of the first mesh
     const std::uint8_t* hit_second = nullptr;  ///< hit_second_count; null for one mesh
     std::int64_t hit_count = 0, hit_second_count = 0;
 
-    // Of worlds:
+    // For worlds:
     std::int64_t worlds = 0;
     const std::uint8_t* world_hit = nullptr;      ///< worlds: something intersects
     const std::int64_t* world_counts = nullptr;   ///< worlds: pairs of triangles

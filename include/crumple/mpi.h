@@ -57,7 +57,7 @@ class CRUMPLE_API Detector {
     template <class Query = IntersectionQuery, class Share>
     const typename Query::DistributedResult& find(const Share& share, const Query& query = {},
                                                   std::stop_token stop = {});
-    /// Whether there is anything to find, over all ranks. Each rank stops at its first.
+    /// True if there is anything to find, over all ranks. Each rank stops at its first.
     template <class Query = IntersectionQuery, class Share>
     bool any(const Share& share, const Query& query = {}, std::stop_token stop = {});
 

@@ -15,7 +15,7 @@ struct TwoMeshes {
     MeshView a, b;
 };
 
-/// What a query is about. Made by conversion from any of these; a world is named, find(World{shapes, bodies, poses}).
+/// Subject of a query. Made by conversion from any of these; a world is named, find(World{shapes, bodies, poses}).
 /// Nothing is copied but views, so that what they name, a part too, must stay as it is until the call returns.
 class Scene {
    public:

@@ -1,6 +1,6 @@
 #pragma once
 
-// The answer on its way out: a Collisions that Python owns, shown as NumPy arrays without a copy.
+// The answer on its way out: Intersections that Python owns, shown as NumPy arrays without a copy.
 
 #include <memory>
 

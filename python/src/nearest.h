@@ -10,7 +10,7 @@
 
 namespace crumple::python {
 
-/// What a crumple.Distances shows. Its arrays hold it, but not the result, which holds them.
+/// Storage behind a crumple.NearestBodies. Its arrays hold it, but not the result, which holds them.
 struct NearestAnswer {
     std::shared_ptr<Distances> storage;
     bool copy = false;  ///< the result shows writable copies

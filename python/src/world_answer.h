@@ -1,6 +1,6 @@
 #pragma once
 
-// The answer for a world on its way out: a Intersections that Python owns, shown as NumPy arrays without a copy.
+// The answer for a world on its way out: Intersections that Python owns, shown as NumPy arrays without a copy.
 
 #include <memory>
 

@@ -52,7 +52,7 @@ class BackendBase : public ParallelFor {
         flags[0] = any(scene, query);
     }
 
-    /// Hands all pairs over in blocks (Detector::stream_self). A call that throws may have handed over some.
+    /// Delivers all pairs in blocks (Detector::stream). A call that throws may have delivered some.
     virtual void stream(const PreparedScene& scene, const IntersectionQuery& query, const Streaming& how,
                         BlockSink sink, Statistics& statistics);
 
@@ -67,7 +67,7 @@ class BackendBase : public ParallelFor {
     virtual void find_candidates(const PreparedScene& scene, const CandidateRequest& query,
                                  CandidateAnswer& answer) = 0;
 
-    /// The same, handed over in pieces of any size (Detector::stream_impacts, stream_near, stream_candidates). In order
+    /// The same in pieces of any size (Detector::stream). In order
     /// there is one piece at a time, and what they say of a kind is in the order of the answer; else pieces come from
     /// several threads at once. A call that throws may have handed over some.
     virtual void stream(const PreparedScene& scene, const FeatureRequest& query, const Streaming& how, FeatureSink sink,
@@ -79,7 +79,7 @@ class BackendBase : public ParallelFor {
     virtual void find(const MeshView& a, const MeshView* b, const IntersectionQuery& query, Intersections& result);
     virtual bool any(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
     virtual std::vector<Part> partition(const MeshView& a, const MeshView* b, int count);
-    /// Detector::launch_self and those that belong to it.
+    /// Detector::launch, wait and download.
     virtual void launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
     virtual const DeviceIntersections& wait();
     virtual void download(Intersections& result);

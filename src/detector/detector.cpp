@@ -206,7 +206,7 @@ struct Detector::Implementation : WorldCalls {
         if (const char* why = refusal<Query>(scene); *why) refuse(why);
     }
 
-    // What only some queries have:
+    // Queries about a step of one scene:
 
     const FirstImpact& find(const Scene& scene, const FirstImpactQuery& query, std::stop_token stop) {
         ImpactQuery impacts_of = query;

@@ -13,7 +13,7 @@ namespace crumple {
 template <class Query>
 using Sink = FunctionRef<void(const typename Query::Result& block)>;
 
-/// Whether a query is about the features of triangles.
+/// True if a query is about the features of triangles.
 template <class Query>
 concept FeatureQuery =
     std::same_as<Query, ImpactQuery> || std::same_as<Query, ProximityQuery> || std::same_as<Query, CandidateQuery>;
@@ -21,7 +21,7 @@ concept FeatureQuery =
 struct WorldCalls : DetectorState {
     using DetectorState::DetectorState;
 
-    // Of worlds:
+    // Calls on worlds:
     const Intersections& find(const World& world, const IntersectionQuery& query, std::stop_token stop,
                               const WorldBlocks* blocks = nullptr);
     Statistics stream(const World& world, const IntersectionQuery& query, Sink<IntersectionQuery> take,
@@ -37,7 +37,7 @@ struct WorldCalls : DetectorState {
         return stream_features(world, query, true, {how, take}, std::move(stop));
     }
 
-    // Of one mesh, wherever it lies:
+    // Calls on one mesh, wherever it lies:
     template <FeatureQuery Query>
     const typename Query::Result& find(const MeshView& mesh, const Query& query, std::stop_token stop);
     template <FeatureQuery Query>

@@ -27,7 +27,7 @@ Asked asked_by(const IntersectionQuery& query, RankOutput output);
 /// `world`: asked of bodies, of which rules may speak.
 Asked asked_by(const ImpactQuery& question, bool world);
 Asked asked_by(const ProximityQuery& question, bool world);
-/// Of bodies.
+/// The same for bodies.
 Asked asked_by(const IntersectionQuery& question);
 RankOutput output_of(const IntersectionQuery& question);
 

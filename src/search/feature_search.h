@@ -25,7 +25,7 @@
 
 namespace crumple {
 
-/// Where an answer goes that is handed over in blocks (Detector::stream_impacts and its like).
+/// Size and destination of blocks of a result (Detector::stream).
 template <class Answer>
 struct FeatureBlocks {
     Streaming how;

@@ -1,5 +1,5 @@
 // Fuzz target: searches, each decoded from an input (decode.h). Broken promises besides what the sanitizers see: an
-// answer that differs in a byte from brute force in rational arithmetic, in find, has_collision, the union of parts,
+// answer that differs in a byte from brute force in rational arithmetic, in find, any, the union of parts,
 // under a memory limit, with kept detectors and with new ones; a limit that does not suffice though an error named it;
 // a contact that is not the rational one, correctly rounded; an error that the other backend does not give.
 
