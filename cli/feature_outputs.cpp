@@ -118,8 +118,8 @@ int FeatureCommand::finish(bool any, const std::string& summary) const {
 void add_feature_command_options(CLI::App& app, FeatureCommand& command, const std::string& check) {
     app.add_flag("--check", command.check, check);
     app.add_flag("--stream", command.stream,
-                 "Write the list, as .txt or .csv, while it is found, for answers that exceed memory: the scene is "
-                 "searched again for each quarter of a million rows");
+                 "Write the list, as .txt or .csv, while it is found, for answers that exceed memory: in an order of "
+                 "its own, which does not depend on threads");
     app.add_flag("--stats", command.stats, "Print times and counts of the stages to standard error");
     add_progress_option(app, command.progress);
     add_reading_options(app, command.answer);

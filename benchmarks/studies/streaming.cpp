@@ -1,5 +1,4 @@
-// What an answer in blocks costs over one that is made at once: in order, where each block is a search of its own, and
-// as found. Time, and the most memory that the detector owned.
+// Cost of a result in blocks over one that is made at once: time, and the most memory that the detector owned.
 
 #include <fmt/format.h>
 
@@ -13,7 +12,7 @@ namespace {
 
 struct Way {
     std::string name;
-    Streaming how;
+    std::int64_t rows;
     Detector detector{};
     Statistics last{};
     std::int64_t blocks = 0;
@@ -27,9 +26,7 @@ nlohmann::json stream(const Workload& workload, const Effort& effort) {
     const std::int64_t pairs = find().statistics.pairs, at_once = find().statistics.peak_memory_bytes;
     std::vector<Way> ways;
     for (const int share : {1, 4, 16, 64})
-        ways.push_back({fmt::format("in order, 1/{}", share), {std::max<std::int64_t>(1, pairs / share), true}});
-    for (const int share : {4, 64})
-        ways.push_back({fmt::format("as found, 1/{}", share), {std::max<std::int64_t>(1, pairs / share), false}});
+        ways.push_back({fmt::format("blocks of 1/{}", share), std::max<std::int64_t>(1, pairs / share)});
     std::vector<Contestant> contestants{{"find", "", "", [&] { find(); }, {}}};
     for (Way& way : ways)
         contestants.push_back({way.name,
@@ -38,12 +35,12 @@ nlohmann::json stream(const Workload& workload, const Effort& effort) {
                                [&] {
                                    way.blocks = 0;
                                    const auto take = [&](const Intersections&) { ++way.blocks; };
-                                   way.last = between ? way.detector.stream({a, b}, {}, take, way.how)
-                                                      : way.detector.stream(a, {}, take, way.how);
+                                   way.last = between ? way.detector.stream({a, b}, {}, take, way.rows)
+                                                      : way.detector.stream(a, {}, take, way.rows);
                                },
                                {}});
     const std::vector<Times> times = race(contestants, effort);
-    Table table(fmt::format("answers in blocks: {}, {} pairs", workload.name, pairs),
+    Table table(fmt::format("results in blocks: {}, {} pairs", workload.name, pairs),
                 {"way", "blocks", "ms", "quartiles", "over find", "quartiles", "MiB"});
     nlohmann::json rows = nlohmann::json::array();
     const auto add = [&](const std::string& name, std::int64_t blocks, const Times& time, std::int64_t bytes) {

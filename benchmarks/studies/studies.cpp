@@ -27,7 +27,7 @@ constexpr std::array list{
     Study{"parts", "2 to 64 parts answered alone: how work grows, and the largest part", study_parts},
     Study{"ranks", "2 to 64 pretended ranks: balance, work over that of one process, what travels", study_ranks},
     Study{"scaling", "1 to 1,024 pretended ranks: what each computes and says in a frame that moves", study_scaling},
-    Study{"streaming", "answers in blocks, in order and as found, against answers at once", study_streaming},
+    Study{"streaming", "results in blocks against results at once", study_streaming},
     Study{"two_clusters", "[MZ]'s two clusters, swept whole, against leaves", study_two_clusters},
     Study{"threads", "one thread to all", study_threads},
     Study{"simd", "instruction sets", study_simd},

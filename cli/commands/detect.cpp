@@ -187,8 +187,8 @@ Command add_detect(CLI::App& app) {
         "Exit with status 1 if anything collides. Without -o that is all that is searched for, and one line is "
         "printed");
     command.add_flag("--stream", detect->stream,
-                     "Write pairs, as .txt or .csv, while they are found, for answers that exceed memory: the scene is "
-                     "searched again for each quarter of a million pairs");
+                     "Write pairs, as .txt or .csv, while they are found, for answers that exceed memory: in an order "
+                     "of its own, which does not depend on threads");
     command.add_flag("--stats", detect->stats, "Print times and counts of the stages to standard error");
     add_progress_option(command, detect->progress);
     add_cost_options(command, detect->options);

@@ -94,21 +94,21 @@ class CRUMPLE_API Detector {
     /// when `take` returns. Of intersections, impacts, proximities and candidates, with the cpu and the reference
     /// backend, of scenes in host memory that are no parts.
     ///
-    /// A block has at most Streaming::block_pairs rows, of all its lists together, their bodies, and contacts if those
-    /// are asked for. Of worlds and of features, `count` is the number of rows so far, with the block's own. Edges and
-    /// points are as in the whole result. There is nothing else: no offsets, no flags, no first impact. In order, the
-    /// rows of all blocks, one behind the other, are those of the whole result: world by world, and in each kind by
-    /// kind. Not in order: as found, from any thread of the detector, one at a time.
+    /// A block has `block_rows` (1 to 2^40) rows of all its lists together, the last one fewer; their bodies, and
+    /// contacts if those are asked for. Of worlds and of features, `count` is the number of rows so far, with the
+    /// block's own. Edges and points are as in the whole result. There is nothing else: no offsets, no flags, no first
+    /// impact. All blocks together have the rows of the whole result, world by world, but in another order: leaf by
+    /// leaf. That does not depend on threads; like the leaves, it does on the memory limit and on calls before.
     ///
     /// Memory is that of find() without its lists, and of about three blocks; under a memory limit on one thread. Cost:
-    /// see Streaming::ordered; of several worlds, the scene of each is made twice for features. `take` must not call
-    /// this detector; what it throws ends the call, as a stop does, and then some blocks have been delivered. Throws
-    /// Error (invalid_argument) for what blocks have not: `index`, `triangle_pairs`, `least`, and less output than
-    /// pairs.
+    /// that of find(); of several worlds, the scene of each is made twice for features. `take` is called from any
+    /// thread of the detector, by one at a time, and must not call this detector; what it throws ends the call, as a
+    /// stop does, and then some blocks have been delivered. Throws Error (invalid_argument) for what blocks have not:
+    /// `index`, `triangle_pairs`, `least`, and less output than pairs.
     template <RowQuery Query = IntersectionQuery>
     Statistics stream(const Scene& scene, const Query& query,
-                      FunctionRef<void(const typename Query::Result& block)> take, const Streaming& how = {},
-                      std::stop_token stop = {});
+                      FunctionRef<void(const typename Query::Result& block)> take,
+                      std::int64_t block_rows = std::int64_t{1} << 18, std::stop_token stop = {});
 
     /// Cuts a scene of one mesh, or of two for intersections, into `count` (1 to 262,144) parts for queries of this
     /// type: of intersections, impacts and proximities. Depends only on the arguments, so that several machines that

@@ -61,13 +61,4 @@ struct Options {
     std::shared_ptr<Executor> executor = {};
 };
 
-/// How an answer is handed over in blocks, for answers that exceed memory.
-struct Streaming {
-    std::int64_t block_pairs = std::int64_t{1} << 18;  ///< most pairs of a block, 1 to 2^40
-    /// Blocks follow each other in the order of the answer, and pairs within a block do. False: in any order, and
-    /// blocks come from any thread of the detector, one at a time. That takes no longer than the answer at once, while
-    /// blocks in order search the scene anew for each, less what lies out of reach.
-    bool ordered = true;
-};
-
 }  // namespace crumple

@@ -219,8 +219,7 @@ class Detector(_core.Detector):
         vertices: Any,
         faces: Any = None,
         *,
-        block_pairs: int = 1 << 18,
-        ordered: bool = True,
+        block_rows: int = 1 << 18,
         groups: Any = None,
         neighbours: Neighbours = "geometric",
         intersections: Intersections = "all",
@@ -234,16 +233,15 @@ class Detector(_core.Detector):
         Args:
             take: called with one crumple.Block after the other. What it raises ends the call. It may run in another
                 thread, but never in two at a time, and cannot call this detector.
-            block_pairs: most pairs of a block, 1 to 2^40.
-            ordered: blocks follow each other in the order of the answer. False: in any order, and pairs too.
+            block_rows: most pairs of a block, 1 to 2^40.
 
         Other arguments, errors and source as of find_self. Returns the statistics of the call.
 
-        Cost: as found, that of find_self; in order, about that of find_self for each block, so blocks should be large.
-        Memory: that of a search without its pairs, and some 32 bytes for each pair of a block.
+        The order of pairs does not depend on threads; find_self sorts, blocks do not. Cost: that of find_self. Memory:
+        that of a search without its pairs, and some 32 bytes for each pair of a block.
         """
         query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
-        return self._stream(taker(take, Block), soup_of(vertices, faces, groups), None, query, block_pairs, ordered)
+        return self._stream(taker(take, Block), soup_of(vertices, faces, groups), None, query, block_rows)
 
     @suggesting
     def stream_between(
@@ -252,8 +250,7 @@ class Detector(_core.Detector):
         a: Any,
         b: Any,
         *,
-        block_pairs: int = 1 << 18,
-        ordered: bool = True,
+        block_rows: int = 1 << 18,
         neighbours: Neighbours = "geometric",
         intersections: Intersections = "all",
         weld: bool = False,
@@ -266,7 +263,7 @@ class Detector(_core.Detector):
         Arguments, errors, cost and source as of these two.
         """
         query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
-        return self._stream(taker(take, Block), as_mesh(a), as_mesh(b), query, block_pairs, ordered)
+        return self._stream(taker(take, Block), as_mesh(a), as_mesh(b), query, block_rows)
 
     @suggesting
     def has_intersections(

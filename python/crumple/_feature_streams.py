@@ -25,8 +25,7 @@ def _impacts_in_world(
     take: Callable[[Impacts], Any],
     world: World,
     *,
-    block_pairs: int = 1 << 18,
-    ordered: bool = True,
+    block_rows: int = 1 << 18,
     min_distance: float = 0.0,
     min_distance_share: float = 0.0,
     weld: bool = False,
@@ -42,7 +41,7 @@ def _impacts_in_world(
     poses = world.poses if poses is None else poses
     end_poses = world.end_poses if end_poses is None else end_poses
     given = (taker(take, Impacts), world, poses, end_poses, question, excluded_in(world, excluded))
-    return with_names(world, self._stream_impacts_in_world, *given, block_pairs, ordered)
+    return with_names(world, self._stream_impacts_in_world, *given, block_rows)
 
 
 @overload
@@ -53,8 +52,7 @@ def stream_impacts(
     end: Any,
     faces: Any = None,
     *,
-    block_pairs: int = 1 << 18,
-    ordered: bool = True,
+    block_rows: int = 1 << 18,
     min_distance: float = 0.0,
     min_distance_share: float = 0.0,
     weld: bool = False,
@@ -73,8 +71,7 @@ def stream_impacts(
     world: World,
     /,
     *,
-    block_pairs: int = 1 << 18,
-    ordered: bool = True,
+    block_rows: int = 1 << 18,
     min_distance: float = 0.0,
     min_distance_share: float = 0.0,
     weld: bool = False,
@@ -95,8 +92,7 @@ def stream_impacts(
     end: Any,
     faces: Any = None,
     *,
-    block_pairs: int = 1 << 18,
-    ordered: bool = True,
+    block_rows: int = 1 << 18,
     min_distance: float = 0.0,
     min_distance_share: float = 0.0,
     weld: bool = False,
@@ -113,9 +109,7 @@ def stream_impacts(
             many rows these have. Edges and points are those of the whole answer. It tells of nothing else: `first`,
             `world_first` and `world_hit` are an InvalidInput. What it raises ends the call. It may run in another
             thread, but never in two at a time, and cannot call this detector.
-        block_pairs: most rows of a block, in all its lists, 1 to 2^40.
-        ordered: the lists of all blocks, one behind the other, are those of find_impacts. False: rows come in any
-            order.
+        block_rows: most rows of a block, in all its lists, 1 to 2^40.
 
     Other arguments, also of worlds (`take` comes first), and errors as of find_impacts; there is no `index`, and there
     are no `triangle_pairs`. Returns the statistics of the call.
@@ -128,7 +122,7 @@ def stream_impacts(
     question = _core.Motion("impacts", min_distance, min_distance_share, weld, rules, False, False)
     mesh = listing_of(vertices, faces, groups, edges, points)
     give = taker(take, Impacts)
-    return self._stream_impacts(give, mesh, end, question, (edges, points), block_pairs, ordered)
+    return self._stream_impacts(give, mesh, end, question, (edges, points), block_rows)
 
 
 def _near_in_world(
@@ -136,8 +130,7 @@ def _near_in_world(
     take: Callable[[Nearby], Any],
     world: World,
     *,
-    block_pairs: int = 1 << 18,
-    ordered: bool = True,
+    block_rows: int = 1 << 18,
     radius: float | None = None,
     strict: bool = False,
     closest: bool = False,
@@ -155,7 +148,7 @@ def _near_in_world(
     question = _core.Near("pairs", radius, strict, closest, False, weld, rings, rest_radius, rules, False)
     poses = world.poses if poses is None else poses
     given = (taker(take, Nearby), world, poses, question, excluded_in(world, excluded))
-    return with_names(world, self._stream_near_in_world, *given, block_pairs, ordered)
+    return with_names(world, self._stream_near_in_world, *given, block_rows)
 
 
 @overload
@@ -165,8 +158,7 @@ def stream_near(
     vertices: Any,
     faces: Any = None,
     *,
-    block_pairs: int = 1 << 18,
-    ordered: bool = True,
+    block_rows: int = 1 << 18,
     radius: float | None = None,
     radii: Any = None,
     strict: bool = False,
@@ -190,8 +182,7 @@ def stream_near(
     world: World,
     /,
     *,
-    block_pairs: int = 1 << 18,
-    ordered: bool = True,
+    block_rows: int = 1 << 18,
     radius: float | None = None,
     strict: bool = False,
     closest: bool = False,
@@ -213,8 +204,7 @@ def stream_near(
     vertices: Any,
     faces: Any = None,
     *,
-    block_pairs: int = 1 << 18,
-    ordered: bool = True,
+    block_rows: int = 1 << 18,
     radius: float | None = None,
     radii: Any = None,
     strict: bool = False,
@@ -239,7 +229,7 @@ def stream_near(
     question = _core.Near("pairs", radius, strict, closest, False, weld, rings, rest_radius, rules, False)
     mesh = listing_of(vertices, faces, groups, edges, points)
     give = taker(take, Nearby)
-    return self._stream_near(give, mesh, question, radii, rest, (edges, points), block_pairs, ordered)
+    return self._stream_near(give, mesh, question, radii, rest, (edges, points), block_rows)
 
 
 def _candidates_in_world(
@@ -247,8 +237,7 @@ def _candidates_in_world(
     take: Callable[[Candidates], Any],
     world: World,
     *,
-    block_pairs: int = 1 << 18,
-    ordered: bool = True,
+    block_rows: int = 1 << 18,
     kinds: CandidateKind | Iterable[CandidateKind] = ("vertex_face", "edge_edge"),
     inflation: float = 0.0,
     weld: bool = False,
@@ -263,7 +252,7 @@ def _candidates_in_world(
     poses = world.poses if poses is None else poses
     end_poses = world.end_poses if end_poses is None else end_poses
     given = (taker(take, Candidates), world, poses, end_poses, question, excluded_in(world, excluded))
-    return with_names(world, self._stream_candidates_in_world, *given, block_pairs, ordered)
+    return with_names(world, self._stream_candidates_in_world, *given, block_rows)
 
 
 @overload
@@ -274,8 +263,7 @@ def stream_candidates(
     faces: Any = None,
     *,
     end: Any = None,
-    block_pairs: int = 1 << 18,
-    ordered: bool = True,
+    block_rows: int = 1 << 18,
     kinds: CandidateKind | Iterable[CandidateKind] = ("vertex_face", "edge_edge"),
     inflation: float = 0.0,
     weld: bool = False,
@@ -294,8 +282,7 @@ def stream_candidates(
     world: World,
     /,
     *,
-    block_pairs: int = 1 << 18,
-    ordered: bool = True,
+    block_rows: int = 1 << 18,
     kinds: CandidateKind | Iterable[CandidateKind] = ("vertex_face", "edge_edge"),
     inflation: float = 0.0,
     weld: bool = False,
@@ -316,8 +303,7 @@ def stream_candidates(
     faces: Any = None,
     *,
     end: Any = None,
-    block_pairs: int = 1 << 18,
-    ordered: bool = True,
+    block_rows: int = 1 << 18,
     kinds: CandidateKind | Iterable[CandidateKind] = ("vertex_face", "edge_edge"),
     inflation: float = 0.0,
     weld: bool = False,
@@ -335,4 +321,4 @@ def stream_candidates(
     question = candidate_question(kinds, inflation, weld, _core.rules_of_mesh(wanted, excluded_groups))
     mesh = listing_of(vertices, faces, groups, edges, points)
     give = taker(take, Candidates)
-    return self._stream_candidates(give, mesh, end, question, (edges, points), block_pairs, ordered)
+    return self._stream_candidates(give, mesh, end, question, (edges, points), block_rows)

@@ -13,10 +13,6 @@
 
 namespace crumple::python {
 
-inline Streaming streaming(nanobind::handle block_pairs, nanobind::handle ordered) {
-    return {integer<std::int64_t>("block_pairs", block_pairs), flag("ordered", ordered)};
-}
-
 /// Calls `take` with make(copy of the block) for each Block of stream(detector, sink, stop). In a turn of one's own,
 /// with the GIL.
 template <class Block, class Make, class Stream>

@@ -144,17 +144,17 @@ bool any(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>
 }
 
 Statistics stream(nb::handle self, nb::handle take, const nb::tuple& first, const std::optional<nb::tuple>& second,
-                  const IntersectionQuery& query, nb::handle block_pairs, nb::handle ordered) {
+                  const IntersectionQuery& query, nb::handle block_rows) {
     SharedDetector& detector = detector_of(self);
     const BorrowedMeshes meshes(first, second);
     check_devices(detector, meshes);
-    const Streaming how = streaming(block_pairs, ordered);
+    const std::int64_t rows = integer<std::int64_t>("block_rows", block_rows);
     const SharedDetector::Turn turn(detector);
     const auto make = [&](std::shared_ptr<Intersections> block) {
         return Answer{std::move(block), query.contacts(), false};
     };
     return hand_over_blocks<Intersections>(detector, take, make, [&](Detector& by, auto& sink, std::stop_token stop) {
-        return by.stream(meshes.scene(), query, sink, how, std::move(stop));
+        return by.stream(meshes.scene(), query, sink, rows, std::move(stop));
     });
 }
 
@@ -212,19 +212,18 @@ void bind_detector(nb::module_& module) {
         .def("_find_nearest", find_nearest, "world"_a, "poses"_a.none(), "question"_a, "excluded"_a.none(),
              "copy"_a.none())
         .def("_stream_impacts", stream_impacts, "take"_a, "mesh"_a, "end"_a.none(), "question"_a, "lists"_a,
-             "block_pairs"_a.none(), "ordered"_a.none())
+             "block_rows"_a.none())
         .def("_stream_impacts_in_world", stream_impacts_in_world, "take"_a, "world"_a, "poses"_a.none(),
-             "end_poses"_a.none(), "question"_a, "excluded"_a.none(), "block_pairs"_a.none(), "ordered"_a.none())
+             "end_poses"_a.none(), "question"_a, "excluded"_a.none(), "block_rows"_a.none())
         .def("_stream_near", stream_near, "take"_a, "mesh"_a, "question"_a, "radii"_a.none(), "rest"_a.none(),
-             "lists"_a, "block_pairs"_a.none(), "ordered"_a.none())
+             "lists"_a, "block_rows"_a.none())
         .def("_stream_near_in_world", stream_near_in_world, "take"_a, "world"_a, "poses"_a.none(), "question"_a,
-             "excluded"_a.none(), "block_pairs"_a.none(), "ordered"_a.none())
+             "excluded"_a.none(), "block_rows"_a.none())
         .def("_stream_candidates", stream_candidates, "take"_a, "mesh"_a, "end"_a.none(), "question"_a, "lists"_a,
-             "block_pairs"_a.none(), "ordered"_a.none())
+             "block_rows"_a.none())
         .def("_stream_candidates_in_world", stream_candidates_in_world, "take"_a, "world"_a, "poses"_a.none(),
-             "end_poses"_a.none(), "question"_a, "excluded"_a.none(), "block_pairs"_a.none(), "ordered"_a.none())
-        .def("_stream", stream, "take"_a, "first"_a, "second"_a.none(), "query"_a, "block_pairs"_a.none(),
-             "ordered"_a.none())
+             "end_poses"_a.none(), "question"_a, "excluded"_a.none(), "block_rows"_a.none())
+        .def("_stream", stream, "take"_a, "first"_a, "second"_a.none(), "query"_a, "block_rows"_a.none())
         .def("_any", any, "first"_a, "second"_a.none(), "query"_a)
         .def("_partition", partition, "first"_a, "second"_a.none(), "count"_a.none());
     module.def("list_devices", listed_devices);

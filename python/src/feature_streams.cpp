@@ -50,91 +50,87 @@ Statistics take_blocks(SharedDetector& detector, nb::handle take, const Question
 }  // namespace
 
 Statistics stream_impacts(nb::handle self, nb::handle take, const nb::tuple& mesh, nb::handle end,
-                          const ImpactQuery& question, const nb::tuple& lists, nb::handle block_pairs,
-                          nb::handle ordered) {
+                          const ImpactQuery& question, const nb::tuple& lists, nb::handle block_rows) {
     SharedDetector& detector = detector_of(self);
     const AskedOfMesh start(detector, mesh, lists);
     const BorrowedEnd at_end(end, start.mesh);
-    const Streaming how = streaming(block_pairs, ordered);
+    const std::int64_t rows = integer<std::int64_t>("block_rows", block_rows);
     const SharedDetector::Turn turn(detector);
     return take_blocks<Impacts>(detector, take, question, false, [&](Detector& by, auto& sink, std::stop_token stop) {
-        return by.stream(start.view.moving_to(at_end.view()), question, sink, how, std::move(stop));
+        return by.stream(start.view.moving_to(at_end.view()), question, sink, rows, std::move(stop));
     });
 }
 
 Statistics stream_impacts_in_world(nb::handle self, nb::handle take, nb::handle world, nb::handle poses,
                                    nb::handle end_poses, const ImpactQuery& question, nb::handle excluded,
-                                   nb::handle block_pairs, nb::handle ordered) {
+                                   nb::handle block_rows) {
     SharedDetector& detector = detector_of(self);
     const AskedOfWorld<ImpactQuery> asked(world, question, excluded);
     const Bodies& bodies = *asked.bodies;
     const BorrowedPoses start(poses, bodies), end(end_poses, bodies, BorrowedPoses::When::end);
-    const Streaming how = streaming(block_pairs, ordered);
+    const std::int64_t rows = integer<std::int64_t>("block_rows", block_rows);
     const SharedDetector::Turn turn(detector);
     const World view = moving_world(bodies, start, end, detector);
     return take_blocks<Impacts>(detector, take, question, true, [&](Detector& by, auto& sink, std::stop_token stop) {
-        return by.stream(view, asked.question, sink, how, std::move(stop));
+        return by.stream(view, asked.question, sink, rows, std::move(stop));
     });
 }
 
 Statistics stream_near(nb::handle self, nb::handle take, const nb::tuple& mesh, const ProximityQuery& asked,
-                       nb::handle radii, nb::handle rest, const nb::tuple& lists, nb::handle block_pairs,
-                       nb::handle ordered) {
+                       nb::handle radii, nb::handle rest, const nb::tuple& lists, nb::handle block_rows) {
     SharedDetector& detector = detector_of(self);
     const AskedOfMesh given(detector, mesh, lists);
     const AskedOfVertices vertices(asked, given.mesh, radii, rest);
     const ProximityQuery& question = vertices.question;
-    const Streaming how = streaming(block_pairs, ordered);
+    const std::int64_t rows = integer<std::int64_t>("block_rows", block_rows);
     const SharedDetector::Turn turn(detector);
     return take_blocks<Proximities>(detector, take, question, false,
                                     [&](Detector& by, auto& sink, std::stop_token stop) {
-                                        return by.stream(given.view, question, sink, how, std::move(stop));
+                                        return by.stream(given.view, question, sink, rows, std::move(stop));
                                     });
 }
 
 Statistics stream_near_in_world(nb::handle self, nb::handle take, nb::handle world, nb::handle poses,
-                                const ProximityQuery& question, nb::handle excluded, nb::handle block_pairs,
-                                nb::handle ordered) {
+                                const ProximityQuery& question, nb::handle excluded, nb::handle block_rows) {
     SharedDetector& detector = detector_of(self);
     const AskedOfWorld<ProximityQuery> asked(world, question, excluded);
     const BorrowedPoses at(poses, *asked.bodies);
-    const Streaming how = streaming(block_pairs, ordered);
+    const std::int64_t rows = integer<std::int64_t>("block_rows", block_rows);
     const SharedDetector::Turn turn(detector);
     const World view = posed_world(*asked.bodies, at, detector);
     return take_blocks<Proximities>(detector, take, question, true,
                                     [&](Detector& by, auto& sink, std::stop_token stop) {
-                                        return by.stream(view, asked.question, sink, how, std::move(stop));
+                                        return by.stream(view, asked.question, sink, rows, std::move(stop));
                                     });
 }
 
 Statistics stream_candidates(nb::handle self, nb::handle take, const nb::tuple& mesh, nb::handle end,
-                             const CandidateQuery& question, const nb::tuple& lists, nb::handle block_pairs,
-                             nb::handle ordered) {
+                             const CandidateQuery& question, const nb::tuple& lists, nb::handle block_rows) {
     SharedDetector& detector = detector_of(self);
     const AskedOfMesh start(detector, mesh, lists);
     std::optional<BorrowedEnd> at_end;
     if (!end.is_none()) at_end.emplace(end, start.mesh);
-    const Streaming how = streaming(block_pairs, ordered);
+    const std::int64_t rows = integer<std::int64_t>("block_rows", block_rows);
     const SharedDetector::Turn turn(detector);
     return take_blocks<Candidates>(detector, take, question, false,
                                    [&](Detector& by, auto& sink, std::stop_token stop) {
                                        return by.stream(at_end ? start.view.moving_to(at_end->view()) : start.view,
-                                                        question, sink, how, std::move(stop));
+                                                        question, sink, rows, std::move(stop));
                                    });
 }
 
 Statistics stream_candidates_in_world(nb::handle self, nb::handle take, nb::handle world, nb::handle poses,
                                       nb::handle end_poses, const CandidateQuery& question, nb::handle excluded,
-                                      nb::handle block_pairs, nb::handle ordered) {
+                                      nb::handle block_rows) {
     SharedDetector& detector = detector_of(self);
     const AskedOfWorld<CandidateQuery> asked(world, question, excluded);
     const Bodies& bodies = *asked.bodies;
     const BorrowedPoses start(poses, bodies), end(end_poses, bodies, BorrowedPoses::When::end);
-    const Streaming how = streaming(block_pairs, ordered);
+    const std::int64_t rows = integer<std::int64_t>("block_rows", block_rows);
     const SharedDetector::Turn turn(detector);
     const World view = moving_world(bodies, start, end, detector);
     return take_blocks<Candidates>(detector, take, question, true, [&](Detector& by, auto& sink, std::stop_token stop) {
-        return by.stream(view, asked.question, sink, how, std::move(stop));
+        return by.stream(view, asked.question, sink, rows, std::move(stop));
     });
 }
 

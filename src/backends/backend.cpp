@@ -1,5 +1,6 @@
 #include "backends/backend.h"
 
+#include <mutex>
 #include <string>
 
 #include "crumple/error.h"
@@ -16,7 +17,7 @@ namespace {
                 Element::option);
 }
 [[noreturn]] void refuse_blocks() {
-    throw Error(ErrorCode::invalid_argument, "answers in blocks need the cpu backend (Options::backend)",
+    throw Error(ErrorCode::invalid_argument, "results in blocks need the cpu backend (Options::backend)",
                 Element::option);
 }
 
@@ -30,19 +31,26 @@ void fail_unprepared_capture(Asked question) {
                     ": they make its lists");
 }
 
-void BackendBase::stream(const PreparedScene&, const IntersectionQuery&, const Streaming&, BlockSink, Statistics&) {
+void BackendBase::stream(const PreparedScene&, const IntersectionQuery&, PairStream&, Statistics&) { refuse_blocks(); }
+void BackendBase::stream(const PreparedScene&, const FeatureRequest&, FeatureStream&, Statistics&) { refuse_blocks(); }
+void BackendBase::stream(const PreparedScene&, const CandidateRequest&, CandidateStream&, Statistics&) {
     refuse_blocks();
 }
-void BackendBase::visit(const PreparedScene& scene, const IntersectionQuery& query, BlockSink take,
-                        Statistics& statistics) {
-    stream(scene, query, {.ordered = false}, take, statistics);
-}
-void BackendBase::stream(const PreparedScene&, const FeatureRequest&, const Streaming&, FeatureSink, Statistics&) {
-    refuse_blocks();
-}
-void BackendBase::stream_candidates(const PreparedScene&, const CandidateRequest&, const Streaming&, CandidateSink,
-                                    Statistics&) {
-    refuse_blocks();
+void BackendBase::visit(const PreparedScene& scene, const IntersectionQuery& query,
+                        FunctionRef<void(const Array<Pair>& some)> take, Statistics& statistics) {
+    struct Visit final : PairStream {
+        explicit Visit(FunctionRef<void(const Array<Pair>& some)> visit) : take(visit) {}
+        void add(std::int64_t, Array<Pair>& rows) override {
+            const std::lock_guard lock(mutex);
+            take(rows);
+            rows.clear();
+        }
+        void finish(std::int64_t) override {}
+        void fail() override {}
+        FunctionRef<void(const Array<Pair>& some)> take;
+        std::mutex mutex;
+    } each(take);
+    stream(scene, query, each, statistics);
 }
 void BackendBase::find(const MeshView&, const MeshView*, const IntersectionQuery&, Intersections&) { refuse(); }
 bool BackendBase::any(const MeshView&, const MeshView*, const IntersectionQuery&) { refuse(); }

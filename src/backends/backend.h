@@ -16,12 +16,10 @@
 #include "crumple/options.h"
 #include "queries/candidate_request.h"
 #include "queries/feature_request.h"
+#include "queries/row_stream.h"
 #include "scene/prepared_scene.h"
 
 namespace crumple {
-
-/// Takes one block of a stream; it is gone when this returns.
-using BlockSink = FunctionRef<void(const Intersections& block)>;
 
 /// What a backend remembers of one scene, for who asks about several in turn, over and over.
 struct SceneMemory {
@@ -52,28 +50,25 @@ class BackendBase : public ParallelFor {
         flags[0] = any(scene, query);
     }
 
-    /// Delivers all pairs in blocks (Detector::stream). A call that throws may have delivered some.
-    virtual void stream(const PreparedScene& scene, const IntersectionQuery& query, const Streaming& how,
-                        BlockSink sink, Statistics& statistics);
+    /// Gives all pairs, as `find` names them, to a stream (Detector::stream). A call that throws may have given some.
+    virtual void stream(const PreparedScene& scene, const IntersectionQuery& query, PairStream& to,
+                        Statistics& statistics);
 
-    /// All pairs, in any order, a block at a time or all at once: for work that goes on with them.
-    virtual void visit(const PreparedScene& scene, const IntersectionQuery& query, BlockSink take,
-                       Statistics& statistics);
+    /// All pairs, in any order, some at a time from any thread, or all at once: for work that goes on with them.
+    virtual void visit(const PreparedScene& scene, const IntersectionQuery& query,
+                       FunctionRef<void(const Array<Pair>& some)> take, Statistics& statistics);
 
     /// Pairs of features that touch or are near, of a scene of one mesh. Fills rows, counts and stage times.
     virtual void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) = 0;
 
     /// Pairs of features whose grown boxes overlap, likewise.
-    virtual void find_candidates(const PreparedScene& scene, const CandidateRequest& query,
-                                 CandidateAnswer& answer) = 0;
+    virtual void find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) = 0;
 
-    /// The same in pieces of any size (Detector::stream). In order
-    /// there is one piece at a time, and what they say of a kind is in the order of the answer; else pieces come from
-    /// several threads at once. A call that throws may have handed over some.
-    virtual void stream(const PreparedScene& scene, const FeatureRequest& query, const Streaming& how, FeatureSink sink,
+    /// The same, as a stream.
+    virtual void stream(const PreparedScene& scene, const FeatureRequest& query, FeatureStream& to,
                         Statistics& statistics);
-    virtual void stream_candidates(const PreparedScene& scene, const CandidateRequest& query, const Streaming& how,
-                                   CandidateSink sink, Statistics& statistics);
+    virtual void stream(const PreparedScene& scene, const CandidateRequest& query, CandidateStream& to,
+                        Statistics& statistics);
 
     /// The same for meshes in device memory (b null: one), which the backend checks itself. Only cuda can.
     virtual void find(const MeshView& a, const MeshView* b, const IntersectionQuery& query, Intersections& result);

@@ -26,27 +26,27 @@ class ForwardingBackend : public BackendBase {
                       Statistics& statistics) override {
         to_->any_by_world(scene, query, flags, statistics);
     }
-    void stream(const PreparedScene& scene, const IntersectionQuery& query, const Streaming& how, BlockSink sink,
+    void stream(const PreparedScene& scene, const IntersectionQuery& query, PairStream& to,
                 Statistics& statistics) override {
-        to_->stream(scene, query, how, sink, statistics);
+        to_->stream(scene, query, to, statistics);
     }
-    void visit(const PreparedScene& scene, const IntersectionQuery& query, BlockSink take,
-               Statistics& statistics) override {
+    void visit(const PreparedScene& scene, const IntersectionQuery& query,
+               FunctionRef<void(const Array<Pair>& some)> take, Statistics& statistics) override {
         to_->visit(scene, query, take, statistics);
     }
     void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) override {
         to_->find(scene, query, answer);
     }
-    void find_candidates(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
-        to_->find_candidates(scene, query, answer);
+    void find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
+        to_->find(scene, query, answer);
     }
-    void stream(const PreparedScene& scene, const FeatureRequest& query, const Streaming& how, FeatureSink sink,
+    void stream(const PreparedScene& scene, const FeatureRequest& query, FeatureStream& to,
                 Statistics& statistics) override {
-        to_->stream(scene, query, how, sink, statistics);
+        to_->stream(scene, query, to, statistics);
     }
-    void stream_candidates(const PreparedScene& scene, const CandidateRequest& query, const Streaming& how,
-                           CandidateSink sink, Statistics& statistics) override {
-        to_->stream_candidates(scene, query, how, sink, statistics);
+    void stream(const PreparedScene& scene, const CandidateRequest& query, CandidateStream& to,
+                Statistics& statistics) override {
+        to_->stream(scene, query, to, statistics);
     }
     void find(const MeshView& a, const MeshView* b, const IntersectionQuery& query, Intersections& result) override {
         to_->find(a, b, query, result);

@@ -13,6 +13,7 @@
 #include "detector/world_calls.h"
 #include "partition/part_centres.h"
 #include "partition/parts_of_scene.h"
+#include "search/pair_stream.h"
 
 namespace crumple {
 
@@ -106,20 +107,22 @@ struct Detector::Implementation : WorldCalls {
     }
 
     Statistics stream(const MeshView& a, const MeshView* b, const IntersectionQuery& query,
-                      Sink<IntersectionQuery> take, const Streaming& how, std::stop_token stop) {
+                      Sink<IntersectionQuery> take, std::int64_t block_rows, std::stop_token stop) {
         Stopwatch watch;
-        check_blocks(how);
+        check_blocks(block_rows);
         check_in_blocks(query);
         if (meter.limit > 0) forget();  // do not retry once a block has been delivered
         Statistics statistics;
         std::int64_t pairs = 0;
         const auto count = [&](const Intersections& block) {
-            pairs += static_cast<std::int64_t>(block.pairs.size());
+            pairs += block.count;
             take(block);
         };
         run_on_meshes(
             a, b, nullptr, query, std::move(stop),
-            [&](const PreparedScene& scene) { backend->stream(scene, query, how, count, statistics); },
+            [&](const PreparedScene& scene) {
+                stream_pairs(*backend, scene, query, block_rows, meter, cancellation, count, statistics);
+            },
             [] { check(false, "blocks are made of meshes in host memory"); });
         statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
         statistics.pairs = pairs;
@@ -289,24 +292,27 @@ struct Detector::Implementation : WorldCalls {
     }
 
     template <class Query>
-    Statistics stream(const Scene& scene, const Query& query, Sink<Query> take, const Streaming& how,
+    Statistics stream(const Scene& scene, const Query& query, Sink<Query> take, std::int64_t block_rows,
                       std::stop_token stop) {
         constexpr bool intersections = std::same_as<Query, IntersectionQuery>;
         const auto of_mesh = [&](const MeshView& mesh) {
             if constexpr (intersections)
-                return stream(mesh, nullptr, query, take, how, std::move(stop));
+                return stream(mesh, nullptr, query, take, block_rows, std::move(stop));
             else
-                return stream(mesh, query, take, how, std::move(stop));
+                return stream(mesh, query, take, block_rows, std::move(stop));
         };
         const auto of_two = [&](const TwoMeshes& meshes) {
             if constexpr (intersections) {
-                return stream(meshes.a, &meshes.b, query, take, how, std::move(stop));
+                return stream(meshes.a, &meshes.b, query, take, block_rows, std::move(stop));
             } else {
-                return as_world(meshes.a, &meshes.b,
-                                [&](const World& world) { return stream(world, query, take, how, std::move(stop)); });
+                return as_world(meshes.a, &meshes.b, [&](const World& world) {
+                    return stream(world, query, take, block_rows, std::move(stop));
+                });
             }
         };
-        const auto of_world = [&](const World& world) { return stream(world, query, take, how, std::move(stop)); };
+        const auto of_world = [&](const World& world) {
+            return stream(world, query, take, block_rows, std::move(stop));
+        };
         const auto of_part = [&](const Part*) -> Statistics { refuse("blocks are not made of parts"); };
         return std::visit(Overloaded{of_mesh, of_two, of_world, of_part}, scene.source());
     }
@@ -370,9 +376,9 @@ bool Detector::any(const Scene& scene, const Query& query, std::stop_token stop)
 }
 template <RowQuery Query>
 Statistics Detector::stream(const Scene& scene, const Query& query,
-                            FunctionRef<void(const typename Query::Result& block)> take, const Streaming& how,
+                            FunctionRef<void(const typename Query::Result& block)> take, std::int64_t block_rows,
                             std::stop_token stop) {
-    return implementation_->stream(scene, query, take, how, std::move(stop));
+    return implementation_->stream(scene, query, take, block_rows, std::move(stop));
 }
 template <PairQuery Query>
 std::vector<Part> Detector::partition(const Scene& scene, const Query& query, int count, std::stop_token stop) {
@@ -394,7 +400,7 @@ const typename Query::DeviceResult& Detector::wait(std::stop_token stop) {
 #define CRUMPLE_ANY(Query) template CRUMPLE_API bool Detector::any(const Scene&, const Query&, std::stop_token);
 #define CRUMPLE_STREAM(Query)                         \
     template CRUMPLE_API Statistics Detector::stream( \
-        const Scene&, const Query&, FunctionRef<void(const Query::Result&)>, const Streaming&, std::stop_token);
+        const Scene&, const Query&, FunctionRef<void(const Query::Result&)>, std::int64_t, std::stop_token);
 #define CRUMPLE_PARTITION(Query) \
     template CRUMPLE_API std::vector<Part> Detector::partition(const Scene&, const Query&, int, std::stop_token);
 #define CRUMPLE_LAUNCH(Query)                                               \

@@ -72,11 +72,11 @@ const typename Query::Result& WorldCalls::find_there(const DeviceShape& mesh, co
 }
 
 template <FeatureQuery Query>
-Statistics WorldCalls::stream(const MeshView& mesh, const Query& query, Sink<Query> take, const Streaming& how,
+Statistics WorldCalls::stream(const MeshView& mesh, const Query& query, Sink<Query> take, std::int64_t block_rows,
                               std::stop_token stop) {
     require_host(mesh);
     const Shape shape = shape_of(mesh, query);
-    return stream_features(world_of(shape), query, false, {how, take}, std::move(stop));
+    return stream_features(world_of(shape), query, false, {block_rows, take}, std::move(stop));
 }
 
 template <FeatureQuery Query>
@@ -157,11 +157,11 @@ template const Proximities& WorldCalls::find(const MeshView&, const ProximityQue
 template const Candidates& WorldCalls::find(const MeshView&, const CandidateQuery&, std::stop_token);
 template const Impacts& WorldCalls::find(const Part&, const ImpactQuery&, std::stop_token);
 template const Proximities& WorldCalls::find(const Part&, const ProximityQuery&, std::stop_token);
-template Statistics WorldCalls::stream(const MeshView&, const ImpactQuery&, Sink<ImpactQuery>, const Streaming&,
+template Statistics WorldCalls::stream(const MeshView&, const ImpactQuery&, Sink<ImpactQuery>, std::int64_t,
                                        std::stop_token);
-template Statistics WorldCalls::stream(const MeshView&, const ProximityQuery&, Sink<ProximityQuery>, const Streaming&,
+template Statistics WorldCalls::stream(const MeshView&, const ProximityQuery&, Sink<ProximityQuery>, std::int64_t,
                                        std::stop_token);
-template Statistics WorldCalls::stream(const MeshView&, const CandidateQuery&, Sink<CandidateQuery>, const Streaming&,
+template Statistics WorldCalls::stream(const MeshView&, const CandidateQuery&, Sink<CandidateQuery>, std::int64_t,
                                        std::stop_token);
 template std::vector<Part> WorldCalls::partition(const MeshView&, const ImpactQuery&, int, std::stop_token);
 template std::vector<Part> WorldCalls::partition(const MeshView&, const ProximityQuery&, int, std::stop_token);

@@ -46,7 +46,7 @@ const Intersections& WorldCalls::find(const World& world, const IntersectionQuer
     };
     const auto attempt = [&] {
         if (!blocks) return search(world, query, nullptr);
-        const WorldBlocks noted{blocks->how, noting};
+        const WorldBlocks noted{blocks->most, noting};
         search(world, query, &noted);
     };
     // Do not retry once a block has been delivered.
@@ -81,11 +81,11 @@ bool WorldCalls::found_on_device(const World& world, const IntersectionQuery& qu
 }
 
 Statistics WorldCalls::stream(const World& world, const IntersectionQuery& query, Sink<IntersectionQuery> take,
-                              const Streaming& how, std::stop_token stop) {
-    check_blocks(how);
+                              std::int64_t block_rows, std::stop_token stop) {
+    check_blocks(block_rows);
     check_in_blocks(query);
     if (meter.limit > 0) forget();
-    const WorldBlocks blocks{how, take};
+    const WorldBlocks blocks{block_rows, take};
     return find(world, query, std::move(stop), &blocks).statistics;
 }
 
@@ -130,7 +130,7 @@ Statistics WorldCalls::stream_features(const World& world, const Query& query, b
     if (meter.limit > 0) forget();
     auto& result = result_of(query);
     const auto stream = [&] {
-        check_blocks(blocks.how);
+        check_blocks(blocks.most);
         check_question(query, bodies);
         if (!bodies) check_groups(query.filter, world.shapes[0].triangles.rows, !world.shapes[0].groups.empty());
         check_in_blocks(query);

@@ -25,23 +25,23 @@ struct WorldCalls : DetectorState {
     const Intersections& find(const World& world, const IntersectionQuery& query, std::stop_token stop,
                               const WorldBlocks* blocks = nullptr);
     Statistics stream(const World& world, const IntersectionQuery& query, Sink<IntersectionQuery> take,
-                      const Streaming& how, std::stop_token stop);
+                      std::int64_t block_rows, std::stop_token stop);
     const Distances& find(const World& world, const DistanceQuery& query, std::stop_token stop);
     template <FeatureQuery Query>
     const typename Query::Result& find(const World& world, const Query& query, std::stop_token stop) {
         return find_features(world, query, true, std::move(stop));
     }
     template <FeatureQuery Query>
-    Statistics stream(const World& world, const Query& query, Sink<Query> take, const Streaming& how,
+    Statistics stream(const World& world, const Query& query, Sink<Query> take, std::int64_t block_rows,
                       std::stop_token stop) {
-        return stream_features(world, query, true, {how, take}, std::move(stop));
+        return stream_features(world, query, true, {block_rows, take}, std::move(stop));
     }
 
     // Calls on one mesh, wherever it lies:
     template <FeatureQuery Query>
     const typename Query::Result& find(const MeshView& mesh, const Query& query, std::stop_token stop);
     template <FeatureQuery Query>
-    Statistics stream(const MeshView& mesh, const Query& query, Sink<Query> take, const Streaming& how,
+    Statistics stream(const MeshView& mesh, const Query& query, Sink<Query> take, std::int64_t block_rows,
                       std::stop_token stop);
     template <FeatureQuery Query>
     std::vector<Part> partition(const MeshView& mesh, const Query& query, int count, std::stop_token stop);

@@ -8,7 +8,6 @@
 
 #include "crumple/array.h"
 #include "crumple/candidates.h"
-#include "crumple/function_ref.h"
 #include "crumple/intersections.h"
 #include "queries/feature_request.h"
 #include "scene/rules.h"
@@ -40,8 +39,9 @@ inline void clear(CandidateAnswer& answer) {
     answer.statistics = {};
 }
 
-/// As FeatureSink.
-using CandidateSink = FunctionRef<void(CandidateKind kind, std::span<const Pair> rows)>;
+/// Candidates by kind: CandidateAnswer::pairs, unsorted.
+using CandidateHits = std::array<Array<Pair>, candidate_kinds>;
+using CandidateStream = RowStream<CandidateHits>;
 
 CRUMPLE_HD constexpr FeatureTypes types_of(CandidateKind kind) {
     constexpr auto vertex = FeatureType::vertex, edge = FeatureType::edge, face = FeatureType::face;

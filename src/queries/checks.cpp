@@ -59,8 +59,8 @@ void check_on_device(const IntersectionQuery& question) {
     check(!question.index, "index must be false: of a launch there are offsets of worlds only");
 }
 
-void check_blocks(const Streaming& how) {
-    check(how.block_pairs >= 1 && how.block_pairs <= std::int64_t{1} << 40, "block_pairs must be 1 to 2^40");
+void check_blocks(std::int64_t block_rows) {
+    check(block_rows >= 1 && block_rows <= std::int64_t{1} << 40, "block_rows must be 1 to 2^40");
 }
 
 void check_in_blocks(const IntersectionQuery& q) {

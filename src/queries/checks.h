@@ -32,7 +32,7 @@ inline bool lies_on_device(const World& world) { return given(world.device_poses
 void check_device_poses(const World& world);
 /// What cannot be answered there.
 void check_on_device(const IntersectionQuery& question);
-void check_blocks(const Streaming& how);
+void check_blocks(std::int64_t block_rows);
 /// What cannot be answered in blocks.
 void check_in_blocks(const ImpactQuery& question);
 void check_in_blocks(const ProximityQuery& question);

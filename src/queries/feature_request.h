@@ -9,11 +9,11 @@
 
 #include "crumple/array.h"
 #include "crumple/features.h"
-#include "crumple/function_ref.h"
 #include "crumple/impacts.h"
 #include "crumple/intersections.h"
 #include "crumple/part.h"
 #include "crumple/proximities.h"
+#include "queries/row_stream.h"
 #include "scene/prepared_scene.h"
 #include "scene/rest_shape.h"
 #include "scene/rules.h"
@@ -72,8 +72,9 @@ struct FeatureHit {
     std::uint8_t flag;  ///< start, or touching
 };
 
-/// Takes some of an answer, as much as there is at the time: rows of one kind.
-using FeatureSink = FunctionRef<void(FeatureKind kind, std::span<const FeatureHit> rows)>;
+/// Hits by kind.
+using FeatureHits = std::array<Array<FeatureHit>, feature_kinds>;
+using FeatureStream = RowStream<FeatureHits>;
 
 /// Pairs of one kind: indices of the scene's points, edges, triangles. Sorted, unique.
 struct FeatureRows {

@@ -17,7 +17,7 @@ void clear(Intersections& result, const WorldOutline& outline, const Intersectio
 
 void WorldBlocks::pass_on(Intersections& result, bool last) const {
     const auto pairs = static_cast<std::int64_t>(result.pairs.size());
-    if (pairs == 0 || (!last && pairs < how.block_pairs)) return;
+    if (pairs == 0 || (!last && pairs < most)) return;
     take(result);
     result.bodies.clear();
     result.pairs.clear();

@@ -8,7 +8,6 @@
 
 #include "crumple/function_ref.h"
 #include "crumple/intersections.h"
-#include "crumple/options.h"
 #include "crumple/world.h"
 #include "scene/world_outline.h"
 
@@ -16,7 +15,7 @@ namespace crumple {
 
 /// Where an answer goes that is handed over in blocks (Detector::stream).
 struct WorldBlocks {
-    Streaming how;
+    std::int64_t most;  ///< pairs of a block
     FunctionRef<void(const Intersections& block)> take;
 
     /// Hands the pairs that are there over, if they fill a block or are the last, and makes room for the next.

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "crumple/array.h"
+#include "crumple/query.h"
 #include "crumple/world.h"
 #include "scene/outline.h"
 #include "scene/placement.h"

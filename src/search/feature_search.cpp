@@ -330,7 +330,7 @@ void FeatureSearch::search_in_place(BackendBase& backend, const CandidateQuery& 
         answer_there(backend, question);
     } else {
         const PreparedScene scene = prepare_in_place(backend, true, question.weld);
-        backend.find_candidates(scene, query_of(question, frugal_, features_, rule_), found_candidates_);
+        backend.find(scene, query_of(question, frugal_, features_, rule_), found_candidates_);
     }
     add_pass(found_candidates_.statistics, answer.statistics);
     answer.edges = features_.edges();
@@ -347,7 +347,7 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
                                  Candidates& answer) {
     const std::optional<PreparedScene> scene = prepare_pass(backend, pass, true, question.weld);
     if (!scene) return;
-    backend.find_candidates(*scene, query_of(question, frugal_, features_, rule_), found_candidates_);
+    backend.find(*scene, query_of(question, frugal_, features_, rule_), found_candidates_);
     add_pass(found_candidates_.statistics, answer.statistics);
     append_features(pass, answer);
     for (std::size_t k = 0; k < candidate_kinds; ++k) {

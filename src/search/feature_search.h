@@ -28,7 +28,7 @@ namespace crumple {
 /// Size and destination of blocks of a result (Detector::stream).
 template <class Answer>
 struct FeatureBlocks {
-    Streaming how;
+    std::int64_t most;  ///< rows of a block, of all its lists together
     FunctionRef<void(const Answer& block)> take;
 };
 
@@ -97,9 +97,9 @@ class FeatureSearch {
 
     template <class Answer>
     void list_features(BackendBase& backend, bool step, bool weld, Answer& answer);
-    template <class Question, class Filling>
+    template <class Question, class Blocks>
     void stream_scene(BackendBase& backend, const PreparedScene& scene, const Question& question, bool in_place,
-                      const Streaming& how, Filling& filling, Statistics& statistics);
+                      Blocks& blocks, Statistics& statistics);
 
     /// Reads the world.
     void read(const World& world, const PairFilter& rules);

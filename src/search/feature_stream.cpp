@@ -1,15 +1,17 @@
 // Answers about features of worlds in blocks: what a backend hands over is placed in its bodies, and gathered until a
 // block is full, from world to world.
 
+#include <algorithm>
 #include <memory>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
 #include "queries/feature_requests.h"
 #include "results/feature_output.h"
-#include "results/filling_block.h"
 #include "results/intersection_output.h"
 #include "results/near_details.h"
+#include "results/ordered_blocks.h"
 #include "search/feature_search.h"
 
 namespace crumple {
@@ -24,26 +26,89 @@ constexpr bool is_candidates = std::is_same_v<Question, CandidateQuery>;
 template <class Answer>
 using Lists = decltype(Answer::lists);
 
-// What a block is handed over as: the answer with these rows.
+/// The rows of a list, without offsets.
+auto rows_of(ImpactList& l) { return std::tie(l.pairs, l.bodies, l.toi, l.start); }
+auto rows_of(ProximityList& l) { return std::tie(l.pairs, l.bodies, l.squared_distance, l.touching, l.type, l.at); }
+auto rows_of(CandidateList& l) { return std::tie(l.pairs, l.bodies); }
+
+template <class Rows>
+std::size_t size_of(const Rows& lists) {
+    std::size_t rows = 0;
+    for (const auto& list : lists) rows += list.pairs.size();
+    return rows;
+}
+
+template <class Element>
+void append(Array<Element>& to, const Array<Element>& from, std::size_t begin, std::size_t end) {
+    if (from.empty()) return;
+    to.make_room_for(end - begin);
+    for (std::size_t i = begin; i < end; ++i) to.push_back(from[i]);
+}
+
+// Rows count through all lists, one behind the other.
+template <class Rows>
+void append_rows(Rows& to, Rows& piece, std::size_t begin, std::size_t end) {
+    std::size_t first = 0;
+    for (std::size_t k = 0; k < to.size(); ++k) {
+        const std::size_t rows = piece[k].pairs.size();
+        const std::size_t from = std::clamp(begin, first, first + rows) - first,
+                          until = std::clamp(end, first, first + rows) - first;
+        first += rows;
+        if (from == until) continue;
+        auto target = rows_of(to[k]), source = rows_of(piece[k]);
+        std::apply(
+            [&](auto&... array) {
+                std::apply([&](auto&... added) { (append(array, added, from, until), ...); }, source);
+            },
+            target);
+    }
+}
+
+// What a block is delivered as: the result with these rows.
 template <class Answer>
 void take_rows(Lists<Answer>& rows, const FeatureBlocks<Answer>& blocks, Answer& answer) {
     std::swap(answer.lists, rows);
-    for (const auto& list : answer.lists) answer.count += static_cast<std::int64_t>(list.pairs.size());
+    answer.count += static_cast<std::int64_t>(size_of(answer.lists));
     answer.any = true;
     blocks.take(answer);
     std::swap(answer.lists, rows);
 }
 
 template <class Answer>
-FillingBlock<Lists<Answer>> filling_of(const FeatureBlocks<Answer>& blocks, MemoryMeter& meter, Answer& answer) {
+OrderedBlocks<Lists<Answer>> blocks_of(const FeatureBlocks<Answer>& blocks, MemoryMeter& meter,
+                                       Cancellation& cancellation, Answer& answer) {
     using Rows = Lists<Answer>;
-    const auto make = [&] { return std::make_unique<Rows>(metered_answer<Answer>(&meter).lists); };
-    const auto take = [&](Rows& rows) { take_rows(rows, blocks, answer); };
-    const auto empty = [](Rows& rows) {
-        for (auto& list : rows) clear(list);
-    };
-    return {blocks.how.block_pairs, {make, {}, take, empty}};
+    return {blocks.most,
+            cancellation,
+            {.make = [&] { return std::make_unique<Rows>(metered_answer<Answer>(&meter).lists); },
+             .size = [](const Rows& rows) { return size_of(rows); },
+             .append = [](Rows& to, Rows& piece, std::size_t begin,
+                          std::size_t end) { append_rows(to, piece, begin, end); },
+             .take = [&](Rows& rows) { take_rows(rows, blocks, answer); },
+             .clear =
+                 [](Rows& rows) {
+                     for (auto& list : rows) clear(list);
+                 }}};
 }
+
+/// Makes pieces of blocks by write(hits of a scene, lists).
+template <class Hits, class Rows, class Write>
+class FeaturePieces final : public RowStream<Hits> {
+   public:
+    FeaturePieces(OrderedBlocks<Rows>& blocks, Write write) : blocks_(blocks), write_(write) {}
+    void add(std::int64_t unit, Hits& hits) override {
+        auto piece = blocks_.make();
+        write_(hits, *piece);
+        for (auto& list : hits) list.clear();
+        blocks_.add(unit, std::move(piece));
+    }
+    void finish(std::int64_t unit) override { blocks_.finish(unit); }
+    void fail() override { blocks_.fail(); }
+
+   private:
+    OrderedBlocks<Rows>& blocks_;
+    Write write_;
+};
 
 }  // namespace
 
@@ -61,7 +126,7 @@ void FeatureSearch::stream(BackendBase& backend, const World& world, const Quest
     answer.first_point.push_back(0);
     if constexpr (is_near<Question>) near_input_.begin(outline_, question, bodies_, true, backend, buffers_);
 
-    auto filling = filling_of(blocks, meter_, answer);
+    auto ordered = blocks_of(blocks, meter_, cancellation_, answer);
     constexpr bool step = !is_near<Question>;
     if (in_place(question.filter)) {
         const PreparedScene scene = prepare_in_place(backend, step, question.weld);
@@ -69,7 +134,7 @@ void FeatureSearch::stream(BackendBase& backend, const World& world, const Quest
         answer.edges = features_.edges();
         answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
         append_listed_points(0, answer);
-        stream_scene(backend, scene, question, true, blocks.how, filling, answer.statistics);
+        stream_scene(backend, scene, question, true, ordered, answer.statistics);
     } else {
         const bool one_world = outline_.worlds() == 1 && own_bodies(1) == 0;
         if (!one_world) list_features(backend, step, question.weld, answer);
@@ -79,10 +144,10 @@ void FeatureSearch::stream(BackendBase& backend, const World& world, const Quest
             if (!scene) continue;
             if constexpr (is_near<Question>) near_input_.place(outline_, scene_);
             if (one_world) append_features(pass, answer);
-            stream_scene(backend, *scene, question, false, blocks.how, filling, answer.statistics);
+            stream_scene(backend, *scene, question, false, ordered, answer.statistics);
         }
     }
-    filling.finish();
+    ordered.finish();
     answer.statistics.pairs = answer.count;
 }
 
@@ -95,10 +160,11 @@ void FeatureSearch::list_features(BackendBase& backend, bool step, bool weld, An
     }
 }
 
-template <class Question, class Filling>
+template <class Question, class Blocks>
 void FeatureSearch::stream_scene(BackendBase& backend, const PreparedScene& scene, const Question& question,
-                                 bool in_place, const Streaming& how, Filling& filling, Statistics& statistics) {
+                                 bool in_place, Blocks& blocks, Statistics& statistics) {
     auto query = query_of(question, frugal_, features_, rule_);
+    if constexpr (is_near<Question>) near_input_.tell(scene.vertex_count(), backend, cancellation_, query);
     Statistics of_scene;
     const auto append_pair = [&](FeatureTypes types, const Pair& found, auto& list) {
         Pair pair = found;
@@ -107,36 +173,38 @@ void FeatureSearch::stream_scene(BackendBase& backend, const PreparedScene& scen
         list.pairs.push_back(pair);
         if (bodies_) list.bodies.push_back(bodies);
     };
+    blocks.next_scene();
     if constexpr (is_candidates<Question>) {
-        const auto sink = [&](CandidateKind kind, std::span<const Pair> rows) {
-            typename Filling::Writer(filling).add(rows.size(), [&](auto& lists, std::size_t begin, std::size_t end) {
-                for (std::size_t i = begin; i < end; ++i)
-                    append_pair(types_of(kind), rows[i], lists[static_cast<std::size_t>(kind)]);
-            });
+        const auto write = [&](const CandidateHits& hits, auto& lists) {
+            for (std::size_t k = 0; k < hits.size(); ++k)
+                for (const Pair& pair : hits[k]) append_pair(types_of(static_cast<CandidateKind>(k)), pair, lists[k]);
         };
-        backend.stream_candidates(scene, query, how, sink, of_scene);
+        FeaturePieces<CandidateHits, Lists<Candidates>, decltype(write)> pieces(blocks, write);
+        backend.stream(scene, query, pieces, of_scene);
     } else {
-        if constexpr (is_near<Question>) near_input_.tell(scene.vertex_count(), backend, cancellation_, query);
-        const auto sink = [&](FeatureKind kind, std::span<const FeatureHit> rows) {
-            Array<ClosestPoints> closest(&meter_);
-            if constexpr (is_near<Question>)
-                if (question.closest)
-                    find_closest(scene, features_, kind, rows, how.ordered ? &backend : nullptr, closest);
-            typename Filling::Writer(filling).add(rows.size(), [&](auto& lists, std::size_t begin, std::size_t end) {
-                auto& list = lists[static_cast<std::size_t>(kind)];
-                for (std::size_t i = begin; i < end; ++i) {
-                    append_pair(types_of(kind), rows[i].pair, list);
-                    values(list).push_back(rows[i].value);
-                    flags(list).push_back(rows[i].flag);
-                    if constexpr (is_near<Question>) {
-                        if (closest.empty()) continue;
-                        list.type.push_back(closest[i].type);
-                        list.at.push_back(closest[i].at);
+        const auto write = [&](const FeatureHits& hits, auto& lists) {
+            for (std::size_t k = 0; k < hits.size(); ++k) {
+                const auto kind = static_cast<FeatureKind>(k);
+                auto& list = lists[k];
+                for (const FeatureHit& hit : hits[k]) {
+                    append_pair(types_of(kind), hit.pair, list);
+                    values(list).push_back(hit.value);
+                    flags(list).push_back(hit.flag);
+                }
+                if constexpr (is_near<Question>) {
+                    if (!question.closest) continue;
+                    Array<ClosestPoints> closest(&meter_);
+                    find_closest(scene, features_, kind, hits[k].span(), nullptr, closest);
+                    for (const ClosestPoints& points : closest) {
+                        list.type.push_back(points.type);
+                        list.at.push_back(points.at);
                     }
                 }
-            });
+            }
         };
-        backend.stream(scene, query, how, sink, of_scene);
+        using Rows = std::conditional_t<is_near<Question>, Lists<Proximities>, Lists<Impacts>>;
+        FeaturePieces<FeatureHits, Rows, decltype(write)> pieces(blocks, write);
+        backend.stream(scene, query, pieces, of_scene);
     }
     add_pass(of_scene, statistics);
 }

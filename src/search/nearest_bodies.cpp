@@ -14,7 +14,7 @@ namespace crumple {
 namespace {
 
 // Pairs of bodies that are answered in one task: some microseconds each.
-constexpr std::size_t pairs_of_task = 8;
+constexpr std::size_t body_pairs_of_task = 8;
 
 bool within(const Bounds& box, double most) {
     for (int axis = 0; axis < 3; ++axis)
@@ -75,7 +75,7 @@ void NearestSearch::find(ParallelFor& workers, const World& world, const Distanc
     const auto run = [&](std::size_t task) {
         auto owned = take_walk();
         NearestWalk& walk = *owned;
-        for (std::size_t i = task * pairs_of_task; i < std::min(rows, (task + 1) * pairs_of_task); ++i) {
+        for (std::size_t i = task * body_pairs_of_task; i < std::min(rows, (task + 1) * body_pairs_of_task); ++i) {
             cancellation_.check();
             const auto [a, b] = answer.bodies[i];
             const auto tree = [&](std::int32_t body) -> const ShapeTree& {
@@ -88,7 +88,7 @@ void NearestSearch::find(ParallelFor& workers, const World& world, const Distanc
         tests += walk.counts().tests, exact += walk.counts().exact, rational += walk.counts().rational;
         give_back(std::move(owned));
     };
-    const std::size_t tasks = (rows + pairs_of_task - 1) / pairs_of_task;
+    const std::size_t tasks = (rows + body_pairs_of_task - 1) / body_pairs_of_task;
     if (frugal || tasks <= 1)
         for (std::size_t task = 0; task < tasks; ++task) run(task);
     else

@@ -69,9 +69,9 @@ bool TriangleImpacts::any_at_start(BackendBase& backend, const PreparedScene& sc
 void TriangleImpacts::find(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features,
                            const GroupRule& rule, const FeatureAnswer& found, Statistics& statistics) {
     intersecting_.clear();
-    const auto take = [&](const Intersections& block) {
-        intersecting_.make_room_for(block.pairs.size());
-        for (const Pair& pair : block.pairs) intersecting_.push_back(pair);
+    const auto take = [&](const Array<Pair>& some) {
+        intersecting_.make_room_for(some.size());
+        for (const Pair& pair : some) intersecting_.push_back(pair);
     };
     Statistics of_search;
     keeping_peak(meter_, [&] { backend.visit(at_start(scene, features), IntersectionQuery(), take, of_search); });

@@ -11,6 +11,7 @@
 #include "crumple/error.h"
 #include "results/intersection_output.h"
 #include "search/first_hit.h"
+#include "search/pair_stream.h"
 
 namespace crumple {
 namespace {
@@ -394,7 +395,7 @@ void WorldSearch::look(BackendBase& backend, Intersections& result) {
         backend.any_by_world(scene, query, flags_.span(), found_.statistics);
     } else if (blocks_) {
         const auto append_block = [&](const Intersections& block) { append(block, result); };
-        backend.stream(scene, query, blocks_->how, append_block, found_.statistics);
+        stream_pairs(backend, scene, query, blocks_->most, meter_, cancellation_, append_block, found_.statistics);
     } else {
         backend.find(scene, query, nullptr, found_);
     }

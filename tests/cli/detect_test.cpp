@@ -39,12 +39,12 @@ TEST_F(Detect, OfTwoFilesCountsFirstInTheFirst) { EXPECT_EQ(pairs("five.off two.
 TEST_F(Detect, StreamsTheSameLines) {
     for (const std::string way :
          {"five.off", "five.off two.off", "five.off --contacts", "five.off --memory-limit 1MB"}) {
-        EXPECT_EQ(pairs(way + " --stream"), pairs(way));
+        EXPECT_EQ(sorted_lines(pairs(way + " --stream")), sorted_lines(pairs(way)));
         for (const std::string out : {"pairs.txt", "pairs.csv"}) {
             const std::string said = summary(way + " --stream -o streamed_" + out);
             const std::string expected = summary(way + " -o " + out);
             EXPECT_EQ(said.substr(0, said.rfind(',')), expected.substr(0, expected.rfind(',')));
-            EXPECT_EQ(read("streamed_" + out), read(out)) << way;
+            EXPECT_EQ(sorted_lines(read("streamed_" + out)), sorted_lines(read(out))) << way;
         }
     }
 }

@@ -10,7 +10,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <string>
+#include <vector>
 
 namespace crumple::cli::test {
 
@@ -31,6 +33,17 @@ inline bool contains(const std::string& text, const std::string& part) { return 
 /// One line that begins with `crumple: `.
 inline bool is_error_line(const std::string& text) {
     return text.starts_with("crumple: ") && std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
+}
+
+/// The lines of a text in ascending order, to compare lists whose order differs.
+inline std::string sorted_lines(const std::string& text) {
+    std::istringstream in(text);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    std::sort(lines.begin(), lines.end());
+    std::string sorted;
+    for (const std::string& line : lines) sorted += line + '\n';
+    return sorted;
 }
 
 /// What a run says that has nothing to list: one line, "nothing collides: ..." or "no candidates: ...". Nothing if it

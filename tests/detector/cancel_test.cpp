@@ -117,8 +117,8 @@ TEST(Cancel, a_stop_that_was_requested_before_ends_every_call) {
         ends("has_collision", [&] { detector.any(mesh, {}, stop); });
         ends("has_collision, two", [&] { detector.any({mesh, mesh}, {}, stop); });
         const auto never = [](const Intersections&) { FAIL(); };
-        ends("stream_self", [&] { detector.stream(mesh, {}, never, {}, stop); });
-        ends("stream_between", [&] { detector.stream({mesh, mesh}, {}, never, {}, stop); });
+        ends("stream_self", [&] { detector.stream(mesh, {}, never, 100, stop); });
+        ends("stream_between", [&] { detector.stream({mesh, mesh}, {}, never, 100, stop); });
         ends("partition", [&] { detector.partition(mesh, {}, 3, stop); });
         ends("partition, two", [&] { detector.partition({mesh, mesh}, {}, 3, stop); });
         ends("nothing to do", [&] { detector.find(MeshView(), {}, stop); });

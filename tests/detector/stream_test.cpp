@@ -1,4 +1,4 @@
-// Answers in blocks: together they are the answer of find(), byte for byte, whatever the blocks' size.
+// Results in blocks: together they have the rows of find(), whatever the blocks' size, in an order of their own.
 
 #include <gtest/gtest.h>
 
@@ -72,8 +72,8 @@ struct Meshes {
         return b ? by.find({a, *b}, query) : by.find(a, query);
     }
     Statistics stream(Detector& by, FunctionRef<void(const Intersections&)> take, const IntersectionQuery& query,
-                      const Streaming& how) const {
-        return b ? by.stream({a, *b}, query, take, how) : by.stream(a, query, take, how);
+                      std::int64_t rows) const {
+        return b ? by.stream({a, *b}, query, take, rows) : by.stream(a, query, take, rows);
     }
 };
 
@@ -84,35 +84,29 @@ void compare(const Meshes& meshes, const IntersectionQuery& query, const Options
     expected.append(meshes.find(plain, query));
     const auto count = static_cast<std::int64_t>(expected.pairs.size());
     ASSERT_GE(count, least_pairs);
-    for (const bool ordered : {true, false}) {
-        Detector detector(options);
-        for (const int size : sizes) {
-            SCOPED_TRACE(testing::Message() << "blocks of " << size << (ordered ? "" : ", in any order"));
-            Whole found;
-            const auto take = [&](const Intersections& block) { found.add(block); };
-            const Statistics statistics = meshes.stream(detector, take, query, {size, ordered});
-            EXPECT_EQ(statistics.pairs, count);
-            EXPECT_LE(found.largest, size);
-            EXPECT_GE(found.blocks, (count + size - 1) / size);
-            if (!ordered) {
-                EXPECT_EQ(found.blocks, (count + size - 1) / size);
-                found.sort();
-            }
-            ASSERT_EQ(difference(expected.pairs, found.pairs), "");
-            ASSERT_EQ(found.pairs, expected.pairs) << "order";
-            EXPECT_EQ(found.kinds, expected.kinds);
-            EXPECT_EQ(found.counts, expected.counts);
-            ASSERT_EQ(found.points.size(), expected.points.size());
-            if (!found.points.empty()) {
-                EXPECT_EQ(std::memcmp(found.points.data(), expected.points.data(),
-                                      found.points.size() * sizeof found.points[0]),
-                          0);
-            }
+    Detector detector(options);
+    for (const int size : sizes) {
+        SCOPED_TRACE(testing::Message() << "blocks of " << size);
+        Whole found;
+        const auto take = [&](const Intersections& block) { found.add(block); };
+        const Statistics statistics = meshes.stream(detector, take, query, size);
+        EXPECT_EQ(statistics.pairs, count);
+        EXPECT_LE(found.largest, size);
+        EXPECT_EQ(found.blocks, (count + size - 1) / size);
+        found.sort();
+        ASSERT_EQ(difference(expected.pairs, found.pairs), "");
+        EXPECT_EQ(found.kinds, expected.kinds);
+        EXPECT_EQ(found.counts, expected.counts);
+        ASSERT_EQ(found.points.size(), expected.points.size());
+        if (!found.points.empty()) {
+            EXPECT_EQ(
+                std::memcmp(found.points.data(), expected.points.data(), found.points.size() * sizeof found.points[0]),
+                0);
         }
     }
 }
 
-/// Sanitizers are slow, and a block of one pair is a search.
+/// Sanitizers are slow.
 constexpr int part = sanitized ? 2 : 1;
 
 std::vector<Options> ways() {
@@ -182,6 +176,25 @@ TEST(Stream, repeats_the_pairs_of_copies) {
     }
 }
 
+TEST(Stream, has_an_order_that_does_not_depend_on_threads) {
+    const auto soup = test::random_soup(3000, 0.3);
+    const auto dense = test::random_soup(1500, 0.9);  // one large leaf, in tiles
+    for (const MeshView& mesh : {soup.view(), dense.view()}) {
+        std::vector<Pair> first;
+        for (const int threads : {1, 2, 5}) {
+            Detector detector({.backend = Backend::cpu, .threads = threads});
+            std::vector<Pair> all;
+            detector.stream(
+                mesh, {},
+                [&](const Intersections& block) { all.insert(all.end(), block.pairs.begin(), block.pairs.end()); },
+                1000);
+            if (threads == 1) first = all;
+            ASSERT_EQ(all, first) << threads << " threads";
+        }
+        EXPECT_GT(first.size(), 3000u);
+    }
+}
+
 TEST(Stream, of_nothing_has_no_blocks) {
     Detector detector;
     const auto never = [](const Intersections&) { FAIL(); };
@@ -193,24 +206,23 @@ TEST(Stream, of_nothing_has_no_blocks) {
 
 TEST(Stream, ends_by_what_a_block_throws_and_by_a_stop) {
     const auto soup = test::random_soup(2000, 0.5);
-    for (const bool ordered : {true, false}) {
-        Detector detector({.threads = 2});
-        std::atomic<int> blocks{0};
-        const auto refuse = [&](const Intersections&) {
-            if (++blocks == 3) throw std::runtime_error("full");
-        };
-        EXPECT_THROW(detector.stream(soup.view(), {}, refuse, {50, ordered}), std::runtime_error);
-        EXPECT_EQ(blocks, 3);
-        std::stop_source stop;
-        const auto ask = [&](const Intersections&) { stop.request_stop(); };
-        const Error error = error_of([&] { detector.stream(soup.view(), {}, ask, {50, ordered}, stop.get_token()); });
-        EXPECT_EQ(error.code, ErrorCode::cancelled);
-        // The detector is usable still.
-        Whole found;
-        detector.stream(soup.view(), {}, [&](const Intersections& block) { found.add(block); }, {1000, ordered});
-        found.sort();
-        EXPECT_EQ(difference(pairs_of(Detector().find(soup.view())), found.pairs), "");
-    }
+    Detector detector({.threads = 2});
+    std::atomic<int> blocks{0};
+    const auto refuse = [&](const Intersections&) {
+        if (++blocks == 3) throw std::runtime_error("full");
+    };
+    EXPECT_THROW(detector.stream(soup.view(), {}, refuse, 50), std::runtime_error);
+    EXPECT_EQ(blocks, 3);
+    std::stop_source stop;
+    const auto ask = [&](const Intersections&) { stop.request_stop(); };
+    const Error error = error_of([&] { detector.stream(soup.view(), {}, ask, 50, stop.get_token()); });
+    EXPECT_EQ(error.code, ErrorCode::cancelled);
+    // The detector is usable still.
+    Whole found;
+    detector.stream(
+        soup.view(), {}, [&](const Intersections& block) { found.add(block); }, 1000);
+    found.sort();
+    EXPECT_EQ(difference(pairs_of(Detector().find(soup.view())), found.pairs), "");
 }
 
 TEST(Stream, fits_a_limit_that_the_answer_does_not_fit_or_names_one) {
@@ -218,32 +230,31 @@ TEST(Stream, fits_a_limit_that_the_answer_does_not_fit_or_names_one) {
     const auto count = static_cast<std::int64_t>(Detector().find(soup.view()).pairs.size());
     constexpr std::int64_t limit = 2'500'000;
     ASSERT_GT(count * 8, limit);
-    for (const bool ordered : {true, false}) {
-        Detector detector({.memory_limit = limit});
-        EXPECT_EQ(error_of([&] { detector.find(soup.view()); }).code, ErrorCode::memory_limit);
-        std::int64_t pairs = 0;
-        const auto take = [&](const Intersections& block) { pairs += static_cast<std::int64_t>(block.pairs.size()); };
-        const Statistics statistics = detector.stream(soup.view(), {}, take, {20'000, ordered});
-        EXPECT_EQ(pairs, count);
-        EXPECT_LE(statistics.peak_memory_bytes, limit);
+    Detector detector({.memory_limit = limit});
+    EXPECT_EQ(error_of([&] { detector.find(soup.view()); }).code, ErrorCode::memory_limit);
+    std::int64_t pairs = 0;
+    const auto take = [&](const Intersections& block) { pairs += static_cast<std::int64_t>(block.pairs.size()); };
+    const Statistics statistics = detector.stream(soup.view(), {}, take, 20'000);
+    EXPECT_EQ(pairs, count);
+    EXPECT_LE(statistics.peak_memory_bytes, limit);
 
+    pairs = 0;
+    const Error error = error_of([&] { detector.stream(soup.view(), {}, take, 1'000'000); });
+    EXPECT_EQ(error.code, ErrorCode::memory_limit);
+    EXPECT_GT(error.bytes_needed, limit);
+    test::sufficient_limit({.memory_limit = limit}, [&](Detector& enough) {
         pairs = 0;
-        const Error error = error_of([&] { detector.stream(soup.view(), {}, take, {1'000'000, ordered}); });
-        EXPECT_EQ(error.code, ErrorCode::memory_limit);
-        EXPECT_GT(error.bytes_needed, limit);
-        test::sufficient_limit({.memory_limit = limit}, [&](Detector& enough) {
-            pairs = 0;
-            enough.stream(soup.view(), {}, take, {1'000'000, ordered});
-            EXPECT_EQ(pairs, count);
-        });
-    }
+        enough.stream(soup.view(), {}, take, 1'000'000);
+        EXPECT_EQ(pairs, count);
+    });
 }
 
 TEST(Stream, refuses_what_is_no_size_of_a_block) {
     const auto soup = test::random_soup(10, 0.2);
     for (const std::int64_t size : {std::int64_t{0}, std::int64_t{-5}, (std::int64_t{1} << 40) + 1}) {
         const Error error = error_of([&] {
-            Detector().stream(soup.view(), {}, [](const Intersections&) {}, {size, true});
+            Detector().stream(
+                soup.view(), {}, [](const Intersections&) {}, size);
         });
         EXPECT_EQ(error.code, ErrorCode::invalid_argument);
         EXPECT_EQ(error.element, Element::option);

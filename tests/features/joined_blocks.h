@@ -126,27 +126,26 @@ template <class Answer>
 struct Asked {
     using Take = FunctionRef<void(const Answer&)>;
     std::function<const Answer&(Detector&)> find;
-    std::function<Statistics(Detector&, Take, const Streaming&, std::stop_token)> stream;
+    std::function<Statistics(Detector&, Take, std::int64_t rows, std::stop_token)> stream;
 
-    Statistics blocks(Detector& by, Take take, const Streaming& how = {}, std::stop_token stop = {}) const {
-        return stream(by, take, how, std::move(stop));
+    Statistics blocks(Detector& by, Take take, std::int64_t rows, std::stop_token stop = {}) const {
+        return stream(by, take, rows, std::move(stop));
     }
 };
 
 /// Blocks of a size, by a detector, are the answer.
 template <class Answer>
-void expect_blocks(const Asked<Answer>& asked, const Answer& expected, Detector& by, const Streaming& how) {
-    SCOPED_TRACE(testing::Message() << "blocks of " << how.block_pairs << (how.ordered ? "" : ", in any order"));
-    Joined<Answer> joined{how.block_pairs};
+void expect_blocks(const Asked<Answer>& asked, const Answer& expected, Detector& by, std::int64_t size) {
+    SCOPED_TRACE(testing::Message() << "blocks of " << size);
+    Joined<Answer> joined{size};
     const Statistics statistics = asked.blocks(
-        by, [&](const Answer& block) { joined.add(block); }, how);
+        by, [&](const Answer& block) { joined.add(block); }, size);
     EXPECT_EQ(statistics.pairs, expected.count);
-    EXPECT_EQ(joined.blocks, (expected.count + how.block_pairs - 1) / how.block_pairs) << "full blocks, but the last";
+    EXPECT_EQ(joined.blocks, (expected.count + size - 1) / size) << "full blocks, but the last";
     if (expected.count == 0) return;
     Answer whole = of_blocks(expected);
-    if (!how.ordered)
-        for (Answer* answer : {&whole, &joined.all})
-            for (auto& list : answer->lists) sort_rows(list);
+    for (Answer* answer : {&whole, &joined.all})
+        for (auto& list : answer->lists) sort_rows(list);
     EXPECT_TRUE(same_whole(joined.all, whole));
 }
 

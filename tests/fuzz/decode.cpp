@@ -258,7 +258,7 @@ Search::Search(Bytes bytes) {
     // Each part is a search, and each memory limit some five. Inputs that ask for many reach more code than others and
     // so become most of the corpus; what chooses a share of them is no byte that could be learnt.
     const std::uint32_t share = bytes.checksum();
-    if (share / 32 % 8 == 0) blocks = {1 + share / 256 % 40, share / 16384 % 2 == 0};
+    if (share / 32 % 8 == 0) block_rows = 1 + share / 256 % 40;
     if (extras & 1) parts = 1 + bytes.next() % 64 / (share % 16 == 0 ? 1 : 16);
     if (extras & 4 && share % 16 == 1) parts *= 17;  // more than one level holds
     if ((extras & 24) == 24) {

@@ -94,7 +94,7 @@ struct Search {
     IntersectionQuery query;  ///< `excluded_groups` looks at `excluded`
     std::vector<GroupPair> excluded;
     int parts = 0;                   ///< 0: none
-    Streaming blocks{0, true};       ///< of 0 pairs: none
+    std::int64_t block_rows = 0;     ///< of blocks; 0: none
     std::int64_t memory_limit = -1;  ///< beside what suffices; -1: none
     std::vector<Frame> frames;
 

@@ -38,11 +38,11 @@ class Views {
         return b_ ? by.any({a(), b()}, query) : by.any(a(), query);
     }
     void stream(Detector& by, FunctionRef<void(const Intersections&)> take, const IntersectionQuery& query,
-                const Streaming& how) const {
+                std::int64_t rows) const {
         if (b_)
-            by.stream({a(), b()}, query, take, how);
+            by.stream({a(), b()}, query, take, rows);
         else
-            by.stream(a(), query, take, how);
+            by.stream(a(), query, take, rows);
     }
     std::vector<Part> partition(Detector& by, int count) const {
         return b_ ? by.partition({a(), b()}, {}, count) : by.partition(a(), {}, count);
@@ -99,7 +99,7 @@ class Judge {
             if (!answer) continue;
             if (search_.query.contacts()) check_contacts(frame, *answer);
             if (&frame != &search_.frames.back()) continue;
-            if (search_.blocks.block_pairs > 0) check_blocks(views, *answer);
+            if (search_.block_rows > 0) check_blocks(views, *answer);
             if (search_.parts > 0) check_parts(views, frame, *answer);
             if (search_.memory_limit >= 0) check_limit(views, *answer);
         }
@@ -152,18 +152,18 @@ class Judge {
         }
     }
 
-    /// Blocks together are the answer; in order, if they come so.
+    /// Blocks together have the rows of the result.
     void check_blocks(const Views& views, const Intersections& whole) const {
         Array<Pair> all;
         std::int64_t points = 0;
         const auto take = [&](const Intersections& block) {
-            require(static_cast<std::int64_t>(block.pairs.size()) <= search_.blocks.block_pairs, "a block's size");
+            require(static_cast<std::int64_t>(block.pairs.size()) <= search_.block_rows, "a block's size");
             for (const Pair& pair : block.pairs) all.push_back(pair);
             if (search_.query.contacts()) require_contacts_of(whole, block);
             points += static_cast<std::int64_t>(block.contacts.points.size());
         };
-        views.stream(detector_, take, search_.query, search_.blocks);
-        if (!search_.blocks.ordered) std::sort(all.begin(), all.end());
+        views.stream(detector_, take, search_.query, search_.block_rows);
+        std::sort(all.begin(), all.end());
         if (!std::ranges::equal(all, whole.pairs)) fail("the blocks:" + difference(all, whole.pairs));
         require(points == static_cast<std::int64_t>(whole.contacts.points.size()), "the blocks' contacts");
     }

@@ -24,7 +24,7 @@ struct WorkerBuffers {
 };
 
 struct Buffers {
-    Buffers(MemoryMeter* m, int workers) : points(m), balls(m), subdivision(m), included(m), range_masks(m) {
+    Buffers(MemoryMeter* m, int workers) : points(m), balls(m), subdivision(m), included(m) {
         for (int w = 0; w < workers; ++w) worker.push_back(std::make_unique<WorkerBuffers>(m));
     }
 
@@ -33,9 +33,8 @@ struct Buffers {
     Points points;
     Array<Ball> balls;
     Subdivision subdivision;
-    Array<std::uint8_t> included;      ///< by triangle: 0 for one that is left out; empty: none is
-    Array<std::uint64_t> range_masks;  ///< by triangle: see exclude_others()
-    bool repeats_corner = false;       ///< whether some triangle names a vertex twice
+    Array<std::uint8_t> included;  ///< by triangle: 0 for one that is left out; empty: none is
+    bool repeats_corner = false;   ///< whether some triangle names a vertex twice
     WarmCentres warm;
     std::vector<std::unique_ptr<WorkerBuffers>> worker;
 };

@@ -8,10 +8,8 @@
 
 #include "backends/cpu/candidates/find_candidates.h"
 #include "backends/cpu/features/find_features.h"
-#include "backends/cpu/features/stream_features.h"
 #include "backends/cpu/intersections/find_intersections.h"
 #include "backends/cpu/intersections/memory_limit.h"
-#include "backends/cpu/intersections/stream_intersections.h"
 #include "results/intersection_output.h"
 
 namespace crumple {
@@ -40,8 +38,8 @@ class CpuBackend final : public BackendBase {
             try {
                 IntersectCall call = make_call(scene, query, part);
                 PairBudget budget(scene, query, meter_);
-                const auto told = [&](const Array<Pair>& pairs, std::size_t before) {
-                    budget.add(static_cast<std::int64_t>(pairs.size() - before));
+                const auto told = [&](const NarrowScratch& scratch, std::size_t before) {
+                    budget.add(static_cast<std::int64_t>(scratch.pairs.size() - before));
                 };
                 const PairSink sink = told;
                 if (meter_.limit > 0) call.sink = &sink;
@@ -68,16 +66,12 @@ class CpuBackend final : public BackendBase {
         return found;
     }
 
-    void stream(const PreparedScene& scene, const IntersectionQuery& query, const Streaming& how, BlockSink sink,
+    void stream(const PreparedScene& scene, const IntersectionQuery& query, PairStream& to,
                 Statistics& statistics) override {
         statistics_ = {};
         workers_.run([&] {
-            const IntersectCall call =
-                meter_.limit > 0 ? call_in_chunks(scene, query, nullptr) : make_call(scene, query, nullptr);
-            if (how.ordered)
-                stream_in_order(call, how.block_pairs, sink);
-            else
-                stream_as_found(call, how.block_pairs, sink);
+            cpu::stream(meter_.limit > 0 ? call_in_chunks(scene, query, nullptr) : make_call(scene, query, nullptr),
+                        to);
         });
         statistics = statistics_;
     }
@@ -89,36 +83,24 @@ class CpuBackend final : public BackendBase {
         answer.statistics = statistics_;
     }
 
-    void stream(const PreparedScene& scene, const FeatureRequest& query, const Streaming& how, FeatureSink sink,
+    void stream(const PreparedScene& scene, const FeatureRequest& query, FeatureStream& to,
                 Statistics& statistics) override {
         statistics_ = {};
-        workers_.run([&] {
-            const Call call = make_call(scene, query);
-            if (how.ordered)
-                stream_in_order(call, query, kept_->features, how.block_pairs, sink);
-            else
-                stream_as_found(call, query, kept_->features, sink);
-        });
+        workers_.run([&] { cpu::stream(make_call(scene, query), query, kept_->features, to); });
         statistics = statistics_;
     }
 
-    void find_candidates(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
+    void find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
         clear(answer);
         statistics_ = {};
         workers_.run([&] { cpu::find(make_call(scene, query), query, kept_->candidates, answer); });
         answer.statistics = statistics_;
     }
 
-    void stream_candidates(const PreparedScene& scene, const CandidateRequest& query, const Streaming& how,
-                           CandidateSink sink, Statistics& statistics) override {
+    void stream(const PreparedScene& scene, const CandidateRequest& query, CandidateStream& to,
+                Statistics& statistics) override {
         statistics_ = {};
-        workers_.run([&] {
-            const Call call = make_call(scene, query);
-            if (how.ordered)
-                stream_in_order(call, query, kept_->candidates, how.block_pairs, sink);
-            else
-                stream_as_found(call, query, kept_->candidates, sink);
-        });
+        workers_.run([&] { cpu::stream(make_call(scene, query), query, kept_->candidates, to); });
         statistics = statistics_;
     }
 

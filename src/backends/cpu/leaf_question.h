@@ -40,6 +40,12 @@ class LeafQuestion {
     virtual void sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first, std::int64_t last,
                        std::size_t builder, std::size_t worker) = 0;
 
+    /// Of a stream: a unit of the work begins, and ends, on a worker. What sweep() finds between is the unit's.
+    virtual void begin_unit(std::int64_t /*unit*/, std::size_t /*worker*/) {}
+    virtual void end_unit(std::size_t /*worker*/) {}
+    /// The search ends by an error; may be called several times.
+    virtual void fail() {}
+
     /// The search is over: adds what sweep() counted, and its times.
     virtual void finish(Statistics& statistics) = 0;
 };

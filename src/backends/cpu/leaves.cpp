@@ -77,13 +77,14 @@ void sort_leaf(const Call& call, std::size_t w) {
 void sweep_leaf(const Call& call, const Ownership& ownership, bool in_tiles, std::size_t w) {
     WorkerBuffers& worker = *call.buffers.worker[w];
     const SortedLeaf& leaf = worker.leaf;
-    if (!in_tiles || call.workers.workers() == 1 || leaf.work <= tile_work) {
+    // Units of a stream do not depend on how many workers there are.
+    if (!in_tiles || (!call.units && (call.workers.workers() == 1 || leaf.work <= tile_work))) {
         call.question.sweep(leaf, ownership, 0, leaf.rows, w, w);
         return;
     }
     const Array<std::int64_t>& begin = worker.tile_begin;
     cut_into_tiles(leaf, worker.tile_begin);
-    call.workers.parallel_for(begin.size() - 1, [&](std::size_t tile, std::size_t helper) {
+    for_each_unit(call, begin.size() - 1, [&](std::size_t tile, std::size_t helper) {
         call.question.sweep(leaf, ownership, begin[tile], begin[tile + 1], w, helper);
     });
 }

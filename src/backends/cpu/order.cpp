@@ -24,16 +24,15 @@ Levels choose_triangles(const Call& call) {
     Levels levels = call.levels;
     b.included.clear();
     if (call.scene.between) exclude_far(call.scene, call.workers, b.balls, b.included);
-    if (call.range) levels.add(exclude_others(*call.range, {call.workers, b.balls, b.included, b.range_masks}));
     call.question.leave_out(call, levels);
     return levels;
 }
 
-// How many leaves are done one after another, each on all workers: where a task cannot start a loop, those that are far
-// larger than others are usual, or the only one. The largest come first.
+// How many leaves are done one after another, each on all workers: where a task cannot start a loop, and in streams,
+// whose units are tiles then, those that are far larger than others are usual, or the only one. The largest come first.
 std::size_t leaves_alone(const Call& call) {
     const Array<Leaf>& leaves = call.buffers.subdivision.leaves;
-    if (call.workers.nests()) return 0;
+    if (call.workers.nests() && !call.units) return 0;
     if (leaves.size() == 1) return 1;
     const auto large = [&](const Leaf& leaf) { return leaf.size > 4 * std::int64_t{call.options.leaf_size}; };
     return static_cast<std::size_t>(std::partition_point(leaves.begin(), leaves.end(), large) - leaves.begin());
@@ -44,12 +43,15 @@ template <class Work>
 void for_each_leaf(const Call& call, Work work) {
     const Array<Leaf>& leaves = call.buffers.subdivision.leaves;
     if (call.frugal) {
-        for (const Leaf& leaf : leaves) work(leaf, std::size_t{0}, false);
+        if (call.units)
+            for_each_unit(call, leaves.size(), [&](std::size_t l, std::size_t w) { work(leaves[l], w, false); });
+        else
+            for (const Leaf& leaf : leaves) work(leaf, std::size_t{0}, false);
     } else {
         const std::size_t alone = leaves_alone(call);
         for (std::size_t l = 0; l < alone; ++l) work(leaves[l], std::size_t{0}, true);
-        call.workers.parallel_for(leaves.size() - alone, [&](std::size_t l, std::size_t w) {
-            work(leaves[alone + l], w, call.workers.nests());
+        for_each_unit(call, leaves.size() - alone, [&](std::size_t l, std::size_t w) {
+            work(leaves[alone + l], w, call.workers.nests() && !call.units);
         });
     }
     call.statistics.leaves += static_cast<std::int64_t>(leaves.size());

@@ -2,9 +2,11 @@
 
 // The order of the stages: [MZ] Algorithm 1. The same for every question.
 
+#include <algorithm>
+#include <atomic>
+
 #include "backends/cpu/buffers.h"
 #include "backends/cpu/leaf_question.h"
-#include "backends/cpu/pair_range.h"
 #include "backends/cpu/parallel.h"
 #include "partition/levels.h"
 #include "scene/rules.h"
@@ -26,9 +28,9 @@ struct Call {
     Statistics& statistics;
     LeafQuestion& question;
 
-    bool frugal = false;               ///< one cluster after another, on one worker
-    const PairRange* range = nullptr;  ///< only pairs of these ids; null: all
-    Inflation inflation = {};          ///< of every triangle
+    bool frugal = false;            ///< one cluster after another, on one worker
+    std::int64_t* units = nullptr;  ///< of a stream: how many units of the work have begun; else null
+    Inflation inflation = {};       ///< of every triangle
 
     /// The normalised vertices, once they are there.
     PointRows points() const {
@@ -36,6 +38,31 @@ struct Call {
                              : PointRows{nullptr, buffers.points.d.data()};
     }
 };
+
+/// Calls task(i, worker) for i in [0, n), in parallel. Of a stream each is a unit; units begin in ascending order.
+template <class Task>
+void for_each_unit(const Call& call, std::size_t n, Task task) {
+    if (!call.units) return call.workers.parallel_for(n, task);
+    const std::int64_t first = *call.units;
+    *call.units += static_cast<std::int64_t>(n);
+    std::atomic<std::size_t> next{0};
+    const auto work = [&](std::size_t worker) {
+        try {
+            for (std::size_t i; (i = next.fetch_add(1)) < n;) {
+                call.cancellation.check();
+                call.question.begin_unit(first + static_cast<std::int64_t>(i), worker);
+                task(i, worker);
+                call.question.end_unit(worker);
+            }
+        } catch (...) {
+            call.question.fail();
+            throw;
+        }
+    };
+    if (call.frugal) return work(0);
+    call.workers.parallel_for(std::min(n, static_cast<std::size_t>(call.workers.workers())),
+                              [&](std::size_t, std::size_t worker) { work(worker); });
+}
 
 /// Stage `bounds`, once a call.
 void measure(const Call& call);

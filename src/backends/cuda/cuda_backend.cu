@@ -75,18 +75,18 @@ class CudaBackend final : public BackendBase {
         });
     }
 
-    void visit(const PreparedScene& scene, const IntersectionQuery& query, BlockSink take,
-               Statistics& statistics) override {
+    void visit(const PreparedScene& scene, const IntersectionQuery& query,
+               FunctionRef<void(const Array<Pair>& some)> take, Statistics& statistics) override {
         Intersections all = metered(&meter_);
         find(scene, query, nullptr, all);
         statistics = all.statistics;
-        take(all);
+        take(all.pairs);
     }
 
     void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) override {
         features_.find(scene, query, answer);
     }
-    void find_candidates(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
+    void find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
         features_.find(scene, query, answer);
     }
     DeviceFeatureCalls& features_there() override { return features_; }

@@ -63,24 +63,18 @@ class Reference final : public BackendBase {
         statistics[Stage::output] = output.lap();
     }
 
-    void stream(const PreparedScene& scene, const IntersectionQuery& query, const Streaming& how, BlockSink sink,
+    void stream(const PreparedScene& scene, const IntersectionQuery& query, PairStream& to,
                 Statistics& statistics) override {
-        statistics = {};
-        statistics.backend = "reference";
-        statistics.simd = "scalar";
+        begin(statistics);
         prepare(scene, query, statistics);
-        Intersections block = metered(&meter_);
-        const auto hand_over = [&] {
-            add_contacts(scene, query, block, statistics);
-            sink(block);
-            block.pairs.clear();
-        };
+        Array<Pair> pairs(&meter_);
         for_each_collision(scene, query, nullptr, statistics.box_overlaps, [&](Pair pair, const RationalIntersection&) {
-            block.pairs.push_back(pair);
-            if (static_cast<std::int64_t>(block.pairs.size()) == how.block_pairs) hand_over();
+            pairs.push_back(pair);
+            if (pairs.size() == some_rows) to.add(0, pairs);
             return true;
         });
-        if (!block.pairs.empty()) hand_over();
+        to.add(0, pairs);
+        to.finish(0);
     }
 
     bool any(const PreparedScene& scene, const IntersectionQuery& query) override {
@@ -103,33 +97,43 @@ class Reference final : public BackendBase {
         answer.statistics[Stage::narrow] = watch.lap();
     }
 
-    void find_candidates(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
+    void find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
         clear(answer);
         answer.statistics.backend = "reference";
         answer.statistics.simd = "scalar";
         Stopwatch watch;
-        const auto keep = [&](CandidateKind kind, std::span<const Pair> rows) {
-            for (const Pair& pair : rows) answer.pairs[static_cast<std::size_t>(kind)].push_back(pair);
+        const auto keep = [&](CandidateKind kind, const Pair& pair) {
+            answer.pairs[static_cast<std::size_t>(kind)].push_back(pair);
         };
         find_candidates_by_brute_force(scene, query, cancellation_, keep);
         answer.statistics[Stage::narrow] = watch.lap();
     }
 
-    void stream(const PreparedScene& scene, const FeatureRequest& query, const Streaming&, FeatureSink sink,
+    void stream(const PreparedScene& scene, const FeatureRequest& query, FeatureStream& to,
                 Statistics& statistics) override {
         FeatureAnswer told(nullptr);
-        told.statistics.backend = "reference";
-        told.statistics.simd = "scalar";
+        begin(told.statistics);
+        FeatureHits hits;
+        const auto keep = [&](FeatureKind kind, const FeatureHit& hit) {
+            add(hit, static_cast<std::size_t>(kind), hits, to);
+        };
+        const HitSink sink = keep;
         find_features_by_brute_force(scene, query, cancellation_, told, &sink);
+        to.add(0, hits);
+        to.finish(0);
         statistics = told.statistics;
     }
 
-    void stream_candidates(const PreparedScene& scene, const CandidateRequest& query, const Streaming&,
-                           CandidateSink sink, Statistics& statistics) override {
-        statistics = {};
-        statistics.backend = "reference";
-        statistics.simd = "scalar";
-        find_candidates_by_brute_force(scene, query, cancellation_, sink);
+    void stream(const PreparedScene& scene, const CandidateRequest& query, CandidateStream& to,
+                Statistics& statistics) override {
+        begin(statistics);
+        CandidateHits hits;
+        const auto keep = [&](CandidateKind kind, const Pair& pair) {
+            add(pair, static_cast<std::size_t>(kind), hits, to);
+        };
+        find_candidates_by_brute_force(scene, query, cancellation_, keep);
+        to.add(0, hits);
+        to.finish(0);
     }
 
     void release() override {
@@ -138,6 +142,19 @@ class Reference final : public BackendBase {
     }
 
    private:
+    static constexpr std::size_t some_rows = 2048;
+
+    static void begin(Statistics& statistics) {
+        statistics = {};
+        statistics.backend = "reference";
+        statistics.simd = "scalar";
+    }
+    template <class Row, class Hits>
+    static void add(const Row& row, std::size_t kind, Hits& hits, RowStream<Hits>& to) {
+        hits[kind].push_back(row);
+        if (hits[kind].size() == some_rows) to.add(0, hits);
+    }
+
     void prepare(const PreparedScene& scene, const IntersectionQuery& query, Statistics& statistics) {
         rule_.prepare(query.filter, scene.bodies);
         const std::int64_t triangles = scene.triangle_count();

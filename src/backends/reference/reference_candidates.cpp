@@ -63,7 +63,7 @@ class Search {
                 for (const Feature& b : of(types.second)) {
                     if ((types.first == types.second && a.index >= b.index) || !candidate(a, b)) continue;
                     const Pair pair{a.index, b.index};
-                    sink_(kind, {&pair, 1});
+                    sink_(kind, pair);
                 }
             }
         }

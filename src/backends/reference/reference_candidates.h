@@ -8,7 +8,10 @@
 
 namespace crumple {
 
-/// `sink`: takes each row, in the order of the answer.
+/// Takes a row.
+using CandidateSink = FunctionRef<void(CandidateKind kind, const Pair& pair)>;
+
+/// `sink`: takes each row, in the order of the result.
 void find_candidates_by_brute_force(const PreparedScene& scene, const CandidateRequest& query,
                                     Cancellation& cancellation, CandidateSink sink);
 

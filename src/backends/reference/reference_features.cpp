@@ -163,7 +163,7 @@ bool joined(const Next& next, std::set<std::int32_t> from, const std::set<std::i
 class Search {
    public:
     Search(const PreparedScene& scene, const FeatureRequest& query, Cancellation& cancellation, FeatureAnswer& answer,
-           const FeatureSink* sink)
+           const HitSink* sink)
         : scene_(scene), query_(query), cancellation_(cancellation), answer_(answer), sink_(sink) {}
 
     void run() {
@@ -201,7 +201,7 @@ class Search {
             answer_.first = {true, kind, pair, {}, row.value, row.flag};
         if (query_.extent != Extent::all) return;
         const FeatureHit hit{pair, row.value, row.flag};
-        if (sink_) return (*sink_)(kind, {&hit, 1});
+        if (sink_) return (*sink_)(kind, hit);
         FeatureRows& rows = answer_.rows[static_cast<std::size_t>(kind)];
         rows.pairs.push_back(pair);
         rows.value.push_back(row.value);
@@ -290,7 +290,7 @@ class Search {
     const FeatureRequest& query_;
     Cancellation& cancellation_;
     FeatureAnswer& answer_;
-    const FeatureSink* sink_;
+    const HitSink* sink_;
     const Levels levels_{query_.part};
     Next next_;
 };
@@ -298,7 +298,7 @@ class Search {
 }  // namespace
 
 void find_features_by_brute_force(const PreparedScene& scene, const FeatureRequest& query, Cancellation& cancellation,
-                                  FeatureAnswer& answer, const FeatureSink* sink) {
+                                  FeatureAnswer& answer, const HitSink* sink) {
     Search(scene, query, cancellation, answer, sink).run();
 }
 

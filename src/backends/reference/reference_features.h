@@ -9,8 +9,11 @@
 
 namespace crumple {
 
+/// Takes a row.
+using HitSink = FunctionRef<void(FeatureKind kind, const FeatureHit& hit)>;
+
 /// `sink`: takes each row, instead of the answer; or null.
 void find_features_by_brute_force(const PreparedScene& scene, const FeatureRequest& query, Cancellation& cancellation,
-                                  FeatureAnswer& answer, const FeatureSink* sink = nullptr);
+                                  FeatureAnswer& answer, const HitSink* sink = nullptr);
 
 }  // namespace crumple

@@ -49,7 +49,7 @@ CandidateLeaves::CandidateLeaves(MemoryMeter* meter, int workers, const Candidat
 
 void CandidateLeaves::ask(const CandidateRequest& query) {
     query_ = &query;
-    share_ = {};
+    stream_ = nullptr;
     rounds_ = Rounds(query.wanted);
 }
 
@@ -62,15 +62,9 @@ void CandidateLeaves::begin(const Call& call) {
     }
 }
 
-void CandidateLeaves::leave_out(const Call& call, Levels& levels) {
-    Buffers& b = call.buffers;
-    if (share_.range)
-        levels.add(exclude_others(*share_.range, query_->features, {call.workers, b.balls, b.included, b.range_masks}));
-}
-
 bool CandidateLeaves::stop() const {
     call_->cancellation.check();
-    return share_.enough && share_.enough->load(std::memory_order_relaxed);
+    return false;
 }
 
 CandidateLeaves::GrownBox CandidateLeaves::write_member(std::int32_t triangle, const CandidateKey& key,
@@ -202,7 +196,6 @@ void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
     worker.unsure.resize_discard(batch + 1);
     for (std::int64_t begin = 0; begin < candidates.count; begin += batch) {
         const std::int64_t end = std::min(candidates.count, begin + batch);
-        const std::size_t before = count(worker.found);
         PairEnds next{};
         for (std::size_t k = 0; k < candidate_kinds; ++k) {
             if (!query_->wanted[k]) continue;
@@ -216,22 +209,14 @@ void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
         }
         for (std::size_t k = 0; k < candidate_kinds; ++k)
             if (query_->wanted[k]) worker.found[k].resize(static_cast<std::size_t>(next[k] - worker.found[k].data()));
-        if (!share_.sink) continue;
-        tell(worker.found, before);
-        if (stop()) return;
+        pass_on(worker);
     }
 }
 
-// Of pairs of triangles that own features in the range, what else they own is no business of this search. Of a range
-// there is one list, whose first `before` pairs have been told.
-void CandidateLeaves::tell(CandidateHits& found, std::size_t before) const {
-    if (share_.range) {
-        Array<Pair>& list = found[static_cast<std::size_t>(share_.kind)];
-        const auto foreign = [&](const Pair& pair) { return !share_.range->has(pair); };
-        list.resize(
-            static_cast<std::size_t>(std::remove_if(list.begin() + before, list.end(), foreign) - list.begin()));
-    }
-    (*share_.sink)(found, count(found) - before);
+// Gives what there is to the stream, if it is much.
+void CandidateLeaves::pass_on(Worker& worker) const {
+    constexpr std::size_t rows_of_piece = 2048;
+    if (stream_ && count(worker.found) >= rows_of_piece) stream_->add(worker.unit, worker.found);
 }
 
 // What overlaps in real numbers, though keys are equal.
@@ -264,11 +249,7 @@ void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::s
         if (other < 3 && pair.b < pair.a) std::swap(pair.a, pair.b);
         worker.found[static_cast<std::size_t>(kind)].push_back(pair);
     };
-    const Array<std::uint8_t>& included = call_->buffers.included;
     for (std::int64_t t = begin; t < end; ++t) {
-        if (share_.sink && stop()) return;
-        if (share_.range && !included[t]) continue;
-        const std::size_t before = count(worker.found);
         const unsigned owned = owned_lanes(static_cast<std::int32_t>(t));
         if ((owned & vertex_lanes) == 0 || !call_->rule(call_->scene.group(t), call_->scene.group(t))) continue;
         CandidateRecord record;
@@ -282,7 +263,7 @@ void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::s
                 if (grown_boxes_overlap(box(record, a), box(record, b), query_->inflation)) list(record, a, b);
             }
         }
-        if (share_.sink) tell(worker.found, before);
+        pass_on(worker);
     }
 }
 

@@ -10,26 +10,11 @@
 
 #include "backends/cpu/candidates/candidate_kernels.h"
 #include "backends/cpu/leaf_question.h"
-#include "backends/cpu/pair_range.h"
 #include "filters/candidates/box_test.h"
 #include "geometry/normaliser.h"
 #include "queries/candidate_request.h"
 
 namespace crumple::cpu {
-
-/// What a worker has found, by kind.
-using CandidateHits = std::array<Array<Pair>, candidate_kinds>;
-
-/// Told of so many candidates more, in any worker; may take them.
-using CandidateHitSink = FunctionRef<void(CandidateHits& hits, std::size_t more)>;
-
-/// How an answer in blocks is searched.
-struct CandidateShare {
-    const FeatureRange* range = nullptr;  ///< only these pairs, where `kind` alone is asked for; null: all
-    CandidateKind kind = CandidateKind::vertex_face;
-    const CandidateHitSink* sink = nullptr;     ///< if there is a range there is one
-    const std::atomic<bool>* enough = nullptr;  ///< the search may end
-};
 
 class CandidateLeaves final : public LeafQuestion {
    public:
@@ -37,16 +22,21 @@ class CandidateLeaves final : public LeafQuestion {
 
     /// What is asked, from begin() on.
     void ask(const CandidateRequest& query);
-    /// Of which only a share is wanted at a time; until the next ask().
-    void ask_for(const CandidateShare& share) { share_ = share; }
+    /// Gives all candidates to a stream, unit by unit; until the next ask().
+    void deliver_to(CandidateStream& stream) { stream_ = &stream; }
 
     void begin(const Call& call) override;
-    void leave_out(const Call& call, Levels& levels) override;
     bool stop() const override;
     void build(const BuildInput& input, LeafMembers& members, std::size_t worker) override;
     void place(const SortedLeaf& leaf, std::size_t worker) override;
     void sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first, std::int64_t last,
                std::size_t builder, std::size_t worker) override;
+    void begin_unit(std::int64_t unit, std::size_t worker) override { worker_[worker]->unit = unit; }
+    void end_unit(std::size_t worker) override {
+        stream_->add(worker_[worker]->unit, worker_[worker]->found);
+        stream_->finish(worker_[worker]->unit);
+    }
+    void fail() override { stream_->fail(); }
     void finish(Statistics& statistics) override;
 
     /// Candidates of which one triangle owns both features, of triangles [begin, end): no pair of triangles has them.
@@ -56,8 +46,6 @@ class CandidateLeaves final : public LeafQuestion {
     std::span<const Array<Pair>* const> found(CandidateKind kind) const {
         return found_[static_cast<std::size_t>(kind)];
     }
-    /// That of one.
-    CandidateHits& hits(std::size_t worker) { return worker_[worker]->found; }
 
    private:
     struct Worker {
@@ -67,6 +55,7 @@ class CandidateLeaves final : public LeafQuestion {
         CandidateChunk candidates;
         Array<UnsureHit> unsure;  ///< of a batch
         CandidateHits found;
+        std::int64_t unit = 0;  ///< of a stream: what they belong to
         Statistics statistics;
     };
 
@@ -79,7 +68,7 @@ class CandidateLeaves final : public LeafQuestion {
     void drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const;
     void narrow(const Worker& builder, Worker& worker) const;
     void list(const UnsureHit& hit, const CandidateRecord& a, const CandidateRecord& b, PairEnds& next) const;
-    void tell(CandidateHits& found, std::size_t before) const;
+    void pass_on(Worker& worker) const;
     FeatureBox box(const CandidateRecord& record, int lane) const;
 
     const CandidateKernels& kernels_;
@@ -88,7 +77,7 @@ class CandidateLeaves final : public LeafQuestion {
     // Of the call:
     const Call* call_ = nullptr;
     const CandidateRequest* query_ = nullptr;
-    CandidateShare share_;
+    CandidateStream* stream_ = nullptr;  ///< null: candidates gather with the workers
     Normaliser normaliser_;
     Rounds rounds_;
 };

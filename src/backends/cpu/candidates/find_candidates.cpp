@@ -13,25 +13,21 @@ namespace {
 void search_within(const Call& call, const CandidateRequest& query, CandidateLeaves& leaves) {
     if (!query.wants(CandidateKind::vertex_vertex) && !query.wants(CandidateKind::vertex_edge)) return;
     const std::int64_t n = call.scene.triangle_count();
-    if (call.frugal) return leaves.search_within(0, n, 0);
+    if (call.frugal && !call.units) return leaves.search_within(0, n, 0);
     constexpr std::int64_t chunk = 4096;
-    call.workers.parallel_for(static_cast<std::size_t>((n + chunk - 1) / chunk), [&](std::size_t c, std::size_t w) {
+    for_each_unit(call, static_cast<std::size_t>((n + chunk - 1) / chunk), [&](std::size_t c, std::size_t w) {
         const std::int64_t begin = static_cast<std::int64_t>(c) * chunk;
         leaves.search_within(begin, std::min(n, begin + chunk), w);
     });
 }
 
-}  // namespace
-
-Inflation inflation_of(const PreparedScene& scene, const CandidateRequest& query) {
-    return inflation_of_candidates(Normaliser(scene.low, scene.high), query.inflation);
-}
-
+// From `subdivide` to `narrow`, and pairs of features that one triangle owns. The leaves keep what is found.
 void search_candidates(const Call& call, const CandidateRequest& query, CandidateLeaves& leaves) {
     search(call);
     search_within(call, query, leaves);
 }
 
+// Stage `output` of one kind.
 void sort_candidates(const Call& call, const CandidateRequest& query, CandidateKind kind, CandidateBuffers& buffers,
                      Array<Pair>& pairs) {
     const auto count = [&](FeatureType type) { return static_cast<std::int32_t>(count_of(query.features, type)); };
@@ -44,6 +40,12 @@ void sort_candidates(const Call& call, const CandidateRequest& query, CandidateK
                nothing);
 }
 
+}  // namespace
+
+Inflation inflation_of(const PreparedScene& scene, const CandidateRequest& query) {
+    return inflation_of_candidates(Normaliser(scene.low, scene.high), query.inflation);
+}
+
 void find(const Call& call, const CandidateRequest& query, CandidateBuffers& buffers, CandidateAnswer& answer) {
     buffers.leaves.ask(query);
     measure(call);
@@ -54,6 +56,15 @@ void find(const Call& call, const CandidateRequest& query, CandidateBuffers& buf
         if (query.wants(kind)) sort_candidates(call, query, kind, buffers, answer.pairs[k]);
     }
     call.statistics[Stage::output] += watch.lap();
+}
+
+void stream(Call call, const CandidateRequest& query, CandidateBuffers& buffers, CandidateStream& to) {
+    std::int64_t units = 0;
+    call.units = &units;
+    buffers.leaves.ask(query);
+    buffers.leaves.deliver_to(to);
+    measure(call);
+    search_candidates(call, query, buffers.leaves);
 }
 
 }  // namespace crumple::cpu

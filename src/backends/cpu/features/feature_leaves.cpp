@@ -17,6 +17,9 @@ namespace {
 // Pairs of triangles whose tests are listed at once.
 constexpr std::size_t pairs_at_once = 256;
 
+// Hits that are given to a stream before their unit ends.
+constexpr std::size_t rows_of_piece = 2048;
+
 // What stands at rows without a member: it owns nothing, so that no pair with it is a test.
 template <int moments>
 FeatureRecord<moments> dummy_record() {
@@ -79,7 +82,7 @@ void FeatureLeaves<moments>::ask(const FeatureRequest& query, float distance, co
     query_ = &query;
     distance_ = distance;
     radius_ = radius;
-    share_ = {};
+    stream_ = nullptr;
 }
 
 template <int moments>
@@ -95,16 +98,8 @@ void FeatureLeaves<moments>::begin(const Call& call) {
 }
 
 template <int moments>
-void FeatureLeaves<moments>::leave_out(const Call& call, Levels& levels) {
-    Buffers& b = call.buffers;
-    if (share_.range)
-        levels.add(exclude_others(*share_.range, query_->features, {call.workers, b.balls, b.included, b.range_masks}));
-}
-
-template <int moments>
 bool FeatureLeaves<moments>::stop() const {
     call_->cancellation.check();
-    if (share_.enough && share_.enough->load(std::memory_order_relaxed)) return true;
     return query_->extent == Extent::any && any_.load(std::memory_order_relaxed);
 }
 
@@ -163,27 +158,8 @@ void FeatureLeaves<moments>::narrow(std::size_t pairs, const Worker& builder, Wo
         const PairsLeft<moments> some{rows, columns, worker.left.data() + first,
                                       std::min(pairs_at_once, pairs - first)};
         find_tests(some, worker);
-        if (share_.range) keep_share(worker);
-        const std::size_t before = count(worker.hits);
         for (std::size_t k = 0; k < feature_kinds; ++k) decide_tests(static_cast<FeatureKind>(k), worker);
-        if (!share_.sink) continue;
-        (*share_.sink)(worker.hits, count(worker.hits) - before);
-        if (stop()) return;
-    }
-}
-
-// Of pairs of triangles that own features in the range, what else they own is no business of this search.
-template <int moments>
-void FeatureLeaves<moments>::keep_share(Worker& worker) const {
-    for (std::size_t k = 0; k < feature_kinds; ++k) {
-        Array<FeatureTest>& tests = worker.tests[k];
-        if (k == static_cast<std::size_t>(share_.kind))
-            tests.resize(static_cast<std::size_t>(
-                std::remove_if(tests.begin(), tests.end(),
-                               [&](const FeatureTest& test) { return !share_.range->has(test.pair); }) -
-                tests.begin()));
-        else
-            tests.clear();
+        if (stream_ && count(worker.hits) >= rows_of_piece) stream_->add(worker.unit, worker.hits);
     }
 }
 
@@ -229,7 +205,6 @@ void FeatureLeaves<moments>::find_tests(const PairsLeft<moments>& pairs, Worker&
     for (std::size_t k = 0; k < 2; ++k)
         listed[k].test = worker.listed[k].resize_discard(most[k] * pairs_at_once + padding);
     kernels_.list(pairs, features.renames() ? features.names().data() : nullptr, listed[0], listed[1]);
-    if (share_.range) listed[share_.kind == FeatureKind::vertex_face ? 1 : 0].count = 0;
     filter_listed<FeatureKind::vertex_face>(pairs, listed[0], worker);
     filter_listed<FeatureKind::edge_edge>(pairs, listed[1], worker);
 }

@@ -10,26 +10,11 @@
 
 #include "backends/cpu/features/feature_kernels.h"
 #include "backends/cpu/leaf_question.h"
-#include "backends/cpu/pair_range.h"
 #include "backends/cpu/stages/sweep.h"
 #include "backends/decide_features.h"
 #include "queries/feature_request.h"
 
 namespace crumple::cpu {
-
-/// What a worker has found, by kind.
-using FeatureHits = std::array<Array<FeatureHit>, feature_kinds>;
-
-/// Told of so many hits more, in any worker; may take them.
-using HitSink = FunctionRef<void(FeatureHits& hits, std::size_t more)>;
-
-/// How an answer in blocks is searched.
-struct FeatureShare {
-    const FeatureRange* range = nullptr;  ///< only these pairs, of `kind`; null: all
-    FeatureKind kind = FeatureKind::vertex_face;
-    const HitSink* sink = nullptr;
-    const std::atomic<bool>* enough = nullptr;  ///< the search may end
-};
 
 /// `moments`: 1 at rest, 2 for a step.
 template <int moments>
@@ -40,16 +25,21 @@ class FeatureLeaves final : public LeafQuestion {
     /// What is asked, from begin() on. `distance`: what is asked for in normalised coordinates, rounded up; `radius`:
     /// the same of FeatureRequest::radii, one a vertex, or null.
     void ask(const FeatureRequest& query, float distance, const float* radius);
-    /// Of which only a share is wanted at a time; until the next ask().
-    void ask_for(const FeatureShare& share) { share_ = share; }
+    /// Gives all hits to a stream, unit by unit; until the next ask().
+    void deliver_to(FeatureStream& stream) { stream_ = &stream; }
 
     void begin(const Call& call) override;
-    void leave_out(const Call& call, Levels& levels) override;
     bool stop() const override;
     void build(const BuildInput& input, LeafMembers& members, std::size_t worker) override;
     void place(const SortedLeaf& leaf, std::size_t worker) override;
     void sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first, std::int64_t last,
                std::size_t builder, std::size_t worker) override;
+    void begin_unit(std::int64_t unit, std::size_t worker) override { worker_[worker]->unit = unit; }
+    void end_unit(std::size_t worker) override {
+        stream_->add(worker_[worker]->unit, worker_[worker]->hits);
+        stream_->finish(worker_[worker]->unit);
+    }
+    void fail() override { stream_->fail(); }
     void finish(Statistics& statistics) override;
 
     bool any() const { return any_; }
@@ -57,8 +47,6 @@ class FeatureLeaves final : public LeafQuestion {
     std::span<const Array<FeatureHit>* const> found(FeatureKind kind) const {
         return found_[static_cast<std::size_t>(kind)];
     }
-    /// Those of one worker.
-    FeatureHits& hits(std::size_t worker) { return worker_[worker]->hits; }
 
    private:
     using Record = FeatureRecord<moments>;
@@ -84,6 +72,7 @@ class FeatureLeaves final : public LeafQuestion {
         std::array<Array<std::uint32_t>, 2> listed;  ///< see ListedTests
         std::array<Array<FeatureTest>, feature_kinds> tests;
         FeatureHits hits;
+        std::int64_t unit = 0;  ///< of a stream: what the hits belong to
         Statistics statistics;
     };
 
@@ -95,7 +84,6 @@ class FeatureLeaves final : public LeafQuestion {
     template <FeatureKind kind>
     void filter_listed(const PairsLeft<moments>& pairs, ListedTests& listed, Worker& worker) const;
     void list_tests_of_listed(const PairsLeft<moments>& pairs, Worker& worker) const;
-    void keep_share(Worker& worker) const;
     void filter_tests(FeatureKind kind, Worker& worker) const;
     void drop_neighbours(FeatureKind kind, Array<FeatureTest>& tests) const;
     void decide_tests(FeatureKind kind, Worker& worker);
@@ -110,7 +98,7 @@ class FeatureLeaves final : public LeafQuestion {
     // Of the call:
     const Call* call_ = nullptr;
     const FeatureRequest* query_ = nullptr;
-    FeatureShare share_;
+    FeatureStream* stream_ = nullptr;  ///< null: hits gather with the workers
     float distance_ = 0;
     const float* radius_ = nullptr;
     std::atomic<bool> any_{false};

@@ -13,53 +13,38 @@ namespace {
 
 constexpr std::int64_t features_at_once = 4096;
 
-// A counting sort by first feature, then those of each by the second; and sorted(begin, end) with the places of each
-// chunk, on all threads. make_room(n) is told how many there are.
-template <class MakeRoom, class Sorted>
-void sort_hits(std::span<const Array<FeatureHit>* const> found, IdRange firsts, Workers& workers,
-               FeatureBuffers& buffers, MakeRoom make_room, Sorted sorted) {
+// A counting sort by first feature, then those of each by the second, on all threads.
+void write_rows(std::span<const Array<FeatureHit>* const> found, std::int64_t firsts, Workers& workers,
+                FeatureBuffers& buffers, FeatureRows& rows) {
     Array<std::int64_t>& place = buffers.place;
-    const std::int64_t n = firsts.size();
-    place.assign(static_cast<std::size_t>(n) + 2, 0);
+    place.assign(static_cast<std::size_t>(firsts) + 2, 0);
     std::int64_t* next = place.data() + 1;
     std::size_t all = 0;
     for (const auto* list : found) {
         all += list->size();
-        for (const FeatureHit& hit : *list) ++next[hit.pair.a - firsts.begin + 1];
+        for (const FeatureHit& hit : *list) ++next[hit.pair.a + 1];
     }
-    for (std::int64_t i = 0; i < n; ++i) next[i + 1] += next[i];
+    for (std::int64_t i = 0; i < firsts; ++i) next[i + 1] += next[i];
     buffers.placed.resize_discard(all);
     for (const auto* list : found)
-        for (const FeatureHit& hit : *list) buffers.placed[next[hit.pair.a - firsts.begin]++] = hit;
-    make_room(all);
+        for (const FeatureHit& hit : *list) buffers.placed[next[hit.pair.a]++] = hit;
+    rows.pairs.resize_discard(all);
+    rows.value.resize_discard(all);
+    rows.flag.resize_discard(all);
     workers.parallel_for(
-        static_cast<std::size_t>((n + features_at_once - 1) / features_at_once), [&](std::size_t c, std::size_t) {
+        static_cast<std::size_t>((firsts + features_at_once - 1) / features_at_once), [&](std::size_t c, std::size_t) {
             const std::int64_t begin = static_cast<std::int64_t>(c) * features_at_once,
-                               end = std::min(n, begin + features_at_once);
+                               end = std::min(firsts, begin + features_at_once);
             FeatureHit* hits = buffers.placed.data();
             for (std::int64_t i = begin; i < end; ++i)
                 std::sort(hits + place[i], hits + place[i + 1],
                           [](const FeatureHit& a, const FeatureHit& b) { return a.pair.b < b.pair.b; });
-            sorted(place[begin], place[end]);
+            for (std::int64_t i = place[begin]; i < place[end]; ++i) {
+                rows.pairs[i] = hits[i].pair;
+                rows.value[i] = hits[i].value;
+                rows.flag[i] = hits[i].flag;
+            }
         });
-}
-
-void write_rows(std::span<const Array<FeatureHit>* const> found, std::int64_t firsts, Workers& workers,
-                FeatureBuffers& buffers, FeatureRows& rows) {
-    const auto make_room = [&](std::size_t all) {
-        rows.pairs.resize_discard(all);
-        rows.value.resize_discard(all);
-        rows.flag.resize_discard(all);
-    };
-    const auto write = [&](std::int64_t begin, std::int64_t end) {
-        for (std::int64_t i = begin; i < end; ++i) {
-            const FeatureHit& hit = buffers.placed[i];
-            rows.pairs[i] = hit.pair;
-            rows.value[i] = hit.value;
-            rows.flag[i] = hit.flag;
-        }
-    };
-    sort_hits(found, {0, firsts}, workers, buffers, make_room, write);
 }
 
 FirstImpact first_of(std::span<const Array<FeatureHit>* const> found, FeatureKind kind, FirstImpact first) {
@@ -118,14 +103,18 @@ Inflation inflation_of_radii(const PreparedScene& scene, std::span<const double>
     return {largest == triangle.end() ? 0 : *largest, 0, false, triangle.data()};
 }
 
-void sort_hits(std::span<const Array<FeatureHit>* const> found, IdRange firsts, Workers& workers,
-               FeatureBuffers& buffers) {
-    sort_hits(
-        found, firsts, workers, buffers, [](std::size_t) {}, [](std::int64_t, std::int64_t) {});
-}
-
 void find(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureAnswer& answer) {
     with_leaves(call, query, buffers, [&](auto& leaves) { find(call, query, leaves, buffers, answer); });
+}
+
+void stream(Call call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureStream& to) {
+    std::int64_t units = 0;
+    call.units = &units;
+    with_leaves(call, query, buffers, [&](auto& leaves) {
+        leaves.deliver_to(to);
+        measure(call);
+        search(call);
+    });
 }
 
 }  // namespace crumple::cpu

@@ -46,11 +46,10 @@ void with_leaves(const Call& call, const FeatureRequest& query, FeatureBuffers& 
         ask(buffers.at_rest);
 }
 
-/// Stage `output`: hits in the order of the answer, into buffers.placed. Their first features are in `firsts`.
-void sort_hits(std::span<const Array<FeatureHit>* const> found, IdRange firsts, Workers& workers,
-               FeatureBuffers& buffers);
-
 /// All stages; call.question is one of the buffers', as the scene moves.
 void find(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureAnswer& answer);
+
+/// All stages but `output`: gives all hits to a stream.
+void stream(Call call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureStream& to);
 
 }  // namespace crumple::cpu

@@ -8,7 +8,7 @@
 namespace crumple::cpu {
 
 void search_pairs(const IntersectCall& call) {
-    call.leaves.ask({&call.query, call.sink, call.enough});
+    call.leaves.ask({&call.query, call.sink, call.enough, call.stream});
     search(call);
 }
 
@@ -44,10 +44,24 @@ void find(const IntersectCall& call, Intersections& result) {
     write_result(call, result);
 }
 
+void stream(IntersectCall call, PairStream& to) {
+    constexpr std::size_t some = 2048;
+    const auto pass_on = [&](NarrowScratch& scratch, std::size_t) {
+        if (scratch.pairs.size() >= some) call.leaves.deliver(scratch);
+    };
+    const PairSink sink = pass_on;
+    std::int64_t units = 0;
+    call.sink = &sink;
+    call.stream = &to;
+    call.units = &units;
+    measure(call);
+    search_pairs(call);
+}
+
 bool any(IntersectCall call) {
     std::atomic<bool> found{false};
-    const auto notice = [&](const Array<Pair>& pairs, std::size_t before) {
-        if (pairs.size() > before) found.store(true, std::memory_order_relaxed);
+    const auto notice = [&](const NarrowScratch& scratch, std::size_t before) {
+        if (scratch.pairs.size() > before) found.store(true, std::memory_order_relaxed);
     };
     const PairSink sink = notice;
     call.sink = &sink;

@@ -17,6 +17,7 @@ struct IntersectCall : Call {
 
     const PairSink* sink = nullptr;       ///< see NarrowContext
     std::atomic<bool>* enough = nullptr;  ///< see NarrowContext
+    PairStream* stream = nullptr;         ///< see IntersectLeaves::Asked
 };
 
 /// As search() of order.h: pairs gather with the workers, unless the sink takes them.
@@ -30,6 +31,9 @@ void write_contacts(const IntersectCall& call, Intersections& result);
 
 /// All stages.
 void find(const IntersectCall& call, Intersections& result);
+
+/// All stages but `output`: gives all pairs to a stream.
+void stream(IntersectCall call, PairStream& to);
 
 /// Whether there is any pair; ends at the first.
 bool any(IntersectCall call);

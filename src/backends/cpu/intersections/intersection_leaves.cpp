@@ -59,6 +59,21 @@ void IntersectLeaves::sweep(const SortedLeaf& leaf, const Ownership& ownership, 
     sweep_and_narrow(*context_, leaf, worker_[builder]->records, ownership, first, last, worker_[worker]->narrow);
 }
 
+void IntersectLeaves::deliver(NarrowScratch& scratch) {
+    Array<Pair>& pairs = scratch.pairs;
+    if (pairs.empty()) return;
+    const PreparedScene& scene = context_->scene;
+    if (!copies_.empty()) copies_.expand(pairs, context_->cancellation);
+    const auto second = static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
+    for (Pair& pair : pairs) pair.b -= second;
+    asked_.stream->add(scratch.unit, pairs);
+}
+
+void IntersectLeaves::end_unit(std::size_t worker) {
+    deliver(worker_[worker]->narrow);
+    asked_.stream->finish(worker_[worker]->narrow.unit);
+}
+
 void IntersectLeaves::finish(Statistics& statistics) {
     for (const auto& worker : worker_) add(worker->narrow.statistics, statistics);
 }

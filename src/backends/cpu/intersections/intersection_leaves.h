@@ -11,6 +11,7 @@
 #include "backends/cpu/intersections/intersection_narrow.h"
 #include "backends/cpu/leaf_question.h"
 #include "backends/cpu/stages/copies.h"
+#include "queries/row_stream.h"
 
 namespace crumple::cpu {
 
@@ -23,6 +24,7 @@ class IntersectLeaves final : public LeafQuestion {
         const IntersectionQuery* query = nullptr;
         const PairSink* sink = nullptr;       ///< see NarrowContext
         std::atomic<bool>* enough = nullptr;  ///< see NarrowContext
+        PairStream* stream = nullptr;         ///< takes the pairs of each unit; null: there are none
     };
     void ask(const Asked& asked) { asked_ = asked; }
 
@@ -34,7 +36,13 @@ class IntersectLeaves final : public LeafQuestion {
     void place(const SortedLeaf& leaf, std::size_t worker) override;
     void sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first, std::int64_t last,
                std::size_t builder, std::size_t worker) override;
+    void begin_unit(std::int64_t unit, std::size_t worker) override { worker_[worker]->narrow.unit = unit; }
+    void end_unit(std::size_t worker) override;
+    void fail() override { asked_.stream->fail(); }
     void finish(Statistics& statistics) override;
+
+    /// Gives the pairs of a worker, and those of copies, to the stream.
+    void deliver(NarrowScratch& scratch);
 
     /// The pairs of each worker that no sink has taken; of copies of a triangle only the first is there.
     std::span<const Array<Pair>* const> found() const { return found_; }

@@ -41,7 +41,7 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
             *next++ = {std::min(a, b), std::max(a, b)};
     }
     scratch.pairs.resize(static_cast<std::size_t>(next - scratch.pairs.data()));
-    if (context.sink) (*context.sink)(scratch.pairs, before);
+    if (context.sink) (*context.sink)(scratch, before);
     scratch.statistics.exact_tests += counts.exact;
     scratch.statistics.rational_tests += counts.rational;
 }

@@ -16,9 +16,11 @@
 
 namespace crumple::cpu {
 
-/// Told of the pairs of each chunk that has been narrowed, by the worker that did it: those of its list from `before`
-/// on are new. It may take them out of the list; what it leaves there gathers.
-using PairSink = FunctionRef<void(Array<Pair>& pairs, std::size_t before)>;
+struct NarrowScratch;
+
+/// Called after each chunk that has been narrowed, by the worker that did it, with its scratch, whose pairs from
+/// `before` on are new. It may take them out of the list; what it leaves there gathers.
+using PairSink = FunctionRef<void(NarrowScratch& scratch, std::size_t before)>;
 
 /// What narrow needs to know about the call.
 struct NarrowContext {
@@ -45,6 +47,7 @@ struct NarrowScratch {
     CandidateChunk candidates;
     Verdicts verdicts;
     Array<Pair> pairs;      ///< joint numbering, lower id first
+    std::int64_t unit = 0;  ///< of a stream: what they belong to
     Statistics statistics;  ///< counts and times of sweep and narrow
 
     std::int64_t most_candidates = 0;  ///< of all chunks so far

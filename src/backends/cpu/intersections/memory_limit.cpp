@@ -11,9 +11,9 @@ namespace {
 /// Calls visit(pair) for each pair of the call, in any order.
 template <class Visit>
 void for_each_pair(IntersectCall call, Visit visit) {
-    const auto take = [&](Array<Pair>& found, std::size_t) {
-        for (const Pair& pair : found) visit(pair);
-        found.clear();
+    const auto take = [&](NarrowScratch& scratch, std::size_t) {
+        for (const Pair& pair : scratch.pairs) visit(pair);
+        scratch.pairs.clear();
     };
     const PairSink sink = take;
     call.frugal = true;

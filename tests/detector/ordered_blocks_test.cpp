@@ -1,0 +1,98 @@
+// Blocks that several threads fill, unit by unit: nothing is lost, all but the last are full, the order is that of the
+// units, and what take() throws is the last.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "results/ordered_blocks.h"
+
+namespace crumple {
+namespace {
+
+using Numbers = std::vector<int>;
+
+OrderedBlocks<Numbers>::Work work(std::function<void(Numbers&)> take) {
+    return {[] { return std::make_unique<Numbers>(); }, [](const Numbers& block) { return block.size(); },
+            [](Numbers& to, Numbers& piece, std::size_t begin, std::size_t end) {
+                to.insert(to.end(), piece.begin() + static_cast<std::ptrdiff_t>(begin),
+                          piece.begin() + static_cast<std::ptrdiff_t>(end));
+            },
+            std::move(take), [](Numbers& block) { block.clear(); }};
+}
+
+/// Units of `pieces` pieces of 20 numbers each, begun in ascending order by so many threads.
+void fill(OrderedBlocks<Numbers>& blocks, int threads, int units, int pieces) {
+    std::atomic<int> next{0};
+    std::vector<std::thread> workers;
+    for (int t = 0; t < threads; ++t)
+        workers.emplace_back([&] {
+            try {
+                for (int unit; (unit = next++) < units;) {
+                    for (int p = 0; p < pieces; ++p) {
+                        auto piece = blocks.make();
+                        for (int i = 0; i < 20; ++i) piece->push_back((unit * pieces + p) * 20 + i);
+                        blocks.add(unit, std::move(piece));
+                    }
+                    blocks.finish(unit);
+                }
+            } catch (const std::runtime_error&) {
+                blocks.fail();
+            }
+        });
+    for (std::thread& worker : workers) worker.join();
+}
+
+TEST(OrderedBlocks, have_all_that_units_add_in_their_order) {
+    for (const int threads : {1, 2, 8})
+        for (const int most : {7, 100, 1'000'000}) {
+            Numbers all;
+            std::vector<std::size_t> sizes;
+            Cancellation cancellation;
+            cancellation.begin({});
+            OrderedBlocks<Numbers> blocks(most, cancellation, work([&](Numbers& block) {
+                                              all.insert(all.end(), block.begin(), block.end());
+                                              sizes.push_back(block.size());
+                                          }));
+            constexpr int units = 200, pieces = 5, each = 20 * pieces;
+            fill(blocks, threads, units, pieces);
+            blocks.next_scene();
+            fill(blocks, threads, units, pieces);
+            blocks.finish();
+            ASSERT_EQ(all.size(), std::size_t{2 * units * each});
+            for (std::size_t i = 0; i < all.size(); ++i) ASSERT_EQ(all[i], static_cast<int>(i) % (units * each)) << i;
+            for (std::size_t b = 0; b + 1 < sizes.size(); ++b) ASSERT_EQ(sizes[b], static_cast<std::size_t>(most));
+        }
+}
+
+TEST(OrderedBlocks, deliver_nothing_once_take_has_thrown) {
+    std::atomic<int> taken{0};
+    Cancellation cancellation;
+    cancellation.begin({});
+    OrderedBlocks<Numbers> blocks(5, cancellation, work([&](Numbers&) {
+                                      if (++taken == 3) throw std::runtime_error("full");
+                                  }));
+    fill(blocks, 4, 1000, 3);
+    EXPECT_EQ(taken, 3);
+}
+
+TEST(OrderedBlocks, wake_who_waits_when_the_call_is_cancelled) {
+    std::stop_source stop;
+    Cancellation cancellation;
+    cancellation.begin(stop.get_token());
+    OrderedBlocks<Numbers> blocks(10, cancellation, work([](Numbers&) {}));
+    std::thread late([&] {
+        auto piece = blocks.make();
+        piece->assign(100, 1);
+        EXPECT_THROW(blocks.add(1, std::move(piece)), Error) << "unit 0 never ends";
+    });
+    stop.request_stop();
+    late.join();
+}
+
+}  // namespace
+}  // namespace crumple
