@@ -76,16 +76,19 @@ class Contestant:
 def ours(scene, mesh, end, threads):
     """One detector for the step, and one each for nearness and candidates, as a simulation would keep them."""
     step, near, boxes = (crumple.Detector(threads=threads) for _ in range(3))
+    moving = mesh.moving_to(end)
     return [
-        Contestant("impacts", lambda: step.find_impacts(mesh, end), lambda a: {"toi": least_toi(a), "impacts": len(a)}),
-        Contestant("first", lambda: step.time_of_first_impact(mesh, end), lambda t: {"toi": 1.0 if t is None else t}),
-        Contestant("free", lambda: step.is_free(mesh, end), lambda free: {"free": free}),
+        Contestant("impacts", lambda: step.impacts(moving), lambda a: {"toi": least_toi(a), "impacts": len(a)}),
+        Contestant(
+            "first", lambda: step.first_impact(moving), lambda first: {"toi": 1.0 if first is None else first.toi}
+        ),
+        Contestant("free", lambda: step.any(moving, crumple.ImpactQuery()), lambda touches: {"free": not touches}),
         Contestant(
             "near",
-            lambda: near.find_near(mesh, radius=scene.radius),
+            lambda: near.proximities(mesh, radius=scene.radius),
             lambda a: {"pairs": len(a), "distances": least_distances(a, mesh, scene.radius)},
         ),
-        Contestant("candidates", lambda: boxes.find_candidates(mesh, end=end), lambda a: {"candidates": len(a)}),
+        Contestant("candidates", lambda: boxes.candidates(moving), lambda a: {"candidates": len(a)}),
     ]
 
 

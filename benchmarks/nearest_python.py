@@ -38,7 +38,7 @@ def pair(name, first, second, poses):
     asked = distance_request()
 
     def ours(i):
-        return detector.find_nearest(world, poses=poses[i])
+        return detector.distances(world.at(poses[i]))
 
     def theirs(i):
         result = coal.DistanceResult()
@@ -100,7 +100,7 @@ def robot(quick):
     given, identity, asked = transforms(poses), coal.Transform3s.Identity(), distance_request()
 
     def ours(_):
-        return detector.find_nearest(world, excluded=excluded)
+        return detector.distances(world, filter=crumple.PairFilter(excluded_bodies=excluded))
 
     def loop(first, second):
         def run(_):

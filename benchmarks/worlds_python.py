@@ -143,11 +143,11 @@ def ball_and_cloth(quick):
     clear[:, 0, 2, 3] = float(cloth.vertices[:, 2].max()) + 2
     trees = tree(vertices, faces), tree(cloth.vertices, cloth.faces)
 
-    def row(name, poses, wants, most):
+    def row(name, poses, output, most):
         given = [tuple(transforms(p)) for p in poses]
 
         def ours(i):
-            return detector.find(world, poses=poses[i], wants=wants)
+            return detector.intersections(world.at(poses[i]), output=output)
 
         def collide(i, contacts):
             result = coal.CollisionResult()
@@ -156,7 +156,7 @@ def ball_and_cloth(quick):
 
         def compare(way):
             answers = [(ours(i), collide(i, WAYS[way])) for i in range(len(poses))]
-            if wants == "any":
+            if output == "any":
                 return flags_differ([a.any for a, _ in answers], [b.isCollision() for _, b in answers])
             return pairs_differ(
                 (set(map(tuple, a.pairs.tolist())), {(c.b1, c.b2) for c in map(b.getContact, range(b.numContacts()))})
@@ -188,13 +188,13 @@ def robot(quick):
     shapes.append(crumple.Shape(room.vertices, room.faces, name="obstacles"))
     robot = crumple.World(shapes, worlds=[0] * links + [-1], self_collisions=False)
     world = robot.configurations(poses)
-    excluded = [(k, k + 1) for k in range(links - 1)]
+    allowed = crumple.PairFilter(excluded_bodies=[(k, k + 1) for k in range(links - 1)])
     pairs = [(a, b) for a in range(links) for b in range(a + 2, links)]
     link_trees, room_tree = [tree(vertices, faces) for _ in range(links)], tree(room.vertices, room.faces)
     given, identity = [transforms(p) for p in poses], coal.Transform3s.Identity()
 
     def ours(detector):
-        return lambda turn: detector.find(world, wants="any_by_world", excluded=excluded)
+        return lambda turn: detector.intersections(world, output="any_by_world", filter=allowed)
 
     def self_collides(placed, asked, result):
         for a, b in pairs:
@@ -270,7 +270,7 @@ def many_worlds(quick):
     near, spread = poses.reshape(-1, 3, 4), far.reshape(-1, 3, 4)
 
     def ours(at):
-        return lambda turn: detector.find(world, poses=at, wants="any_by_world")
+        return lambda turn: detector.intersections(world.at(at), output="any_by_world")
 
     def loop(first, second, placed, contacts):
         asked, result, collide = request(1, contacts), coal.CollisionResult(), coal.collide

@@ -46,13 +46,13 @@ def main(picture="a_thousand_worlds.html"):
     shape = crumple.Shape(*ring(), name="ring")
     bodies = np.zeros(WORLDS * RINGS, int)
     of = np.repeat(np.arange(WORLDS), RINGS)
-    worlds = crumple.World([shape], bodies, poses=random_poses(len(bodies)), worlds=of, self_collisions=False)
+    worlds = crumple.World([shape], bodies, poses=random_poses(len(bodies)), worlds=of)
     detector = crumple.Detector()
 
-    hit = detector.find(worlds, wants="any_by_world").world_hit
+    hit = detector.intersections(worlds, output="any_by_world").world_hit
     print(f"{len(worlds)} bodies in {WORLDS} worlds: something collides in {hit.sum()} of them")
 
-    pairs = detector.find(worlds, wants="body_pairs").bodies
+    pairs = detector.intersections(worlds, output="body_pairs").bodies
     counts = np.bincount(of[pairs[:, 0]], minlength=WORLDS)
     for pairs_in_world, times in enumerate(np.bincount(counts)):
         print(f"{pairs_in_world:3} pairs of rings in {times:4} worlds {'#' * (times // 8)}")
@@ -63,8 +63,8 @@ def main(picture="a_thousand_worlds.html"):
     few = worlds.poses[: count * RINGS].reshape(count, RINGS, 3, 4).copy()
     few[:, :, 0, 3] += 2 * SIDE * (np.arange(count) % ACROSS)[:, None]
     few[:, :, 1, 3] += 2 * SIDE * (np.arange(count) // ACROSS)[:, None]
-    beside = crumple.World([shape], bodies[: count * RINGS], poses=few.reshape(-1, 3, 4), self_collisions=False)
-    detector.find(beside, wants="body_pairs").save(picture)
+    beside = crumple.World([shape], bodies[: count * RINGS], poses=few.reshape(-1, 3, 4))
+    detector.intersections(beside, output="body_pairs").save(picture)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""An animation: one detector for all frames, so that each but the first is answered warm.
+"""An animation: one detector for all frames, so that each but the first is a warm call.
 
 python animation.py [PICTURE]          of the last frame
 """
@@ -12,8 +12,8 @@ def main(picture="animation.html"):
     detector = crumple.Detector()
     for frame in range(0, 60, 6):
         bodies = crumple.make_scene("bodies", triangles=20_000, frame=frame)
-        # The scene says which body each triangle belongs to, and a body does not collide with itself.
-        result = detector.find_self(bodies, wanted="between")
+        # The scene's groups are its bodies: only pairs between two of them are found.
+        result = detector.intersections(bodies, filter=crumple.PairFilter(groups="between"))
         colliding = {frozenset(pair) for pair in bodies.groups[result.pairs].tolist()}
         print(f"frame {frame:2}: {len(result):5} pairs of triangles, {len(colliding):3} pairs of bodies")
     result.save(picture)

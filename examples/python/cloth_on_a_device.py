@@ -1,10 +1,10 @@
-"""A cloth that stays on the device: each step asks there what it would touch on its way, and when.
+"""A cloth that stays on the device: each step finds there what it would touch on its way, and when.
 
-With CuPy and a CUDA device, positions, questions and answers lie on the device, on one stream: the host is told a few
-numbers a step. Without, the same lines run on NumPy's arrays and another backend, with the same bytes.
+With CuPy and a CUDA device, positions, queries and results lie on the device, on one stream: a few numbers a step reach
+the host. Without, the same lines run on NumPy's arrays and another backend, with the same bytes.
 
-    launch_impacts   gives the question to the stream, and returns at once
-    wait_impacts     tells where the impacts lie; `first` is the time of the first one
+    launch   enqueues an ImpactQuery on the stream, and returns at once
+    wait     returns where the impacts lie; `first` is the first one
 
 Vertices that would touch anything stay where they are in that step, until the step is free; so nothing ever passes
 through anything. The solver is no model of a fabric: springs along a grid, and gravity.
@@ -47,10 +47,10 @@ def grid():
 def impacts(start, end):
     """All impacts on the way: vertices with faces, pairs of edges, and which edges there are; and the first time."""
     if not on_device:
-        found = detector.find_impacts(start, end, faces)
+        found = detector.impacts(start, end, faces)
         return found.vertex_faces, found.edge_edges, found.edges, found.first
-    detector.launch_impacts(start, end, faces, stream=xp.cuda.get_current_stream())
-    found = detector.wait_impacts()
+    scene, stream = crumple.Mesh(start, faces).moving_to(end), xp.cuda.get_current_stream()
+    found = detector.launch(scene, crumple.ImpactQuery(), stream=stream).wait()
     return *map(xp.asarray, (found.vertex_faces, found.edge_edges, found.edges)), found.first
 
 
@@ -69,13 +69,13 @@ def forces(x):
 vertices, faces, springs = map(xp.asarray, grid())
 x, v = vertices, xp.zeros_like(vertices)
 loose = xp.arange(len(x)) < SIDE * SIDE
-questions = stopped = earliest = 0
+queries = stopped = earliest = 0
 for _ in range(int(sys.argv[1]) if len(sys.argv) > 1 else 60):
     v = (v + STEP * forces(x)) * 0.98 * loose[:, None]
     end = x + STEP * v
     while True:
         vertex_faces, edge_edges, edges, first = impacts(x, end)
-        questions += 1
+        queries += 1
         if first is None:
             break
         earliest = min(earliest, first.toi) if earliest else first.toi
@@ -86,5 +86,5 @@ for _ in range(int(sys.argv[1]) if len(sys.argv) > 1 else 60):
         stopped += len(xp.unique(still))
     x = end
 
-print(f"{'on the device' if on_device else 'on the host'}: {questions} questions, {stopped} times a vertex stayed")
-print(f"{len(detector.find_self(x, faces))} pairs of triangles intersect in the end")
+print(f"{'on the device' if on_device else 'on the host'}: {queries} queries, {stopped} times a vertex stayed")
+print(f"{len(detector.intersections(x, faces))} pairs of triangles intersect in the end")

@@ -1,13 +1,13 @@
 """A cloth falls on a ball and folds on the floor, and in no frame does anything pass through anything.
 
-Each step of the simulation asks three questions:
+Each step of the simulation makes three queries:
 
-    find_near       what is within the thickness of the cloth, and where it is closest: such pairs push each other apart
-    find_impacts    what would touch on the way nevertheless: its vertices go less far
-    find_free_step  whether the rest is free, for the positions as they are rounded: only this makes it certain
+    proximities  what is within the thickness of the cloth, and where it is closest: such pairs push each other apart
+    impacts      what would touch on the way nevertheless: its vertices go less far
+    free_step    how much of the rest is free, for the positions as they are rounded: only this makes it certain
 
 Cloth, ball and floor are one mesh. The solver is position based dynamics (Müller et al. 2007): springs along the grid,
-a few rounds of them a step. It shows how the questions are used; it is no model of a fabric.
+a few rounds of them a step. It shows how the queries are used; it is no model of a fabric.
 
     python cloth_that_never_passes_through_itself.py [PICTURE [SECONDS]]      .gif: an animation; else the last frame
 """
@@ -135,7 +135,8 @@ class Simulation:
         self.velocity = np.zeros_like(self.positions)
         self.batches = list(springs())
         self.detector = crumple.Detector()
-        self.rules = {"groups": self.groups, "excluded_groups": [(1, 1)]}  # ball and floor stay where they are
+        # Ball and floor stay where they are: pairs of triangles of group 1 are not tested.
+        self.options = {"groups": self.groups, "filter": crumple.PairFilter(excluded_groups=[(1, 1)])}
         self.held = 0  # impacts that the thickness alone did not prevent
 
     def step(self, seconds):
@@ -144,10 +145,10 @@ class Simulation:
         self.velocity *= 1 - DRAG * seconds
         target = start + seconds * self.velocity
 
-        # What may come nearer than the thickness in this step; what is faster still is left to find_impacts.
+        # What may come nearer than the thickness in this step; what is faster still is left to `impacts`.
         fastest = np.linalg.norm(self.velocity, axis=1).max() * seconds
         radius = THICKNESS + min(2 * fastest, THICKNESS)
-        near = self.detector.find_near(start, self.faces, radius=radius, closest=True, **self.rules)
+        near = self.detector.proximities(start, self.faces, radius=radius, closest=True, **self.options)
         contacts = Contacts(near, self.faces, start, self.movable)
         for _ in range(ROUNDS):
             pull(target, self.batches)
@@ -159,7 +160,7 @@ class Simulation:
     def without_impacts(self, start, target):
         """Positions to which the way is free: vertices that would hit something go half the way there."""
         for _ in range(10):
-            impacts = self.detector.find_impacts(start, target, self.faces, min_distance_share=0.1, **self.rules)
+            impacts = self.detector.impacts(start, target, self.faces, min_distance_share=0.1, **self.options)
             if not impacts:
                 break
             self.held += len(impacts)
@@ -169,7 +170,7 @@ class Simulation:
             np.minimum.at(share, edges, impacts.edge_edge_toi[:, None])
             np.minimum.at(share, corners, impacts.vertex_face_toi[:, None])
             target = start + np.where(share < 1, 0.5 * share, 1)[:, None] * (target - start)
-        return self.detector.find_free_step(start, target, self.faces, **self.rules).positions
+        return self.detector.free_step(start, target, self.faces, **self.options).positions
 
 
 def animate(frames, faces, picture):
@@ -201,10 +202,10 @@ def main(picture="cloth.html", seconds=1.6):
         for _ in range(STEPS_A_FRAME):
             simulation.step(1 / (FRAMES_A_SECOND * STEPS_A_FRAME))
         frames.append(simulation.positions)
-        result = simulation.detector.find_self(simulation.positions, simulation.faces)
+        result = simulation.detector.intersections(simulation.positions, simulation.faces)
         intersecting += len(result)
-        near = simulation.detector.find_near(
-            simulation.positions, simulation.faces, radius=THICKNESS, least=True, **simulation.rules
+        near = simulation.detector.proximities(
+            simulation.positions, simulation.faces, radius=THICKNESS, least=True, **simulation.options
         )
         least = min(least, near.vertex_distance.min(), near.edge_distance.min())
     print(f"{len(simulation.faces)} triangles, {len(frames) - 1} frames: {intersecting} pairs of triangles intersect")

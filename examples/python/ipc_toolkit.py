@@ -1,4 +1,4 @@
-"""Crumple within the IPC Toolkit: its own questions, with an exact broad phase and exact times.
+"""Crumple within the IPC Toolkit: its own calls, with an exact broad phase and exact times.
 
 The IPC Toolkit lets Python derive a BroadPhase. That of crumple.adapters.ipctk hands out pairs that truly come near,
 instead of those whose boxes overlap, so the narrow phase has next to nothing left to do. Times that are exact, instead
@@ -31,7 +31,7 @@ def main():
 
     exact = compute_collision_free_stepsize(candidates, mesh, start, end)
     print(f"exact    {exact:.6f}")
-    assert steps["LBVH"] <= steps["Crumple"] <= exact == crumple.time_of_first_impact(start, end, faces)
+    assert steps["LBVH"] <= steps["Crumple"] <= exact == crumple.first_impact(start, end, faces).toi
 
 
 if __name__ == "__main__":

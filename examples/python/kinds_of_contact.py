@@ -27,7 +27,7 @@ def main(picture="kinds_of_contact.html"):
     vertices = np.concatenate(pairs)
     faces = np.arange(len(vertices)).reshape(-1, 3)
 
-    result = crumple.Detector().find_self(vertices, faces, contacts=True)
+    result = crumple.Detector().intersections(vertices, faces, output="contacts")
 
     for (name, place), kind, points in zip(zip(OTHERS, places), result.contacts.kinds, result.contacts):
         corners = " ".join("({:g}, {:g}, {:g})".format(*point) for point in points - place)

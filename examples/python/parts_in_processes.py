@@ -1,4 +1,4 @@
-"""Parts of a scene, answered by several processes: parts travel, and their answers together are the whole answer.
+"""Parts of a scene, searched by several processes: parts travel, and their results together are the whole result.
 
 python parts_in_processes.py
 """
@@ -15,22 +15,22 @@ def scene():
     return crumple.make_scene("cloth", triangles=50_000, frame=93)
 
 
-def answer(part):
+def pairs_of(part):
     """Runs anywhere: a part brings all that it takes."""
-    return crumple.Detector(threads=1).find(part).pairs.copy()
+    return crumple.Detector(threads=1).intersections(part).pairs.copy()
 
 
 def main():
     detector = crumple.Detector()
     parts = detector.partition(scene(), count=4)
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
-        answers = list(pool.map(answer, parts))
-    for part, pairs in zip(parts, answers):
+        found = list(pool.map(pairs_of, parts))
+    for part, pairs in zip(parts, found):
         print(f"{part}: {len(pairs)} pairs")
 
-    pairs = np.concatenate(answers)
+    pairs = np.concatenate(found)
     pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
-    assert (pairs == detector.find_self(scene()).pairs).all()
+    assert (pairs == detector.intersections(scene()).pairs).all()
     print(f"together: {len(pairs)} pairs, each once, the same bytes as from one detector")
 
 

@@ -41,7 +41,7 @@ def open_edges(mesh):
 
 def check(path, picture):
     part = crumple.read_mesh(path)  # an STL names no vertices: equal positions become one
-    result = crumple.Detector().find_self(part, contacts=True)
+    result = crumple.Detector().intersections(part, output="contacts")
     piece = shells(part)
     across = int((piece[result.pairs[:, 0]] != piece[result.pairs[:, 1]]).sum())
     gaps, within = open_edges(part), len(result) - across

@@ -13,7 +13,7 @@ def main(picture="cloth.html"):
     vertices, faces, _ = crumple.make_scene("cloth", triangles=20_000, frame=60)
 
     detector = crumple.Detector()
-    result = detector.find_self(vertices, faces, contacts=True)
+    result = detector.intersections(vertices, faces, output="contacts")
 
     print(result.pairs[:3])
     print(f"{len(result)} pairs; {result.hit.sum()} of {len(faces)} triangles collide")

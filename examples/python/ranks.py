@@ -38,22 +38,22 @@ def main():
     with crumple.mpi.Detector(comm) as detector:
         for frame in range(4):
             here = vertices_of(vertex_ids, frame)
-            result = detector.find_self(here, faces_here, triangle_ids=triangle_ids, vertex_ids=vertex_ids)
+            result = detector.intersections(here, faces_here, triangle_ids=triangle_ids, vertex_ids=vertex_ids)
             lines = comm.gather(f"{len(result)} on rank {comm.rank}")
             if comm.rank == 0:
-                print(f"frame {frame}: {result.total} pairs, {', '.join(lines)}")
+                print(f"frame {frame}: {result.count} pairs, {', '.join(lines)}")
 
         ids = dict(triangle_ids=triangle_ids, vertex_ids=vertex_ids)
-        impacts = detector.find_impacts(here, vertices_of(vertex_ids, frame + 1), faces_here, **ids)
-        near = detector.find_near(here, faces_here, radius=1e-4, **ids)
+        impacts = detector.impacts(here, vertices_of(vertex_ids, frame + 1), faces_here, **ids)
+        near = detector.proximities(here, faces_here, radius=1e-4, **ids)
         if comm.rank == 0:
-            print(f"to frame {frame + 1}: {impacts.total} impacts; {near.total} pairs of features are near")
+            print(f"to frame {frame + 1}: {impacts.count} impacts; {near.count} pairs of features are near")
 
     # One process alone finds the same.
     all_faces = comm.gather(faces)
     if comm.rank == 0:
         whole = vertices_of(np.arange((ROWS + 1) * (COLUMNS + 1)), frame)
-        one = crumple.Detector().find_self(whole, np.concatenate(all_faces))
+        one = crumple.Detector().intersections(whole, np.concatenate(all_faces))
         assert (one.pairs[: len(result)] == result.pairs).all()
         print(f"one process alone: {len(one)} pairs")
 

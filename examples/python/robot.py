@@ -51,9 +51,10 @@ def scene(angles):
 
 def main(picture="robot.html"):
     detector = crumple.Detector(threads=1)
+    between_links = crumple.PairFilter(groups="between", excluded_groups=ALLOWED)
     for angles in [(1.2, -0.8, -0.4), (2.3, -3.25, -0.05), (0.8, -2.2, -0.2)]:
         robot = scene(angles)
-        result = detector.find_self(robot, wanted="between", excluded_groups=ALLOWED, contacts=True)
+        result = detector.intersections(robot, output="contacts", filter=between_links)
         pairs = sorted({tuple(sorted(pair)) for pair in robot.groups[result.pairs].tolist()})
         print(angles, "is free" if not pairs else ", ".join(f"{LINKS[a]} hits {LINKS[b]}" for a, b in pairs))
         if pairs:

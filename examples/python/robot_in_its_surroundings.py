@@ -89,7 +89,7 @@ def main(picture="robot_in_its_surroundings.html"):
         crumple.Body(crumple.Shape(*mesh, name=name), pose, group=1, world=-1, name=name)
         for name, mesh, pose in surroundings()
     ]
-    bodies = [body._replace(self_collisions=False) for body in links + rest]
+    bodies = links + rest
     world = crumple.World([body.shape for body in bodies], bodies)
     print(world)
 
@@ -97,19 +97,20 @@ def main(picture="robot_in_its_surroundings.html"):
     angles = random.uniform(-1, 1, (500, len(LINKS))) * [np.pi, 1.6, 2.4, 2, 2]
     many = world.configurations(arm(angles))
     detector = crumple.Detector()
-    question = {"excluded": NEIGHBOURS, "excluded_groups": [(1, 1)]}  # the surroundings touch each other
-    free = ~detector.find(many, wants="any_by_world", **question).world_hit
+    # Neighbouring links may overlap, and the surroundings touch each other.
+    allowed = crumple.PairFilter(excluded_bodies=NEIGHBOURS, excluded_groups=[(1, 1)])
+    free = ~detector.intersections(many, output="any_by_world", filter=allowed).world_hit
     print(f"{free.sum()} of {len(free)} configurations are free")
 
-    result = detector.find(many, wants="body_pairs", **question)
+    result = detector.intersections(many, output="body_pairs", filter=allowed)
     hits = {}
     for pair, body in zip(result.names, result.bodies[:, 0]):
         hits.setdefault(int(many.worlds[body]), []).append(pair)
     shown = max((c for c in hits if "shelf" in sum(hits[c], ())), key=lambda c: len(hits[c]))
     print(f"configuration {shown}: {', '.join(f'{a} hits {b}' for a, b in hits[shown])}")
 
-    world.poses = np.concatenate([arm(angles[shown : shown + 1])[0], world.poses[len(LINKS) :]])
-    detector.find(world, **question, wants="body_pairs").save(picture)
+    poses = np.concatenate([arm(angles[shown : shown + 1])[0], world.poses[len(LINKS) :]])
+    detector.intersections(world.at(poses), output="body_pairs", filter=allowed).save(picture)
 
 
 if __name__ == "__main__":

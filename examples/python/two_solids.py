@@ -41,7 +41,7 @@ def main(picture="two_solids.html"):
     vertices, faces = torus()
     upright = vertices[:, [0, 2, 1]] + [1.1, 0.03, 0.05]  # the other ring of the chain, too fat to pass
 
-    result = crumple.Detector().find_between((vertices, faces), (upright, faces), contacts=True)
+    result = crumple.Detector().intersections((vertices, faces), (upright, faces), output="contacts")
 
     segments = result.contacts.points[
         np.repeat(result.contacts.kinds == crumple.ContactKind.SEGMENT, np.diff(result.contacts.offsets))

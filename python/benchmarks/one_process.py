@@ -35,7 +35,7 @@ class Crumple:
         self.arrays, self.detector = (vertices, faces), crumple.Detector()
 
     def call(self):
-        return self.detector.find_self(*self.arrays)
+        return self.detector.intersections(*self.arrays)
 
     def pairs(self, answer):
         return set(map(tuple, answer.pairs.tolist()))
@@ -45,15 +45,15 @@ class CrumpleContacts(Crumple):
     name, computes = "crumple, contacts", "exact pairs and where they meet"
 
     def call(self):
-        return self.detector.find_self(*self.arrays, contacts=True)
+        return self.detector.intersections(*self.arrays, output="contacts")
 
 
 class CrumpleAny(Crumple):
-    name, computes = "crumple, has_intersections", "exact yes or no"
+    name, computes = "crumple, any", "exact yes or no"
     pairs = None
 
     def call(self):
-        return self.detector.has_intersections(*self.arrays)
+        return self.detector.any(self.arrays)
 
 
 class IpcBoxes:
@@ -207,7 +207,7 @@ def overhead(mesh, threads):
     beyond, clock, result = [], time.perf_counter, None
     for _ in range(200):
         begin = clock()
-        result = detector.find_self(vertices, faces)
+        result = detector.intersections(vertices, faces)
         seconds = clock() - begin
         beyond.append(1e6 * seconds - 1e3 * result.statistics.milliseconds)
     return {

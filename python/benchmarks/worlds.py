@@ -51,6 +51,25 @@ def tell(what, figures):
     print(f"  {what:58} {figures[0]:8.1f} us over C++, which takes {figures[1]:8.1f}")
 
 
+def calls_of(detector, shape, bodies):
+    names = [f"link {i}" for i in range(bodies)]
+    world = crumple.World([shape], [0] * bodies, poses=in_a_row(bodies), names=names)
+    poses = in_a_row(bodies)
+    square = np.concatenate([poses, np.broadcast_to([0, 0, 0, 1.0], (bodies, 1, 4))], axis=1)
+    pairs = np.stack([np.arange(bodies - 1), np.arange(1, bodies)], axis=1).astype(np.int32)
+    named = [set(pair) for pair in itertools.pairwise(names)]
+    by_index, by_name = (crumple.PairFilter(excluded_bodies=excluded) for excluded in (pairs, named))
+    excluded = f'output="any", {bodies - 1} excluded'
+    return {
+        'output="any"': lambda: detector.intersections(world, output="any"),
+        'output="pairs"': lambda: detector.intersections(world),
+        'output="any", at poses (n, 3, 4)': lambda: detector.intersections(world.at(poses), output="any"),
+        'output="any", at poses (n, 4, 4)': lambda: detector.intersections(world.at(square), output="any"),
+        f"{excluded} as an array": lambda: detector.intersections(world, output="any", filter=by_index),
+        f"{excluded} by name": lambda: detector.intersections(world, output="any", filter=by_name),
+    }
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--calls", type=int, default=10_000)
@@ -58,27 +77,14 @@ def main():
     gc.disable()
     detector, shape = crumple.Detector(threads=1), crumple.Shape(*ball(), name="ball")
     for bodies in (2, 10):
-        names = [f"link {i}" for i in range(bodies)]
-        world = crumple.World([shape], [0] * bodies, poses=in_a_row(bodies), names=names, self_collisions=False)
-        poses = in_a_row(bodies)
-        square = np.concatenate([poses, np.broadcast_to([0, 0, 0, 1.0], (bodies, 1, 4))], axis=1)
-        pairs = np.stack([np.arange(bodies - 1), np.arange(1, bodies)], axis=1).astype(np.int32)
-        named = [set(pair) for pair in itertools.pairwise(names)]
-        for what, how in {
-            'wants="any"': {"wants": "any"},
-            'wants="pairs"': {"wants": "pairs"},
-            'wants="any", poses (n, 3, 4)': {"wants": "any", "poses": poses},
-            'wants="any", poses (n, 4, 4)': {"wants": "any", "poses": square},
-            f'wants="any", {bodies - 1} excluded as an array': {"wants": "any", "excluded": pairs},
-            f'wants="any", {bodies - 1} excluded by name': {"wants": "any", "excluded": named},
-        }.items():
-            tell(f"{bodies} bodies, {what}", beyond(lambda how=how, world=world: detector.find(world, **how), calls))
-    base = crumple.World([shape], [0] * 11, worlds=[0] * 10 + [-1], poses=in_a_row(11), self_collisions=False)
+        for what, call in calls_of(detector, shape, bodies).items():
+            tell(f"{bodies} bodies, {what}", beyond(call, calls))
+    base = crumple.World([shape], [0] * 11, worlds=[0] * 10 + [-1], poses=in_a_row(11))
     poses = np.tile(in_a_row(10), (1000, 1, 1, 1))
     many = base.configurations(poses)
     tell(
-        '1000 configurations of 10 bodies, wants="any_by_world"',
-        beyond(lambda: detector.find(many, wants="any_by_world"), 200),
+        '1000 configurations of 10 bodies, output="any_by_world"',
+        beyond(lambda: detector.intersections(many, output="any_by_world"), 200),
     )
 
     def milliseconds(make):

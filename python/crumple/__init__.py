@@ -1,121 +1,132 @@
-"""Crumple finds all pairs of triangles that intersect, in one mesh or between two, exactly and fast.
+"""Crumple finds all pairs of triangles that intersect, in one mesh, two, or a world of bodies, exactly and fast; and what
+touches on its way from one frame to the next, what is near, and how far apart bodies are.
 
     import crumple
 
-    pairs = crumple.find_self_intersections(vertices, faces)          # (k, 2) int32, sorted
+    pairs = crumple.intersections(vertices, faces).pairs              # (k, 2) int32, sorted
 
     detector = crumple.Detector(threads=2)                            # keep it: the next call is faster
-    result = detector.find_self(vertices, faces, contacts=True)       # result.pairs, .offsets, .hit, .contacts
-    result.save("collisions.png")
+    result = detector.intersections(vertices, faces, output="contacts")
+    result.save("collisions.png")                                     # result.pairs, .offsets, .hit, .contacts
 
     world = crumple.World([arm, table], worlds=[0, -1])               # bodies, poses, many configurations at once
-    detector.find(world, wants="any").any
+    detector.any(world)                                               # any(scene, query), find(scene, query)
 
-    crumple.time_of_first_impact(vertices, next_vertices, faces)      # on the straight way there: in [0, 1], or None
-    detector.find_near(vertices, faces, radius=0.01)                  # features within a distance, and how near
-    detector.find_nearest(world).squared_distance                     # of each pair of bodies, and where
+    crumple.first_impact(vertices, next_vertices, faces)              # on the straight way there: .toi, or None
+    detector.proximities(vertices, faces, radius=0.01)                # features within a distance, and how near
+    detector.distances(world).squared_distance                        # of each pair of bodies, and where
 
 Vertices are (n, 3) float32 or float64, faces (m, 3) integers or flat: NumPy arrays, or anything that speaks DLPack.
 Any triangle soup will do. What counts as a collision: docs/contract.md.
 """
 
-from . import _distribution  # noqa: F401, refuses two that overwrite each other
+from __future__ import annotations
+
+import functools as _functools
+from typing import Any as _Any
+
+from . import _distribution, _older_pickles  # noqa: F401, the first refuses two that overwrite each other
 from ._candidates import Candidates
 from ._core import Part, Statistics, __version__
 from ._detector import Detector
-from ._devices import DeviceInfo, DeviceList, list_devices
+from ._device import DeviceArray, DeviceInfo, DeviceList, DeviceResult, Launch, list_devices
+from ._distances import Distances
 from ._errors import BackendUnavailable, Error, FileError, FileWarning, InvalidInput, InvalidType, MemoryLimit
 from ._feature_pairs import PairDistances, PairImpacts, pair_distances, pair_impacts
-from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
+from ._files import ProceduralScene, make_scene, read_mesh, read_pairs, scenes, write_mesh
 from ._fuzzy_c_means import FuzzyCMeans
 from ._impacts import FirstImpact, FreeStep, Impacts
-from ._launches import DeviceArray, DeviceCandidates, DeviceImpacts, DeviceNearby, DeviceResult, DeviceWorldResult
+from ._intersections import Intersections
 from ._mesh import FileMesh, Mesh, Polygons, as_mesh
-from ._near import EdgeEdgeType, Nearby, VertexEdgeType, VertexFaceType, VertexVertexType
-from ._nearest import NearestBodies
-from ._result import Block, ContactKind, Contacts, Result
-from ._short_forms import (
-    find_candidates,
-    find_free_step,
-    find_impacts,
-    find_intersections_between,
-    find_near,
-    find_nearest,
-    find_self_intersections,
-    has_intersections,
-    has_intersections_between,
-    is_free,
-    time_of_first_impact,
+from ._proximities import EdgeEdgeType, Proximities, VertexEdgeType, VertexFaceType, VertexVertexType
+from ._queries import (
+    CandidateQuery,
+    DistanceQuery,
+    FirstImpactQuery,
+    FreeStepQuery,
+    ImpactQuery,
+    IntersectionQuery,
+    PairFilter,
+    ProximityQuery,
 )
+from ._result import ContactKind, Contacts
 from ._world import Body, Shape, World
 from ._world_files import read_poses, read_world
-from ._world_result import WorldResult
 
+
+def _of_one_call(method: _Any) -> _Any:
+    """A function with the name, the arguments and the errors of a method, of a detector that lives for the call."""
+
+    @_functools.wraps(method)
+    def call(*scene: _Any, **options: _Any) -> _Any:
+        return method(Detector(), *scene, **options)
+
+    call.__qualname__, call.__module__ = method.__name__, __name__
+    call.__doc__ = (
+        f"{method.__doc__.splitlines()[0]}\n\nDetector.{method.__name__} of a detector that lives for this call. "
+        "For more than one call keep a\nDetector: it is faster when warm, and costs a millisecond to make."
+    )
+    return call
+
+
+intersections = _of_one_call(Detector.intersections)
+impacts = _of_one_call(Detector.impacts)
+first_impact = _of_one_call(Detector.first_impact)
+free_step = _of_one_call(Detector.free_step)
+proximities = _of_one_call(Detector.proximities)
+candidates = _of_one_call(Detector.candidates)
+distances = _of_one_call(Detector.distances)
+
+#: Everything that one calls or makes. Classes that are only returned, such as Contacts, are attributes of the package.
 __all__ = [
     "BackendUnavailable",
-    "Block",
     "Body",
+    "CandidateQuery",
     "Candidates",
-    "ContactKind",
-    "Contacts",
     "Detector",
-    "DeviceArray",
-    "DeviceCandidates",
-    "DeviceImpacts",
-    "DeviceInfo",
-    "DeviceList",
-    "DeviceNearby",
     "DeviceResult",
-    "DeviceWorldResult",
-    "EdgeEdgeType",
+    "DistanceQuery",
+    "Distances",
     "Error",
     "FileError",
-    "FileMesh",
     "FileWarning",
     "FirstImpact",
+    "FirstImpactQuery",
     "FreeStep",
+    "FreeStepQuery",
     "FuzzyCMeans",
+    "ImpactQuery",
     "Impacts",
+    "IntersectionQuery",
+    "Intersections",
     "InvalidInput",
     "InvalidType",
     "MemoryLimit",
     "Mesh",
-    "Nearby",
-    "NearestBodies",
-    "PairDistances",
-    "PairImpacts",
+    "PairFilter",
     "Part",
-    "Polygons",
-    "Result",
-    "Scene",
+    "Proximities",
+    "ProximityQuery",
     "Shape",
     "Statistics",
-    "VertexEdgeType",
-    "VertexFaceType",
-    "VertexVertexType",
     "World",
-    "WorldResult",
     "__version__",
     "as_mesh",
-    "find_candidates",
-    "find_free_step",
-    "find_impacts",
-    "find_intersections_between",
-    "find_near",
-    "find_nearest",
-    "find_self_intersections",
-    "has_intersections",
-    "has_intersections_between",
-    "is_free",
+    "candidates",
+    "distances",
+    "first_impact",
+    "free_step",
+    "impacts",
+    "intersections",
     "list_devices",
     "make_scene",
     "pair_distances",
     "pair_impacts",
+    "proximities",
     "read_mesh",
     "read_pairs",
     "read_poses",
     "read_world",
     "scenes",
-    "time_of_first_impact",
     "write_mesh",
 ]

@@ -1,59 +1,87 @@
-"""Detector, and functions for a single call."""
+"""Detector: the calls that take a scene and a query."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any, Literal, overload
+import functools
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from difflib import get_close_matches
+from typing import Any, Literal, TypeVar, overload
 
-from . import _core
-from ._blocks import taker
-from ._candidates import find_candidates
+from . import _core, _results
 from ._core import Statistics
+from ._device import Launch, stream_of
 from ._errors import InvalidInput, InvalidType
-from ._feature_streams import stream_candidates, stream_impacts, stream_near
 from ._fuzzy_c_means import FuzzyCMeans, check_fuzzy_c_means
-from ._launches import (
-    launch,
-    launch_between,
-    launch_candidates,
-    launch_impacts,
-    launch_near,
-    launch_self,
-    wait,
-    wait_candidates,
-    wait_impacts,
-    wait_near,
-)
-from ._mesh import Mesh, as_mesh, soup_of
-from ._motion import find_free_step, find_impacts, is_free, time_of_first_impact
+from ._mesh import is_mesh
 from ._names import suggesting
-from ._near import find_near
-from ._nearest import find_nearest
-from ._parts import partition_motion, partition_near
-from ._result import Block, Result
-from ._world import World
-from ._world_result import WorldResult
-from ._world_search import Wants, find_in_world
+from ._queries import (
+    CandidateQuery,
+    DistanceQuery,
+    FirstImpactQuery,
+    FreeStepQuery,
+    ImpactQuery,
+    IntersectionQuery,
+    ProximityQuery,
+    Query,
+)
+from ._results import Candidates, Distances, FirstImpact, FreeStep, Impacts, Intersections, Proximities, checked_query
+from ._scene import excluded_in, scene_of, with_names
 
-Neighbours = Literal["geometric", "skip"]
-Intersections = Literal["all", "proper"]
-Wanted = Literal["both", "between", "within"]
 Backend = Literal["automatic", "cpu", "cuda", "reference"]
 Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
-GroupPairs = Iterable[tuple[int, int]]
+Method = TypeVar("Method", bound=Callable[..., Any])
+_ALL = IntersectionQuery()
+_PLAIN = {query: query() for query in Query.__subclasses__()}
+
+
+def asks(query: type[Query]) -> Callable[[Method], Method]:
+    """For a method whose keywords are its own and, as **options, the members of a query: a signature that has them all,
+    and errors that suggest a name."""
+
+    def with_members(method: Method) -> Method:
+        signature = inspect.signature(method)
+        own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
+        members = [
+            inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=f.default, annotation=f.type)
+            for f in fields(query)  # type: ignore[arg-type]
+        ]
+        known = {parameter.name for parameter in (*own, *members)}
+
+        @functools.wraps(method)
+        def call(*arguments: Any, **named: Any) -> Any:
+            for name in named:
+                if name not in known:
+                    close = get_close_matches(name, known - {"self"}, n=1)
+                    meant = f". Did you mean '{close[0]}'?" if close else ""
+                    raise TypeError(f"{method.__qualname__}() got an unexpected keyword argument '{name}'{meant}")
+            return method(*arguments, **named)
+
+        call.__signature__ = signature.replace(parameters=[*own, *members])  # type: ignore[attr-defined]
+        return call  # type: ignore[return-value]
+
+    return with_members
+
+
+def _query_of(query: type[Query], options: dict[str, Any]) -> Query:
+    """A query with these members: the same object each time for none, which saves a microsecond."""
+    return query(**options) if options else _PLAIN[query]
 
 
 class Detector(_core.Detector):
-    """Finds all pairs of triangles that intersect, exactly: in a mesh, between two, or in a world of bodies.
+    """Searches scenes, exactly and completely.
+
+    detector.find(scene, query) is the one call; each query has a method beside it that takes arrays and keywords:
+    detector.impacts(start, end, faces, min_distance=0.1) is
+    detector.find(Mesh(start, faces).moving_to(end), ImpactQuery(min_distance=0.1)).
 
     Keeps buffers and cluster centres between calls, so one detector for all frames of a simulation is faster than a new
     one for each; the topology may change freely. Any triangle soup will do.
 
-    find_impacts and its like tell what touches on its way from one frame to the next, and when; find_near what is near;
-    find_candidates lists what a narrow phase of your own would look at.
-
-    Meshes are given as (vertices, faces), or as one object that as_mesh knows: crumple.Mesh, a tuple, a mesh of
-    trimesh, meshio, Open3D or PyVista. Arrays are read in place: NumPy or anything on the host that speaks DLPack or
+    A scene is a mesh, given as one object that as_mesh knows (crumple.Mesh, a tuple, a mesh of trimesh, meshio, Open3D
+    or PyVista); two meshes, [a, b], of which pairs across are found; a crumple.World of bodies; or a crumple.Part. A
+    mesh moves that says where to (Mesh.moving_to), a world whose bodies or shapes do. Arrays are read in place: NumPy or anything on the host that speaks DLPack or
     the buffer protocol, float32 or float64, int32, uint32 or int64, in any order and with any strides. Other integers
     and Python lists are converted, at the cost of a copy. Inputs are not written to, and must not change until the
     call returns. The cuda backend also reads arrays in CUDA memory, after the work of their package's current stream.
@@ -85,7 +113,7 @@ class Detector(_core.Detector):
     boxes that overlap; here that test is exact. docs/README.md names the page of each stage.
     """
 
-    __slots__ = ("__weakref__", "_options")
+    __slots__ = ("__weakref__", "_launches", "_options")
 
     @suggesting
     def __init__(
@@ -114,6 +142,7 @@ class Detector(_core.Detector):
         }
         super().__init__(options)
         self._options = options
+        self._launches: list[Launch] = []
 
     @property
     def options(self) -> dict[str, Any]:
@@ -148,287 +177,278 @@ class Detector(_core.Detector):
             return "<crumple.Detector whose __init__ has not been called>"
         return "crumple.Detector(" + ", ".join(f"{name}={value!r}" for name, value in options.items()) + ")"
 
+    @overload
+    def find(self, scene: Any, query: IntersectionQuery = ..., *, copy: bool = False) -> Intersections: ...
+    @overload
+    def find(self, scene: Any, query: ImpactQuery, *, copy: bool = False) -> Impacts: ...
+    @overload
+    def find(self, scene: Any, query: FirstImpactQuery, *, copy: bool = False) -> FirstImpact | None: ...
+    @overload
+    def find(self, scene: Any, query: FreeStepQuery, *, copy: bool = False) -> FreeStep: ...
+    @overload
+    def find(self, scene: Any, query: ProximityQuery, *, copy: bool = False) -> Proximities: ...
+    @overload
+    def find(self, scene: Any, query: CandidateQuery, *, copy: bool = False) -> Candidates: ...
+    @overload
+    def find(self, scene: Any, query: DistanceQuery, *, copy: bool = False) -> Distances: ...
     @suggesting
-    def find_self(
-        self,
-        vertices: Any,
-        faces: Any = None,
-        *,
-        groups: Any = None,
-        neighbours: Neighbours = "geometric",
-        intersections: Intersections = "all",
-        weld: bool = False,
-        contacts: bool = False,
-        wanted: Wanted = "both",
-        excluded_groups: GroupPairs | None = None,
-        copy: bool = False,
-    ) -> Result:
-        """All colliding pairs within one soup.
+    def find(self, scene: Any, query: Query = _ALL, *, copy: bool = False) -> Any:
+        """Finds everything in a scene that a query describes.
 
         Args:
-            vertices: (n, 3) float32 or float64; or a mesh, and then no `faces`.
-            faces: (m, 3) integers, or flat: three a triangle.
-            groups: (m,) integers that fit int32, one a triangle; None: the mesh's, or all in group 0.
-            neighbours: pairs that share a vertex. "geometric": they collide only if they meet outside the hull of what
-                they share (a fold counts, a hinge does not); "skip": never reported.
-            intersections: "all": touching counts; "proper": only if an edge strictly crosses an interior.
-            weld: vertices at equal positions count as one.
-            contacts: also compute where each pair meets.
-            wanted: which pairs, by their groups: "both", "between" different groups, "within" one.
-            excluded_groups: pairs of groups that are not tested against each other: an array or any iterable.
+            scene: a mesh, [a, b] of two meshes, a World or a Part; see Detector. For queries about features and distances
+                two meshes are two bodies.
+            query: the type says what is searched for, and gives the type of the result.
             copy: the result gets writable arrays of its own instead of read-only views.
 
-        Raises InvalidInput, which names the argument and the place; MemoryLimit.
+        Of a part the result has the rows that the part owns, with the ids of the mesh; offsets, hit flags and least
+        distances count by position in the part.
+
+        Raises InvalidInput, which names the argument, the mesh, the body or the shape, also where the query cannot be
+        asked of such a scene (`supports`); MemoryLimit.
 
         Cost: a warm call on two threads takes about 0.1 microseconds a triangle on ordinary scenes, more with the
-        number of pairs of boxes that overlap; contacts take about a microsecond a pair. Source: Mainzer and Zachmann,
-        Algorithm 1; see Detector. What a collision is: docs/contract.md.
+        number of pairs of boxes that overlap; contacts take about a microsecond a pair. A world takes some microseconds
+        a call, and less than one a body of a named shape that is clear of all others.
         """
-        query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
-        mesh = soup_of(vertices, faces, groups)
-        return Result(self._find(mesh, None, query, copy), mesh, None)
+        return self._find(scene_of(scene), query, copy)
+
+    def _find(self, scene: Any, query: Any, copy: Any = False) -> Any:
+        query = checked_query(scene, query)
+        found = self._call("find", scene, query)
+        return _results.show(found, scene, query, _results.checked_copy(copy))
+
+    def _call(self, delivery: str, scene: Any, query: Query, *more: Any, before: tuple[Any, ...] = ()) -> Any:
+        """Has the extension module do it, unless queries of this type are not delivered so."""
+        name = type(query)._call
+        if delivery not in type(query)._deliveries:
+            raise InvalidInput(f"{delivery} is not for {type(query).__name__}: docs/supported.md has the table")
+        if delivery != "launch":
+            self._launches = []
+        excluded = excluded_in(scene, query.filter.excluded_bodies)  # type: ignore[attr-defined]
+        return with_names(scene, getattr(self, f"_{delivery}_{name}"), *before, scene, query, excluded, *more)
 
     @suggesting
-    def find_between(
-        self,
-        a: Any,
-        b: Any,
-        *,
-        neighbours: Neighbours = "geometric",
-        intersections: Intersections = "all",
-        weld: bool = False,
-        contacts: bool = False,
-        wanted: Wanted = "both",
-        excluded_groups: GroupPairs | None = None,
-        copy: bool = False,
-    ) -> Result:
-        """All colliding pairs of a triangle of mesh `a` with one of mesh `b`: (index in a, index in b).
+    def supports(self, scene: Any, query: Query = _ALL) -> bool:
+        """Whether find takes queries of this type about such a scene: by what it is, where it lies, and the backend.
 
-        Meshes are what as_mesh takes, for instance a tuple (vertices, faces). Groups, which compare across both, come
-        with crumple.Mesh or a tuple of three. Equal indices share nothing here; with `weld` equal positions do. If one
-        mesh is float64, both are computed in float64. Otherwise as find_self, errors, cost and source included.
+        docs/supported.md has the table. Says nothing of options and sizes.
         """
-        query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
-        first, second = as_mesh(a), as_mesh(b)
-        return Result(self._find(first, second, query, copy), first, second)
+        scene = scene_of(scene)
+        query = checked_query(scene, query)
+        excluded = excluded_in(scene, query.filter.excluded_bodies)  # type: ignore[attr-defined]
+        return with_names(scene, getattr(self, f"_supports_{query._call}"), scene, query, excluded)
 
     @suggesting
-    def stream_self(
-        self,
-        take: Callable[[Block], Any],
-        vertices: Any,
-        faces: Any = None,
-        *,
-        block_rows: int = 1 << 18,
-        groups: Any = None,
-        neighbours: Neighbours = "geometric",
-        intersections: Intersections = "all",
-        weld: bool = False,
-        contacts: bool = False,
-        wanted: Wanted = "both",
-        excluded_groups: GroupPairs | None = None,
-    ) -> Statistics:
-        """Hands all colliding pairs of one soup over in blocks, for answers that exceed memory.
+    def any(self, scene: Any, query: Query = _ALL) -> bool:
+        """Whether there is anything to find: of intersections, impacts and proximities. Stops at the first pair.
+
+        A step is free if there is no impact: not detector.any(mesh.moving_to(end), ImpactQuery()). `output` does not
+        matter. Arguments and errors as of find.
+        """
+        scene = scene_of(scene)
+        return self._call("any", scene, checked_query(scene, query))
+
+    @suggesting
+    def stream(self, scene: Any, query: Query, take: Callable[[Any], Any], *, block_rows: int = 1 << 18) -> Statistics:
+        """Calls take(block) with one block of the result after another, for results that exceed memory.
+
+        Of intersections, impacts, proximities and candidates, of meshes and worlds in host memory.
 
         Args:
-            take: called with one crumple.Block after the other. What it raises ends the call. It may run in another
-                thread, but never in two at a time, and cannot call this detector.
-            block_rows: most pairs of a block, 1 to 2^40.
+            scene, query: as of find; not with `index`, `triangle_pairs`, `least`, or less output than pairs.
+            take: a block is a result of the same type that has its rows and nothing else. What it raises ends the call.
+                It may run in another thread, but never in two at a time, and cannot call this detector.
+            block_rows: rows of a block, of all its lists together, 1 to 2^40; the last one has fewer.
 
-        Other arguments, errors and source as of find_self. Returns the statistics of the call.
-
-        The order of pairs does not depend on threads; find_self sorts, blocks do not. Cost: that of find_self. Memory:
-        that of a search without its pairs, and some 32 bytes for each pair of a block.
+        All blocks together have the rows of the whole result in another order: leaf by leaf, which does not depend on
+        threads. Returns the statistics of the call. Cost: that of find. Memory: that of find without its lists, and of
+        about three blocks.
         """
-        query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
-        return self._stream(taker(take, Block), soup_of(vertices, faces, groups), None, query, block_rows)
+        scene = scene_of(scene)
+        query = checked_query(scene, query)
+        if not callable(take):
+            raise InvalidType(f"take must be callable with a block, not {type(take).__name__}")
+        return self._call(
+            "stream",
+            scene,
+            query,
+            block_rows,
+            before=(lambda found: take(_results.show(found, scene, query, False, block=True)),),
+        )
 
     @suggesting
-    def stream_between(
+    def partition(self, scene: Any, query: Query = _ALL, *, count: int) -> list[_core.Part]:
+        """Cuts a scene of one mesh, or of two for intersections, into `count` (1 to 262144) independent parts.
+
+        Each part owns rows of the result and is searched anywhere, without the mesh, by find(part, query); the results
+        together are the whole result, and no row is in two of them. Parts can be pickled, and depend only on the
+        arguments. Those for impacts and proximities answer for what they were made: no more distance than this query
+        asks for, the same `weld`, radii, rest shape and rings; for intersections the members of the query do not matter.
+
+        Raises InvalidInput. Cost: a look at each triangle, and its copies; 230 ms for a million triangles in 64 parts on
+        one thread. Source: Mainzer and Zachmann, sec. 1.1, for parts on several machines, and sec. 4, eqs. 2-4, for
+        their centres.
+        """
+        scene = scene_of(scene)
+        return self._call("partition", scene, checked_query(scene, query), count)
+
+    @suggesting
+    def launch(self, scene: Any, query: Query = _ALL, *, stream: Any = None) -> Launch:
+        """Starts a query on arrays in device memory and returns at once: launch(...).wait() gives the DeviceResult.
+
+        Of intersections, of meshes and of worlds whose poses lie on the device; of impacts, proximities and candidates,
+        of one mesh. Only with the cuda backend. Two launches may be in flight; they are waited for in their order.
+        Arrays must stay as they are until then.
+
+        Args:
+            scene, query: as of find, with all arrays on the detector's device, through DLPack. What is not of a type
+                that can be read in place is refused, for nothing is converted there. Shapes and bodies of a world lie
+                on the host, and go to the device when they are not those of the call before; at most 65,535 worlds,
+                and 2^24 triangles together.
+            stream: CUDA stream that does the work: None, the legacy default stream; or the address of another one, or a
+                stream of PyTorch, CuPy or Warp. The package that owns the arrays makes them ready on it (DLPack's
+                __dlpack__(stream=...)): the stream waits for the package's current stream, such as
+                torch.cuda.current_stream(), and for no other. A stream that is being captured makes the work a part of
+                the caller's graph: each replay is a query, after two calls like it outside of the capture. It should be
+                the package's current stream then, for a capture may not wait for streams outside of it.
+
+        The first launch for a mesh about features, and one with other numbers of vertices, faces, edges or points, waits
+        for the stream: the host has to see which edges there are. Raises InvalidInput; bad contents of arrays are
+        reported by wait().
+        """
+        scene = scene_of(scene)
+        query = checked_query(scene, query)
+        self._call("launch", scene, query, stream_of(stream))
+        launched = Launch(self, query._call)
+        self._launches.append(launched)
+        return launched
+
+    @asks(IntersectionQuery)
+    def intersections(
+        self, vertices: Any, faces: Any = None, *, groups: Any = None, copy: bool = False, **options: Any
+    ) -> Intersections:
+        """Pairs of triangles that intersect: find with an IntersectionQuery, whose members are keywords.
+
+        Args:
+            vertices, faces: (n, 3) float32 or float64 and (m, 3) integers, or flat; or a scene alone; or two meshes.
+            groups: (m,) integers that fit int32, one a triangle.
+            copy: as of find.
+        """
+        return self._find(scene_of(vertices, faces, groups=groups), _query_of(IntersectionQuery, options), copy)
+
+    @asks(ImpactQuery)
+    def impacts(
         self,
-        take: Callable[[Block], Any],
-        a: Any,
-        b: Any,
+        start: Any,
+        end: Any = None,
+        faces: Any = None,
         *,
-        block_rows: int = 1 << 18,
-        neighbours: Neighbours = "geometric",
-        intersections: Intersections = "all",
-        weld: bool = False,
-        contacts: bool = False,
-        wanted: Wanted = "both",
-        excluded_groups: GroupPairs | None = None,
-    ) -> Statistics:
-        """Hands all colliding pairs of two meshes over in blocks: find_between as stream_self is find_self.
+        groups: Any = None,
+        edges: Any = None,
+        points: Any = None,
+        copy: bool = False,
+        **options: Any,
+    ) -> Impacts:
+        """Features that touch on the way from `start` to `end`, and when: find with an ImpactQuery.
 
-        Arguments, errors, cost and source as of these two.
+        Args:
+            start, end, faces: (n, 3), (n, 3) and (m, 3); or a mesh and `end`; or a scene that moves, alone.
+            groups, edges, points: as crumple.Mesh has them.
+            copy: as of find.
         """
-        query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
-        return self._stream(taker(take, Block), as_mesh(a), as_mesh(b), query, block_rows)
+        return self._find(step_of(start, end, faces, groups, edges, points), _query_of(ImpactQuery, options), copy)
 
-    @suggesting
-    def has_intersections(
+    @asks(FirstImpactQuery)
+    def first_impact(
+        self,
+        start: Any,
+        end: Any = None,
+        faces: Any = None,
+        *,
+        groups: Any = None,
+        edges: Any = None,
+        points: Any = None,
+        **options: Any,
+    ) -> FirstImpact | None:
+        """The first impact of a step; None: the step is free. Find with a FirstImpactQuery; arguments as of impacts."""
+        return self._find(step_of(start, end, faces, groups, edges, points), First_query_of(ImpactQuery, options))
+
+    @asks(FreeStepQuery)
+    def free_step(
+        self,
+        start: Any,
+        end: Any = None,
+        faces: Any = None,
+        *,
+        groups: Any = None,
+        edges: Any = None,
+        points: Any = None,
+        **options: Any,
+    ) -> FreeStep:
+        """A share of a step, and positions there, that nothing touches on the way to. Find with a FreeStepQuery; arguments
+        as of impacts."""
+        return self._find(step_of(start, end, faces, groups, edges, points), _query_of(FreeStepQuery, options))
+
+    @asks(ProximityQuery)
+    def proximities(
         self,
         vertices: Any,
         faces: Any = None,
         *,
         groups: Any = None,
-        neighbours: Neighbours = "geometric",
-        intersections: Intersections = "all",
-        weld: bool = False,
-        wanted: Wanted = "both",
-        excluded_groups: GroupPairs | None = None,
-    ) -> bool:
-        """Whether any two triangles of a soup collide; stops at the first pair. Otherwise as find_self.
-
-        Cost: as find_self if nothing collides, usually less if something does. Source: Mainzer and Zachmann,
-        Algorithm 1, cut short.
-        """
-        query = _core.Query(neighbours, intersections, weld, False, wanted, excluded_groups)
-        return self._any(soup_of(vertices, faces, groups), None, query)
-
-    @suggesting
-    def has_intersections_between(
-        self,
-        a: Any,
-        b: Any,
-        *,
-        neighbours: Neighbours = "geometric",
-        intersections: Intersections = "all",
-        weld: bool = False,
-        wanted: Wanted = "both",
-        excluded_groups: GroupPairs | None = None,
-    ) -> bool:
-        """Whether two meshes collide; stops at the first pair. Otherwise as find_between.
-
-        Cost and source: as of has_intersections, for the triangles of both.
-        """
-        query = _core.Query(neighbours, intersections, weld, False, wanted, excluded_groups)
-        return self._any(as_mesh(a), as_mesh(b), query)
-
-    @suggesting
-    def partition(self, mesh: Any, second: Any = None, *, count: int) -> list[_core.Part]:
-        """Cuts a scene of one mesh or two into `count` (1 to 262144) overlapping, independent parts.
-
-        Each part owns its triangles and can be answered anywhere, without the meshes, by `find`; the answers together
-        are the whole answer, and no pair is in two of them. Parts can be pickled, and depend only on the arguments.
-        For motion and nearness: partition_motion, partition_near. Raises InvalidInput.
-
-        Cost: a look at each triangle, and its copies; 230 ms for a million triangles in 64 parts on one thread. Source:
-        Mainzer and Zachmann, sec. 1.1, for parts on several machines, and sec. 4, eqs. 2-4, for their centres.
-        """
-        return self._partition(as_mesh(mesh), None if second is None else as_mesh(second), count)
-
-    @overload
-    def find(
-        self,
-        part: _core.Part,
-        /,
-        *,
-        neighbours: Neighbours = "geometric",
-        intersections: Intersections = "all",
-        weld: bool = False,
-        contacts: bool = False,
-        wanted: Wanted = "both",
-        excluded_groups: GroupPairs | None = None,
+        edges: Any = None,
+        points: Any = None,
         copy: bool = False,
-    ) -> Result: ...
+        **options: Any,
+    ) -> Proximities:
+        """Features whose distance is at most a radius: find with a ProximityQuery.
 
-    @overload
-    def find(
-        self,
-        world: World,
-        /,
-        *,
-        wants: Wants = "pairs",
-        neighbours: Neighbours = "geometric",
-        intersections: Intersections = "all",
-        weld: bool = False,
-        bodies: Wanted = "both",
-        groups: Wanted = "both",
-        excluded: Any = None,
-        excluded_groups: GroupPairs | None = None,
-        index: bool = False,
-        poses: Any = None,
-        copy: bool = False,
-    ) -> WorldResult: ...
-
-    def find(self, part_or_world: Any, /, **question: Any) -> Any:
-        """What collides in a world of bodies; or the pairs that a part owns (see partition).
-
-        Of a world (crumple.World) it returns a WorldResult. Args:
-            wants: how much is made; the first three end at the first hit where they can. "any": whether anything
-                collides; "any_by_world": in which worlds; "body_pairs": which bodies; "count": how many pairs of
-                triangles; "pairs": all of them; "contacts": and where each pair meets.
-            neighbours, intersections, weld: as find_self. Bodies share no vertices, also where they share a shape;
-                `weld` makes one of vertices at equal posed positions, across bodies too.
-            bodies: "both", pairs "between" bodies, "within" one.
-            groups: the same for groups, which compare across bodies.
-            excluded: pairs of bodies that are not tested against each other, by name or index: an iterable of sets
-                ({"arm", "hand"}; {"arm"}: the arm and itself) or pairs, or an array (k, 2) of integers.
-            excluded_groups: the same for groups.
-            index: also make offsets by world and by body, and hit flags, where pairs are wanted.
-            poses: instead of world.poses, for this call.
-            copy: the result gets writable arrays of its own instead of read-only views.
-
-        Of a part (crumple.Part) it returns a Result with the ids of the meshes that it was cut from; offsets and hits
-        count in the part's own lists, part.triangles and part.triangles_second. Arguments as of find_self.
-
-        Raises InvalidInput, which names body, shape or argument; MemoryLimit.
-
-        Cost: some microseconds a call, and less than one a body of a named shape that is clear of all others. What
-        must be looked at costs what find_self does for these triangles. A part costs as a mesh of its size. Source:
-        Mainzer and Zachmann, Algorithm 1, for each world; docs/worlds.md tells what is left out before.
+        Args:
+            vertices, faces: (n, 3) and (m, 3); or a scene alone; or two meshes.
+            groups, edges, points: as crumple.Mesh has them.
+            copy: as of find.
         """
-        if isinstance(part_or_world, World):
-            return find_in_world(self, part_or_world, **question)
-        if not isinstance(part_or_world, _core.Part):
-            kind = type(part_or_world)
-            name = f"{kind.__module__}.{kind.__qualname__}".removeprefix("builtins.")
-            raise InvalidType(f"find takes a crumple.World or a crumple.Part, not {name}")
-        return _find_in_part(self, part_or_world, **question)
+        scene = scene_of(vertices, faces, groups=groups, edges=edges, points=points)
+        return self._find(scene, _query_of(ProximityQuery, options), copy)
 
-    partition_motion = partition_motion
-    partition_near = partition_near
-    find_impacts = find_impacts
-    time_of_first_impact = time_of_first_impact
-    is_free = is_free
-    find_free_step = find_free_step
-    find_near = find_near
-    find_candidates = find_candidates
-    stream_impacts = stream_impacts
-    stream_near = stream_near
-    stream_candidates = stream_candidates
-    find_nearest = find_nearest
-    launch = launch
-    launch_self = launch_self
-    launch_between = launch_between
-    launch_impacts = launch_impacts
-    launch_near = launch_near
-    launch_candidates = launch_candidates
-    wait = wait
-    wait_impacts = wait_impacts
-    wait_near = wait_near
-    wait_candidates = wait_candidates
+    @asks(CandidateQuery)
+    def candidates(
+        self,
+        vertices: Any,
+        faces: Any = None,
+        *,
+        end: Any = None,
+        groups: Any = None,
+        edges: Any = None,
+        points: Any = None,
+        copy: bool = False,
+        **options: Any,
+    ) -> Candidates:
+        """Features whose boxes overlap: find with a CandidateQuery.
 
+        Args:
+            vertices, faces: (n, 3) and (m, 3); or a scene alone; or two meshes.
+            end: (n, 3): where the vertices are at the end; None: they stay.
+            groups, edges, points: as crumple.Mesh has them.
+            copy: as of find.
+        """
+        scene = scene_of(vertices, faces, end=end, groups=groups, edges=edges, points=points)
+        return self._find(scene, _query_of(CandidateQuery, options), copy)
 
-def _find_in_part(
-    self: Detector,
-    part: _core.Part,
-    *,
-    neighbours: Neighbours = "geometric",
-    intersections: Intersections = "all",
-    weld: bool = False,
-    contacts: bool = False,
-    wanted: Wanted = "both",
-    excluded_groups: GroupPairs | None = None,
-    copy: bool = False,
-) -> Result:
-    query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
-    answer = self._find_part(part, query, copy)
-    if part.second is None:
-        return Result(answer, Mesh(*part.mesh), None, (part.triangles, None))
-    return Result(answer, Mesh(*part.mesh), Mesh(*part.second), (part.triangles, part.triangles_second))
+    @asks(DistanceQuery)
+    def distances(self, world: Any, second: Any = None, *, copy: bool = False, **options: Any) -> Distances:
+        """Distances of the bodies of a world, or of two meshes, each pair of them: find with a DistanceQuery.
+
+        Args:
+            world, second: a World; or two meshes.
+            copy: as of find.
+        """
+        return self._find(scene_of(world, second), _query_of(DistanceQuery, options), copy)
 
 
-_find_in_part.__name__, _find_in_part.__qualname__ = "find", "Detector.find"
-_find_in_part = suggesting(_find_in_part)
+def step_of(start: Any, end: Any, faces: Any, groups: Any = None, edges: Any = None, points: Any = None) -> Any:
+    """The scene of (start, end, faces), (mesh, end), or one that moves by itself."""
+    if end is not None and faces is None and is_mesh(end):
+        return scene_of(start, end, groups=groups, edges=edges, points=points)
+    return scene_of(start, faces, end=end, groups=groups, edges=edges, points=points)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ._mesh import Mesh
-    from ._result import Result
+    from ._intersections import Painted
 
 #: Red, green, blue of the first and the second mesh's triangles, calm and colliding, and of contacts: as in files.
 CALM = ((178, 178, 178), (150, 168, 188))
@@ -55,7 +55,7 @@ def _coloured(mesh: Mesh, hit: NDArray[np.bool_], side: int):
     return vertices, faces, palette[hit.astype(np.intp)]
 
 
-def _contact_lines(result: Result):
+def _contact_lines(result: Painted):
     contacts = result.contacts
     if contacts is None or not len(contacts):
         return np.empty((0, 2, 3)), np.empty((0, 3))
@@ -72,11 +72,11 @@ def _contact_lines(result: Result):
     ]
 
 
-def drawing_of(result: Result) -> Drawing:
+def drawing_of(result: Painted) -> Drawing:
     """The meshes of a result with colliding triangles coloured, and its contacts. Copies; for pictures only."""
-    vertices, faces, colours = _coloured(result._first, result.hit, 0)
-    if result._second is not None:
-        more_vertices, more_faces, more_colours = _coloured(result._second, result.hit_second, 1)
+    vertices, faces, colours = _coloured(result.first, result.hit, 0)
+    if result.second is not None:
+        more_vertices, more_faces, more_colours = _coloured(result.second, result.hit_second, 1)
         faces = np.concatenate([faces, more_faces + len(vertices)])
         vertices = np.concatenate([vertices, more_vertices])
         colours = np.concatenate([colours, more_colours])

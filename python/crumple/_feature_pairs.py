@@ -85,14 +85,14 @@ def pair_impacts(
 ) -> PairImpacts:
     """Whether and when features of pairs touch while all points go straight from their start to their end: exactly.
 
-    Each pair is decided as Detector.find_impacts decides it. Nothing is known of a mesh, so pairs that have a vertex in
+    Each pair is decided as Detector.impacts decides it. Nothing is known of a mesh, so pairs that have a vertex in
     common touch at the start.
 
     Args:
         kind: "vertex_face", "edge_edge", "vertex_edge" or "vertex_vertex".
         start, end: float64 or float32, on the host. (k, 4, 3): the vertex, then the face's three corners; or the ends of
             the one edge, then those of the other. (k, 3, 3): the vertex, then the edge's ends. (k, 2, 3): two vertices.
-        min_distance, min_distance_share: as of Detector.find_impacts.
+        min_distance, min_distance_share: as of ImpactQuery.
         threads: 0: as many as the machine has.
 
     Raises InvalidInput, which names the argument, the pair and the point. Ctrl-C waits for the result. Cost: some

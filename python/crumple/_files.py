@@ -78,7 +78,7 @@ def read_pairs(path: str | os.PathLike[str]) -> NDArray[np.int32]:
     return _core.read_pairs(path)
 
 
-class Scene(NamedTuple):
+class ProceduralScene(NamedTuple):
     """What a procedural scene is: its default number of triangles, and how many frames it has."""
 
     name: str
@@ -87,9 +87,9 @@ class Scene(NamedTuple):
     frames: int
 
 
-def scenes() -> list[Scene]:
+def scenes() -> list[ProceduralScene]:
     """The scenes that make_scene knows."""
-    return [Scene(*description) for description in _core.scenes()]
+    return [ProceduralScene(*description) for description in _core.scenes()]
 
 
 @suggesting

@@ -1,4 +1,4 @@
-"""What a search for impacts answers."""
+"""The results of queries about a step: impacts, the first one, a free step."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 from . import _core
-from ._errors import InvalidInput
-from ._feature_result import FeatureResult
+from ._features import FeatureResult
 
 if TYPE_CHECKING:
     import numpy as np
@@ -44,28 +43,20 @@ class FreeStep(NamedTuple):
     positions: NDArray[Any]
 
 
-def _first(given: Any) -> FirstImpact | None:
-    return None if given is None else FirstImpact(*given)
-
-
 class Impacts(FeatureResult):
-    """What touches what on its way, and when, as much as `wants` asked for: the same bytes wherever it is computed.
+    """What touches what on its way, and when, as much as `output` asked for: the same bytes wherever it is computed.
 
     Two lists, of vertices with faces and of edges with edges, sorted and unique; of worlds by body before vertex, face
     or edge. Where edges or points are listed two more, of what no face and no edge covers: vertices with edges of no
     face, and vertices with vertices of neither. A time is in [0, 1], the exact one rounded down: toi <= exact < next
     number.
 
-    An answer is true if anything touches; `len(impacts)` is the number of impacts. What was not asked for is an
-    InvalidInput that says how to ask. It outlives its detector, and no later call changes it. Its arrays are read-only
-    views of the library's memory that keep that memory alive, or with `copy=True` writable arrays of their own. It can
-    be copied and pickled: copy.copy shares the arrays, copy.deepcopy does not; unpickling checks that all of it fits
-    together.
+    It is true if anything touches; `len(impacts)` is the number of impacts.
     """
 
-    _find = "find_impacts"
+    _query = "ImpactQuery"
     _write = staticmethod(_core.write_impacts)
-    _wants = ("any", "any_by_world", "earliest", "impacts")
+    _outputs = ("any", "any_by_world", "first", "pairs")
     _from: ClassVar = {
         "world_hit": 1,
         "first": 2,
@@ -151,30 +142,35 @@ class Impacts(FeatureResult):
         """(k,) int64, with `index`: positions in `triangle_pairs`, sorted by the second triangle, then by the first."""
         return self._array("by_second_triangle")
 
-    def _array(self, name: str) -> Any:
+    def _check(self, name: str) -> None:
         if "triangle" in name:
-            self._check_wanted(name)
-            if not self._answer.has_triangle_pairs:
-                raise InvalidInput(f"{name} was not asked for: find_impacts(..., triangle_pairs=True)")
-        return super()._array(name)
+            self._check_output(name)
+            if "triangle_pairs" not in self._asked.options:
+                self._refuse(name, "triangle_pairs=True")
+        super()._check(name)
+
+    def _first(self, given: Any) -> FirstImpact | None:
+        if given is None:
+            return None
+        first = FirstImpact(*given)
+        return first if self._asked.of_bodies else first._replace(bodies=None)
 
     @property
     def first(self) -> FirstImpact | None:
-        """The first impact, of all worlds; None: the step is free. From wants="earliest" on."""
-        self._check_wanted("first")
-        return _first(self._answer.first)
+        """The first impact, of all worlds; None: the step is free. From output="first" on."""
+        self._check_output("first")
+        return self._first(self._found.first)
 
     @property
     def world_first(self) -> list[FirstImpact | None]:
-        """The first impact of each world. From wants="earliest" on."""
-        self._check_wanted("world_first")
-        return [_first(first) for first in self._answer.world_first]
+        """The first impact of each world. From output="first" on."""
+        self._check_output("world_first")
+        return [self._first(first) for first in self._found.world_first]
 
     def __repr__(self) -> str:
-        answer = self._answer
-        if answer.wants in ("any", "any_by_world"):
-            return self._told("something touches" if answer.any else "nothing touches")
-        first = answer.first
-        if answer.wants == "earliest":
-            return self._told(f"first at {first[3]:.6g}" if first else "nothing touches")
-        return self._told("impacts" if answer.count != 1 else "impact")
+        output, found = self._asked.output, self._found
+        if output in ("any", "any_by_world"):
+            return self._told("something touches" if found.any else "nothing touches")
+        if output == "first":
+            return self._told(f"first at {found.first[3]:.6g}" if found.first else "nothing touches")
+        return self._told("impacts" if found.count != 1 else "impact")

@@ -2,24 +2,63 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
 from ._errors import InvalidInput, InvalidType
 
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
-class Mesh(NamedTuple):
+
+class _Arrays(NamedTuple):
+    vertices: Any
+    faces: Any
+    groups: Any = None
+
+
+class Mesh(_Arrays):
     """A triangle soup: any will do, open, non-manifold, degenerate, several objects in one array. Nothing is copied.
+
+    A tuple (vertices, faces, groups), with the attributes of a step and of features beside it.
 
     Attributes:
         vertices: (n, 3) float32 or float64: NumPy, or anything that speaks DLPack or the buffer protocol; any strides.
         faces: (m, 3) integers, indices into `vertices`; or flat, three a triangle.
         groups: (m,) integers that fit int32, one group a face, or None: all in group 0.
+        end: (n, 3) float32 or float64: where the vertices are at the end of a step; None: they stay. If one of both is
+            float64, all is computed in float64.
+        edges: (k, 2) integers: what is meant by edges, instead of those of the faces. Rows name them by their place.
+        points: (k,) indices of vertices: what is meant by vertices, instead of those that a face or an edge names. Rows
+            name them by their place. With either, `faces` may be empty: rods, hair, particles.
     """
 
-    vertices: Any
-    faces: Any
-    groups: Any = None
+    end: Any = None
+    edges: Any = None
+    points: Any = None
+
+    def __new__(
+        cls, vertices: Any, faces: Any, groups: Any = None, *, end: Any = None, edges: Any = None, points: Any = None
+    ) -> Self:
+        mesh = super().__new__(cls, vertices, faces, groups)
+        if end is not None:
+            mesh.end = end
+        if edges is not None:
+            mesh.edges = edges
+        if points is not None:
+            mesh.points = points
+        return mesh
+
+    def moving_to(self, end: Any) -> Self:
+        """The same mesh, whose vertices go straight to `end`: (n, 3) float32 or float64."""
+        return self._with(end=end)
+
+    def _with(self, **changes: Any) -> Self:
+        """A copy with other arrays or attributes."""
+        arrays = [changes.pop(name, value) for name, value in zip(self._fields, self)]
+        mesh = type(self)(*arrays)
+        mesh.__dict__.update(self.__dict__, **changes)
+        return mesh
 
 
 class Polygons(NamedTuple):
@@ -88,25 +127,34 @@ def as_mesh(mesh: Any) -> Mesh:
     )
 
 
-def soup_of(vertices: Any, faces: Any = None, groups: Any = None) -> Mesh:
-    """A mesh that is given by its arrays, or as one object."""
-    if faces is not None:
-        return Mesh(vertices, faces, groups)
-    mesh = as_mesh(vertices)
-    if groups is None:
-        return mesh
-    grouped = mesh._replace(groups=groups)
-    if isinstance(mesh, FileMesh) and isinstance(grouped, FileMesh):
-        grouped.polygons, grouped.unit = mesh.polygons, mesh.unit
-    return grouped
+def is_mesh(thing: Any) -> bool:
+    """True of what as_mesh takes, False of an array of vertices or faces."""
+    if isinstance(thing, Mesh):
+        return True
+    if isinstance(thing, tuple):
+        return len(thing) in (2, 3) and not _is_row(thing[0])
+    if isinstance(thing, list) or hasattr(thing, "__array_interface__") or hasattr(thing, "__dlpack__"):
+        return False
+    return hasattr(thing, "vertices") or hasattr(thing, "points") or hasattr(thing, "vertex")
 
 
-def listing_of(vertices: Any, faces: Any, groups: Any, edges: Any, points: Any) -> Mesh:
-    """The same, or an array of vertices alone where edges or points are listed: a mesh without faces."""
-    alone = isinstance(vertices, list) or hasattr(vertices, "__array_interface__") or hasattr(vertices, "__dlpack__")
-    if faces is None and alone and not (edges is None and points is None):
-        return Mesh(vertices, [], groups)
-    return soup_of(vertices, faces, groups)
+def _is_row(thing: Any) -> bool:
+    """True of (0, 1, 2) and of 0, which a tuple of faces has where a mesh has its vertices."""
+    shape = getattr(thing, "shape", None)
+    if shape is not None:
+        return len(shape) < 2
+    if isinstance(thing, (list, tuple)):
+        return len(thing) > 0 and not hasattr(thing[0], "__len__")
+    return hasattr(thing, "__index__")
+
+
+def mesh_of(vertices: Any, faces: Any = None, **attributes: Any) -> Mesh:
+    """A mesh that is given by its arrays, or as one object; attributes that are None are those of the object."""
+    given = {name: value for name, value in attributes.items() if value is not None}
+    if faces is None and ("edges" in given or "points" in given) and not is_mesh(vertices):
+        faces = []  # a mesh without faces
+    mesh = as_mesh(vertices) if faces is None else Mesh(vertices, faces)
+    return mesh._with(**given) if given else mesh
 
 
 def _name_of_type(thing: Any) -> str:

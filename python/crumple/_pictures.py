@@ -9,7 +9,7 @@ import numpy as np
 from ._drawing import CONTACT, drawing_of
 
 if TYPE_CHECKING:
-    from ._result import Result
+    from ._intersections import Painted
 
 
 def _in_front(actor: Any) -> None:
@@ -20,7 +20,7 @@ def _in_front(actor: Any) -> None:
     mapper.SetRelativeCoincidentTopologyPointOffsetParameter(-300.0)
 
 
-def plotter(result: Result, off_screen: bool | None) -> Any:
+def plotter(result: Painted, off_screen: bool | None) -> Any:
     """A pyvista.Plotter that shows the result. Raises a ModuleNotFoundError that says what to install."""
     try:
         import pyvista
@@ -43,7 +43,7 @@ def plotter(result: Result, off_screen: bool | None) -> Any:
     return scene
 
 
-def image(result: Result, **options: Any) -> Any:
+def image(result: Painted, **options: Any) -> Any:
     """A PIL.Image, without opening a window."""
     scene = plotter(result, off_screen=True)
     try:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
 from ._errors import Error, InvalidInput, InvalidType
-from ._mesh import Mesh, as_mesh, listing_of
+from ._mesh import Mesh, as_mesh, mesh_of
 from ._names import suggesting
 
 if TYPE_CHECKING:
@@ -61,14 +61,14 @@ class Shape(_core.Shape):
             that is clear of all others costs less than a microsecond. Pairs within a body are searched anew. Names
             count for a whole process; another size or precision under a known name is an InvalidInput. A shape whose
             vertices move gets no name, or a new one with each change.
-        end: (n, 3) float32 or float64: where they are at the end of a step, for Detector.find_impacts; None: they stay.
+        end: (n, 3) float32 or float64: where they are at the end of a step, for queries about a step; None: they stay.
             What a name promises says nothing of it, nor of what follows.
-        edges, points: as Detector.find_impacts has them, for that and for Detector.find_near. What no face names is of
+        edges, points: as crumple.Mesh has them, for queries about features. What no face names is of
             the body's group where the shape has no groups, else of none.
-        radii: (n,) float64 or float32, one a vertex, for Detector.find_near, which tells what they are; None: 0, where
+        radii: (n,) float64 or float32, one a vertex, for a ProximityQuery, which tells what they are; None: 0, where
             another shape has some. In the units of the world, whatever the pose.
         rest: (n, 3) float32 or float64: where the vertices are at rest, before poses, for `rest_radius` of
-            Detector.find_near; None: there is no such shape.
+            a ProximityQuery; None: there is no such shape.
 
     Raises InvalidInput, which names the argument. Whether coordinates are finite and indices in range is looked at when
     a search first reads the shape.
@@ -89,8 +89,8 @@ class Shape(_core.Shape):
         radii: Any = None,
         rest: Any = None,
     ) -> None:
-        mesh = listing_of(vertices, faces, groups, edges, points)
-        self._make(mesh, name, "", end, (edges, points), radii, rest)
+        mesh = mesh_of(vertices, faces, groups=groups, end=end, edges=edges, points=points)
+        self._make(mesh, name, "", mesh.end, (mesh.edges, mesh.points), radii, rest)
 
     def _make(
         self,
@@ -164,7 +164,7 @@ def shape_of(given: Any, which: str, name: Any = None) -> Shape:
     except Error as error:
         raise type(error)(f"{which}{error}", code=error.code) from None
     shape = Shape.__new__(Shape)
-    shape._make(mesh, name, which)
+    shape._make(mesh, name, which, mesh.end, (mesh.edges, mesh.points))
     return shape
 
 
@@ -207,7 +207,7 @@ class World(_core.World):
             worlds; such bodies come last. None: all in world 0.
         self_collisions: True or False, or (n,) of bool: whether pairs within each body are wanted.
         names: n of str, each once unless empty: for exclusions and messages.
-        end_poses: as `poses`, at the end of a step, for Detector.find_impacts: each vertex goes straight from where it
+        end_poses: as `poses`, at the end of a step, for queries about a step: each vertex goes straight from where it
             is posed at the start to where it is posed at the end. None: as `poses`.
 
     `world.poses = poses` and `world.end_poses = poses` cost next to nothing; all else stays as it is.
@@ -218,7 +218,7 @@ class World(_core.World):
 
     Attributes:
         unit: of the coordinates, "um", "mm", "cm", "in", "ft" or "m", as read_world found it; None: unknown. Pictures
-            and files that Result.save writes keep it.
+            and files that Intersections.save writes keep it.
     """
 
     unit: str | None = None
@@ -285,7 +285,7 @@ class World(_core.World):
         Args:
             poses: (k, m, 3, 4) or (k, m, 4, 4): k configurations of the m bodies that are in world 0 here. Bodies that
                 are in all worlds (-1) stay where they are now.
-            end_poses: the same at the end of a step, for Detector.find_impacts; None: as `poses`.
+            end_poses: the same at the end of a step, for queries about a step; None: as `poses`.
 
         Body b of configuration c has index c * m + b; those at rest follow. Names and indices in `excluded` are those
         of this world, and hold in each configuration. `world.poses = poses` gives others, as many. Raises
@@ -320,6 +320,16 @@ class World(_core.World):
         made = World.__new__(World)
         made._configure(self, int(shape[0]), poses, end_poses)
         made._shapes, made._columns, made._base, made.unit = self._shapes, {}, self, self.unit
+        return made
+
+    def at(self, poses: Any, end_poses: Any = None) -> World:
+        """The same bodies under other poses, given as World and `world.poses` take them; it shares all else.
+
+        Cost: next to nothing. Raises InvalidInput.
+        """
+        made = World.__new__(World)
+        made._pose(self, poses, end_poses)
+        made.__dict__.update(self.__dict__)
         return made
 
     @property

@@ -4,12 +4,13 @@
     import crumple.mpi
 
     with crumple.mpi.Detector(MPI.COMM_WORLD) as detector:
-        result = detector.find_self(vertices, faces)      # this rank's share of the scene
-        print(result.pairs, result.total)                 # its rows of the answer; pairs over all ranks
+        result = detector.intersections(vertices, faces)  # this rank's share of the scene
+        print(result.pairs, result.count)                 # its rows of the result; pairs over all ranks
 
 Each rank brings triangles of its own, with all vertices that they name, and gets the pairs whose first triangle it has
-brought. The rows of all ranks, merged, are the bytes of crumple.Detector.find_self of the whole scene. find_impacts and
-find_near do the same for motion and nearness. Ranks may bring bodies, too (crumple.World): `find`, and the same two.
+brought. The rows of all ranks, merged, are the bytes of crumple.Detector.intersections of the whole scene. impacts and
+proximities do the same for motion and nearness. Ranks may bring bodies, too (crumple.World). As in crumple.Detector,
+detector.find(share, query) is the one call.
 
 The package has this module where it was built with MPI: `pip install .
 --config-settings=cmake.define.CRUMPLE_MPI=ON`. mpi4py must use the same MPI; importing this module checks that, and
@@ -24,15 +25,16 @@ import inspect
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from . import _core, _rank_worlds
-from ._detector import Backend, GroupPairs, Intersections, Neighbours, Simd, Wanted
+from ._detector import Backend, Simd, asks, step_of
 from ._errors import Error, InvalidInput, InvalidType
 from ._fuzzy_c_means import FuzzyCMeans, check_fuzzy_c_means
-from ._mesh import soup_of
+from ._mesh import Mesh, mesh_of
 from ._names import suggesting
-from ._rank_features import find_impacts, find_near, is_free, time_of_first_impact
-from ._rank_results import Impacts, Nearby, Result, WorldResult
-from ._rank_worlds import or_of_world, share_of
+from ._queries import ImpactQuery, IntersectionQuery, ProximityQuery, Query
+from ._rank_results import Impacts, Intersections, Proximities, show
+from ._results import checked_query
+from ._scene import scene_of
+from ._world import World
 
 if importlib.util.find_spec("crumple._mpi") is None:
     raise ImportError(
@@ -50,7 +52,7 @@ Statistics = _mpi.Statistics
 Answered = TypeVar("Answered")
 Method = TypeVar("Method", bound=Callable[..., Any])
 
-__all__ = ["Detector", "Impacts", "Nearby", "Result", "Statistics", "WorldResult"]
+__all__ = ["Detector", "Impacts", "Intersections", "MeshShare", "Proximities", "Statistics", "WorldShare"]
 
 
 def _check_library() -> None:
@@ -107,17 +109,95 @@ def _fail_making(error: BaseException, _: Detector, comm: Any = None, *__: Any, 
 _in_call = _collective(_fail_call)
 
 
+_ALL = IntersectionQuery()
+
+
+class MeshShare:
+    """What one rank brings of a mesh: triangles with all vertices that they name.
+
+    The calls that take it check it, so that their errors reach all ranks.
+
+    Args:
+        mesh: what crumple.as_mesh takes; its faces count in this rank's vertices. May be empty.
+        triangle_ids: (m,) int64, which triangles these are; over all ranks 0 to N - 1, each once. None on all ranks:
+            those of rank 0, then those of rank 1, and so on.
+        vertex_ids: (n,) int64, the same of the vertices. Ranks may have copies of a vertex, equal bit by bit; they make
+            triangles of different ranks neighbours. None on all ranks: no rank has a copy of another's.
+    """
+
+    def __init__(self, mesh: Any, triangle_ids: Any = None, vertex_ids: Any = None) -> None:
+        self.mesh, self.triangle_ids, self.vertex_ids = mesh, triangle_ids, vertex_ids
+
+    def _scene(self) -> Mesh:
+        return mesh_of(self.mesh)
+
+    def _borrow(self, ranks: _mpi.Detector, mesh: Mesh) -> Any:
+        return _mpi.Share(ranks, mesh, self.triangle_ids, self.vertex_ids)
+
+
+class WorldShare:
+    """What one rank brings of a world: bodies, all in world 0.
+
+    The calls that take it check it, so that their errors reach all ranks.
+
+    Args:
+        world: a crumple.World of this rank's bodies. Its shapes list no edges or points, and have neither radii nor a
+            shape at rest. Poses lie on the host.
+        body_ids: (n,) int64, which bodies these are; over all ranks 0 to B - 1, each once. None on all ranks: those of
+            rank 0, then those of rank 1, and so on.
+    """
+
+    def __init__(self, world: World, body_ids: Any = None) -> None:
+        self.world, self.body_ids = world, body_ids
+
+    def _scene(self) -> World:
+        if not isinstance(self.world, World):
+            raise InvalidType(f"world must be a crumple.World, not {type(self.world).__name__}", element="option")
+        return self.world
+
+    def _borrow(self, _: _mpi.Detector, world: World) -> Any:
+        return _mpi.WorldShare(world, self.body_ids)
+
+
+def _share_of(scene: Any, triangle_ids: Any, vertex_ids: Any, body_ids: Any) -> MeshShare | WorldShare:
+    if isinstance(scene, World):
+        if triangle_ids is not None or vertex_ids is not None:
+            raise InvalidType("triangle_ids and vertex_ids are for meshes, but this was asked of a crumple.World")
+        return WorldShare(scene, body_ids)
+    if body_ids is not None:
+        raise InvalidType("body_ids are for a crumple.World, but this was asked of a mesh")
+    if not isinstance(scene, Mesh):
+        raise InvalidType(f"each rank brings one mesh or a crumple.World, not {type(scene).__name__}")
+    return MeshShare(scene, triangle_ids, vertex_ids)
+
+
+def _excluded(pairs: Any) -> Any:
+    """(n, 2) int32, or None. Other ranks have the bodies, too: only numbers tell them."""
+    if pairs is None:
+        return None
+    import numpy as np
+
+    given = np.asarray(pairs)
+    if given.size == 0:
+        return np.empty((0, 2), np.int32)
+    if given.ndim != 2 or given.shape[1] != 2 or given.dtype.kind not in "iu":
+        raise InvalidInput(
+            "excluded_bodies must be (n, 2) integers, numbers of bodies over all ranks", element="option"
+        )
+    limits = np.iinfo(np.int32)
+    if given.min() < limits.min or given.max() > limits.max:
+        raise InvalidInput("excluded_bodies names a body beyond those of int32", element="option")
+    return np.ascontiguousarray(given, np.int32)
+
+
 class Detector:
-    """Finds all pairs of triangles that intersect, exactly, in a scene of which each rank brings a share.
+    """Searches a scene of which each rank brings a share, exactly and completely: intersections, impacts, proximities.
 
-    And what touches on its way from one frame to the next (find_impacts and its short forms), and what is near
-    (find_near).
-
-    The answer depends neither on the number of ranks nor on how triangles are shared out. A detector keeps parts of the
+    The result depends neither on the number of ranks nor on how triangles are shared out. A detector keeps parts of the
     scene and their centres between calls: where only vertices have moved, little more than their coordinates travels.
 
     All calls, making and closing a detector included, are collective: all ranks of the communicator make the same, in
-    the same order, with the same question; properties and `statistics` are not. A detector takes one call at a time.
+    the same order, with the same query; properties and `statistics` are not. A detector takes one call at a time.
     Calls release the GIL.
 
     If a call fails on one rank it fails on all: each raises the same Error, whose `rank` is the one that failed; where
@@ -134,8 +214,8 @@ class Detector:
         threads: 0: the cores that the rank may use, divided by the ranks that share them.
         memory_limit: bytes that this rank's detector may own, 0: no limit.
 
-    Other options are those of crumple.Detector; parts and round_bytes are the same on all ranks. No option changes an
-    answer. MPI must be initialised with MPI.THREAD_FUNNELED at least for calls from the main thread, with
+    Other options are those of crumple.Detector; parts and round_bytes are the same on all ranks. No option changes a
+    result. MPI must be initialised with MPI.THREAD_FUNNELED at least for calls from the main thread, with
     MPI.THREAD_SERIALIZED for others; mpi4py asks for MPI.THREAD_MULTIPLE. Raises InvalidInput for options out of range,
     BackendUnavailable for what a machine or build lacks, Error of code "communication" where MPI fails.
 
@@ -205,96 +285,101 @@ class Detector:
         return self._open().statistics
 
     @_in_call
-    def find_self(
-        self,
-        vertices: Any,
-        faces: Any = None,
-        groups: Any = None,
-        *,
-        triangle_ids: Any = None,
-        vertex_ids: Any = None,
-        neighbours: Neighbours = "geometric",
-        intersections: Intersections = "all",
-        weld: bool = False,
-        contacts: bool = False,
-        wanted: Wanted = "both",
-        excluded_groups: GroupPairs | None = None,
-    ) -> Result:
-        """All colliding pairs of the scene: on each rank those whose first triangle it has brought. Collective.
+    def find(self, share: MeshShare | WorldShare, query: Query = _ALL) -> Any:
+        """Finds everything that a query describes: on each rank the rows whose first triangle, or first feature, or
+        first body, it has brought. Collective.
 
         Args:
-            vertices: (n, 3) float32 or float64, all that this rank's faces name; or a mesh, and then no `faces`.
-            faces: (m, 3) integers that count in this rank's vertices, or flat: three a triangle. May be none.
-            groups: (m,) integers that fit int32, one a triangle; None: the mesh's, or all in group 0.
-            triangle_ids: (m,) int64, which triangles these are; over all ranks 0 to N - 1, each once. None on all
-                ranks: those of rank 0, then those of rank 1, and so on.
-            vertex_ids: (n,) int64, the same of the vertices. Ranks may have copies of a vertex, equal bit by bit; they
-                make triangles of different ranks neighbours. None on all ranks: no rank has a copy of another's.
-            neighbours, intersections, weld, contacts, wanted, excluded_groups: the question, as of
-                crumple.Detector.find_self, and the same on all ranks.
+            share: what this rank brings: a MeshShare or a WorldShare.
+            query: an IntersectionQuery, an ImpactQuery or a ProximityQuery, the same on all ranks. For less output than
+                pairs no rows travel; "any_by_world" is as "any", for ranks share one world. Filters speak of bodies
+                (World's self_collisions, too) or of groups, not of both; excluded bodies are (n, 2) integers, numbers
+                over all ranks. Listed edges and points, radii, rest shapes, rings, least distances, pairs of triangles
+                and offsets are for one process.
 
-        Arrays lie on the host, or, but for ids, all on the rank's device (options["device"]) where the cuda backend
-        works, which copies them to the host first. They must not change until the call returns. There may be 2^31 - 1
-        triangles, and as many vertices, over all ranks. Raises InvalidInput, which names the argument and the place,
-        and MemoryLimit, on all ranks; see Detector.
+        Arrays lie on the host, or, but for ids and worlds, all on the rank's device (options["device"]) where the cuda
+        backend works, which copies them to the host first. They must not change until the call returns. There may be
+        2^31 - 1 triangles, and as many vertices, over all ranks. Parts of the scene are made for one query: another
+        minimum distance, or a query of another type, begins them anew. Raises InvalidInput, which names the argument
+        and the place, and MemoryLimit, on all ranks; see Detector.
 
         Cost: see Detector. result.statistics tells what travelled, and how evenly the work was shared out. Source:
         Mainzer and Zachmann, sec. 1.1, for parts on several machines.
         """
-        query = functools.partial(_core.Query, neighbours, intersections, weld, contacts, wanted, excluded_groups)
-        share = (vertices, faces, groups, triangle_ids, vertex_ids)
-        return Result(self._ask("find", share, query))
+        return self._find(lambda: share, lambda: query)
 
     @_in_call
-    def count(
+    def any(self, share: MeshShare | WorldShare, query: Query = _ALL) -> bool:
+        """Whether there is anything to find, on any rank. Each rank stops at its first. Collective. As find."""
+        return self._call("any", lambda: share, lambda: query)[0]
+
+    @_in_call
+    @asks(IntersectionQuery)
+    def intersections(
         self,
         vertices: Any,
         faces: Any = None,
-        groups: Any = None,
         *,
+        groups: Any = None,
         triangle_ids: Any = None,
         vertex_ids: Any = None,
-        neighbours: Neighbours = "geometric",
-        intersections: Intersections = "all",
-        weld: bool = False,
-        wanted: Wanted = "both",
-        excluded_groups: GroupPairs | None = None,
-    ) -> int:
-        """How many pairs there are over all ranks. Collective. Arguments and errors as of find_self.
+        body_ids: Any = None,
+        **options: Any,
+    ) -> Intersections:
+        """Pairs of triangles that intersect: find with an IntersectionQuery. Collective.
 
-        Cost: that of find_self, less that of rows, which do not travel. Source: as of find_self.
+        Args:
+            vertices, faces, groups: as of crumple.Detector.intersections, of this rank; or a mesh or a World alone.
+            triangle_ids, vertex_ids: as of MeshShare; body_ids: as of WorldShare.
         """
-        query = functools.partial(_core.Query, neighbours, intersections, weld, False, wanted, excluded_groups)
-        return self._ask("count", (vertices, faces, groups, triangle_ids, vertex_ids), query)
+        ids = (triangle_ids, vertex_ids, body_ids)
+        return self._find(
+            lambda: _share_of(scene_of(vertices, faces, groups=groups), *ids), lambda: IntersectionQuery(**options)
+        )
 
     @_in_call
-    def has_collision(
+    @asks(ImpactQuery)
+    def impacts(
+        self,
+        start: Any,
+        end: Any = None,
+        faces: Any = None,
+        *,
+        groups: Any = None,
+        triangle_ids: Any = None,
+        vertex_ids: Any = None,
+        body_ids: Any = None,
+        **options: Any,
+    ) -> Impacts:
+        """Features that touch on the way from `start` to `end`, and when: find with an ImpactQuery. Collective.
+
+        Each impact is on the rank whose triangle owns its first feature. Copies of a vertex are equal at the end, too.
+        Arguments as of intersections.
+        """
+        ids = (triangle_ids, vertex_ids, body_ids)
+        return self._find(lambda: _share_of(step_of(start, end, faces, groups), *ids), lambda: ImpactQuery(**options))
+
+    @_in_call
+    @asks(ProximityQuery)
+    def proximities(
         self,
         vertices: Any,
         faces: Any = None,
-        groups: Any = None,
         *,
+        groups: Any = None,
         triangle_ids: Any = None,
         vertex_ids: Any = None,
-        neighbours: Neighbours = "geometric",
-        intersections: Intersections = "all",
-        weld: bool = False,
-        wanted: Wanted = "both",
-        excluded_groups: GroupPairs | None = None,
-    ) -> bool:
-        """Whether any two triangles of the scene collide. Collective. Arguments and errors as of find_self.
+        body_ids: Any = None,
+        **options: Any,
+    ) -> Proximities:
+        """Features whose distance is at most a radius: find with a ProximityQuery. Collective.
 
-        Cost: as find_self if nothing collides, usually less if something does: each rank stops at its first pair.
-        Source: as of find_self.
+        Each pair is on the rank whose triangle owns its first feature. Arguments as of intersections.
         """
-        query = functools.partial(_core.Query, neighbours, intersections, weld, False, wanted, excluded_groups)
-        return self._ask("any", (vertices, faces, groups, triangle_ids, vertex_ids), query)
-
-    find = _in_call(_rank_worlds.find)
-    find_impacts = or_of_world(_in_call(_rank_worlds.find_impacts), _in_call(find_impacts))
-    time_of_first_impact = _in_call(time_of_first_impact)
-    is_free = _in_call(is_free)
-    find_near = or_of_world(_in_call(_rank_worlds.find_near), _in_call(find_near))
+        ids = (triangle_ids, vertex_ids, body_ids)
+        return self._find(
+            lambda: _share_of(scene_of(vertices, faces, groups=groups), *ids), lambda: ProximityQuery(**options)
+        )
 
     def set_progress(self, show: Callable[[str, int, int], Any] | None) -> None:
         """Has show(phase, parts_done, parts) called on this rank as calls go on. Not collective.
@@ -337,25 +422,29 @@ class Detector:
             raise Error("the detector is closed", code="communication")
         return self._ranks
 
-    def _ask(self, call: str, share: tuple[Any, ...], question: Callable[[], Any], end: tuple[Any, ...] = ()) -> Any:
+    def _find(self, share: Callable[[], Any], query: Callable[[], Any]) -> Any:
+        found, asked, of_world = self._call("find", share, query)
+        return show(found, asked, of_world)
+
+    def _call(self, call: str, share: Callable[[], Any], query: Callable[[], Any]) -> tuple[Any, Query, bool]:
+        """What the call finds, and of what. `share` and `query` make what this rank brings: where that fails it tells
+        the others, who wait for it."""
         ranks = self._open()
         try:
-            vertices, faces, groups, triangle_ids, vertex_ids = share
-            brought = _mpi.Share(ranks, soup_of(vertices, faces, groups), triangle_ids, vertex_ids)
-            arguments = (brought, *(_mpi.End(moved, brought) for moved in end), question())
+            brought, asked = share(), query()
+            if not isinstance(brought, (MeshShare, WorldShare)):
+                kind = f"{type(brought).__module__}.{type(brought).__qualname__}".removeprefix("builtins.")
+                raise InvalidType(f"share must be a MeshShare or a WorldShare, not {kind}", element="option")
+            scene: Any = brought._scene()
+            asked = checked_query(scene, asked)
+            if not isinstance(asked, (IntersectionQuery, ImpactQuery, ProximityQuery)):
+                raise InvalidInput(f"{type(asked).__name__} is not asked on ranks: docs/supported.md has the table")
+            excluded = _excluded(asked.filter.excluded_bodies)
+            arguments = brought._borrow(ranks, scene), getattr(_mpi, type(asked).__name__)(asked, excluded)
         except BaseException as error:
             ranks.fail(error)  # which raises what is crumple's on all ranks, for they wait for this one
             raise
-        return getattr(ranks, call)(*arguments)
-
-    def _ask_world(self, call: str, share: tuple[Any, ...], question: Callable[[], Any]) -> Any:
-        ranks = self._open()
-        try:
-            arguments = (share_of(_mpi.WorldShare, *share), question())
-        except BaseException as error:
-            ranks.fail(error)
-            raise
-        return getattr(ranks, call)(*arguments)
+        return getattr(ranks, call)(*arguments), asked, isinstance(brought, WorldShare)
 
 
 def _together(comm: MPI.Intracomm, work: Callable[[], Answered]) -> Answered:

@@ -47,10 +47,12 @@ class SharedDetector {
         detector_.find(scene, query, stop_->get_token());
         detector_.swap_result(result);
     }
-    FreeStep find(const Scene& scene, const FreeStepQuery& query) {
+    template <class Query>
+    typename Query::Result find(const Scene& scene, const Query& query) {
         return detector_.find(scene, query, stop_->get_token());
     }
-    bool any(const Scene& scene, const IntersectionQuery& query) {
+    template <class Query>
+    bool any(const Scene& scene, const Query& query) {
         return detector_.any(scene, query, stop_->get_token());
     }
     template <class Query>
@@ -73,7 +75,7 @@ class SharedDetector {
         };
         return stream(detector_, with_gil, stop_->get_token());
     }
-    /// Calls work(detector, stop), whose answers stay on a device.
+    /// Calls work(detector, stop).
     template <class Work>
     auto call(Work work) {
         return work(detector_, stop_->get_token());

@@ -29,7 +29,7 @@ const char* name_of(Element element) { return element_names[static_cast<std::siz
 
 // The first, if there is none of that name.
 template <class Enum>
-Enum named(const auto& names, const std::string& name) {
+Enum found_by_name(const auto& names, const std::string& name) {
     const auto found = std::find(names.begin(), names.end(), name);
     return static_cast<Enum>(found == names.end() ? 0 : found - names.begin());
 }
@@ -99,9 +99,9 @@ void translate_errors() { nb::register_exception_translator(translate); }
 
 std::optional<Error> error_of(nb::handle exception) {
     if (!nb::isinstance(exception, nb::module_::import_("crumple._errors").attr("Error"))) return std::nullopt;
-    return Error(named<ErrorCode>(code_names, nb::cast<std::string>(exception.attr("code"))),
+    return Error(found_by_name<ErrorCode>(code_names, nb::cast<std::string>(exception.attr("code"))),
                  nb::str(exception).c_str(),
-                 named<Element>(element_names, nb::cast<std::string>(exception.attr("element"))),
+                 found_by_name<Element>(element_names, nb::cast<std::string>(exception.attr("element"))),
                  nb::cast<std::int64_t>(exception.attr("index")));
 }
 

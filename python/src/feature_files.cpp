@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
@@ -14,12 +15,11 @@
 
 #include "arguments.h"
 #include "arrays.h"
-#include "candidates.h"
 #include "crumple/io_features.h"
-#include "feature_answer.h"
 #include "files.h"
 #include "gil.h"
 #include "names.h"
+#include "results.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -30,39 +30,36 @@ namespace {
 constexpr std::array<FeatureKind, feature_kinds> all_kinds{FeatureKind::vertex_face, FeatureKind::edge_edge,
                                                            FeatureKind::vertex_edge, FeatureKind::vertex_vertex};
 
-// An array of crumple/_feature_pickling.py's StoredAnswer, which has checked it.
+// Takes an array of a Stored of crumple/_pickles.py, which has checked it.
 template <class Number, class Element>
-void take(nb::handle answer, const std::string& name, Array<Element>& array) {
+void take(nb::handle found, const std::string& name, Array<Element>& array) {
     nb::ndarray<const Number, nb::c_contig, nb::device::cpu> given;
-    if (!nb::try_cast(answer.attr(name.c_str()), given) || given.size() * sizeof(Number) % sizeof(Element) != 0)
-        throw std::logic_error("crumple/_feature_pickling.py keeps another kind of " + name);
+    if (!nb::try_cast(found.attr(name.c_str()), given) || given.size() * sizeof(Number) % sizeof(Element) != 0)
+        throw std::logic_error("crumple/_pickles.py keeps another kind of " + name);
     array.resize_discard(given.size() * sizeof(Number) / sizeof(Element));
     if (!array.empty()) std::memcpy(static_cast<void*>(array.data()), given.data(), given.size() * sizeof(Number));
 }
 
 template <class List>
-void take_list(nb::handle answer, FeatureKind kind, Array<double>& values, const char* value,
-               Array<std::uint8_t>& flags, const char* flag, List& list) {
+void take_list(nb::handle found, FeatureKind kind, Array<double>& values, const char* value, Array<std::uint8_t>& flags,
+               const char* flag, List& list) {
     const std::string name(feature_kind_name(kind));
-    take<std::int32_t>(answer, plural_of_kind(name), list.pairs);
-    take<std::int32_t>(answer, name + "_bodies", list.bodies);
-    take<double>(answer, name + "_" + value, values);
-    take<bool>(answer, name + "_" + flag, flags);
+    take<std::int32_t>(found, plural_of_kind(name), list.pairs);
+    take<std::int32_t>(found, name + "_bodies", list.bodies);
+    take<double>(found, name + "_" + value, values);
+    take<bool>(found, name + "_" + flag, flags);
 }
 
-// What all answers have.
+// Takes what all results have.
 template <class Storage>
-void take_rest(nb::handle answer, Storage& storage) {
-    storage.count = nb::cast<std::int64_t>(answer.attr("count"));
-    if constexpr (std::is_same_v<Storage, Candidates>)  // whose count is that of the rows
-        storage.any = storage.count > 0;
-    else
-        storage.any = nb::cast<bool>(answer.attr("any"));
-    take<std::int32_t>(answer, "edges", storage.edges);
-    take<std::int64_t>(answer, "first_edge", storage.first_edge);
-    take<std::int32_t>(answer, "points", storage.points);
-    take<std::int64_t>(answer, "first_point", storage.first_point);
-    storage.statistics = nb::cast<Statistics>(answer.attr("statistics"));
+void take_rest(nb::handle found, Storage& storage) {
+    storage.count = nb::cast<std::int64_t>(found.attr("count"));
+    storage.any = nb::cast<bool>(found.attr("any"));
+    take<std::int32_t>(found, "edges", storage.edges);
+    take<std::int64_t>(found, "first_edge", storage.first_edge);
+    take<std::int32_t>(found, "points", storage.points);
+    take<std::int64_t>(found, "first_point", storage.first_point);
+    storage.statistics = nb::cast<Statistics>(found.attr("statistics"));
 }
 
 FirstImpact taken_first(nb::handle given) {
@@ -79,59 +76,68 @@ FirstImpact taken_first(nb::handle given) {
     return first;
 }
 
-// What a crumple.Impacts, crumple.Nearby or crumple.Candidates holds: the library's answer, or arrays that came through
-// pickle.
-std::shared_ptr<const Impacts> impacts_of(nb::handle answer) {
-    if (nb::isinstance<ImpactsAnswer>(answer)) return nb::cast<const ImpactsAnswer&>(answer).storage;
-    const auto made = std::make_shared<Impacts>();
-    take_rest(answer, *made);
-    for (const FeatureKind kind : all_kinds) {
-        ImpactList& list = (*made)[kind];
-        take_list(answer, kind, list.toi, "toi", list.start, "start", list);
-    }
-    take<std::int32_t>(answer, "triangle_pairs", made->triangle_pairs.pairs);
-    take<std::int32_t>(answer, "triangle_pair_bodies", made->triangle_pairs.bodies);
-    take<double>(answer, "triangle_pair_toi", made->triangle_pairs.toi);
-    take<bool>(answer, "triangle_pair_start", made->triangle_pairs.start);
-    made->lists_triangle_pairs = nb::cast<bool>(answer.attr("has_triangle_pairs"));
-    made->first = taken_first(answer.attr("first"));
+// True if a result was asked for `item`: as one of its options or kinds.
+bool is_asked(nb::handle result, const char* options, std::string_view item) {
+    const nb::object asked = result.attr("_asked").attr(options);
+    return nb::cast<bool>(asked.attr("__contains__")(nb::str(item.data(), item.size())));
+}
+
+// Returns the storage of a crumple.Impacts, crumple.Proximities or crumple.Candidates: the library's result, or one
+// made of arrays that came through pickle.
+template <class Result, class Take>
+std::shared_ptr<const Result> storage_of(nb::handle result, Take take_lists) {
+    const nb::object found = result.attr("_found");
+    if (nb::isinstance<Shown<Result>>(found)) return nb::cast<const Shown<Result>&>(found).storage;
+    const auto made = std::make_shared<Result>();
+    take_rest(found, *made);
+    take_lists(found, *made);
     return made;
 }
 
-std::shared_ptr<const Proximities> nearby_of(nb::handle answer) {
-    if (nb::isinstance<NearbyAnswer>(answer)) return nb::cast<const NearbyAnswer&>(answer).storage;
-    const auto made = std::make_shared<Proximities>();
-    take_rest(answer, *made);
-    for (const FeatureKind kind : all_kinds) {
-        ProximityList& list = (*made)[kind];
-        take_list(answer, kind, list.squared_distance, "squared_distance", list.touching, "touching", list);
-    }
-    return made;
+std::shared_ptr<const Impacts> impacts_of(nb::handle result) {
+    return storage_of<Impacts>(result, [&](nb::handle found, Impacts& made) {
+        for (const FeatureKind kind : all_kinds) {
+            ImpactList& list = made[kind];
+            take_list(found, kind, list.toi, "toi", list.start, "start", list);
+        }
+        take<std::int32_t>(found, "triangle_pairs", made.triangle_pairs.pairs);
+        take<std::int32_t>(found, "triangle_pair_bodies", made.triangle_pairs.bodies);
+        take<double>(found, "triangle_pair_toi", made.triangle_pairs.toi);
+        take<bool>(found, "triangle_pair_start", made.triangle_pairs.start);
+        made.lists_triangle_pairs = is_asked(result, "options", "triangle_pairs");
+        made.first = taken_first(found.attr("first"));
+    });
 }
 
-std::shared_ptr<const Candidates> candidates_of(nb::handle answer) {
-    if (nb::isinstance<CandidatesAnswer>(answer)) return nb::cast<const CandidatesAnswer&>(answer).storage;
-    const auto made = std::make_shared<Candidates>();
-    take_rest(answer, *made);
-    for (const auto& [name, kind] : candidate_kind_names) {
-        CandidateList& list = (*made)[kind];
-        take<std::int32_t>(answer, plural_of_kind(name), list.pairs);
-        take<std::int32_t>(answer, std::string(name) + "_bodies", list.bodies);
-        made->listed[static_cast<std::size_t>(kind)] =
-            nb::cast<bool>(answer.attr("kinds").attr("__contains__")(std::string(name)));
-    }
-    return made;
+std::shared_ptr<const Proximities> proximities_of(nb::handle result) {
+    return storage_of<Proximities>(result, [](nb::handle found, Proximities& made) {
+        for (const FeatureKind kind : all_kinds) {
+            ProximityList& list = made[kind];
+            take_list(found, kind, list.squared_distance, "squared_distance", list.touching, "touching", list);
+        }
+    });
+}
+
+std::shared_ptr<const Candidates> candidates_of(nb::handle result) {
+    return storage_of<Candidates>(result, [&](nb::handle found, Candidates& made) {
+        for (const auto& [name, kind] : candidate_kind_names) {
+            CandidateList& list = made[kind];
+            take<std::int32_t>(found, plural_of_kind(name), list.pairs);
+            take<std::int32_t>(found, std::string(name) + "_bodies", list.bodies);
+            made.listed[static_cast<std::size_t>(kind)] = is_asked(result, "kinds", name);
+        }
+    });
 }
 
 }  // namespace
 
-// Of a mesh, if there is one, and of the list of rows otherwise.
+// Binds writers of results: of the mesh, coloured, if there is one, else of the rows.
 void bind_feature_files(nb::module_& module) {
     module.def(
         "write_impacts",
-        [](nb::handle path, nb::handle answer, const std::optional<nb::tuple>& mesh) {
+        [](nb::handle path, nb::handle result, const std::optional<nb::tuple>& mesh) {
             const std::filesystem::path to = python::path("path", path);
-            const std::shared_ptr<const Impacts> impacts = impacts_of(answer);
+            const std::shared_ptr<const Impacts> impacts = impacts_of(result);
             std::optional<BorrowedMesh> start;
             if (mesh) start.emplace(*mesh);
             const WithoutGil released(at_exit(to));
@@ -140,30 +146,30 @@ void bind_feature_files(nb::module_& module) {
             else
                 io::write_impacts(to, *impacts);
         },
-        "path"_a.none(), "answer"_a, "mesh"_a.none());
+        "path"_a.none(), "result"_a, "mesh"_a.none());
     module.def(
-        "write_near",
-        [](nb::handle path, nb::handle answer, const std::optional<nb::tuple>& mesh) {
+        "write_proximities",
+        [](nb::handle path, nb::handle result, const std::optional<nb::tuple>& mesh) {
             const std::filesystem::path to = python::path("path", path);
-            const std::shared_ptr<const Proximities> nearby = nearby_of(answer);
+            const std::shared_ptr<const Proximities> found = proximities_of(result);
             std::optional<BorrowedMesh> borrowed;
             if (mesh) borrowed.emplace(*mesh);
             const WithoutGil released(at_exit(to));
             if (borrowed)
-                io::write_coloured(to, copy_of(borrowed->view()), nullptr, *nearby);
+                io::write_coloured(to, copy_of(borrowed->view()), nullptr, *found);
             else
-                io::write_near(to, *nearby);
+                io::write_near(to, *found);
         },
-        "path"_a.none(), "answer"_a, "mesh"_a.none());
+        "path"_a.none(), "result"_a, "mesh"_a.none());
     module.def(
         "write_candidates",
-        [](nb::handle path, nb::handle answer) {
+        [](nb::handle path, nb::handle result) {
             const std::filesystem::path to = python::path("path", path);
-            const std::shared_ptr<const Candidates> candidates = candidates_of(answer);
+            const std::shared_ptr<const Candidates> candidates = candidates_of(result);
             const WithoutGil released(at_exit(to));
             io::write_candidates(to, *candidates);
         },
-        "path"_a.none(), "answer"_a);
+        "path"_a.none(), "result"_a);
 }
 
 }  // namespace crumple::python

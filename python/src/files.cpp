@@ -13,7 +13,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 
-#include "answer.h"
 #include "arguments.h"
 #include "arrays.h"
 #include "crumple/io.h"
@@ -21,6 +20,7 @@
 #include "gil.h"
 #include "io/meshes/triangulate.h"
 #include "names.h"
+#include "results.h"
 #include "scenes/scenes.h"
 #include "signals.h"
 
@@ -223,26 +223,28 @@ void bind_files(nb::module_& module) {
         "path"_a.none(), "mesh"_a);
     module.def(
         "write_coloured",
-        [](nb::handle path, const nb::tuple& first, const std::optional<nb::tuple>& second, const Answer& answer) {
+        [](nb::handle path, const nb::tuple& first, const std::optional<nb::tuple>& second,
+           const Shown<Intersections>& result) {
             const Path to = python::path("path", path);
             const BorrowedMeshes meshes(first, second);
             const auto units = units_of(first, second);
             const WithoutGil released(at_exit(to));
             const CopiedMeshes copies(meshes, units);
-            io::write_coloured(to, copies.first, copies.second_or_null(), answer.collisions());
+            io::write_coloured(to, copies.first, copies.second_or_null(), result.found());
         },
-        "path"_a.none(), "first"_a, "second"_a.none(), "answer"_a);
+        "path"_a.none(), "first"_a, "second"_a.none(), "result"_a);
     module.def(
         "to_html",
-        [](const nb::tuple& first, const std::optional<nb::tuple>& second, const Answer& answer, nb::handle height) {
+        [](const nb::tuple& first, const std::optional<nb::tuple>& second, const Shown<Intersections>& result,
+           nb::handle height) {
             const int pixels = integer<int>("height", height);
             const BorrowedMeshes meshes(first, second);
             const auto units = units_of(first, second);
             const WithoutGil released;
             const CopiedMeshes copies(meshes, units);
-            return io::to_html(copies.first, copies.second_or_null(), answer.collisions(), pixels);
+            return io::to_html(copies.first, copies.second_or_null(), result.found(), pixels);
         },
-        "first"_a, "second"_a.none(), "answer"_a, "height"_a.none());
+        "first"_a, "second"_a.none(), "result"_a, "height"_a.none());
     module.def(
         "write_bytes",
         [](nb::handle path, nb::bytes bytes) {
@@ -253,12 +255,12 @@ void bind_files(nb::module_& module) {
         "path"_a.none(), "bytes"_a);
     module.def(
         "write_pairs",
-        [](nb::handle path, const Answer& answer) {
+        [](nb::handle path, const Shown<Intersections>& result) {
             const Path to = python::path("path", path);
             const WithoutGil released(at_exit(to));
-            io::write_pairs(to, answer.collisions());
+            io::write_pairs(to, result.found());
         },
-        "path"_a.none(), "answer"_a);
+        "path"_a.none(), "result"_a);
     module.def(
         "read_pairs",
         [](nb::handle path) {

@@ -4,21 +4,20 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 
 #include <nanobind/ndarray.h>
-#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include "arguments.h"
 #include "arrays.h"
-#include "feature_search.h"
 #include "gil.h"
 #include "names.h"
-#include "query.h"
-#include "world.h"
+#include "queries.h"
+#include "results.h"
+#include "scene.h"
+#include "views.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -26,95 +25,30 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-// What launches are given, which lives until the second launch after it: each is waited for by then.
-struct LaunchedMeshes {
-    LaunchedMeshes(const SharedDetector& detector, const nb::tuple& one, const std::optional<nb::tuple>& other,
-                   void* stream)
-        : meshes(one, other, stream) {
-        check_device(detector, meshes.first.device());
-        if (other) check_device(detector, meshes.second->device());
-    }
-    BorrowedMeshes meshes;
-};
-
-struct LaunchedFeatures {
-    LaunchedFeatures(const SharedDetector& detector, const nb::tuple& mesh, const nb::tuple& lists, nb::handle at_end,
-                     void* stream)
-        : start(detector, mesh, lists, stream) {
-        if (!at_end.is_none()) end.emplace(at_end, start.mesh);
-    }
-    AskedOfMesh start;
-    std::optional<BorrowedEnd> end;
-    std::optional<AskedOfVertices> vertices;
-};
-
 // Returns the CUDA stream with this address. None is the legacy default stream: null.
 void* stream_of(nb::handle address) {
     if (address.is_none()) return nullptr;
     return reinterpret_cast<void*>(integer<std::uintptr_t>("stream", address));
 }
 
-// Has launch(detector) start work on what is given, and keeps that.
-template <class Given, class Launch>
-void launch(SharedDetector& detector, std::shared_ptr<Given> given, Launch launch) {
-    const SharedDetector::Turn turn(detector);
-    without_gil([&] { detector.call([&](Detector& by, std::stop_token) { launch(by); }); }, detector.stop());
-    detector.keep(std::move(given));
-}
-
-void launch_meshes(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second,
-                   const IntersectionQuery& query, nb::handle stream) {
-    SharedDetector& detector = detector_of(self);
-    const auto given = std::make_shared<LaunchedMeshes>(detector, first, second, stream_of(stream));
-    launch(detector, given, [&](Detector& by) { by.launch(given->meshes.scene(), query); });
-}
-
-void launch_impacts(nb::handle self, const nb::tuple& mesh, nb::handle end, const ImpactQuery& question,
-                    const nb::tuple& lists, nb::handle stream) {
-    SharedDetector& detector = detector_of(self);
-    if (end.is_none()) refuse("launch_impacts needs the vertices at the end");
-    const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, end, stream_of(stream));
-    launch(detector, given,
-           [&](Detector& by) { by.launch(given->start.view.moving_to(given->end->view()), question); });
-}
-
-void launch_near(nb::handle self, const nb::tuple& mesh, const ProximityQuery& question, nb::handle radii,
-                 nb::handle rest, const nb::tuple& lists, nb::handle stream) {
-    SharedDetector& detector = detector_of(self);
-    const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, nb::none(), stream_of(stream));
-    given->vertices.emplace(question, given->start.mesh, radii, rest);
-    launch(detector, given, [&](Detector& by) { by.launch(given->start.view, given->vertices->question); });
-}
-
-void launch_candidates(nb::handle self, const nb::tuple& mesh, nb::handle end, const CandidateQuery& question,
-                       const nb::tuple& lists, nb::handle stream) {
-    SharedDetector& detector = detector_of(self);
-    const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, end, stream_of(stream));
-    launch(detector, given, [&](Detector& by) {
-        by.launch(given->end ? given->start.view.moving_to(given->end->view()) : given->start.view, question);
-    });
-}
-
-struct LaunchedWorld {
-    LaunchedWorld(const SharedDetector& detector, nb::handle world, nb::handle poses, void* stream)
-        : bodies(given_world(world).bodies), at(poses, *bodies, BorrowedPoses::When::start, stream) {
-        if (at.device() == BorrowedArray::on_host)
-            refuse("launch takes poses in CUDA memory: find takes those of the host");
-        check_device(detector, at.device());
-    }
-    std::shared_ptr<const Bodies> bodies;
-    BorrowedPoses at;
+// Arguments of a launch, which live until the second launch after it: each is waited for by then.
+template <class Query>
+struct Launched {
+    Launched(const SharedDetector& detector, nb::handle scene, nb::handle query, nb::handle excluded, void* stream)
+        : given(detector, scene, stream), asked(query, given, excluded) {}
+    BorrowedScene given;
+    BorrowedQuery<Query> asked;
 };
 
-void launch_world(nb::handle self, nb::handle world, nb::handle poses, const IntersectionQuery& question,
-                  nb::handle excluded, nb::handle stream) {
+template <class Query>
+void launch(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded, nb::handle stream) {
     SharedDetector& detector = detector_of(self);
-    const auto given = std::make_shared<LaunchedWorld>(detector, world, poses, stream_of(stream));
-    IntersectionQuery asked = question;
-    asked.filter.excluded_bodies = excluded_bodies(*given->bodies, excluded);
-    World view{given->bodies->shapes, given->bodies->bodies, {}};
-    view.device_poses = given->at.on_device(*given->bodies);
-    launch(detector, given, [&](Detector& by) { by.launch(view, asked); });
+    auto launched = std::make_shared<Launched<Query>>(detector, scene, query, excluded, stream_of(stream));
+    const SharedDetector::Turn turn(detector);
+    const Scene view = launched->given.view(detector);
+    const auto start = [&](Detector& by, std::stop_token) { by.launch(view, launched->asked.query); };
+    without_gil([&] { detector.call(start); }, detector.stop());
+    detector.keep(std::move(launched));
 }
 
 // Arrays of the device: of each its address, shape, and type as NumPy writes it.
@@ -154,121 +88,101 @@ nb::object dlpack_capsule(nb::handle detector, std::uintptr_t address, const nb:
                                   nb::device::cuda::value, detector_of(detector).options().first_device()));
 }
 
-// Waits, and gives what `tell` makes of the answer.
-template <class Wait, class Tell>
-nb::tuple wait_with(nb::handle self, Wait wait, Tell tell) {
+// What a wait gives: (complete, rows needed, count, any, first), with `first` None but of impacts.
+template <class Result>
+nb::tuple told(const Result& found, std::int64_t needed, bool any, nb::object first = nb::none()) {
+    return nb::make_tuple(found.complete, needed, found.count, any, first);
+}
+
+nb::tuple put(const DeviceIntersections& found, ArraysThere& there) {
+    const std::int64_t n = found.count;
+    if (found.complete && found.of_worlds) {
+        there.put<std::uint8_t>("world_hit", found.world_hit, found.worlds);
+        there.put<std::int64_t>("world_counts", found.world_counts, found.worlds);
+        there.put<std::int64_t>("world_offsets", found.world_offsets, found.worlds + 1);
+        if (found.pairs) there.put<std::int32_t>("bodies", found.bodies, n, 2);
+    } else if (found.complete) {
+        there.put<std::int64_t>("offsets", found.offsets, found.hit_count + 1);
+        there.put<std::uint8_t>("hit", found.hit, found.hit_count);
+        if (found.hit_second) there.put<std::uint8_t>("hit_second", found.hit_second, found.hit_second_count);
+    }
+    if (found.complete && (found.pairs || !found.of_worlds)) there.put<std::int32_t>("pairs", found.pairs, n, 2);
+    if (found.complete && found.contact_kinds) {
+        there.put<std::uint8_t>("contact_kinds", found.contact_kinds, n);
+        there.put<std::int64_t>("contact_offsets", found.contact_offsets, n + 1);
+        there.put<double>("contact_points", found.contact_points, found.contact_point_count, 3);
+    }
+    return told(found, found.pairs_needed, found.any);
+}
+
+void put_list(const std::string& name, const DeviceImpactList& list, ArraysThere& there) {
+    there.put<double>(name + "_toi", list.toi, list.count);
+    there.put<std::uint8_t>(name + "_start", list.start, list.count);
+}
+void put_list(const std::string& name, const DeviceProximityList& list, ArraysThere& there) {
+    there.put<double>(name + "_squared_distance", list.squared_distance, list.count);
+    there.put<std::uint8_t>(name + "_touching", list.touching, list.count);
+}
+template <class List>
+void put_list(const std::string&, const List&, ArraysThere&) {}
+
+// `name_of`: of a kind.
+template <class Result, class NameOf>
+void put_features(const Result& found, NameOf name_of_list, ArraysThere& there) {
+    if (!found.complete) return;
+    there.put<std::int32_t>("edges", found.edges, found.edge_count, 2);
+    for (std::size_t k = 0; k < found.lists.size(); ++k) {
+        const std::string name(name_of_list(k));
+        there.put<std::int32_t>(plural_of_kind(name), found.lists[k].pairs, found.lists[k].count, 2);
+        put_list(name, found.lists[k], there);
+    }
+}
+
+std::string_view feature_name(std::size_t k) { return feature_kind_name(static_cast<FeatureKind>(k)); }
+
+nb::tuple put(const DeviceImpacts& found, ArraysThere& there) {
+    put_features(found, feature_name, there);
+    return told(found, found.rows_needed, found.any, tuple_of(found.first));
+}
+nb::tuple put(const DeviceProximities& found, ArraysThere& there) {
+    put_features(found, feature_name, there);
+    return told(found, found.rows_needed, found.any);
+}
+nb::tuple put(const DeviceCandidates& found, ArraysThere& there) {
+    put_features(
+        found, [](std::size_t k) { return candidate_kind_name(static_cast<CandidateKind>(k)); }, there);
+    return told(found, found.rows_needed, found.count > 0);
+}
+
+// Waits for the oldest launch: (values, arrays, statistics).
+template <class Query>
+nb::tuple wait(nb::handle self) {
     SharedDetector& detector = detector_of(self);
     const SharedDetector::Turn turn(detector);
-    const auto found = without_gil(
-        [&] { return detector.call([&](Detector& by, std::stop_token stop) { return wait(by, std::move(stop)); }); },
-        detector.stop());
+    const auto wait_there = [](Detector& by, std::stop_token stop) {
+        return typename Query::DeviceResult(by.wait<Query>(std::move(stop)));
+    };
+    const auto found = without_gil([&] { return detector.call(wait_there); }, detector.stop());
     ArraysThere there;
-    const nb::tuple told = tell(found, there);
-    return nb::make_tuple(told, there.arrays(), Statistics(found.statistics));
+    const nb::tuple values = put(found, there);
+    return nb::make_tuple(values, there.arrays(), Statistics(found.statistics));
 }
 
-nb::tuple wait(nb::handle self) {
-    return wait_with(
-        self, [](Detector& by, std::stop_token stop) { return DeviceIntersections(by.wait(std::move(stop))); },
-        [](const DeviceIntersections& found, ArraysThere& there) {
-            const std::int64_t n = found.count;
-            if (found.complete && found.of_worlds) {
-                there.put<std::uint8_t>("world_hit", found.world_hit, found.worlds);
-                there.put<std::int64_t>("world_counts", found.world_counts, found.worlds);
-                there.put<std::int64_t>("world_offsets", found.world_offsets, found.worlds + 1);
-                if (found.pairs) there.put<std::int32_t>("bodies", found.bodies, n, 2);
-            } else if (found.complete) {
-                there.put<std::int64_t>("offsets", found.offsets, found.hit_count + 1);
-                there.put<std::uint8_t>("hit", found.hit, found.hit_count);
-                if (found.hit_second) there.put<std::uint8_t>("hit_second", found.hit_second, found.hit_second_count);
-            }
-            if (found.complete && (found.pairs || !found.of_worlds))
-                there.put<std::int32_t>("pairs", found.pairs, n, 2);
-            if (found.complete && found.contact_kinds) {
-                there.put<std::uint8_t>("contact_kinds", found.contact_kinds, n);
-                there.put<std::int64_t>("contact_offsets", found.contact_offsets, n + 1);
-                there.put<double>("contact_points", found.contact_points, found.contact_point_count, 3);
-            }
-            return found.of_worlds ? nb::make_tuple(found.complete, found.pairs_needed, n, found.any)
-                                   : nb::make_tuple(found.complete, found.pairs_needed, n);
-        });
-}
-
-void put_edges(const DeviceFeatures& found, ArraysThere& there) {
-    if (found.complete) there.put<std::int32_t>("edges", found.edges, found.edge_count, 2);
-}
-
-// The members of crumple.FirstImpact.
-nb::object told(const FirstImpact& first) {
-    if (!first.found) return nb::none();
-    const std::string_view kind = feature_kind_name(first.kind);
-    return nb::make_tuple(nb::str(kind.data(), kind.size()), nb::make_tuple(first.pair.a, first.pair.b), nb::none(),
-                          first.toi, first.start);
-}
-
-nb::tuple wait_impacts(nb::handle self) {
-    return wait_with(
-        self, [](Detector& by, std::stop_token stop) { return DeviceImpacts(by.wait<ImpactQuery>(std::move(stop))); },
-        [](const DeviceImpacts& found, ArraysThere& there) {
-            put_edges(found, there);
-            for (std::size_t k = 0; k < found.lists.size() && found.complete; ++k) {
-                const DeviceImpactList& list = found.lists[k];
-                const std::string name(feature_kind_name(static_cast<FeatureKind>(k)));
-                there.put<std::int32_t>(plural_of_kind(name), list.pairs, list.count, 2);
-                there.put<double>(name + "_toi", list.toi, list.count);
-                there.put<std::uint8_t>(name + "_start", list.start, list.count);
-            }
-            return nb::make_tuple(found.complete, found.rows_needed, found.count, found.any, told(found.first));
-        });
-}
-
-nb::tuple wait_near(nb::handle self) {
-    return wait_with(
-        self,
-        [](Detector& by, std::stop_token stop) { return DeviceProximities(by.wait<ProximityQuery>(std::move(stop))); },
-        [](const DeviceProximities& found, ArraysThere& there) {
-            put_edges(found, there);
-            for (std::size_t k = 0; k < found.lists.size() && found.complete; ++k) {
-                const DeviceProximityList& list = found.lists[k];
-                const std::string name(feature_kind_name(static_cast<FeatureKind>(k)));
-                there.put<std::int32_t>(plural_of_kind(name), list.pairs, list.count, 2);
-                there.put<double>(name + "_squared_distance", list.squared_distance, list.count);
-                there.put<std::uint8_t>(name + "_touching", list.touching, list.count);
-            }
-            return nb::make_tuple(found.complete, found.rows_needed, found.count, found.any);
-        });
-}
-
-nb::tuple wait_candidates(nb::handle self) {
-    return wait_with(
-        self,
-        [](Detector& by, std::stop_token stop) { return DeviceCandidates(by.wait<CandidateQuery>(std::move(stop))); },
-        [](const DeviceCandidates& found, ArraysThere& there) {
-            put_edges(found, there);
-            for (std::size_t k = 0; k < found.lists.size() && found.complete; ++k) {
-                const std::string name(candidate_kind_name(static_cast<CandidateKind>(k)));
-                there.put<std::int32_t>(plural_of_kind(name), found.lists[k].pairs, found.lists[k].count, 2);
-            }
-            return nb::make_tuple(found.complete, found.rows_needed, found.count);
-        });
+template <class Query>
+void bind(nb::class_<SharedDetector>& detector, const std::string& name) {
+    detector.def(("_launch_" + name).c_str(), launch<Query>, "scene"_a, "query"_a, "excluded"_a.none(),
+                 "stream"_a.none());
+    detector.def(("_wait_" + name).c_str(), wait<Query>);
 }
 
 }  // namespace
 
 void bind_launches(nb::class_<SharedDetector>& detector) {
-    detector.def("_launch", launch_meshes, "first"_a, "second"_a.none(), "query"_a, "stream"_a.none())
-        .def("_launch_world", launch_world, "world"_a, "poses"_a.none(), "question"_a, "excluded"_a.none(),
-             "stream"_a.none())
-        .def("_launch_impacts", launch_impacts, "mesh"_a, "end"_a.none(), "question"_a, "lists"_a, "stream"_a.none())
-        .def("_launch_near", launch_near, "mesh"_a, "question"_a, "radii"_a.none(), "rest"_a.none(), "lists"_a,
-             "stream"_a.none())
-        .def("_launch_candidates", launch_candidates, "mesh"_a, "end"_a.none(), "question"_a, "lists"_a,
-             "stream"_a.none())
-        .def("_dlpack_capsule", dlpack_capsule, "address"_a, "shape"_a, "type"_a)
-        .def("_wait", wait)
-        .def("_wait_impacts", wait_impacts)
-        .def("_wait_near", wait_near)
-        .def("_wait_candidates", wait_candidates);
+    bind<IntersectionQuery>(detector, "intersections");
+    bind<ImpactQuery>(detector, "impacts");
+    bind<ProximityQuery>(detector, "proximities");
+    bind<CandidateQuery>(detector, "candidates");
+    detector.def("_dlpack_capsule", dlpack_capsule, "address"_a, "shape"_a, "type"_a);
 }
 
 }  // namespace crumple::python

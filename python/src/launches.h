@@ -1,6 +1,6 @@
 #pragma once
 
-// Questions about meshes in device memory whose answers stay there: Detector.launch_self and its like, and their waits.
+// Launches, whose results stay in device memory, and the waits for them: _launch_impacts, _wait_impacts and so on.
 
 #include <nanobind/nanobind.h>
 

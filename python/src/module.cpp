@@ -2,22 +2,18 @@
 
 #include <nanobind/nanobind.h>
 
-#include "answer.h"
-#include "candidates.h"
 #include "crumple/version.h"
 #include "detector.h"
 #include "errors.h"
-#include "feature_answer.h"
 #include "feature_files.h"
 #include "feature_pairs.h"
 #include "files.h"
 #include "gil.h"
-#include "nearest.h"
 #include "part.h"
 #include "pickling.h"
+#include "results.h"
 #include "signals.h"
 #include "world.h"
-#include "world_answer.h"
 #include "world_files.h"
 
 NB_MODULE(_core, module) {
@@ -27,14 +23,10 @@ NB_MODULE(_core, module) {
     crumple::python::WithoutGil::watch_exit();
     crumple::python::know_main_thread();
     crumple::python::translate_errors();
-    crumple::python::bind_answer(module);
+    crumple::python::bind_results(module);
     crumple::python::bind_pickling(module);
     crumple::python::bind_part(module);
     crumple::python::bind_world(module);
-    crumple::python::bind_world_answer(module);
-    crumple::python::bind_feature_answers(module);
-    crumple::python::bind_candidates(module);
-    crumple::python::bind_nearest(module);
     crumple::python::bind_detector(module);
     crumple::python::bind_files(module);
     crumple::python::bind_world_files(module);

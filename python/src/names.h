@@ -32,21 +32,19 @@ inline constexpr Names<Simd, 6> simd_names{{{"automatic", Simd::automatic},
                                             {"neon", Simd::neon}}};
 inline constexpr Names<Neighbours, 2> neighbours_names{
     {{"geometric", Neighbours::geometric}, {"skip", Neighbours::skip}}};
-inline constexpr Names<IntersectionKind, 2> intersections_names{
+inline constexpr Names<IntersectionKind, 2> intersection_kind_names{
     {{"all", IntersectionKind::all}, {"proper", IntersectionKind::proper}}};
-inline constexpr Names<PairScope, 3> wanted_names{
+inline constexpr Names<PairScope, 3> scope_names{
     {{"both", PairScope::both}, {"between", PairScope::between}, {"within", PairScope::within}}};
-inline constexpr Names<Output, 6> wants_names{{{"any", Output::any},
-                                               {"any_by_world", Output::any_by_world},
-                                               {"body_pairs", Output::body_pairs},
-                                               {"count", Output::count},
-                                               {"pairs", Output::pairs},
-                                               {"contacts", Output::contacts}}};
-inline constexpr Names<Output, 4> motion_wants_names{{{"any", Output::any},
-                                                      {"any_by_world", Output::any_by_world},
-                                                      {"earliest", Output::first},
-                                                      {"impacts", Output::pairs}}};
-inline constexpr Names<Output, 3> near_wants_names{
+inline constexpr Names<Output, 6> intersection_output_names{{{"any", Output::any},
+                                                             {"any_by_world", Output::any_by_world},
+                                                             {"body_pairs", Output::body_pairs},
+                                                             {"count", Output::count},
+                                                             {"pairs", Output::pairs},
+                                                             {"contacts", Output::contacts}}};
+inline constexpr Names<Output, 4> impact_output_names{
+    {{"any", Output::any}, {"any_by_world", Output::any_by_world}, {"first", Output::first}, {"pairs", Output::pairs}}};
+inline constexpr Names<Output, 3> proximity_output_names{
     {{"any", Output::any}, {"any_by_world", Output::any_by_world}, {"pairs", Output::pairs}}};
 inline constexpr Names<CandidateKind, 6> candidate_kind_names{{{"vertex_face", CandidateKind::vertex_face},
                                                                {"edge_edge", CandidateKind::edge_edge},

@@ -17,10 +17,10 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 
-#include "answer.h"
 #include "arguments.h"
 #include "arrays.h"
 #include "errors.h"
+#include "results.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -71,7 +71,7 @@ void fill(Array<Element>& array, const Given& given) {
 }
 
 void check(bool holds, const char* what) {
-    if (!holds) refuse(std::string("the state of the Result does not fit together: ") + what);
+    if (!holds) refuse(std::string("the state of Intersections does not fit together: ") + what);
 }
 
 // Whether offsets cut `size` elements into `parts` consecutive parts.
@@ -80,8 +80,29 @@ bool are_offsets(const Array<std::int64_t>& offsets, std::size_t parts, std::siz
            offsets.back() == static_cast<std::int64_t>(size);
 }
 
-// All that writers and pictures take for granted.
-void check_fit(const Intersections& c, bool one_soup, bool has_contacts) {
+void check_contacts(const Intersections& c, bool has_contacts) {
+    const Contacts& contacts = c.contacts;
+    check(contacts.kinds.size() == (has_contacts ? c.pairs.size() : 0), "contacts");
+    if (!has_contacts) return;
+    check(are_offsets(contacts.offsets, contacts.kinds.size(), contacts.points.size()), "offsets of contacts");
+    for (std::size_t i = 0; i < contacts.kinds.size(); ++i) {
+        const std::int64_t points = contacts.offsets[i + 1] - contacts.offsets[i];
+        check(points >= 1 && points <= 6 && static_cast<int>(contacts.kinds[i]) == std::min<std::int64_t>(points, 3),
+              "kinds of contacts");
+    }
+    for (const auto& point : contacts.points)
+        for (const double coordinate : point) check(std::isfinite(coordinate), "points of contacts");
+}
+
+// Checks the rows of a block of a stream, which has them in any order, and no offsets and hit flags.
+void check_block(const Intersections& c, bool one_soup) {
+    check(c.offsets.empty(), "offsets");
+    check(c.hit.empty() && c.hit_second.empty(), "hit");
+    for (const Pair& pair : c.pairs) check(pair.a >= 0 && pair.b >= 0 && (!one_soup || pair.a < pair.b), "pairs");
+}
+
+// Checks all that writers and pictures take for granted, but for contacts.
+void check_fit(const Intersections& c, bool one_soup) {
     check(are_offsets(c.offsets, c.hit.size(), c.pairs.size()), "offsets");
     const auto seconds = static_cast<std::int64_t>((one_soup ? c.hit : c.hit_second).size());
     std::vector<std::uint8_t> hit(c.hit.size()), hit_second(static_cast<std::size_t>(seconds));
@@ -97,20 +118,9 @@ void check_fit(const Intersections& c, bool one_soup, bool has_contacts) {
     check(std::equal(hit.begin(), hit.end(), c.hit.begin(), c.hit.end()), "hit");
     if (one_soup) hit_second.clear();
     check(std::equal(hit_second.begin(), hit_second.end(), c.hit_second.begin(), c.hit_second.end()), "hit_second");
-    const Contacts& contacts = c.contacts;
-    check(contacts.kinds.size() == (has_contacts ? c.pairs.size() : 0), "contacts");
-    if (!has_contacts) return;
-    check(are_offsets(contacts.offsets, contacts.kinds.size(), contacts.points.size()), "offsets of contacts");
-    for (std::size_t i = 0; i < contacts.kinds.size(); ++i) {
-        const std::int64_t points = contacts.offsets[i + 1] - contacts.offsets[i];
-        check(points >= 1 && points <= 6 && static_cast<int>(contacts.kinds[i]) == std::min<std::int64_t>(points, 3),
-              "kinds of contacts");
-    }
-    for (const auto& point : contacts.points)
-        for (const double coordinate : point) check(std::isfinite(coordinate), "points of contacts");
 }
 
-// A part's answer has the ids of the meshes, and all else by position in the part's lists of ids.
+// A part's result has the ids of the meshes, and all else by position in the part's lists of ids.
 void to_positions(const std::optional<Column<std::int32_t>>& ids, const Array<std::uint8_t>& hit,
                   std::int32_t Pair::*member, Array<Pair>& pairs) {
     if (!ids) return;
@@ -131,11 +141,13 @@ void check_mesh(const BorrowedMesh& mesh, const Array<std::uint8_t>& hit) {
     check(mesh.view().triangles.rows == static_cast<std::int64_t>(hit.size()), "the number of faces");
 }
 
-Answer restore(const Rows<std::int32_t, 2>& pairs, const Column<std::int64_t>& offsets, const Column<std::uint8_t>& hit,
-               const Column<std::uint8_t>& hit_second, const Column<std::uint8_t>& kinds,
-               const Column<std::int64_t>& contact_offsets, const Rows<double, 3>& points, nb::handle statistics,
-               const nb::tuple& first, const std::optional<nb::tuple>& second, bool has_contacts, bool copy,
-               const std::optional<Column<std::int32_t>>& ids, const std::optional<Column<std::int32_t>>& ids_second) {
+Shown<Intersections> restore(const Rows<std::int32_t, 2>& pairs, const Column<std::int64_t>& offsets,
+                             const Column<std::uint8_t>& hit, const Column<std::uint8_t>& hit_second,
+                             const Column<std::uint8_t>& kinds, const Column<std::int64_t>& contact_offsets,
+                             const Rows<double, 3>& points, const Statistics& statistics, const nb::tuple& first,
+                             const std::optional<nb::tuple>& second, bool has_contacts, bool is_block,
+                             const std::optional<Column<std::int32_t>>& ids,
+                             const std::optional<Column<std::int32_t>>& ids_second) {
     const auto storage = std::make_shared<Intersections>();
     fill(storage->pairs, pairs);
     fill(storage->offsets, offsets);
@@ -144,22 +156,25 @@ Answer restore(const Rows<std::int32_t, 2>& pairs, const Column<std::int64_t>& o
     fill(storage->contacts.kinds, kinds);
     fill(storage->contacts.offsets, contact_offsets);
     fill(storage->contacts.points, points);
-    if (!nb::isinstance<Statistics>(statistics) || !nb::inst_ready(statistics))
-        refuse_type("statistics", "crumple.Statistics with something in it", statistics);
-    storage->statistics = *nb::inst_ptr<Statistics>(statistics);
+    storage->statistics = statistics;
+    storage->count = static_cast<std::int64_t>(storage->pairs.size());
+    storage->any = storage->count > 0;
+    check_contacts(*storage, has_contacts);
+    if (is_block) {
+        check_block(*storage, !second);
+        return {storage};
+    }
     const auto& ids_of_b = second ? ids_second : ids;
     to_positions(ids, storage->hit, &Pair::a, storage->pairs);
     to_positions(ids_of_b, second ? storage->hit_second : storage->hit, &Pair::b, storage->pairs);
-    check_fit(*storage, !second, has_contacts);
+    check_fit(*storage, !second);
     to_ids(ids, &Pair::a, storage->pairs);
     to_ids(ids_of_b, &Pair::b, storage->pairs);
-    storage->count = static_cast<std::int64_t>(storage->pairs.size());
-    storage->any = storage->count > 0;
     const BorrowedMeshes meshes(first, second);
     check_mesh(meshes.first, storage->hit);
     if (meshes.second) check_mesh(*meshes.second, storage->hit_second);
-    check(storage->statistics.pairs == static_cast<std::int64_t>(storage->pairs.size()), "statistics");
-    return {storage, has_contacts, copy};
+    check(storage->statistics.pairs == storage->count, "statistics");
+    return {storage};
 }
 
 }  // namespace
@@ -189,9 +204,12 @@ Statistics statistics_of(nb::handle given) {
 }
 
 void bind_pickling(nb::module_& module) {
+    // False for statistics that were made but not restored.
+    module.def(
+        "is_filled", [](nb::handle statistics) { return nb::inst_ready(statistics); }, "statistics"_a);
     module.def("restore", restore, "pairs"_a, "offsets"_a, "hit"_a, "hit_second"_a, "contact_kinds"_a,
-               "contact_offsets"_a, "contact_points"_a, "statistics"_a.none(), "first"_a, "second"_a.none(),
-               "has_contacts"_a, "copy"_a, "ids"_a.none(), "ids_second"_a.none());
+               "contact_offsets"_a, "contact_points"_a, "statistics"_a, "first"_a, "second"_a.none(), "has_contacts"_a,
+               "is_block"_a, "ids"_a.none(), "ids_second"_a.none());
 }
 
 }  // namespace crumple::python

@@ -1,13 +1,15 @@
 #pragma once
 
-// The library's arrays as NumPy's, without a copy.
+// The library's arrays as NumPy's, without a copy, and its first impacts as tuples.
 
 #include <cstddef>
+#include <string_view>
 
 #include <nanobind/ndarray.h>
 
 #include "arrays.h"
 #include "crumple/array.h"
+#include "crumple/impacts.h"
 
 namespace crumple::python {
 
@@ -18,6 +20,15 @@ nanobind::ndarray<nanobind::numpy, const Number> view(const Array<Element>& arra
     import_numpy();
     const void* const data = array.data();
     return {static_cast<const Number*>(data), {array.size(), std::size_t{columns}...}};
+}
+
+/// The members of crumple.FirstImpact; None of no impact.
+inline nanobind::object tuple_of(const FirstImpact& first) {
+    namespace nb = nanobind;
+    if (!first.found) return nb::none();
+    const std::string_view kind = feature_kind_name(first.kind);
+    return nb::make_tuple(nb::str(kind.data(), kind.size()), nb::make_tuple(first.pair.a, first.pair.b),
+                          nb::make_tuple(first.bodies.first, first.bodies.second), first.toi, first.start);
 }
 
 }  // namespace crumple::python

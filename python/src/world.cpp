@@ -94,6 +94,14 @@ void make_configurations(nb::handle self, nb::handle of, std::int64_t count, nb:
     construct<BorrowedWorld>(self, "crumple.World", made, std::move(given), std::move(at_end));
 }
 
+// Makes a world of the bodies of `of` under other poses.
+void make_posed(nb::handle self, nb::handle of, nb::handle poses, nb::handle end_poses) {
+    if (!nb::isinstance<BorrowedWorld>(self)) refuse_type("self", "a crumple.World", self);
+    const std::shared_ptr<const Bodies> bodies = given_world(of).bodies;
+    BorrowedPoses given(poses, *bodies), at_end(end_poses, *bodies, BorrowedPoses::When::end);
+    construct<BorrowedWorld>(self, "crumple.World", bodies, std::move(given), std::move(at_end));
+}
+
 double number(const std::byte* at, BorrowedArray::Number type) {
     if (type == BorrowedArray::Number::float64) {
         double value;
@@ -250,6 +258,7 @@ void bind_world(nb::module_& module) {
         .def("__init__", make_world, "shapes"_a, "bodies"_a, "groups"_a, "worlds"_a, "self_collisions"_a,
              "poses"_a.none(), "end_poses"_a.none())
         .def("_configure", make_configurations, "of"_a, "count"_a, "poses"_a.none(), "end_poses"_a.none())
+        .def("_pose", make_posed, "of"_a, "poses"_a.none(), "end_poses"_a.none())
         .def_prop_ro("_poses_at_rest",
                      [](nb::handle self) {
                          import_numpy();

@@ -43,6 +43,10 @@ def soup(triangles: int, size: float = 0.2, seed: int = 1, dtype=np.float32) -> 
     return crumple.Mesh(vertices, np.arange(3 * triangles, dtype=np.int32).reshape(-1, 3))
 
 
+def toi_of(first: crumple.FirstImpact | None) -> float | None:
+    return None if first is None else first.toi
+
+
 def as_set(pairs) -> set[tuple[int, int]]:
     return set(map(tuple, np.asarray(pairs).tolist()))
 

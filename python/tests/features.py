@@ -1,8 +1,10 @@
-"""What the tests of motion and nearness share: a small scene, and how answers compare."""
+"""A small scene for tests of motion and nearness, comparisons of results, and results made of changed states."""
 
 from __future__ import annotations
 
 import numpy as np
+
+from crumple._result import Asked
 
 # A triangle that falls through another one.
 START = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 1], [2, 1, 2], [1, 2, 2]], np.float64)
@@ -15,7 +17,7 @@ CANDIDATE_KINDS = ("vertex_face", "edge_edge", "edge_face", "face_face", "vertex
 LISTS = {
     "Candidates": [*_PAIRS, "edge_faces", "face_faces"],
     "Impacts": [*_PAIRS, *(f"{kind}_{value}" for kind in _KINDS for value in ("toi", "start"))],
-    "Nearby": [*_PAIRS, *(f"{kind}_{value}" for kind in _KINDS for value in ("squared_distance", "touching"))],
+    "Proximities": [*_PAIRS, *(f"{kind}_{value}" for kind in _KINDS for value in ("squared_distance", "touching"))],
 }
 TRIANGLES = [
     *("triangle_pairs", "triangle_pair_toi", "triangle_pair_start", "triangle_pair_bodies"),
@@ -33,10 +35,23 @@ INDEX = [
 
 
 def assert_same(found, expected, more=()):
-    """Two answers with everything listed, and with the arrays `more`."""
+    """Compares two results with everything listed, and the arrays `more`."""
     for name in (*LISTS[type(expected).__name__], "edges", "first_edge", "points", "first_point", *more):
         np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), name, strict=True)
     assert (found.any, found.count, len(found)) == (expected.any, expected.count, len(expected))
+
+
+def restored(result, **changes):
+    """Makes a result of the state of another one, after `changes`: functions by the names of values, arrays, attributes
+    of what was asked for, and parts of the scene.
+    """
+    restore, (kind, asked, state, *given) = result.__reduce__()
+    asked = Asked(*asked)._asdict()
+    scene = dict(zip(("first", "second", "ids", "ids_second"), given))
+    for name, change in changes.items():
+        parts = asked if name in asked else scene if name in scene else state
+        parts[name] = change(parts[name])
+    return restore(kind, tuple(asked.values()), state, *scene.values())
 
 
 def check_index(found, vertices, faces):

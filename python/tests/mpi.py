@@ -1,9 +1,9 @@
-"""What starts ranks of MPI needs: whether there can be any, and an environment for them."""
+"""Environment of ranks of MPI, and whether ranks can be started."""
 
 import importlib.util
 import shutil
 
-# Open MPI refuses root, and more ranks than cores, unless it is told to let them be; ranks that wait then yield.
+# Lets Open MPI run as root, and more ranks than cores, of which those that wait yield.
 ENVIRONMENT = {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
@@ -16,7 +16,7 @@ ENVIRONMENT = {
 
 
 def missing():
-    """Why there are no ranks; "" if there are."""
+    """Returns why no ranks can be started; "" if they can."""
     if importlib.util.find_spec("crumple._mpi") is None:
         return "crumple was built without MPI; scripts/test_python.sh --mpi builds it"
     if importlib.util.find_spec("mpi4py") is None:

@@ -1,4 +1,4 @@
-"""What ranks of MPI do where one of them fails, in test_mpi.py: as mpi_ranks.py."""
+"""Cases in which a rank of MPI fails, for test_mpi.py, as mpi_ranks.py has others."""
 
 import signal
 import threading
@@ -9,14 +9,14 @@ from mpi4py import MPI
 from mpi_shares import (
     COMM,
     ONE,
-    Share,
+    LocalMesh,
     bodies_by_turns,
     check_features,
     check_rows,
     error_of,
+    local_world,
     round_robin,
     run,
-    world_share,
 )
 
 import crumple
@@ -25,158 +25,187 @@ from conftest import soup
 
 
 def bodies_are_refused_together():
-    share = world_share(bodies_by_turns)
-    one = crumple.Detector(**ONE)
+    local = local_world(bodies_by_turns)
+    world, body_ids = local.world, local.body_ids
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for failing in range(COMM.size):
-            here = COMM.rank == failing
-            listed = crumple.World([crumple.Shape(soup(2), points=[0])] * len(share.body_ids), self_collisions=True)
-            for message, world, question in (
-                ("world must be a crumple.World, not str", "world" if here else share.world, {}),
-                ("body_ids must be one for each of the ", share.world, dict(body_ids=[1] * 99 if here else None)),
-                ("excluded must be (n, 2) integers", share.world, dict(excluded=[0, 1] if here else None)),
-                ("wants must be one of", share.world, dict(wants="some" if here else "any")),
-                ("do not read a shape's list of edges or points", listed if here else share.world, {}),
+            failed = COMM.rank == failing
+            listed = crumple.World([crumple.Shape(soup(2), points=[0])] * len(body_ids), self_collisions=True)
+            for message, brought, ids, members in (
+                ("world must be a crumple.World, not str", "world", body_ids, {}),
+                ("body_ids must be one for each of the ", world, [1] * 99, {}),
+                ("excluded_bodies must be (n, 2) integers", world, body_ids, dict(filter=excluding([0, 1]))),
+                ("filter must be a crumple.PairFilter, not str", world, body_ids, dict(filter="between")),
+                ("output must be one of", world, body_ids, dict(output="some")),
+                ("do not read a shape's list of edges or points", listed, body_ids, {}),
             ):
-                ids = dict(body_ids=share.body_ids) if "body_ids" not in question else {}
-                error = error_of(detector.find, world, **ids, **question)
+                share = crumple.mpi.WorldShare(brought, ids) if failed else local
+                error = error_of(detector.find, share, crumple.IntersectionQuery(**(members if failed else {})))
                 assert error.rank == failing and message in str(error), error
-        error = error_of(detector.find, share.world, body_ids=np.zeros_like(share.body_ids))
+            for message, share, query in (
+                ("share must be a MeshShare or a WorldShare, not crumple.", world, crumple.IntersectionQuery()),
+                ("query must be one of crumple's, such as", local, "intersections"),
+                ("CandidateQuery is not asked on ranks", local, crumple.CandidateQuery()),
+            ):
+                for call in (detector.find, detector.any):
+                    error = error_of(call, *((share, query) if failed else (local,)))
+                    assert error.rank == failing and message in str(error), error
+            for message, ids in (
+                ("triangle_ids and vertex_ids are for meshes", {"triangle_ids": body_ids}),
+                ("body_ids must be one for each of the ", {"body_ids": [1] * 99}),
+            ):
+                error = error_of(detector.intersections, world, **(ids if failed else {"body_ids": body_ids}))
+                assert error.rank == failing and message in str(error), error
+        error = error_of(detector.intersections, world, body_ids=np.zeros_like(body_ids))
         assert "body 0 is brought 8 times" in str(error) and (error.element, error.index) == ("body", 0), error
-        error = error_of(detector.find, share.world, body_ids=share.body_ids, excluded=[(0, 8)])
+        error = error_of(detector.intersections, world, body_ids=body_ids, filter=excluding([(0, 8)]))
         assert "excluded_bodies names body 8 of 8" in str(error), error
-        found = detector.find(share.world, body_ids=share.body_ids)
-        expected = one.find(share.whole)
-        np.testing.assert_array_equal(found.pairs, expected.pairs[share.rows(expected.bodies)])
+        expected = crumple.Detector(**ONE).intersections(local.whole)
+        np.testing.assert_array_equal(detector.find(local).pairs, expected.pairs[local.rows(expected.bodies)])
+
+
+def excluding(bodies):
+    return crumple.PairFilter(excluded_bodies=bodies)
 
 
 def features_are_refused_together():
     mesh = soup(60, size=0.4)
-    share = Share(mesh, round_robin(mesh))
-    _, ids = share.arguments()
+    local = LocalMesh(mesh, round_robin(mesh))
+    vertices, faces, _ = local.mesh
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for failing in range(COMM.size):
-            here = COMM.rank == failing
-            end = share.vertices.copy()
-            end[3, 0] = np.nan if here else end[3, 0]
-            error = error_of(detector.find_impacts, share.vertices, end, share.faces, **ids)
+            failed = COMM.rank == failing
+            broken = vertices.copy()
+            broken[3, 0] = np.nan
+            error = error_of(detector.impacts, vertices, broken if failed else vertices, faces, **local.ids)
             assert (error.code, error.rank) == ("not_finite", failing), error
             for message, end in {
-                "end vertices must be as many as those at the start": share.vertices[:-1],
+                "end vertices must be as many as those at the start": vertices[:-1],
                 "end vertices must have shape (n, 3)": "no",
             }.items():
-                end = end if here else share.vertices
-                error = error_of(detector.find_impacts, share.vertices, end, share.faces, **ids)
+                error = error_of(detector.impacts, vertices, end if failed else vertices, faces, **local.ids)
                 assert error.rank == failing and message in str(error), error
-            for message, question in {
-                "wants must be one of": dict(radius=0.1, wants="some" if here else "any"),
-                "asked of a world": dict(radius=0.1, wants="any_by_world" if here else "any"),
-                "find_near needs a radius": dict(radius=None if here else 0.1),
-                "radius must be a number": dict(radius="far" if here else 0.1),
+            for message, members in {
+                "output must be one of": dict(radius=0.1, output="some"),
+                "a ProximityQuery needs a radius": dict(radius=None),
+                "radius must be a number": dict(radius="far"),
+                "radii and rest are for one process": dict(radii=np.ones(len(vertices))),
+                "rings must be 0": dict(radius=0.1, rings=1),
+                "least must be false": dict(radius=0.1, least=True),
+                "index must be false": dict(radius=0.1, index=True),
             }.items():
-                error = error_of(share.call, detector.find_near, **question)
+                members = members if failed else dict(radius=0.1)
+                error = error_of(detector.proximities, local.mesh, **local.ids, **members)
                 assert error.rank == failing and message in str(error), error
         if COMM.size > 1:
-            error = error_of(share.call, detector.find_near, radius=0.1 + COMM.rank)
+            error = error_of(detector.find, local, crumple.ProximityQuery(radius=0.1 + COMM.rank))
             assert "the ranks ask different questions" in str(error)
         check_features(
-            share.call(detector.find_near, radius=0.1),
-            share,
-            crumple.Detector(**ONE).find_near(mesh, radius=0.1),
+            detector.find(local, crumple.ProximityQuery(radius=0.1)),
+            local,
+            crumple.Detector(**ONE).proximities(mesh, radius=0.1),
             ("squared_distance", "touching"),
         )
 
 
 def a_misspelt_argument_ends_the_call_on_all_ranks():
     mesh = soup(60, size=0.4)
-    share = Share(mesh, round_robin(mesh))
-    arrays, ids = share.arguments()
+    local = LocalMesh(mesh, round_robin(mesh))
+    ids = local.ids
 
-    def check(failing, call, *given, known, unknown, suggestion):
+    def check(failing, call, *given, known, unknown, message):
         try:
             call(*given, **(unknown if COMM.rank == failing else known))
             raise AssertionError("no error was raised")
         except TypeError as error:
-            assert COMM.rank == failing and suggestion in str(error), error
+            assert COMM.rank == failing and message in str(error), error
         except crumple.Error as error:
             assert COMM.rank != failing and (error.code, error.rank) == ("cancelled", failing)
             assert "TypeError" in str(error), error
 
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for failing in range(COMM.size):
-            for call in (detector.find_self, detector.count, detector.has_collision):
-                check(failing, call, *arrays, known=ids, unknown=ids | {"welt": True}, suggestion="mean 'weld'")
-            near = ids | {"radius": 0.1}
-            check(failing, detector.find_near, *arrays, known=near, unknown=near | {"radios": 1}, suggestion="'radius'")
-            step = (share.vertices, *arrays)
-            check(failing, detector.is_free, *step, known=ids, unknown={"wanting": 1}, suggestion="'wanted'")
-            check(
-                failing,
-                detector.count,
-                known={"vertices": arrays[0], "faces": arrays[1]} | ids,
-                unknown={},
-                suggestion="missing",
-            )
-            check(failing, crumple.mpi.Detector, COMM, known=ONE, unknown={"thread": 1}, suggestion="mean 'threads'")
-        check_rows(share.call(detector.find_self), share, crumple.Detector(**ONE).find_self(mesh))
+            for call, given, changed, message in (
+                (detector.intersections, ids, {"welt": True}, "mean 'weld'"),
+                (detector.intersections, ids, {"triangle_id": [0]}, "mean 'triangle_ids'"),
+                (detector.proximities, ids | {"radius": 0.1}, {"radios": 1}, "mean 'radius'"),
+                (detector.impacts, ids | {"end": local.mesh.vertices}, {"outputs": "first"}, "mean 'output'"),
+            ):
+                check(failing, call, local.mesh, known=given, unknown=given | changed, message=message)
+            for call in (detector.find, detector.any):
+                query = crumple.IntersectionQuery()
+                check(failing, call, local, known={"query": query}, unknown={"querry": query}, message="mean 'query'")
+                check(failing, call, known={"share": local}, unknown={}, message="missing")
+            check(failing, detector.intersections, known={"vertices": local.mesh} | ids, unknown={}, message="missing")
+            check(failing, crumple.mpi.Detector, COMM, known=ONE, unknown={"thread": 1}, message="mean 'threads'")
+        check_rows(detector.find(local), local, crumple.Detector(**ONE).intersections(mesh))
 
 
 def ranks_fail_together_and_go_on():
     mesh = soup(60, size=0.4)
-    share = Share(mesh, round_robin(mesh))
-    expected = crumple.Detector(**ONE).find_self(mesh)
+    local = LocalMesh(mesh, round_robin(mesh))
+    expected = crumple.Detector(**ONE).intersections(mesh)
+
+    def any_of(detector, vertices, faces, triangle_ids, vertex_ids, **members):
+        brought = vertices if faces is None else (vertices, faces)
+        share = crumple.mpi.MeshShare(brought, triangle_ids, vertex_ids)
+        return detector.any(share, crumple.IntersectionQuery(**members))
 
     def differing(rank, **changed):
-        arrays, ids = share.arguments()
-        given = dict(zip(("vertices", "faces", "groups"), arrays), **ids)
+        """Returns arguments of crumple.mpi.Detector.intersections, of which one rank has others."""
+        given = dict(vertices=local.mesh.vertices, faces=local.mesh.faces, **local.ids)
         return given | (changed if COMM.rank == rank else {})
 
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for failing in range(COMM.size):
-            vertices = share.vertices.copy()
+            vertices = local.mesh.vertices.copy()
             vertices[7, 1] = np.nan
-            place = COMM.bcast(int(share.vertex_ids[7]), failing)
-            error = error_of(detector.find_self, **differing(failing, vertices=vertices))
+            place = COMM.bcast(int(local.vertex_ids[7]), failing)
+            error = error_of(detector.intersections, **differing(failing, vertices=vertices))
             assert type(error) is crumple.InvalidInput and error.code == "not_finite", error
             assert (error.rank, error.element, error.index) == (failing, "vertex", place)
             assert str(error).startswith(f"rank {failing}: ")
 
-            # What Python finds, and before the library is called.
+            # Errors that Python finds before it calls the library.
             for message, changed in {
-                "vertices must be float32 or float64, not int32": dict(vertices=share.faces),
+                "vertices must be float32 or float64, not int32": dict(vertices=local.mesh.faces),
                 "neighbours must be one of": dict(neighbours="none"),
                 "weld must be True or False, not str": dict(weld="no"),
                 "triangle_ids must be one for each of the": dict(triangle_ids=[0]),
-                "vertex_ids must be integers, not float64": dict(vertex_ids=np.zeros(len(share.vertices))),
+                "vertex_ids must be integers, not float64": dict(vertex_ids=np.zeros(len(vertices))),
                 "a mesh must be crumple.Mesh, a tuple": dict(vertices="mesh", faces=None),
             }.items():
                 given = differing(failing, **changed)
-                for call in (detector.find_self, detector.count, detector.has_collision):
-                    error = error_of(call, **given)
+                for error in (
+                    error_of(detector.intersections, **given),
+                    error_of(detector.intersections, **given, output="count"),
+                    error_of(any_of, detector, **given),
+                ):
                     assert type(error) is crumple.InvalidInput and error.rank == failing, error
                     assert str(error).startswith(f"rank {failing}: {message}"), error
 
-            # What is no error of the library's.
+            # An exception that is no error of the library.
             class Interrupting:
                 def __array__(self, *_, **__):
                     raise KeyboardInterrupt
 
             try:
-                detector.find_self(**differing(failing, vertices=Interrupting()))
+                detector.intersections(**differing(failing, vertices=Interrupting()))
                 raise AssertionError("no error was raised")
             except KeyboardInterrupt:
                 assert COMM.rank == failing
             except crumple.Error as error:
                 assert COMM.rank != failing and (error.code, error.rank) == ("cancelled", failing)
                 assert "the call was interrupted: KeyboardInterrupt" in str(error)
-            check_rows(share.call(detector.find_self), share, expected)
+            check_rows(detector.find(local), local, expected)
 
-        error = error_of(detector.count, [[0.0, 0, 0]], [[0, 0, 1]])
+        error = error_of(detector.intersections, [[0.0, 0, 0]], [[0, 0, 1]], output="count")
         assert error.code == "index_out_of_range" and error.rank == 0
         if COMM.size > 1:
-            error = error_of(share.call, detector.count, weld=COMM.rank == 1)
-            assert "the ranks ask different questions" in str(error)
-        check_rows(share.call(detector.find_self), share, expected)
+            for call in (detector.find, detector.any):
+                error = error_of(call, local, crumple.IntersectionQuery(weld=COMM.rank == 1))
+                assert "the ranks ask different questions" in str(error)
+        check_rows(detector.find(local), local, expected)
 
     for options, what in (dict(threads="two"), "threads must be an integer"), (dict(parts=-1), "parts must be 0"):
         error = error_of(crumple.mpi.Detector, COMM, **(options if COMM.rank == 0 else {}))
@@ -186,7 +215,7 @@ def ranks_fail_together_and_go_on():
 
 
 class Alarm(Exception):
-    """What the handler of SIGALRM raises, and what is called while a search goes on."""
+    """Raised by the handler of SIGALRM, and by functions that are called while a search goes on."""
 
 
 def ring(*_):
@@ -194,7 +223,7 @@ def ring(*_):
 
 
 def check_alarm(call, failing):
-    """That the call raises Alarm on one rank, and that the others are told."""
+    """Checks that the call raises Alarm on one rank, and an error that names this rank on the others."""
     try:
         call()
         raise AssertionError("no error was raised")
@@ -207,7 +236,7 @@ def check_alarm(call, failing):
 
 def a_signal_ends_the_call_on_all_ranks():
     mesh = soup(60, size=0.4)
-    share = Share(mesh, round_robin(mesh))
+    local = LocalMesh(mesh, round_robin(mesh))
     signal.signal(signal.SIGALRM, ring)
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for failing in range(COMM.size):
@@ -217,10 +246,10 @@ def a_signal_ends_the_call_on_all_ranks():
             def search(rings=COMM.rank == failing):
                 if rings:
                     signal.setitimer(signal.ITIMER_REAL, 0.1)  # while it waits for the others
-                share.call(detector.find_self)
+                detector.find(local)
 
             check_alarm(search, failing)
-        check_rows(share.call(detector.find_self), share, crumple.Detector(**ONE).find_self(mesh))
+        check_rows(detector.find(local), local, crumple.Detector(**ONE).intersections(mesh))
 
 
 def a_signal_is_seen_within_a_search():
@@ -230,7 +259,7 @@ def a_signal_is_seen_within_a_search():
     def seconds(detector):
         start = time.perf_counter()
         try:
-            detector.find_self(mesh)
+            detector.intersections(mesh)
             rang = False
         except Alarm:
             rang = True
@@ -249,8 +278,8 @@ def a_signal_is_seen_within_a_search():
 
 def what_shows_progress_may_end_the_call():
     mesh = soup(60, size=0.4)
-    share = Share(mesh, round_robin(mesh))
-    expected = crumple.Detector(**ONE).find_self(mesh)
+    local = LocalMesh(mesh, round_robin(mesh))
+    expected = crumple.Detector(**ONE).intersections(mesh)
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for failing in range(COMM.size):
 
@@ -260,29 +289,29 @@ def what_shows_progress_may_end_the_call():
                     raise Alarm
 
             detector.set_progress(show)
-            check_alarm(lambda: share.call(detector.find_self), failing)
+            check_alarm(lambda: detector.find(local), failing)
             detector.set_progress(None)
-            check_rows(share.call(detector.find_self), share, expected)
+            check_rows(detector.find(local), local, expected)
 
 
 def one_call_at_a_time():
     mesh = soup(60, size=0.4)
-    share = Share(mesh, round_robin(mesh))
+    local = LocalMesh(mesh, round_robin(mesh))
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         if COMM.rank == 0:
             results = []
-            thread = threading.Thread(target=lambda: results.append(share.call(detector.find_self)))
+            thread = threading.Thread(target=lambda: results.append(detector.find(local)))
             thread.start()
             time.sleep(0.2)  # it waits for the others
-            for call in (lambda: share.call(detector.find_self), detector.close):
+            for call in (lambda: detector.find(local), detector.close):
                 assert "takes one at a time" in str(error_of(call))
             COMM.barrier()
             thread.join()
             result = results[0]
         else:
             COMM.barrier()
-            result = share.call(detector.find_self)
-        check_rows(result, share, crumple.Detector(**ONE).find_self(mesh))
+            result = detector.find(local)
+        check_rows(result, local, crumple.Detector(**ONE).intersections(mesh))
 
 
 def a_closed_detector_says_so():
@@ -290,11 +319,11 @@ def a_closed_detector_says_so():
     assert (detector.rank, detector.ranks) == (COMM.rank, COMM.size)
     assert detector.options["threads"] == 1 and detector.options["parts"] == 3
     assert repr(detector).startswith("crumple.mpi.Detector(parts=3, round_bytes=67108864, backend='cpu', threads=1")
-    result = detector.find_self(soup(30, size=0.5))
-    assert repr(result).startswith(f"<crumple.mpi.Result: {len(result)} colliding pairs here, {result.total} over all")
+    result = detector.intersections(soup(30, size=0.5))
+    assert repr(result).startswith(f"<crumple.mpi.Intersections: {len(result)} colliding pairs here, {result.count} ov")
     detector.close()
     detector.close()
-    for call in (lambda: detector.rank, lambda: detector.statistics, lambda: detector.find_self([], [])):
+    for call in (lambda: detector.rank, lambda: detector.statistics, lambda: detector.intersections([], [])):
         error = error_of(call)
         assert error.code == "communication" and str(error) == "the detector is closed"
     assert result.pairs.shape == (len(result), 2)

@@ -1,16 +1,17 @@
-"""What ranks of MPI do in test_mpi.py: mpirun -n 3 python -m mpi4py mpi_ranks.py CASE. A rank that fails ends all.
+"""Cases that ranks of MPI run for test_mpi.py: mpirun -n 3 python -m mpi4py mpi_ranks.py CASE. A failed rank ends all.
 
-Every rank makes the answer of one machine itself and looks for its own rows in it.
+Every rank makes the result of one process itself and looks for its own rows in it.
 """
 
 import ctypes
 import os
+from dataclasses import replace
 
 import numpy as np
 from mpi_shares import (
     COMM,
     ONE,
-    Share,
+    LocalMesh,
     all_on_the_last,
     blocks,
     bodies_by_turns,
@@ -20,95 +21,102 @@ from mpi_shares import (
     cloth,
     error_of,
     grouped,
+    local_world,
     round_robin,
     run,
-    world_share,
 )
 
 import crumple
 import crumple.mpi
 from conftest import OnDevice, soup
 
+BETWEEN_SOME = crumple.PairFilter(groups="between", excluded_groups=[(0, 1)])
 
-def the_answer_is_that_of_one_detector():
-    questions = [
-        (cloth(), dict(contacts=True)),
+
+def the_result_is_that_of_one_detector():
+    queries = [
+        (cloth(), dict(output="contacts")),
         (soup(500, dtype=np.float64), dict(neighbours="skip")),
-        (soup(500), dict(weld=True, intersections="proper")),
-        (grouped(), dict(wanted="between", excluded_groups=[(0, 1)])),
-        (grouped(), dict(wanted="within", contacts=True)),
-        (crumple.Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int32)), dict(contacts=True)),
+        (soup(500), dict(weld=True, kind="proper")),
+        (grouped(), dict(filter=BETWEEN_SOME)),
+        (grouped(), dict(output="contacts", filter=crumple.PairFilter(groups="within"))),
+        (crumple.Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int32)), dict(output="contacts")),
         (soup(2), {}),
     ]
-    for mesh, question in questions:
-        expected = crumple.Detector(**ONE).find_self(mesh, **question)
-        without_contacts = {name: value for name, value in question.items() if name != "contacts"}
+    for mesh, members in queries:
+        expected = crumple.Detector(**ONE).intersections(mesh, **members)
         for distribution in (round_robin, blocks, all_on_the_last):
-            share = Share(mesh, distribution(mesh))
+            local = LocalMesh(mesh, distribution(mesh))
             for options in ({}, dict(parts=7, round_bytes=1024)):
                 with crumple.mpi.Detector(COMM, **ONE, **options) as detector:
-                    check_rows(share.call(detector.find_self, **question), share, expected)
-                    assert share.call(detector.count, **without_contacts) == len(expected)
-                    assert share.call(detector.has_collision, **without_contacts) is bool(expected)
+                    check_rows(detector.intersections(local.mesh, **local.ids, **members), local, expected)
+                    query = crumple.IntersectionQuery(**members)
+                    check_rows(detector.find(local, query), local, expected)
+                    assert detector.find(local, replace(query, output="count")).count == len(expected)
+                    assert detector.any(local, query) is bool(expected)
 
 
 def motion_is_that_of_one_detector():
-    sheets = soup(200, size=0.3)
-    questions = [
+    queries = [
         (cloth(60), cloth(61).vertices, {}),
-        (cloth(60), np.asarray(cloth(61).vertices, np.float64), dict(min_distance=1e-3, min_distance_share=0.1, weld=True)),
-        (grouped(), np.flip(grouped().vertices, 1), dict(wanted="between", excluded_groups=[(0, 1)])),
-        (sheets, sheets.vertices, {}),
+        (
+            cloth(60),
+            np.asarray(cloth(61).vertices, np.float64),
+            dict(min_distance=1e-3, min_distance_share=0.1, weld=True),
+        ),
+        (grouped(), np.flip(grouped().vertices, 1), dict(filter=BETWEEN_SOME)),
+        (soup(200, size=0.3), soup(200, size=0.3).vertices, {}),
         (soup(1), soup(1).vertices, {}),
     ]
-    for mesh, end, question in questions:
-        expected = crumple.Detector(**ONE).find_impacts(mesh, end, **question)
+    for mesh, end, members in queries:
+        expected = crumple.Detector(**ONE).impacts(mesh, end, **members)
         for distribution in (round_robin, all_on_the_last):
-            share = Share(mesh, distribution(mesh))
-            moved = np.asarray(end)[share.vertex_ids]
-            ids = dict(triangle_ids=share.triangle_ids, vertex_ids=share.vertex_ids)
-            given = (share.vertices, moved, share.faces, share.groups)
+            local = LocalMesh(mesh.moving_to(end), distribution(mesh))
+            vertices, faces, groups = local.mesh
             with crumple.mpi.Detector(COMM, **ONE) as detector:
-                found = detector.find_impacts(*given, **ids, **question)
-                check_features(found, share, expected, ("toi", "start"))
+                found = detector.impacts(vertices, local.mesh.end, faces, groups=groups, **local.ids, **members)
+                check_features(found, local, expected, ("toi", "start"))
                 assert found.first == expected.first
-                first = detector.find_impacts(*given, **ids, wants="earliest", **question)
-                assert first.first == expected.first and first.any == expected.any
-                assert "earliest" not in repr(first) and "wants" in str(error_of(getattr, first, "vertex_faces"))
-                time = detector.time_of_first_impact(*given, **ids, **question)
-                assert time == (expected.first.toi if expected.any else None)
-                assert detector.is_free(*given, **ids, **question) is not expected.any
-                some = detector.find_impacts(*given, **ids, wants="any", **question)
-                assert some.any == expected.any and 'wants="earliest"' in str(error_of(getattr, some, "first"))
-                for answer in (found, first, some):
-                    assert repr(answer).startswith("<crumple.mpi.Impacts: "), answer
+                query = crumple.ImpactQuery(**members)
+                check_features(detector.find(local, query), local, expected, ("toi", "start"))
+                first = detector.find(local, replace(query, output="first"))
+                assert first.first == expected.first and first.any == expected.any == ("first at" in repr(first))
+                assert 'output="pairs"' in str(error_of(getattr, first, "vertex_faces"))
+                assert detector.any(local, query) is expected.any
+                some = detector.find(local, replace(query, output="any"))
+                assert some.any == expected.any and 'output="first"' in str(error_of(getattr, some, "first"))
+                for result in (found, first, some):
+                    assert repr(result).startswith("<crumple.mpi.Impacts: "), result
 
 
 def nearness_is_that_of_one_detector():
-    questions = [
+    queries = [
         (cloth(), dict(radius=0.02)),
         (cloth(), dict(radius=0.02, strict=True, closest=True, weld=True)),
-        (grouped(), dict(radius=0.2, wanted="within", closest=True)),
+        (grouped(), dict(radius=0.2, closest=True, filter=crumple.PairFilter(groups="within"))),
         (soup(1), dict(radius=0.1)),
     ]
-    for mesh, question in questions:
-        expected = crumple.Detector(**ONE).find_near(mesh, **question)
-        columns = ("squared_distance", "touching", *(("type", "at") if question.get("closest") else ()))
+    for mesh, members in queries:
+        expected = crumple.Detector(**ONE).proximities(mesh, **members)
+        columns = ("squared_distance", "touching", *(("type", "at") if members.get("closest") else ()))
         for distribution in (round_robin, all_on_the_last):
-            share = Share(mesh, distribution(mesh))
+            local = LocalMesh(mesh, distribution(mesh))
             with crumple.mpi.Detector(COMM, **ONE) as detector:
-                found = share.call(detector.find_near, **question)
-                check_features(found, share, expected, columns)
-                if "closest" not in question:
+                found = detector.proximities(local.mesh, **local.ids, **members)
+                check_features(found, local, expected, columns)
+                if "closest" not in members:
                     assert "closest=True" in str(error_of(getattr, found, "edge_edge_type"))
-                some = share.call(detector.find_near, wants="any", **question)
-                assert some.any == expected.any and 'wants="pairs"' in str(error_of(getattr, some, "total"))
-                for answer in (found, some):
-                    assert repr(answer).startswith("<crumple.mpi.Nearby: "), answer
+                query = crumple.ProximityQuery(**members)
+                check_features(detector.find(local, query), local, expected, columns)
+                assert detector.any(local, query) is expected.any
+                some = detector.find(local, replace(query, output="any"))
+                assert some.any == expected.any and 'output="pairs"' in str(error_of(getattr, some, "count"))
+                for result in (found, some):
+                    assert repr(result).startswith("<crumple.mpi.Proximities: "), result
 
 
 def on_device(array):
-    """A copy in the memory of the device that the CPU plays for crumple.mpi."""
+    """Returns a copy in the memory of the device that the CPU plays for crumple.mpi."""
     allocate = ctypes.CDLL(crumple._mpi.__file__).crumple_test_device_memory
     allocate.restype, allocate.argtypes = ctypes.c_void_p, [ctypes.c_size_t]
     memory = (ctypes.c_byte * max(array.nbytes, 1)).from_address(allocate(max(array.nbytes, 1)))
@@ -119,111 +127,115 @@ def on_device(array):
 
 def arrays_may_lie_on_a_device():
     mesh = grouped()
-    share = Share(mesh, round_robin(mesh))
-    ids = dict(triangle_ids=share.triangle_ids, vertex_ids=share.vertex_ids)
-    on_host = (share.vertices, share.faces, share.groups.astype(np.int32))
+    local = LocalMesh(mesh, round_robin(mesh))
+    on_host = (local.mesh.vertices, local.mesh.faces, local.mesh.groups.astype(np.int32))
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for failing in range(COMM.size):
-            given = map(OnDevice, on_host) if COMM.rank == failing else on_host
-            error = error_of(detector.find_self, *given, **ids)
+            given = crumple.Mesh(*(map(OnDevice, on_host) if COMM.rank == failing else on_host))
+            error = error_of(detector.intersections, given, **local.ids)
             assert error.rank == failing and "CUDA memory, which needs the cuda backend" in str(error), error
-        check_rows(share.call(detector.find_self), share, crumple.Detector(**ONE).find_self(mesh))
+        check_rows(detector.find(local), local, crumple.Detector(**ONE).intersections(mesh))
     if "CRUMPLE_CUDA_ON_CPU" not in os.environ:
         return
     one = crumple.Detector(**ONE)
-    question = dict(wanted="between")
+    members = dict(filter=crumple.PairFilter(groups="between"))
     with crumple.mpi.Detector(COMM, backend="cuda", threads=1) as detector:
         for some in (COMM.rank == 0, True):  # on one rank alone, and on all
-            given = tuple(on_device(array) for array in on_host) if some else on_host
-            found = detector.find_self(*given, **ids, **question)
-            check_rows(found, share, one.find_self(mesh, **question))
-            end = share.vertices[:, ::-1].copy()
-            found = detector.find_impacts(given[0], on_device(end) if some else end, *given[1:], **ids, **question)
-            expected = one.find_impacts(mesh, np.asarray(mesh.vertices)[:, ::-1].copy(), **question)
-            check_features(found, share, expected, ("toi", "start"))
-            found = detector.find_near(*given, **ids, radius=0.1, **question)
-            expected = one.find_near(mesh, radius=0.1, **question)
-            check_features(found, share, expected, ("squared_distance", "touching"))
-        elsewhere = tuple(OnDevice(array, device=99) for array in on_host)
-        error = error_of(detector.find_self, *elsewhere, **ids)
+            given = crumple.Mesh(*(map(on_device, on_host) if some else on_host))
+            found = detector.intersections(given, **local.ids, **members)
+            check_rows(found, local, one.intersections(mesh, **members))
+            end = local.mesh.vertices[:, ::-1].copy()
+            found = detector.impacts(given, on_device(end) if some else end, **local.ids, **members)
+            expected = one.impacts(mesh, np.asarray(mesh.vertices)[:, ::-1].copy(), **members)
+            check_features(found, local, expected, ("toi", "start"))
+            found = detector.proximities(given, radius=0.1, **local.ids, **members)
+            expected = one.proximities(mesh, radius=0.1, **members)
+            check_features(found, local, expected, ("squared_distance", "touching"))
+        elsewhere = crumple.Mesh(*(OnDevice(array, device=99) for array in on_host))
+        error = error_of(detector.intersections, elsewhere, **local.ids)
         assert "CUDA device 99, but the detector of this rank works on device " in str(error), error
 
 
-def bodies_have_the_answer_of_one_detector():
+def bodies_have_the_result_of_one_detector():
     one = crumple.Detector(**ONE)
-    questions = [
-        dict(wants="contacts"),
-        dict(wants="pairs", bodies="between", excluded=[(0, 1), (2, 2)], weld=True),
-        dict(wants="body_pairs", groups="within"),
-        dict(wants="count", neighbours="skip"),
-        dict(wants="any"),
+    queries = [
+        crumple.IntersectionQuery(output="contacts"),
+        crumple.IntersectionQuery(
+            weld=True, filter=crumple.PairFilter(bodies="between", excluded_bodies=[(0, 1), (2, 2)])
+        ),
+        crumple.IntersectionQuery(output="body_pairs", filter=crumple.PairFilter(groups="within")),
+        crumple.IntersectionQuery(output="count", neighbours="skip"),
+        crumple.IntersectionQuery(output="any"),
     ]
     for distribution in (bodies_by_turns, bodies_of_the_last):
-        share = world_share(distribution)
+        local = local_world(distribution)
         with crumple.mpi.Detector(COMM, **ONE) as detector:
-            for question in questions:
-                expected = one.find(share.whole, **question)
-                found = detector.find(share.world, body_ids=share.body_ids, **question)
-                assert found.any == expected.any == bool(found) and repr(found).startswith("<crumple.mpi.WorldResult: ")
-                wants = question["wants"]
-                if wants in ("count", "pairs", "contacts"):
+            for query in queries:
+                output = query.output
+                expected = one.find(local.whole, query)
+                found = detector.find(local, query)
+                assert found.any == expected.any == bool(found) == detector.any(local, query)
+                assert repr(found).startswith("<crumple.mpi.Intersections: ")
+                assert (f"{len(found)} colliding pairs of bodies here" in repr(found)) == (output == "body_pairs")
+                if output in ("count", "pairs", "contacts"):
                     assert found.count == expected.count > 0
                 else:
-                    assert 'wants="count"' in str(error_of(getattr, found, "count"))
-                if wants in ("body_pairs", "pairs", "contacts"):
-                    mine = share.rows(expected.bodies)
+                    assert 'output="count"' in str(error_of(getattr, found, "count"))
+                if output in ("body_pairs", "pairs", "contacts"):
+                    mine = local.rows(expected.bodies)
                     np.testing.assert_array_equal(found.bodies, expected.bodies[mine])
                     assert len(found) == mine.sum() and not (len(found) and found.bodies.flags.writeable)
-                if wants in ("pairs", "contacts"):
+                if output in ("pairs", "contacts"):
                     np.testing.assert_array_equal(found.pairs, expected.pairs[mine])
-                assert (found.contacts is None) == (wants != "contacts")
+                assert (found.contacts is None) == (output != "contacts")
                 for points, row in zip(found.contacts or [], np.flatnonzero(mine) if found.contacts else []):
                     assert points.tobytes() == expected.contacts[row].tobytes()
 
 
-def moving_bodies_have_the_answer_of_one_detector():
+def moving_bodies_have_the_result_of_one_detector():
     one = crumple.Detector(**ONE)
     for distribution in (bodies_by_turns, bodies_of_the_last):
-        share = world_share(distribution, self_collisions=[True, False] * 4)
-        ids = dict(body_ids=share.body_ids)
+        local = local_world(distribution, self_collisions=[True, False] * 4)
+        world, ids = local.world, dict(body_ids=local.body_ids)
         with crumple.mpi.Detector(COMM, **ONE) as detector:
             searches = [
-                (detector.find_impacts(share.world, **ids), one.find_impacts(share.whole), ("toi", "start")),
+                (detector.impacts(world, **ids), one.impacts(local.whole), ("toi", "start")),
                 (
-                    detector.find_near(share.world, **ids, radius=0.1, closest=True),
-                    one.find_near(share.whole, radius=0.1, closest=True),
+                    detector.proximities(world, radius=0.1, closest=True, **ids),
+                    one.proximities(local.whole, radius=0.1, closest=True),
                     ("squared_distance", "touching", "type", "at"),
                 ),
             ]
             for found, expected, columns in searches:
                 for kind in ("vertex_face", "edge_edge"):
-                    mine = share.rows(getattr(expected, f"{kind}_bodies"))
+                    mine = local.rows(getattr(expected, f"{kind}_bodies"))
                     for name in (f"{kind}s", f"{kind}_bodies", *(f"{kind}_{column}" for column in columns)):
                         rows = np.ascontiguousarray(getattr(expected, name)[mine])
                         assert getattr(found, name).tobytes() == rows.tobytes(), name
                 first = expected.first_edge[found.edge_bodies]
                 np.testing.assert_array_equal(found.edges, expected.edges[first + found.edge_ids])
-                assert found.total == expected.count > 0 and found.any
+                assert found.count == expected.count > 0 and found.any
             assert searches[0][0].first == searches[0][1].first
-            earliest = detector.find_impacts(share.world, **ids, wants="earliest")
-            assert earliest.first == searches[0][1].first
-            found = detector.find(share.world, **ids, poses=share.world.end_poses)
-            expected = one.find(share.whole, poses=share.whole.end_poses)
-            np.testing.assert_array_equal(found.pairs, expected.pairs[share.rows(expected.bodies)])
-            found = detector.find(share.world, **ids)
+            assert detector.impacts(world, output="first", **ids).first == searches[0][1].first
+            found = detector.intersections(world.at(world.end_poses), **ids)
+            expected = one.intersections(local.whole.at(local.whole.end_poses))
+            np.testing.assert_array_equal(found.pairs, expected.pairs[local.rows(expected.bodies)])
+            found = detector.intersections(world, **ids)
             assert found.statistics.moved
-            of_mesh = detector.find_near(np.zeros((0, 3)), np.zeros((0, 3), np.int32), radius=1)
-            assert "asked of a mesh" in str(error_of(getattr, of_mesh, "edge_bodies"))
+            of_mesh = detector.proximities(np.zeros((0, 3)), np.zeros((0, 3), np.int32), radius=1)
+            assert "asked of one mesh" in str(error_of(getattr, of_mesh, "edge_bodies"))
 
 
 def triangles_are_numbered_by_rank_without_ids():
     mesh = soup(90, size=0.4)
-    share = Share(mesh, blocks(mesh))
-    expected = crumple.Detector(**ONE).find_self(mesh)
+    local = LocalMesh(mesh, blocks(mesh))
+    vertices, faces, _ = local.mesh
+    expected = crumple.Detector(**ONE).intersections(mesh)
     with crumple.mpi.Detector(COMM, **ONE) as detector:
-        check_rows(detector.find_self(share.vertices, share.faces), share, expected)
-        check_rows(detector.find_self((share.vertices, share.faces.ravel())), share, expected)
-        check_rows(detector.find_self(share.vertices.tolist(), share.faces.tolist()), share, expected)
+        check_rows(detector.intersections(vertices, faces), local, expected)
+        check_rows(detector.intersections((vertices, faces.ravel())), local, expected)
+        check_rows(detector.intersections(vertices.tolist(), faces.tolist()), local, expected)
+        check_rows(detector.find(crumple.mpi.MeshShare((vertices, faces))), local, expected)
 
 
 def frames_follow_one_another():
@@ -231,13 +243,13 @@ def frames_follow_one_another():
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for frame in range(60, 70):
             mesh = cloth(frame)
-            share = Share(mesh, round_robin(mesh))
-            result = share.call(detector.find_self, contacts=True)
-            held.append((result, share, crumple.Detector(**ONE).find_self(mesh, contacts=True)))
+            local = LocalMesh(mesh, round_robin(mesh))
+            result = detector.intersections(local.mesh, output="contacts", **local.ids)
+            held.append((result, local, crumple.Detector(**ONE).intersections(mesh, output="contacts")))
             assert result.statistics.moved == (frame > 60) == detector.statistics.moved
     del detector
-    for found, share, expected in held:
-        check_rows(found, share, expected)
+    for found, local, expected in held:
+        check_rows(found, local, expected)
     pairs = found.pairs
     before = pairs.copy()
     del found, result, held
@@ -247,8 +259,7 @@ def frames_follow_one_another():
 def statistics_tell_what_was_done():
     mesh = cloth()
     with crumple.mpi.Detector(COMM, **ONE) as detector:
-        share = Share(mesh, round_robin(mesh))
-        statistics = share.call(detector.find_self).statistics
+        statistics = detector.find(LocalMesh(mesh, round_robin(mesh))).statistics
         assert list(statistics.phase_milliseconds) == "question input ids place members room search rows output".split()
         assert 0 < sum(statistics.phase_milliseconds.values()) <= statistics.milliseconds * 1.01
         assert COMM.allreduce(statistics.members) >= len(mesh.faces)
@@ -260,11 +271,11 @@ def statistics_tell_what_was_done():
 
 def progress_is_shown():
     mesh = cloth()
-    share = Share(mesh, round_robin(mesh))
+    local = LocalMesh(mesh, round_robin(mesh))
     with crumple.mpi.Detector(COMM, parts=6, **ONE) as detector:
         seen = []
         detector.set_progress(lambda *progress: seen.append(progress))
-        statistics = share.call(detector.find_self).statistics
+        statistics = detector.find(local).statistics
         parts = [(phase, done, of) for phase, done, of in seen if phase == "search"]
         assert parts == [("search", done, statistics.parts) for done in range(statistics.parts + 1)]
         begun = [phase for phase, done, _ in seen if done == 0]
@@ -273,17 +284,17 @@ def progress_is_shown():
         assert "show must be callable or None, not int" in str(error_of(detector.set_progress, 3))
         detector.set_progress(None)
         seen.clear()
-        share.call(detector.find_self)
+        detector.find(local)
         assert seen == []
 
 
 def some_ranks_have_a_scene_of_their_own():
     half = COMM.Split(COMM.rank % 2)
     mesh = soup(60, size=0.4, seed=COMM.rank % 2)
-    share = Share(mesh, np.arange(60) % half.size, half.rank)
+    local = LocalMesh(mesh, np.arange(60) % half.size, half.rank)
     with crumple.mpi.Detector(half, **ONE) as detector:
         assert (detector.rank, detector.ranks) == (half.rank, half.size)
-        check_rows(share.call(detector.find_self), share, crumple.Detector(**ONE).find_self(mesh))
+        check_rows(detector.find(local), local, crumple.Detector(**ONE).intersections(mesh))
     half.Free()
 
 

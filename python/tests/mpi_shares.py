@@ -1,4 +1,4 @@
-"""Scenes of which ranks of MPI have shares, and what their rows of an answer are."""
+"""Scenes that ranks of MPI bring together, and the rows of a result that belong to each rank."""
 
 import sys
 
@@ -13,29 +13,32 @@ COMM = MPI.COMM_WORLD
 ONE = {"backend": "cpu", "threads": 1}
 
 
-class Share:
-    """The faces of a mesh that a rank has, and the vertices that they name."""
+class LocalMesh(crumple.mpi.MeshShare):
+    """The faces of a mesh that a rank brings, and the vertices that they name.
 
-    def __init__(self, mesh, triangles, rank=COMM.rank):
-        self.rank, self.mesh, self.triangle_ids = rank, mesh, np.flatnonzero(triangles == rank)
-        faces = np.asarray(mesh.faces).reshape(-1, 3)[self.triangle_ids]
-        self.vertex_ids, faces = np.unique(faces, return_inverse=True)
-        self.faces = faces.reshape(-1, 3).astype(np.int32)
-        self.groups = None if mesh.groups is None else np.asarray(mesh.groups)[self.triangle_ids]
-        # Vertices that no face names have to be somewhere, too.
-        unnamed = np.setdiff1d(np.arange(len(mesh.vertices)), mesh.faces)
-        if rank == 0:
-            self.vertex_ids = np.append(self.vertex_ids, unnamed)
-        self.vertices = np.asarray(mesh.vertices)[self.vertex_ids]
+    Args:
+        whole: the mesh of all ranks.
+        ranks: (m,) the rank that brings each face.
+        rank: this rank.
+    """
 
-    def arguments(self):
-        return (self.vertices, self.faces, self.groups), dict(
-            triangle_ids=self.triangle_ids, vertex_ids=self.vertex_ids
+    def __init__(self, whole, ranks, rank=COMM.rank):
+        self.whole = whole
+        triangle_ids = np.flatnonzero(ranks == rank)
+        vertex_ids, faces = np.unique(np.asarray(whole.faces).reshape(-1, 3)[triangle_ids], return_inverse=True)
+        if rank == 0:  # which brings the vertices that no face names
+            vertex_ids = np.append(vertex_ids, np.setdiff1d(np.arange(len(whole.vertices)), whole.faces))
+        vertices, end, groups = (
+            None if array is None else np.asarray(array)[ids]
+            for array, ids in ((whole.vertices, vertex_ids), (whole.end, vertex_ids), (whole.groups, triangle_ids))
         )
+        mesh = crumple.Mesh(vertices, faces.reshape(-1, 3).astype(np.int32), groups, end=end)
+        super().__init__(mesh, triangle_ids, vertex_ids)
 
-    def call(self, call, **question):
-        arrays, ids = self.arguments()
-        return call(*arrays, **ids, **question)
+    @property
+    def ids(self):
+        """The ids as keywords."""
+        return {"triangle_ids": self.triangle_ids, "vertex_ids": self.vertex_ids}
 
 
 def round_robin(mesh):
@@ -59,12 +62,13 @@ def grouped():
     return mesh._replace(groups=np.arange(300) % 3)
 
 
-def check_rows(found, share, expected):
-    """That these are the rows of the whole answer whose first triangle is this rank's."""
-    mine = np.isin(expected.pairs[:, 0], share.triangle_ids)
+def check_rows(found, local, expected):
+    """Checks that these are the rows of the whole result whose first triangle this rank brings."""
+    mine = np.isin(expected.pairs[:, 0], local.triangle_ids)
     assert found.pairs.dtype == np.int32 and not (len(found) and found.pairs.flags.writeable)
     np.testing.assert_array_equal(found.pairs, expected.pairs[mine])
-    assert len(found) == mine.sum() and found.total == len(expected) and bool(found) == mine.any()
+    assert len(found) == mine.sum() and found.count == len(expected)
+    assert found.any == bool(found) == expected.any
     assert (found.contacts is None) == (expected.contacts is None)
     if expected.contacts is not None:
         np.testing.assert_array_equal(found.contacts.kinds, expected.contacts.kinds[mine])
@@ -74,7 +78,7 @@ def check_rows(found, share, expected):
 
 
 def lowest_triangles(faces, corners):
-    """Of each vertex, or of each edge (two vertices), the lowest of the faces that name it."""
+    """Returns the lowest of the faces that name each vertex, or each edge (two vertices)."""
     lowest = {}
     for triangle, face in enumerate(np.asarray(faces).reshape(-1, 3).tolist()):
         names = face if corners == 1 else [tuple(sorted((face[k], face[k - 1]))) for k in range(3)]
@@ -83,24 +87,24 @@ def lowest_triangles(faces, corners):
     return lowest
 
 
-def check_features(found, share, expected, columns):
-    """That these are the rows of the whole answer whose first feature is owned by one of this rank's triangles."""
-    vertices, edges = (lowest_triangles(share.mesh.faces, corners) for corners in (1, 2))
+def check_features(found, local, expected, columns):
+    """Checks that these are the rows of the whole result whose first feature is owned by a triangle of this rank."""
+    vertices, edges = (lowest_triangles(local.whole.faces, corners) for corners in (1, 2))
     ends = [tuple(edge) for edge in expected.edges.tolist()]
     owners = {
         "vertex_face": [vertices[v] for v in expected.vertex_faces[:, 0].tolist()],
         "edge_edge": [edges[ends[e]] for e in expected.edge_edges[:, 0].tolist()],
     }
     for kind, triangles in owners.items():
-        mine = np.isin(triangles, share.triangle_ids) if triangles else np.zeros(0, bool)
+        mine = np.isin(triangles, local.triangle_ids) if triangles else np.zeros(0, bool)
         for name in (kind + "s", *(f"{kind}_{column}" for column in columns)):
             rows, all_rows = getattr(found, name), getattr(expected, name)
             assert rows.dtype == all_rows.dtype and not (len(rows) and rows.flags.writeable), name
             assert rows.tobytes() == np.ascontiguousarray(all_rows[mine]).tobytes(), name
     np.testing.assert_array_equal(found.edge_ids, np.unique(found.edge_edges))
     np.testing.assert_array_equal(found.edges, expected.edges[found.edge_ids])
-    assert found.total == expected.count and found.any == expected.any == bool(found)
-    assert COMM.allreduce(len(found)) == found.total
+    assert found.count == expected.count and found.any == expected.any == bool(found)
+    assert COMM.allreduce(len(found)) == found.count
 
 
 def error_of(call, *arguments, **named):
@@ -111,34 +115,32 @@ def error_of(call, *arguments, **named):
     raise AssertionError("no error was raised")
 
 
-class WorldShare:
-    """The bodies of a world that a rank has."""
+class LocalWorld(crumple.mpi.WorldShare):
+    """The bodies of a world that a rank brings; `whole` is the world of all ranks."""
 
-    def __init__(self, shapes, distribution, poses, end_poses=None, self_collisions=True):
+    def __init__(self, shapes, distribution, poses, end_poses, self_collisions=True):
         count = len(shapes)
-        self.body_ids = np.flatnonzero(distribution(count))
+        mine = np.flatnonzero(distribution(count))
         all_self = np.broadcast_to(self_collisions, count)
         self.whole = crumple.World(shapes, poses=poses, end_poses=end_poses, self_collisions=all_self)
-        mine = self.body_ids
-        self.world = crumple.World(
-            [shapes[b] for b in mine],
-            poses=poses[mine],
-            end_poses=None if end_poses is None else end_poses[mine],
-            self_collisions=all_self[mine],
+        world = crumple.World(
+            [shapes[b] for b in mine], poses=poses[mine], end_poses=end_poses[mine], self_collisions=all_self[mine]
         )
+        super().__init__(world, mine)
 
     def rows(self, bodies):
+        """Flags of the rows whose first body this rank brings."""
         return np.isin(bodies[:, 0], self.body_ids)
 
 
-def world_share(distribution, **named):
+def local_world(distribution, **named):
     shapes = [crumple.Shape(soup(20, size=0.5)), crumple.Shape(soup(30, size=0.3, seed=2, dtype=np.float64))] * 4
     random = np.random.default_rng(3)
     poses = np.tile(np.eye(3, 4), (8, 1, 1))
     poses[:, :, 3] = 0.4 * random.random((8, 3))
     end_poses = poses.copy()
     end_poses[:, :, 3] += 0.2 * random.random((8, 3))
-    return WorldShare(shapes, distribution, poses, end_poses, **named)
+    return LocalWorld(shapes, distribution, poses, end_poses, **named)
 
 
 def bodies_by_turns(count):

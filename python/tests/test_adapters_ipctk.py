@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import crumple
-from conftest import peer, soup
+from conftest import peer, soup, toi_of
 
 ipctk = peer("ipctk")
 from crumple.adapters import ipctk as adapter  # noqa: E402
@@ -113,7 +113,7 @@ def test_boxes_give_ipctks_own_results():
         step = ipctk.compute_collision_free_stepsize(mesh, vertices, end, broad_phase=broad_phase)
         broad_phase.build(vertices, edges, faces)
         crossed = [len(getattr(broad_phase, f"detect_{kind}_candidates")()) for kind in ("edge_face", "face_face")]
-        answers.append((step, ipctk.has_intersections(mesh, vertices, broad_phase), crossed))
+        answers.append((step, ipctk.any(crumple.as_mesh(mesh)._with()), crossed))
     assert answers[0] == answers[1] and 0 < answers[0][0] < 1 and min(answers[0][2]) > 0
 
 
@@ -121,7 +121,7 @@ def test_steps_are_exact_and_no_shorter_than_ipctks():
     vertices, edges, faces = scene(rods=False)
     end = columns(vertices + 0.02 * (np.random.default_rng(2).random(vertices.shape) - 0.5))
     mesh, candidates, steps = ipctk.CollisionMesh(vertices, edges, faces), ipctk.Candidates(), []
-    exact = crumple.time_of_first_impact(vertices, end, faces)
+    exact = toi_of(crumple.first_impact(vertices, end, faces))
     assert 0 < exact < 1
     for broad_phase in (adapter.BroadPhase(), ipctk.LBVH()):
         candidates.build(mesh, vertices, end, 0.0, broad_phase)
@@ -135,18 +135,18 @@ def test_steps_are_exact_and_no_shorter_than_ipctks():
 
     share = {"min_distance_share": 0.2}  # of all boxes, for what does not touch may come near
     first = adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end, **share)
-    assert first == crumple.time_of_first_impact(vertices, end, faces, **share) < exact
+    assert first == toi_of(crumple.first_impact(vertices, end, faces, **share)) < exact
     assert not adapter.is_step_collision_free(candidates, mesh, vertices, end, **share)
 
 
 def test_a_minimum_distance_is_a_separation():
     vertices, edges, faces = scene(rods=False)
     end = columns(vertices + 0.02 * (np.random.default_rng(2).random(vertices.shape) - 0.5))
-    least = float(np.sqrt(crumple.find_near(vertices, faces, radius=0.05).edge_edge_squared_distance.min()))
+    least = float(np.sqrt(crumple.proximities(vertices, faces, radius=0.05).edge_edge_squared_distance.min()))
     mesh, candidates = ipctk.CollisionMesh(vertices, edges, faces), ipctk.Candidates()
     candidates.build(mesh, vertices, end, least / 4, adapter.BroadPhase())
     first = adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end, least / 2)
-    assert first == crumple.time_of_first_impact(vertices, end, faces, min_distance=least / 2) > 0
+    assert first == toi_of(crumple.first_impact(vertices, end, faces, min_distance=least / 2)) > 0
 
 
 def test_rods_and_points_go_through_ipctks_candidates():
@@ -219,8 +219,8 @@ BOTH = np.array([[0, 1, 2], [3, 4, 5]])
 def test_intersections_are_found_with_edges_of_no_triangle(faces, rods):
     edges = np.array([*ipctk.edges(faces).tolist(), *rods]) if len(faces) else np.array(rods)
     mesh = ipctk.CollisionMesh(CROSSED, edges, faces)
-    theirs = ipctk.has_intersections(mesh, CROSSED, ipctk.LBVH())
-    assert ipctk.has_intersections(mesh, CROSSED, adapter.BroadPhase()) == theirs
+    theirs = ipctk.any(crumple.as_mesh(mesh)._with())
+    assert ipctk.any(crumple.as_mesh(mesh)._with()) == theirs
 
 
 @pytest.mark.parametrize("edges, found", [([[0, 1], [5, 3]], [(0, 1), (1, 0)]), ([[5, 3]], [(0, 0)]), ([], [])])
@@ -269,7 +269,7 @@ end = vertices + 0.2 * (random.random((24, 3)) - 0.5)
 vertices, end, faces = map(np.asfortranarray, (vertices, end, faces))
 mesh = ipctk.CollisionMesh(vertices, np.asfortranarray(ipctk.edges(faces)), faces)
 for share in (0, 0.1):
-    exact = crumple.time_of_first_impact(vertices, end, faces, min_distance_share=share)
+    exact = toi_of(crumple.first_impact(vertices, end, faces, min_distance_share=share))
     ccd = NarrowPhaseCCD(min_distance_share=share)
     found = ipctk.compute_collision_free_stepsize(mesh, vertices, end, narrow_phase_ccd=ccd)
     assert found == exact and 0 < exact < 1, (found, exact)
@@ -297,7 +297,7 @@ def test_frames_of_a_simulation():
     first, second = (crumple.read_mesh(DATA / "cloth-funnel" / "frames" / f"{frame}.ply") for frame in (227, 228))
     start, end = columns(first.vertices.astype(float)), columns(second.vertices.astype(float))
     mesh = ipctk.CollisionMesh(start, columns(ipctk.edges(columns(first.faces))), columns(first.faces))
-    exact, steps = crumple.time_of_first_impact(start, end, first.faces), []
+    exact, steps = toi_of(crumple.first_impact(start, end, first.faces)), []
     for broad_phase in (ipctk.LBVH(), adapter.BroadPhase()):
         steps.append(ipctk.compute_collision_free_stepsize(mesh, start, end, broad_phase=broad_phase))
         candidates = ipctk.Candidates()

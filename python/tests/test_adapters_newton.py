@@ -14,7 +14,7 @@ def cloth():
     """Pressed flat, so that much of it is near."""
     mesh = crumple.make_scene("cloth", triangles=600, frame=60)
     mesh = crumple.Mesh(mesh.vertices * np.float32([1, 0.05, 1]), mesh.faces)
-    edges = crumple.find_near(mesh, radius=0).edges
+    edges = crumple.proximities(mesh, radius=0).edges
     return mesh.vertices, mesh.faces, np.random.default_rng(1).permutation(edges)[:, ::-1]
 
 
@@ -50,7 +50,7 @@ def check_least(least, distances):
 def test_lists_are_those_of_brute_force(listed):
     vertices, faces, edges = cloth()
     if not listed:
-        edges = crumple.find_near((vertices, faces), radius=0).edges
+        edges = crumple.proximities((vertices, faces), radius=0).edges
     contacts = SelfContactDetector(faces, edges if listed else None, threads=1).detect(vertices, RADIUS)
 
     by_vertex, vertex_least = lists("vertex_colliding_triangles", contacts, 2)

@@ -14,11 +14,11 @@ SCENES = [scene.name for scene in crumple.scenes()]
 QUERIES = {
     "default": {},
     "skip": {"neighbours": "skip"},
-    "proper": {"intersections": "proper"},
+    "proper": {"kind": "proper"},
     "welded": {"weld": True},
-    "between groups": {"wanted": "between"},
-    "within groups": {"wanted": "within"},
-    "excluded groups": {"excluded_groups": [(0, 0), (1, -1)]},
+    "between groups": {"filter": crumple.PairFilter(groups="between")},
+    "within groups": {"filter": crumple.PairFilter(groups="within")},
+    "excluded groups": {"filter": crumple.PairFilter(excluded_groups=[(0, 0), (1, -1)])},
 }
 
 
@@ -29,7 +29,7 @@ def small(name: str, triangles: int = 300) -> crumple.Mesh:
     return mesh if mesh.groups is not None else mesh._replace(groups=np.arange(len(mesh.faces)) % 3)
 
 
-def same(found: crumple.Result, expected: crumple.Result) -> None:
+def same(found: crumple.Intersections, expected: crumple.Intersections) -> None:
     assert as_set(found.pairs) == as_set(expected.pairs)
     for field in ("pairs", "offsets", "hit", "hit_second"):
         np.testing.assert_array_equal(getattr(found, field), getattr(expected, field), field)
@@ -45,7 +45,7 @@ def test_gives_the_bytes_of_the_command_line(name, tmp_path, detector):
     command = [sys.executable, "-m", "crumple", "detect", "mesh.ply", "--contacts", "-o", "answer.npz"]
     subprocess.run(command, cwd=tmp_path, check=True)
     expected = np.load(tmp_path / "answer.npz")
-    result = detector.find_self(crumple.read_mesh(tmp_path / "mesh.ply"), contacts=True)
+    result = detector.intersections(crumple.read_mesh(tmp_path / "mesh.ply"), output="contacts")
     found = {
         "pairs": result.pairs,
         "offsets": result.offsets,
@@ -63,35 +63,35 @@ def test_gives_the_bytes_of_the_command_line(name, tmp_path, detector):
 @pytest.mark.parametrize("name", SCENES)
 def test_every_query_agrees_with_brute_force(name, query, detector):
     mesh, reference = small(name), crumple.Detector(backend="reference")
-    options = {**QUERIES[query], "contacts": True}
-    same(detector.find_self(mesh, **options), reference.find_self(mesh, **options))
+    options = {**QUERIES[query], "output": "contacts"}
+    same(detector.intersections(mesh, **options), reference.intersections(mesh, **options))
     a, b = (crumple.Mesh(mesh.vertices, mesh.faces[side::2], mesh.groups[side::2]) for side in (0, 1))
-    same(detector.find_between(a, b, **options), reference.find_between(a, b, **options))
+    same(detector.intersections(a, b, **options), reference.intersections(a, b, **options))
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_has_intersections_says_whether_there_are_pairs(name, detector):
     mesh = small(name)
     for query in QUERIES.values():
-        assert detector.has_intersections(mesh, **query) == bool(detector.find_self(mesh, **query))
-        assert detector.has_intersections_between(mesh, mesh, **query) == bool(
-            detector.find_between(mesh, mesh, **query)
+        assert detector.any(mesh, crumple.IntersectionQuery(**query)) == bool(detector.intersections(mesh, **query))
+        assert detector.any([mesh, mesh], crumple.IntersectionQuery(**query)) == bool(
+            detector.intersections(mesh, mesh, **query)
         )
 
 
 @pytest.mark.parametrize("count", [1, 3, 64, 100])
 def test_parts_together_are_the_whole(count, detector):
     mesh = small("cloth", 3000)
-    whole = detector.find_self(mesh)
+    whole = detector.intersections(mesh)
     parts = detector.partition(mesh, count=count)
     assert [part.index for part in parts] == list(range(count))
-    joined = np.concatenate([detector.find(part).pairs for part in reversed(parts)])
+    joined = np.concatenate([detector.intersections(part).pairs for part in reversed(parts)])
     np.testing.assert_array_equal(joined[np.lexsort(joined.T[::-1])], whole.pairs)
 
     a, b = soup(200, seed=3), soup(200, seed=4)
-    parts = detector.partition(a, b, count=count)
-    joined = np.concatenate([detector.find(part).pairs for part in parts])
-    np.testing.assert_array_equal(joined[np.lexsort(joined.T[::-1])], detector.find_between(a, b).pairs)
+    parts = detector.partition([a, b], count=count)
+    joined = np.concatenate([detector.intersections(part).pairs for part in parts])
+    np.testing.assert_array_equal(joined[np.lexsort(joined.T[::-1])], detector.intersections(a, b).pairs)
 
 
 def test_a_part_can_be_sent_elsewhere(detector):
@@ -105,14 +105,14 @@ def test_a_part_can_be_sent_elsewhere(detector):
         for array, other in zip(copy.mesh, part.mesh):
             np.testing.assert_array_equal(array, other)
         assert len(part.triangles_second) == 0
-        found = detector.find(copy)
-        np.testing.assert_array_equal(found.pairs, detector.find(part).pairs)
+        found = detector.intersections(copy)
+        np.testing.assert_array_equal(found.pairs, detector.intersections(part).pairs)
         np.testing.assert_array_equal(part.triangles[found.hit], np.unique(found.pairs))
 
 
 def test_options_change_no_answer():
     mesh = soup(800)
-    expected = crumple.Detector().find_self(mesh, contacts=True)
+    expected = crumple.Detector().intersections(mesh, output="contacts")
     for options in [
         {"threads": 1},
         {"threads": 3, "clusters": 33, "leaf_size": 20},
@@ -122,22 +122,22 @@ def test_options_change_no_answer():
     ]:
         detector = crumple.Detector(**options)
         assert options.items() <= detector.options.items()
-        same(detector.find_self(mesh, contacts=True), expected)
+        same(detector.intersections(mesh, output="contacts"), expected)
 
 
 def test_functions_for_one_call(crossing):
-    pairs = crumple.find_self_intersections(crossing.vertices, crossing.faces)
+    pairs = crumple.intersections(crossing.vertices, crossing.faces).pairs
     assert pairs.tolist() == [[0, 1]] and pairs.dtype == np.int32
-    assert crumple.has_intersections(crossing) is True
-    assert crumple.has_intersections(crossing, neighbours="skip", intersections="proper") is True
+    assert crumple.Detector().any(crossing) is True
+    assert crumple.Detector().any(crossing, crumple.IntersectionQuery(neighbours="skip", kind="proper")) is True
     far = crumple.Mesh(crossing.vertices + 100, crossing.faces)
-    assert crumple.find_intersections_between(crossing, far).shape == (0, 2)
-    assert crumple.has_intersections_between(crossing, far) is False
-    assert crumple.find_intersections_between(crossing, crossing).tolist() == [[0, 0], [0, 1], [1, 0], [1, 1], [2, 2]]
+    assert crumple.intersections(crossing, far).pairs.shape == (0, 2)
+    assert crumple.Detector().any([crossing, far]) is False
+    assert crumple.intersections(crossing, crossing).pairs.tolist() == [[0, 0], [0, 1], [1, 0], [1, 1], [2, 2]]
 
 
 def test_contacts_are_where_the_triangles_meet(crossing, detector):
-    contacts = detector.find_self(crossing, contacts=True).contacts
+    contacts = detector.intersections(crossing, output="contacts").contacts
     assert crumple.ContactKind(contacts.kinds[0]) is crumple.ContactKind.SEGMENT
     np.testing.assert_allclose(contacts[0], [[1, 1, 0], [5 / 3, 1, 0]])
     np.testing.assert_array_equal(contacts[-1], contacts[0])

@@ -10,7 +10,7 @@ from conftest import soup, sufficient_limit
 from crumple import FuzzyCMeans
 
 MESH = soup(60, size=0.8)
-EXPECTED = crumple.find_self_intersections(MESH).tolist()
+EXPECTED = crumple.intersections(MESH).pairs.tolist()
 
 OPTIONS = [
     ({"groups": [0] * 59}, r"^groups must be one for each of the 60 faces, not 59$"),
@@ -21,27 +21,28 @@ OPTIONS = [
     ({"groups": [0.5] * 60}, r"groups must be integers, not float64"),
     ({"groups": [0] * 59 + [2**31]}, r"groups: group id 2147483648 at 59 does not fit int32"),
     ({"neighbours": "none"}, r'neighbours must be one of "geometric", "skip", not "none"'),
-    ({"intersections": "some"}, r'intersections must be one of "all", "proper", not "some"'),
-    ({"wanted": "neither"}, r'wanted must be one of "both", "between", "within", not "neither"'),
-    ({"excluded_groups": [(1, 2, 3)]}, r"excluded_groups must have shape \(n, 2\), not \(1, 3\)"),
-    ({"wanted": "\udc80"}, r"^wanted must be text that UTF-8 can hold, not '\\udc80'$"),
-    ({"excluded_groups": [(1, -(2**31) - 1)]}, r"group id -2147483649 at 0 does not fit int32"),
+    ({"kind": "some"}, r'kind must be one of "all", "proper", not "some"'),
+    ({"filter": crumple.PairFilter(groups="neither")}, r'groups must be one of "both", "between", "within", not "neither"'),
+    ({"filter": crumple.PairFilter(excluded_groups=[(1, 2, 3)])}, r"excluded_groups must have shape \(n, 2\), not \(1, 3\)"),
+    ({"filter": crumple.PairFilter(groups="\udc80")}, r"^groups must be text that UTF-8 can hold, not '\\udc80'$"),
+    ({"filter": crumple.PairFilter(excluded_groups=[(1, -(2**31) - 1)])}, r"group id -2147483649 at 0 does not fit int32"),
 ]
 
 
 @pytest.mark.parametrize("query, message", OPTIONS)
 def test_wrong_queries_are_named(query, message, detector):
     with pytest.raises(crumple.InvalidInput, match=message):
-        detector.find_self(MESH, **query)
+        detector.intersections(MESH, **query)
 
 
 WRONG_TYPES = [
     ({"neighbours": None}, 'neighbours must be one of "geometric", "skip", not None'),
-    ({"intersections": 1}, 'intersections must be one of "all", "proper", not int'),
-    ({"wanted": ["both"]}, 'wanted must be one of "both", "between", "within", not list'),
+    ({"kind": 1}, 'kind must be one of "all", "proper", not int'),
+    ({"filter": crumple.PairFilter(groups=["both"])}, 'groups must be one of "both", "between", "within", not list'),
     ({"weld": 1}, "weld must be True or False, not int"),
     ({"weld": None}, "weld must be True or False, not None"),
-    ({"contacts": "no"}, "contacts must be True or False, not str"),
+    ({"output": None}, 'output must be one of "any", "any_by_world", "body_pairs", "count", "pairs", "contacts", not None'),
+    ({"filter": {"groups": "both"}}, "filter must be a crumple.PairFilter, not dict"),
     ({"copy": 0.0}, "copy must be True or False, not float"),
 ]
 
@@ -49,12 +50,12 @@ WRONG_TYPES = [
 @pytest.mark.parametrize("query, message", WRONG_TYPES)
 def test_wrong_types_in_a_query_are_named(query, message, detector):
     with pytest.raises(crumple.InvalidType, match=f"^{message}$") as caught:
-        detector.find_self(MESH, **query)
+        detector.intersections(MESH, **query)
     assert isinstance(caught.value, TypeError) and isinstance(caught.value, crumple.InvalidInput)
-    if not set(query) & {"contacts", "copy", "part"}:
-        for call in (detector.has_intersections, detector.find_self):
+    if "copy" not in query:
+        for call in (detector.any, detector.find):
             with pytest.raises(TypeError, match=f"^{message}$"):
-                call(MESH, **query)
+                call(MESH, crumple.IntersectionQuery(**query))
 
 
 @pytest.mark.parametrize(
@@ -94,7 +95,7 @@ def test_numpy_scalars_do_where_python_s_do():
     detector = crumple.Detector(
         threads=np.int32(2), fuzzy_c_means=FuzzyCMeans(np.float32(2), stop=np.float64(0.01), first_stop=0)
     )
-    result = detector.find_self(MESH, weld=np.bool_(False), contacts=np.bool_(True), copy=np.True_)
+    result = detector.intersections(MESH, weld=np.bool_(False), output="contacts", copy=np.True_)
     assert result.pairs.tolist() == EXPECTED and result.contacts and result.pairs.flags.writeable
     assert len(detector.partition(MESH, count=np.int64(3))) == 3
     assert len(crumple.make_scene("soup", triangles=np.int64(20), frame=np.uint8(0), seed=np.uint64(2**63)).faces)
@@ -110,60 +111,65 @@ def test_other_wrong_types_are_named(detector, tmp_path):
         (lambda: crumple.read_mesh("a.ply", group_property=None), "group_property must be a str, not None"),
         (lambda: crumple.read_pairs(1.5), "path must be a str, bytes or os.PathLike, not float"),
         (lambda: crumple.write_mesh([], MESH), "path must be a str, bytes or os.PathLike, not list"),
-        (lambda: detector.find_self(MESH).save(None), "path must be a str, bytes or os.PathLike, not None"),
-        (lambda: detector.find_self(MESH).to_html(height="tall"), "height must be an integer, not str"),
+        (lambda: detector.intersections(MESH).save(None), "path must be a str, bytes or os.PathLike, not None"),
+        (lambda: detector.intersections(MESH).to_html(height="tall"), "height must be an integer, not str"),
         (lambda: crumple.make_scene("\ud800"), r"name must be text that UTF-8 can hold, not '\\ud800'"),
         (lambda: crumple.make_scene(3), "name must be a str, not int"),
         (lambda: crumple.make_scene("cloth", triangles="many"), "triangles must be an integer, not str"),
         (lambda: crumple.make_scene("cloth", seed=-1), "seed must be from 0 to 18446744073709551615, not -1"),
-        (lambda: detector.find_self(MESH.vertices), "a mesh must be .*, not numpy.ndarray"),
-        (lambda: detector.find_self((1, 2, 3, 4)), "a mesh must be .*, not a tuple of 4"),
-        (lambda: detector.find_between(None, MESH), "a mesh must be .*, not NoneType"),
+        (lambda: detector.intersections(MESH.vertices), "a mesh must be .*, not numpy.ndarray"),
+        (lambda: detector.intersections((1, 2, 3, 4)), "a mesh must be .*, not a tuple of 4"),
+        (lambda: detector.intersections(None, MESH), "a mesh must be .*, not NoneType"),
+        (lambda: detector.find(MESH, "pairs"), "query must be one of crumple's, such as crumple.ImpactQuery\\(\\), not str"),
+        (
+            lambda: detector.find(MESH, crumple.ImpactQuery),
+            "query must be one of crumple's, such as .*, not the type crumple._queries.ImpactQuery itself",
+        ),
     ]:
         with pytest.raises(crumple.InvalidInput, match=f"^{message}$"):
             call()
 
 
 def test_between_groups_needs_groups(detector):
-    for call in (detector.find_self, detector.has_intersections):
-        with pytest.raises(crumple.InvalidInput, match="wanted between needs groups, and the mesh has none"):
-            call(MESH, wanted="between")
-    for call in (detector.find_between, detector.has_intersections_between):
-        with pytest.raises(crumple.InvalidInput, match="wanted between needs groups, and neither mesh has any"):
-            call(MESH, MESH, wanted="between")
-    assert len(detector.find_between(MESH, MESH._replace(groups=[1] * 60), wanted="between")) > 60
-    assert not detector.find_self((np.zeros((0, 3)), []), groups=[], wanted="between")
+    between = crumple.IntersectionQuery(filter=crumple.PairFilter(groups="between"))
+    for call in (detector.find, detector.any):
+        with pytest.raises(crumple.InvalidInput, match="between needs groups, and the mesh has none"):
+            call(MESH, between)
+        with pytest.raises(crumple.InvalidInput, match="between needs groups, and neither mesh has any"):
+            call([MESH, MESH], between)
+    assert len(detector.intersections(MESH, MESH._replace(groups=[1] * 60), filter=crumple.PairFilter(groups="between"))) > 60
+    assert not detector.intersections((np.zeros((0, 3)), []), groups=[], filter=crumple.PairFilter(groups="between"))
     with pytest.raises(crumple.InvalidInput, match="^second mesh: groups must be one for each of the 60 faces, not 0$"):
-        detector.find_between(MESH, MESH._replace(groups=[]))
+        detector.intersections(MESH, MESH._replace(groups=[]))
 
 
 def test_groups_of_every_integer_type(detector):
     mesh = soup(100, size=0.4)
     groups = np.arange(100) % 3
-    expected = detector.find_self(mesh, groups=groups.astype(np.int32), wanted="between").pairs.tolist()
-    assert 0 < len(expected) < len(detector.find_self(mesh))
+    expected = detector.intersections(mesh, groups=groups.astype(np.int32), filter=crumple.PairFilter(groups="between")).pairs.tolist()
+    assert 0 < len(expected) < len(detector.intersections(mesh))
     for dtype in ("i1", "u1", "i2", "u2", "u4", "i8", "u8"):
-        assert detector.find_self(mesh, groups=groups.astype(dtype), wanted="between").pairs.tolist() == expected
-    assert detector.find_self(mesh, groups=np.repeat(groups, 2)[::2], wanted="between").pairs.tolist() == expected
-    assert detector.find_self(crumple.Mesh(*mesh[:2], groups), wanted="between").pairs.tolist() == expected
+        assert detector.intersections(mesh, groups=groups.astype(dtype), filter=crumple.PairFilter(groups="between")).pairs.tolist() == expected
+    assert detector.intersections(mesh, groups=np.repeat(groups, 2)[::2], filter=crumple.PairFilter(groups="between")).pairs.tolist() == expected
+    assert detector.intersections(crumple.Mesh(*mesh[:2], groups), filter=crumple.PairFilter(groups="between")).pairs.tolist() == expected
     between = {frozenset(p) for p in ((0, 1), (0, 2), (1, 2))}
     for excluded in (between, np.array([[1, 0], [2, 0], [2, 1]]), ((0, 1), (0, 2), (1, 2))):
         as_pairs = [tuple(p) for p in excluded] if isinstance(excluded, set) else excluded
-        assert not detector.find_self(mesh, groups=groups, wanted="between", excluded_groups=as_pairs)
+        assert not detector.intersections(mesh, groups=groups, filter=crumple.PairFilter(groups="between", excluded_groups=as_pairs))
 
 
 def test_pairs_of_groups_from_any_iterable(detector):
     mesh = soup(100, size=0.4)._replace(groups=np.arange(100) % 3)
     pairs = [(0, 1), (0, 2)]
-    expected = detector.find_self(mesh, excluded_groups=pairs).pairs.tolist()
-    assert 0 < len(expected) < len(detector.find_self(mesh))
+    expected = detector.intersections(mesh, filter=crumple.PairFilter(excluded_groups=pairs)).pairs.tolist()
+    assert 0 < len(expected) < len(detector.intersections(mesh))
     keyed = dict.fromkeys(pairs)
     makers = [set, frozenset, iter, keyed.fromkeys, lambda p: keyed.keys(), lambda p: dict(enumerate(p)).values()]
     makers += [lambda p: zip(*zip(*p)), lambda p: (pair for pair in p), lambda p: memoryview(np.array(p, np.int32))]
     for make in makers:
-        assert detector.find_self(mesh, excluded_groups=make(pairs)).pairs.tolist() == expected
+        assert detector.intersections(mesh, filter=crumple.PairFilter(excluded_groups=make(pairs))).pairs.tolist() == expected
     for none in (set(), iter([]), {}):
-        assert len(detector.find_self(mesh, excluded_groups=none)) == len(detector.find_self(mesh))
+        assert len(detector.intersections(mesh, filter=crumple.PairFilter(excluded_groups=none))) == len(detector.intersections(mesh))
 
 
 class Raising:
@@ -185,7 +191,7 @@ class Raising:
         lambda value: crumple.Detector(fuzzy_c_means=FuzzyCMeans(stop=value)),
         lambda value: crumple.read_mesh(value),
         lambda value: crumple.write_mesh(value, MESH),
-        lambda value: crumple.Detector().find_self(MESH).save(value),
+        lambda value: crumple.Detector().intersections(MESH).save(value),
     ],
 )
 def test_what_is_not_about_the_argument_goes_on(call):
@@ -243,17 +249,17 @@ def test_a_memory_limit_names_a_lower_bound():
     with pytest.raises(
         crumple.MemoryLimit, match=r"memory limit of 10000 bytes is too small; at least \d+ bytes are needed"
     ) as caught:
-        crumple.Detector(memory_limit=10_000).find_self(mesh)
+        crumple.Detector(memory_limit=10_000).intersections(mesh)
     least = caught.value
     assert isinstance(least, MemoryError) and least.code == "memory_limit"
     copy = pickle.loads(pickle.dumps(least))
     assert copy.bytes_needed == least.bytes_needed > 10_000
-    limit = sufficient_limit(lambda detector: detector.find_self(mesh), 10_000)
+    limit = sufficient_limit(lambda detector: detector.intersections(mesh), 10_000)
     assert limit >= least.bytes_needed
     enough = crumple.Detector(memory_limit=limit)
-    held = [enough.find_self(mesh).pairs for _ in range(3)]  # results in hand do not count
+    held = [enough.intersections(mesh).pairs for _ in range(3)]  # results in hand do not count
     for pairs in held:
-        np.testing.assert_array_equal(pairs, crumple.find_self_intersections(mesh))
+        np.testing.assert_array_equal(pairs, crumple.intersections(mesh).pairs)
 
 
 ARRAYS_OF_NOTHING = (np.zeros((0, 3)), np.zeros((0, 3), np.int32), None, np.zeros(0, np.int32))
@@ -285,9 +291,9 @@ def test_a_part_whose_state_does_not_fit_together_is_refused(detector):
     part = crumple.Part.__new__(crumple.Part)
     part.__setstate__((0, 1, ARRAYS_OF_NOTHING, None, [], None))
     with pytest.raises(crumple.InvalidInput, match="a part needs 1 to 4 levels"):
-        detector.find(part)
-    with pytest.raises(TypeError, match="a crumple.World or a crumple.Part, not int"):
-        detector.find(1)
+        detector.intersections(part)
+    with pytest.raises(TypeError, match="a mesh must be .*, not int"):
+        detector.intersections(1)
 
 
 def test_a_part_that_nothing_was_put_into_is_refused(detector):
@@ -297,7 +303,7 @@ def test_a_part_that_nothing_was_put_into_is_refused(detector):
         lambda: empty.second,
         lambda: empty.triangles,
         lambda: empty.triangles_second,
-        lambda: detector.find(empty),
+        lambda: detector.intersections(empty),
     ):
         with pytest.raises(crumple.InvalidInput, match="is a crumple.Part that nothing was put into$"):
             look()

@@ -9,7 +9,7 @@ import crumple
 from conftest import peer, soup
 
 MESH = soup(60, size=0.4, dtype=np.float64)
-EXPECTED = crumple.find_self_intersections(MESH).tolist()
+EXPECTED = crumple.intersections(MESH).pairs.tolist()
 
 
 def trimesh_mesh():
@@ -40,12 +40,12 @@ BRIDGES = [trimesh_mesh, meshio_mesh, open3d_mesh, open3d_tensor_mesh, pyvista_m
 @pytest.mark.parametrize("make", BRIDGES)
 def test_one_line_for_other_packages(make, detector):
     mesh = make()
-    assert detector.find_self(mesh).pairs.tolist() == EXPECTED
-    assert crumple.find_self_intersections(mesh).tolist() == EXPECTED
-    assert detector.find_between(mesh, MESH).pairs.tolist() == detector.find_between(MESH, MESH).pairs.tolist()
-    assert detector.has_intersections(mesh)
+    assert detector.intersections(mesh).pairs.tolist() == EXPECTED
+    assert crumple.intersections(mesh).pairs.tolist() == EXPECTED
+    assert detector.intersections(mesh, MESH).pairs.tolist() == detector.intersections(MESH, MESH).pairs.tolist()
+    assert detector.any(mesh)
     groups = np.arange(60)
-    assert not detector.find_self(mesh, groups=groups, wanted="within")
+    assert not detector.intersections(mesh, groups=groups, filter=crumple.PairFilter(groups="within"))
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_meshio_quadrilaterals_are_split_and_other_cells_refused():
     mesh = meshio.Mesh(points, [("quad", [[0, 1, 2, 3]]), ("triangle", [[4, 5, 6]])])
     faces = crumple.as_mesh(mesh).faces
     assert sorted(map(sorted, faces.tolist())) == [[0, 1, 2], [0, 2, 3], [4, 5, 6]]
-    assert len(crumple.find_self_intersections(mesh)) == 1
+    assert len(crumple.intersections(mesh).pairs) == 1
     with pytest.raises(crumple.InvalidInput, match="cells of type tetra: extract its surface"):
         crumple.as_mesh(meshio.Mesh(points, [("tetra", [[0, 1, 2, 4]])]))
     assert crumple.as_mesh(meshio.Mesh(points, [("vertex", [[0]])])).faces.shape == (0, 3)
@@ -80,7 +80,7 @@ def test_concave_quadrilaterals_of_meshio_are_cut_without_overlap(detector):
     points = np.array([[0, 0, 0], [2, 0, 0], [0.4, 0.4, 0], [0, 2, 0]])
     for first in range(4):
         quad = np.roll([0, 1, 2, 3], -first)
-        assert detector.find_self(meshio.Mesh(points, [("quad", [quad])])).pairs.tolist() == []
+        assert detector.intersections(meshio.Mesh(points, [("quad", [quad])])).pairs.tolist() == []
     crossing = crumple.as_mesh(meshio.Mesh(points[[0, 1, 3, 2]], [("quad", [[0, 1, 2, 3], [0, 1, 2, 9]])]))
     assert crossing.faces.tolist()[2:] == [[0, 1, 2], [0, 2, 9]], "what is not there is for the search to tell"
 
@@ -109,7 +109,7 @@ def test_empty_meshes_of_other_packages(detector):
         if importlib.util.find_spec(package):
             empty += [make(peer(package)) for make in makers]
     for mesh in empty:
-        assert not detector.find_self(mesh) and not detector.has_intersections_between(mesh, MESH)
+        assert not detector.intersections(mesh) and not detector.any([mesh, MESH])
 
 
 def test_pyvista_strips_are_refused():
@@ -123,7 +123,7 @@ def test_pyvista_polygons_are_refused():
     with pytest.raises(crumple.InvalidInput, match="triangulate"):
         crumple.as_mesh(pyvista.Plane(i_resolution=1, j_resolution=1))
     sphere = pyvista.Sphere()
-    assert len(crumple.find_self_intersections(sphere)) == 0
+    assert len(crumple.intersections(sphere).pairs) == 0
 
 
 def test_tuples_and_meshes():

@@ -50,25 +50,25 @@ def test_the_lists_are_the_definition(either, kind):
     vertices, faces, _ = soup(24, seed=3)
     end = vertices + np.random.default_rng(1).uniform(-0.1, 0.1, vertices.shape).astype(vertices.dtype)
     for inflation in (0, 0.05):
-        found = either.find_candidates(vertices, faces, end=end, kinds=kind, inflation=inflation)
+        found = either.candidates(vertices, faces, end=end, kinds=kind, inflation=inflation)
         assert getattr(found, LISTS[kind]).tolist() == by_brute_force(vertices, end, faces, kind, inflation)
-    rest = either.find_candidates((vertices, faces), kinds=[kind], inflation=0.02)
+    rest = either.candidates((vertices, faces), kinds=[kind], inflation=0.02)
     assert getattr(rest, LISTS[kind]).tolist() == by_brute_force(vertices, vertices, faces, kind, 0.02)
 
 
 def test_one_ulp_more_is_not_listed(either):
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]], float)
-    assert either.find_candidates(vertices, FACES, inflation=0.5)
+    assert either.candidates(vertices, FACES, inflation=0.5)
     vertices[3:, 2] = np.nextafter(1, 2)
-    assert not either.find_candidates(vertices, FACES, inflation=0.5)
-    assert either.find_candidates(vertices, FACES, inflation=np.nextafter(0.5, 1))
+    assert not either.candidates(vertices, FACES, inflation=0.5)
+    assert either.candidates(vertices, FACES, inflation=np.nextafter(0.5, 1))
 
 
 def test_what_was_not_asked_for_says_how_to_ask():
-    found = crumple.Detector().find_candidates(START, FACES, end=END, kinds=["face_face"])
+    found = crumple.Detector().candidates(START, FACES, end=END, kinds=["face_face"])
     assert found.face_faces.tolist() == [[0, 1]] and found.kinds == ("face_face",)
     assert "1 candidate, 1 face_face" in repr(found) and len(found) == 1
-    with pytest.raises(crumple.InvalidInput, match=r'find_candidates\(\.\.\., kinds=\["edge_edge"\]\)'):
+    with pytest.raises(crumple.InvalidInput, match=r'CandidateQuery\(kinds=\["edge_edge"\]\)'):
         _ = found.edge_edges
     with pytest.raises(crumple.InvalidInput, match="those of a world"):
         _ = found.face_face_bodies
@@ -76,34 +76,39 @@ def test_what_was_not_asked_for_says_how_to_ask():
 
 def test_arrays_are_views_or_copies():
     detector = crumple.Detector()
-    found = detector.find_candidates(START, FACES, end=END)
+    found = detector.candidates(START, FACES, end=END)
     assert found.vertex_faces.dtype == np.int32 and not found.vertex_faces.flags.writeable
     kept = found.edge_edges.copy()
-    detector.find_candidates(START, FACES, inflation=9)
-    detector.find_candidates(START, FACES, inflation=8)
+    detector.candidates(START, FACES, inflation=9)
+    detector.candidates(START, FACES, inflation=8)
     np.testing.assert_array_equal(found.edge_edges, kept)
-    assert detector.find_candidates(START, FACES, end=END, copy=True).edge_edges.flags.writeable
-    assert_same(crumple.find_candidates(START, FACES, end=END), found)
+    assert detector.candidates(START, FACES, end=END, copy=True).edge_edges.flags.writeable
+    assert_same(crumple.candidates(START, FACES, end=END), found)
 
 
 def test_copies_and_pickles():
-    found = crumple.find_candidates(START, FACES, end=END, kinds=KINDS)
+    found = crumple.candidates(START, FACES, end=END, kinds=KINDS)
     for other in (copy.copy(found), copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
         assert_same(other, found)
-    restore, (state,) = found.__reduce__()
+    restore, (kind, asked, state) = found.__reduce__()
+    of = crumple._result.Asked(*asked)
     for name, wrong, error in (
         ("count", 3, crumple.InvalidInput),
-        ("kinds", ("vertex_face",), crumple.InvalidInput),
         ("edges", state["edges"][:1], crumple.InvalidInput),
         ("edge_edges", state["edge_edges"] + 99, crumple.InvalidInput),
         ("edge_edges", state["edge_edges"].astype(float), crumple.InvalidType),
-        ("of_world", 1, crumple.InvalidType),
-        ("of_world", True, crumple.InvalidInput),
     ):
         with pytest.raises(error, match="the state of Candidates"):
-            restore({**state, name: wrong})
+            restore(kind, asked, {**state, name: wrong})
+    for name, wrong, error in (
+        ("kinds", ("vertex_face",), crumple.InvalidInput),
+        ("of_bodies", 1, crumple.InvalidType),
+        ("of_bodies", True, crumple.InvalidInput),
+    ):
+        with pytest.raises(error, match="the state of Candidates"):
+            restore(kind, tuple(of._replace(**{name: wrong})), state)
     with pytest.raises(crumple.InvalidType, match="the state of Candidates"):
-        restore({})
+        restore(kind, asked, {})
 
 
 def test_a_world_is_its_bodies(either):
@@ -115,21 +120,21 @@ def test_a_world_is_its_bodies(either):
     if set(used[0]) & set(used[1]):
         pytest.skip("the halves share vertices")
     world = crumple.World(parts, names=["a", "b"], self_collisions=True)
-    found = either.find_candidates(world, kinds=KINDS, inflation=0.05)
-    whole = either.find_candidates(vertices, faces, kinds=KINDS, inflation=0.05)
+    found = either.candidates(world, kinds=KINDS, inflation=0.05)
+    whole = either.candidates(vertices, faces, kinds=KINDS, inflation=0.05)
     assert found.count == whole.count and len(found.first_edge) == 3
     rows = zip(found.face_faces.tolist(), found.face_face_bodies.tolist())
     assert sorted([a + p * half, b + q * half] for (a, b), (p, q) in rows) == whole.face_faces.tolist()
-    apart = either.find_candidates(world, kinds="face_face", inflation=0.05, bodies="between")
+    apart = either.candidates(world, kinds="face_face", inflation=0.05, filter=crumple.PairFilter(bodies="between"))
     assert apart.face_face_bodies.tolist() == [[0, 1]] * len(apart)
-    assert not either.find_candidates(world, excluded=[{"a", "b"}], bodies="between")
-    moved = either.find_candidates(world, end_poses=np.tile(np.eye(3, 4), (2, 1, 1)), kinds=KINDS, inflation=0.05)
+    assert not either.candidates(world, filter=crumple.PairFilter(excluded_bodies=[{"a", "b"}], bodies="between"))
+    moved = either.candidates(world.at(world.poses, np.tile(np.eye(3, 4), (2, 1, 1))), kinds=KINDS, inflation=0.05)
     assert_same(moved, found)
 
 
 def test_listed_edges_and_points(either):
     vertices = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 0.5, 0]], float)
-    found = either.find_candidates(vertices, edges=[[2, 1], [0, 3]], points=[3, 1], kinds=KINDS, inflation=0.5)
+    found = either.candidates(vertices, edges=[[2, 1], [0, 3]], points=[3, 1], kinds=KINDS, inflation=0.5)
     assert found.edges.tolist() == [[2, 1], [0, 3]] and found.points.tolist() == [3, 1]
     assert found.edge_edges.tolist() == [[0, 1]] and found.vertex_vertices.tolist() == [[0, 1]]
     assert found.vertex_edges.tolist() == [[0, 0], [1, 1]] and not len(found.vertex_faces)
@@ -150,11 +155,11 @@ def test_listed_edges_and_points(either):
 )
 def test_errors(question, message):
     with pytest.raises((crumple.InvalidInput, crumple.InvalidType), match=message):
-        crumple.Detector().find_candidates(START, FACES, **question)
+        crumple.Detector().candidates(START, FACES, **question)
     with pytest.raises(TypeError, match="Did you mean 'inflation'"):
-        crumple.Detector().find_candidates(START, FACES, inflaton=1)
+        crumple.Detector().candidates(START, FACES, inflaton=1)
 
 
 def test_meshes_on_a_device():
     with pytest.raises(crumple.InvalidInput, match="CUDA memory"):
-        crumple.Detector().find_candidates(OnDevice(START), OnDevice(FACES))
+        crumple.Detector().candidates(OnDevice(START), OnDevice(FACES))

@@ -1,4 +1,4 @@
-"""Arrays in CUDA memory: the cuda backend reads them where they lie and gives the bytes of every other backend.
+"""Tests of arrays in CUDA memory, which the cuda backend reads in place; its results are those of other backends.
 
 On a machine without a device `scripts/test_python.sh --cuda` builds the module with the backend that the CPU plays,
 whose device memory is the host's.
@@ -56,7 +56,7 @@ def cuda():
 
 @pytest.fixture
 def cpu():
-    """What "automatic" would choose here is the cuda backend itself."""
+    """A detector of the cpu backend, where "automatic" would choose the cuda backend itself."""
     return crumple.Detector(backend="cpu")
 
 
@@ -76,15 +76,15 @@ def assert_same(found, expected):
 @pytest.mark.parametrize("index", [np.int32, np.uint32, np.int64])
 def test_every_type(cuda, cpu, scalar, index):
     mesh = MESH.vertices.astype(scalar), MESH.faces.astype(index)
-    expected = cpu.find_self(*mesh, contacts=True)
+    expected = cpu.intersections(*mesh, output="contacts")
     assert len(expected.pairs) > 100
-    assert_same(cuda.find_self(mesh_on_device(crumple.Mesh(*mesh)), contacts=True), expected)
+    assert_same(cuda.intersections(mesh_on_device(crumple.Mesh(*mesh)), output="contacts"), expected)
 
 
 def test_devices(cuda, cpu):
     """One that is listed is a device as any other; several are shared by C++'s tests, which play them."""
     listed = crumple.Detector(backend="cuda", devices=[0])
-    assert_same(listed.find_self(MESH), cpu.find_self(MESH))
+    assert_same(listed.intersections(MESH), cpu.intersections(MESH))
     with pytest.raises(crumple.InvalidInput, match="each once"):
         crumple.Detector(backend="cuda", devices=(0, 0))
     with pytest.raises(TypeError, match="devices must be a sequence of integers"):
@@ -97,46 +97,55 @@ def test_devices(cuda, cpu):
 @pytest.mark.parametrize("place", [_cupy, _jax])
 def test_other_packages(cuda, cpu, place):
     mesh = crumple.Mesh(*map(place, MESH[:2]))
-    assert_same(cuda.find_self(mesh, contacts=True), cpu.find_self(MESH.vertices, MESH.faces, contacts=True))
+    assert_same(cuda.intersections(mesh, output="contacts"), cpu.intersections(*MESH[:2], output="contacts"))
 
 
 def test_strides(cuda, cpu):
     columns, rows = on_device(MESH.vertices.T), on_device(np.repeat(MESH.faces, 2, axis=0))
     mesh = (OnDevice(columns.array.T), OnDevice(rows.array[::2])) if ON_CPU else (columns.T, rows[::2])
-    assert_same(cuda.find_self(*mesh), cpu.find_self(*MESH[:2]))
+    assert_same(cuda.intersections(*mesh), cpu.intersections(*MESH[:2]))
 
 
 @pytest.mark.parametrize("index", [np.int32, np.int64])
 def test_flat_faces(cuda, cpu, index):
     flat = MESH.faces.ravel().astype(index)
-    assert_same(cuda.find_self(on_device(MESH.vertices), on_device(flat)), cpu.find_self(*MESH[:2]))
+    assert_same(cuda.intersections(on_device(MESH.vertices), on_device(flat)), cpu.intersections(*MESH[:2]))
     with pytest.raises(crumple.InvalidInput, match=r"^faces in CUDA memory must be \(m, 3\) or \(3m\) of int32"):
-        cuda.find_self(on_device(MESH.vertices), on_device(flat[:-1]))
+        cuda.intersections(on_device(MESH.vertices), on_device(flat[:-1]))
 
 
-@pytest.mark.parametrize("query", [{}, {"wanted": "between"}, {"weld": True}, {"excluded_groups": [(0, 1)]}])
+@pytest.mark.parametrize(
+    "query",
+    [
+        crumple.IntersectionQuery(),
+        crumple.IntersectionQuery(filter=crumple.PairFilter(groups="between")),
+        crumple.IntersectionQuery(weld=True),
+        crumple.IntersectionQuery(filter=crumple.PairFilter(excluded_groups=[(0, 1)])),
+    ],
+)
 def test_queries(cuda, cpu, query):
-    device = mesh_on_device(MESH)
-    assert_same(cuda.find_self(device, **query), cpu.find_self(MESH, **query))
-    assert_same(cuda.find_between(device, mesh_on_device(OTHER), **query), cpu.find_between(MESH, OTHER, **query))
-    assert cuda.has_intersections(device, **query) == cpu.has_intersections(MESH, **query)
+    mesh, two = mesh_on_device(MESH), [mesh_on_device(MESH), mesh_on_device(OTHER)]
+    assert_same(cuda.find(mesh, query), cpu.find(MESH, query))
+    assert_same(cuda.find(two, query), cpu.find([MESH, OTHER], query))
+    assert cuda.any(mesh, query) == cpu.any(MESH, query)
+    assert cuda.any(two, query) == cpu.any([MESH, OTHER], query)
 
 
 def test_parts(cuda, cpu):
     mesh = mesh_on_device(MESH)
     pairs = [cuda.find(part).pairs for part in cuda.partition(mesh, count=5)]
     joined = np.concatenate(pairs)
-    np.testing.assert_array_equal(joined[np.lexsort(joined.T[::-1])], cpu.find_self(MESH).pairs)
+    np.testing.assert_array_equal(joined[np.lexsort(joined.T[::-1])], cpu.intersections(MESH).pairs)
 
 
 def test_errors_name_the_place(cuda):
     vertices, faces = MESH.vertices.copy(), MESH.faces.copy()
     vertices[17, 1] = np.nan
     with pytest.raises(crumple.InvalidInput, match="vertex 17 is not finite"):
-        cuda.find_self(on_device(vertices), on_device(faces))
+        cuda.intersections(on_device(vertices), on_device(faces))
     faces[4, 2] = 90_000
     with pytest.raises(crumple.InvalidInput, match="triangle 4 names vertex 90000 of 900"):
-        cuda.find_self(on_device(MESH.vertices), on_device(faces))
+        cuda.intersections(on_device(MESH.vertices), on_device(faces))
 
 
 def test_another_device_is_refused(cuda):
@@ -144,16 +153,16 @@ def test_another_device_is_refused(cuda):
     with pytest.raises(
         crumple.InvalidInput, match="in the memory of CUDA device 7, but the detector works on device 0"
     ):
-        cuda.find_self(*mesh)
+        cuda.intersections(*mesh)
 
 
 def test_both_meshes_lie_in_one_place(cuda):
     with pytest.raises(crumple.InvalidInput, match="the second mesh lies in host memory, the other one in device"):
-        cuda.find_between(mesh_on_device(MESH), OTHER)
+        cuda.intersections(mesh_on_device(MESH), OTHER)
 
 
 def test_files_and_pictures_want_the_host(cuda, tmp_path):
-    result = cuda.find_self(mesh_on_device(MESH))
+    result = cuda.intersections(mesh_on_device(MESH))
     for name in ("mesh.ply", "mesh.obj", "mesh.glb", "mesh.html"):
         with pytest.raises(crumple.InvalidInput, match="vertices lie in CUDA memory, but are wanted in the host's"):
             result.save(tmp_path / name)
@@ -171,7 +180,7 @@ def test_devices_are_listed(cuda):
 
 def test_arrays_in_host_memory_are_brought_there(cuda, cpu):
     assert cuda.backend == "cuda" and cpu.backend == "cpu"
-    assert_same(cuda.find_self(MESH), cpu.find_self(MESH))
+    assert_same(cuda.intersections(MESH), cpu.intersections(MESH))
 
 
 STEP = crumple.make_scene("cloth", triangles=300, frame=88), crumple.make_scene("cloth", triangles=300, frame=89)
@@ -179,7 +188,7 @@ START, END, FACES = STEP[0].vertices, STEP[1].vertices, np.asarray(STEP[0].faces
 
 
 def to_host(array):
-    """What a crumple.DeviceArray holds, by way of the interface that CuPy, Numba and Warp read."""
+    """Returns what a crumple.DeviceArray holds, through the interface that CuPy, Numba and Warp read."""
     told = array.__cuda_array_interface__
     assert array.__dlpack_device__()[0] == 2 and told["shape"] == array.shape and told["version"] == 3
     if not ON_CPU:
@@ -207,57 +216,55 @@ def test_features_of_arrays_there(cuda, cpu):
     radii = np.linspace(0, 0.1, len(START))
     edges, points = np.array([[0, 5], [7, 3]], np.int32), np.array([1, 9, 9], np.int32)
     for asked in ({"min_distance": 0.05}, {"weld": True}, {"triangle_pairs": True}):
-        found, expected = cuda.find_impacts(start, end, faces, **asked), cpu.find_impacts(START, END, FACES, **asked)
+        found, expected = cuda.impacts(start, end, faces, **asked), cpu.impacts(START, END, FACES, **asked)
         for name in IMPACTS:
             np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
-    found = cuda.find_near(start, faces, radii=on_device(radii), rest=end, rest_radius=0.01)
-    expected = cpu.find_near(START, FACES, radii=radii, rest=END, rest_radius=0.01)
+    found = cuda.proximities(start, faces, radii=on_device(radii), rest=end, rest_radius=0.01)
+    expected = cpu.proximities(START, FACES, radii=radii, rest=END, rest_radius=0.01)
     assert len(expected) > 0
     for name in NEAR:
         np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
     there = {"edges": on_device(edges), "points": on_device(points)}
-    found = cuda.find_candidates(start, faces, end=end, kinds="vertex_edge", **there)
-    expected = cpu.find_candidates(START, FACES, end=END, edges=edges, points=points, kinds="vertex_edge")
+    found = cuda.candidates(start, faces, end=end, kinds="vertex_edge", **there)
+    expected = cpu.candidates(START, FACES, end=END, edges=edges, points=points, kinds="vertex_edge")
     np.testing.assert_array_equal(found.vertex_edges, expected.vertex_edges)
-    assert cuda.time_of_first_impact(start, end, faces) == cpu.time_of_first_impact(START, END, FACES)
-    assert cuda.find_free_step(start, end, faces).share == cpu.find_free_step(START, END, FACES).share
+    assert cuda.first_impact(start, end, faces) == cpu.first_impact(START, END, FACES)
+    assert cuda.free_step(start, end, faces).share == cpu.free_step(START, END, FACES).share
 
 
-def test_all_arrays_of_a_question_lie_together(cuda):
+def test_all_arrays_of_a_query_lie_together(cuda):
     start, end, faces = map(on_device, (START, END, FACES))
     with pytest.raises(crumple.InvalidInput, match="^end vertices lie in host memory, but vertices in"):
-        cuda.find_impacts(start, END, faces)
+        cuda.impacts(start, END, faces)
     with pytest.raises(crumple.InvalidInput, match="^radii lie in host memory"):
-        cuda.find_near(start, faces, radii=np.zeros(len(START)))
+        cuda.proximities(start, faces, radii=np.zeros(len(START)))
     with pytest.raises(crumple.InvalidInput, match="^points lie in host memory"):
-        cuda.find_near(start, faces, radius=1, points=[0])
+        cuda.proximities(start, faces, points=[0], radius=1)
     with pytest.raises(crumple.InvalidInput, match=r"^edges in CUDA memory must be \(k, 2\) of int32 without gaps"):
-        cuda.find_near(start, faces, radius=1, edges=on_device(np.zeros((2, 2))))
+        cuda.proximities(start, faces, edges=on_device(np.zeros((2, 2))), radius=1)
     with pytest.raises(crumple.InvalidInput, match="which needs the cuda backend"):
-        crumple.Detector(backend="cpu").find_impacts(start, end, faces)
+        crumple.Detector(backend="cpu").impacts(start, end, faces)
 
 
 def test_launches(cuda, cpu):
     start, end, faces = map(on_device, (START, END, FACES))
     mesh = crumple.Mesh(start, faces)
     for _ in range(3):
-        cuda.launch_impacts(mesh, end, min_distance=0.05)
-        cuda.launch_near(start, faces, radius=0.1)
-        impacts = cuda.wait_impacts()
-        expected = cpu.find_impacts(START, END, FACES, min_distance=0.05)
+        step = cuda.launch(mesh.moving_to(end), crumple.ImpactQuery(min_distance=0.05))
+        near = cuda.launch(mesh, crumple.ProximityQuery(radius=0.1))
+        impacts, expected = step.wait(), cpu.impacts(START, END, FACES, min_distance=0.05)
         assert_shows(impacts, expected, IMPACTS)
         assert impacts.any == expected.any and impacts.first == expected.first and impacts.count == len(expected) > 0
-        near = cuda.wait_near()
-        assert_shows(near, cpu.find_near(START, FACES, radius=0.1), NEAR)
-        cuda.launch_candidates(mesh, end=end, kinds=["vertex_face", "face_face"])
-        expected = cpu.find_candidates(START, FACES, end=END, kinds=["vertex_face", "face_face"])
-        assert_shows(cuda.wait_candidates(), expected, ["vertex_faces", "face_faces"])
-        cuda.launch_self(mesh, contacts=True)
-        found, expected = cuda.wait(), cpu.find_self(START, FACES, contacts=True)
+        assert_shows(near.wait(), cpu.proximities(START, FACES, radius=0.1), NEAR)
+        candidates = crumple.CandidateQuery(kinds=["vertex_face", "face_face"])
+        expected = cpu.find(crumple.Mesh(START, FACES).moving_to(END), candidates)
+        assert_shows(cuda.launch(mesh.moving_to(end), candidates).wait(), expected, ["vertex_faces", "face_faces"])
+        found = cuda.launch(mesh, crumple.IntersectionQuery(output="contacts")).wait()
+        expected = cpu.intersections(START, FACES, output="contacts")
         assert_shows(found, expected, ["pairs", "offsets", "hit"])
         np.testing.assert_array_equal(to_host(found.contact_points), expected.contacts.points)
-        cuda.launch_between(mesh_on_device(MESH), mesh_on_device(OTHER))
-        assert_shows(cuda.wait(), cpu.find_between(MESH, OTHER), ["pairs", "offsets", "hit", "hit_second"])
+        two = cuda.launch([mesh_on_device(MESH), mesh_on_device(OTHER)]).wait()
+        assert_shows(two, cpu.intersections(MESH, OTHER), ["pairs", "offsets", "hit", "hit_second"])
     assert "rows" in repr(found) and "pairs" in dir(found) and found.statistics.backend == "cuda"
     with pytest.raises(AttributeError, match="DeviceResult has no pear; it has complete"):
         found.pear
@@ -265,9 +272,11 @@ def test_launches(cuda, cpu):
 
 def test_arrays_outlive_a_launch(cuda, cpu):
     """The detector keeps what a launch was given."""
-    cuda.launch_impacts(on_device(START), on_device(END), on_device(FACES))
+    mesh = crumple.Mesh(on_device(START), on_device(FACES)).moving_to(on_device(END))
+    launched = cuda.launch(mesh, crumple.ImpactQuery())
+    del mesh
     gc.collect()
-    assert_shows(cuda.wait_impacts(), cpu.find_impacts(START, END, FACES), IMPACTS)
+    assert_shows(launched.wait(), cpu.impacts(START, END, FACES), IMPACTS)
 
 
 class Producer:
@@ -294,20 +303,20 @@ RADII, EDGES, POINTS = np.linspace(0.01, 0.1, len(START)), np.array([[0, 5]], np
 @pytest.mark.parametrize(
     ("given", "search"),
     [
-        (MESH, lambda cuda, v, f, g: cuda.find_self(v, f, groups=g)),
-        (MESH, lambda cuda, v, f, g: cuda.has_intersections(v, f, groups=g)),
+        (MESH, lambda cuda, v, f, g: cuda.intersections(v, f, groups=g)),
+        (MESH, lambda cuda, v, f, g: cuda.any(crumple.Mesh(v, f, g))),
         (MESH, lambda cuda, v, f, g: cuda.partition(crumple.Mesh(v, f, g), count=2)),
-        ((*MESH[:2], *OTHER[:2]), lambda cuda, v, f, w, g: cuda.find_between((v, f), (w, g))),
-        ((START, END, FACES), lambda cuda, v, w, f: cuda.find_impacts(v, w, f)),
-        ((START, END, FACES), lambda cuda, v, w, f: cuda.time_of_first_impact(v, w, f)),
-        ((START, END, FACES), lambda cuda, v, w, f: cuda.find_free_step(v, w, f)),
+        ((*MESH[:2], *OTHER[:2]), lambda cuda, v, f, w, g: cuda.intersections((v, f), (w, g))),
+        ((START, END, FACES), lambda cuda, v, w, f: cuda.impacts(v, w, f)),
+        ((START, END, FACES), lambda cuda, v, w, f: cuda.first_impact(v, w, f)),
+        ((START, END, FACES), lambda cuda, v, w, f: cuda.free_step(v, w, f)),
         (
             (START, FACES, RADII, END),
-            lambda cuda, v, f, r, w: cuda.find_near(v, f, radii=r, rest=w, rest_radius=0.01),
+            lambda cuda, v, f, r, w: cuda.proximities(v, f, radii=r, rest=w, rest_radius=0.01),
         ),
         (
             (START, FACES, END, EDGES, POINTS),
-            lambda cuda, v, f, w, e, p: cuda.find_candidates(v, f, end=w, edges=e, points=p, kinds="vertex_edge"),
+            lambda cuda, v, f, w, e, p: cuda.candidates(v, f, end=w, edges=e, points=p, kinds="vertex_edge"),
         ),
     ],
 )
@@ -339,31 +348,34 @@ def test_launches_read_arrays_that_are_ready_on_their_stream(cuda, cpu, stream, 
         Producer(array) for array in (START, END, FACES, RADII, END, EDGES, POINTS)
     ]
 
-    def launched(launch, *given, **named):
-        """Launches, and returns the producers among the arguments after it has checked their calls."""
+    def launched(used, scene, query):
+        """Launches, and returns the result after it has checked the calls of the producers that are used."""
         for producer in producers:
             producer.calls.clear()
-        launch(*given, **named, stream=stream)
-        assert_each_was_ready_once([a for a in (*given, *named.values()) if isinstance(a, Producer)], number)
+        launch = cuda.launch(scene, query, stream=stream)
+        assert_each_was_ready_once(used, number)
+        return launch.wait()
 
-    launched(cuda.launch_self, vertices, faces)
-    assert_shows(cuda.wait(), cpu.find_self(START, FACES), ["pairs"])
-    launched(cuda.launch_impacts, vertices, end, faces)
-    assert_shows(cuda.wait_impacts(), cpu.find_impacts(START, END, FACES), IMPACTS)
-    launched(cuda.launch_near, vertices, faces, radii=radii, rest=rest, rest_radius=0.01)
-    expected = cpu.find_near(START, FACES, radii=RADII, rest=END, rest_radius=0.01)
-    assert_shows(cuda.wait_near(), expected, NEAR)
-    launched(cuda.launch_candidates, vertices, faces, end=end, edges=edges, points=points, kinds="vertex_edge")
-    expected = cpu.find_candidates(START, FACES, end=END, edges=EDGES, points=POINTS, kinds="vertex_edge")
-    assert_shows(cuda.wait_candidates(), expected, ["vertex_edges"])
+    mesh = crumple.Mesh(vertices, faces)
+    found = launched([vertices, faces], mesh, crumple.IntersectionQuery())
+    assert_shows(found, cpu.intersections(START, FACES), ["pairs"])
+    found = launched([vertices, end, faces], mesh.moving_to(end), crumple.ImpactQuery())
+    assert_shows(found, cpu.impacts(START, END, FACES), IMPACTS)
+    query = crumple.ProximityQuery(radii=radii, rest=rest, rest_radius=0.01)
+    found = launched([vertices, faces, radii, rest], mesh, query)
+    assert_shows(found, cpu.proximities(START, FACES, radii=RADII, rest=END, rest_radius=0.01), NEAR)
+    step = crumple.Mesh(vertices, faces, end=end, edges=edges, points=points)
+    found = launched([vertices, faces, end, edges, points], step, crumple.CandidateQuery(kinds="vertex_edge"))
+    expected = cpu.candidates(START, FACES, end=END, edges=EDGES, points=POINTS, kinds="vertex_edge")
+    assert_shows(found, expected, ["vertex_edges"])
 
 
 @pytest.mark.parametrize(("stream", "number"), STREAMS)
 def test_both_meshes_of_a_launch_are_ready_on_its_stream(cuda, cpu, stream, number):
     producers = [Producer(array) for array in (*MESH, *OTHER[:2])]
-    cuda.launch_between(crumple.Mesh(*producers[:3]), crumple.Mesh(*producers[3:]), stream=stream)
+    launched = cuda.launch([crumple.Mesh(*producers[:3]), crumple.Mesh(*producers[3:])], stream=stream)
     assert_each_was_ready_once(producers, number)
-    assert_shows(cuda.wait(), cpu.find_between(MESH, OTHER), ["pairs"])
+    assert_shows(launched.wait(), cpu.intersections(MESH, OTHER), ["pairs"])
 
 
 @pytest.mark.skipif(not ON_CPU, reason="PyTorch, which made the arrays, follows the address")
@@ -371,7 +383,7 @@ def test_a_stream_of_any_address_is_passed_to_dlpack(cuda):
     address = 2**64 - 16
     producers = [Producer(array) for array in (START, FACES)]
     with pytest.raises(crumple.Error):  # there is no such stream
-        cuda.launch_self(*producers, stream=address)
+        cuda.launch(crumple.Mesh(*producers), stream=address)
     assert_each_was_ready_once(producers, address)
 
 
@@ -379,54 +391,67 @@ def test_a_stream_of_any_address_is_passed_to_dlpack(cuda):
 def test_launches_on_a_stream_of_pytorch_read_what_it_has_written(cuda, cpu):
     torch = pytest.importorskip("torch")
     start, end, faces = map(on_device, (START, END, FACES))
-    late, stream = torch.zeros_like(end), torch.cuda.Stream()
-    expected = cpu.find_impacts(START, END, FACES)
+    mesh, late, stream = crumple.Mesh(start, faces), torch.zeros_like(end), torch.cuda.Stream()
+    expected = cpu.impacts(START, END, FACES)
     for launch_on in (stream, None):
         late.zero_()
         torch.cuda.synchronize()
         with torch.cuda.stream(stream):
             torch.cuda._sleep(50_000_000)
             late.copy_(end)
-            cuda.launch_impacts(start, late, faces, stream=launch_on)
-        assert_shows(cuda.wait_impacts(), expected, IMPACTS)
+            launched = cuda.launch(mesh.moving_to(late), crumple.ImpactQuery(), stream=launch_on)
+        assert_shows(launched.wait(), expected, IMPACTS)
     late.zero_()
     torch.cuda.synchronize()
     with torch.cuda.stream(stream):
         torch.cuda._sleep(50_000_000)
         late.copy_(end)
-        found = cuda.find_impacts(start, late, faces)
+        found = cuda.impacts(start, late, faces)
     for name in IMPACTS:
         np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
 
 
-def test_an_answer_that_is_not_complete(cuda):
-    found = crumple.DeviceImpacts(cuda, (False, 5, 0, False, None), {}, crumple.Statistics)
+def test_a_result_that_is_not_complete(cuda):
+    found = crumple.DeviceResult(cuda, (False, 5, 0, False, None), {}, crumple.Statistics)
     assert not found.complete and found.needed == 5 and "not complete" in repr(found)
-    with pytest.raises(crumple.InvalidInput, match="edge_edges: the answer is not complete; a call outside"):
+    with pytest.raises(crumple.InvalidInput, match="edge_edges: the result is not complete; a call outside"):
         found.edge_edges
 
 
 def test_wrong_launches(cuda):
     start, end, faces = map(on_device, (START, END, FACES))
-    with pytest.raises(crumple.InvalidInput, match="launch"):
-        cuda.wait()
+    mesh = crumple.Mesh(start, faces)
     with pytest.raises(crumple.InvalidType, match="stream must be None, an address, or a stream"):
-        cuda.launch_self(start, faces, stream="0")
+        cuda.launch(mesh, stream="0")
     with pytest.raises(crumple.InvalidInput, match="launches take meshes in device memory"):
-        cuda.launch_near(START, FACES, radius=1)
-    with pytest.raises(TypeError, match="Did you mean 'min_distance'"):
-        cuda.launch_impacts(start, end, faces, min_distence=1)
+        cuda.launch((START, FACES), crumple.ProximityQuery(radius=1))
+    with pytest.raises(crumple.InvalidInput, match="launch is not for DistanceQuery"):
+        cuda.launch(mesh, crumple.DistanceQuery())
+    with pytest.raises(TypeError, match="Did you mean 'stream'"):
+        cuda.launch(mesh, steam=None)
+    moving = mesh.moving_to(end)
+    launched = cuda.launch(moving, crumple.ImpactQuery(), stream=0)
+    launched.wait()
+    with pytest.raises(crumple.InvalidInput, match="needs a launch before it"):
+        launched.wait()
     broken = START.copy()
     broken[7, 1] = np.nan
-    cuda.launch_impacts(on_device(broken), end, faces)
+    launched = cuda.launch(crumple.Mesh(on_device(broken), faces).moving_to(end), crumple.ImpactQuery())
     with pytest.raises(crumple.InvalidInput, match="vertex 7 is not finite"):
-        cuda.wait_impacts()
-    cuda.launch_impacts(start, end, faces, stream=0)
-    cuda.launch_self(start, faces)
-    with pytest.raises(crumple.InvalidInput, match="the oldest launch is one of impacts"):
-        cuda.wait()
-    cuda.wait_impacts()
-    cuda.wait()
+        launched.wait()
+    older, newer = cuda.launch(moving, crumple.ImpactQuery(), stream=0), cuda.launch(moving, crumple.ImpactQuery())
+    with pytest.raises(crumple.InvalidInput, match="an older launch is in flight"):
+        newer.wait()
+    with pytest.raises(crumple.InvalidInput, match="two launches are in flight"):
+        cuda.launch(mesh)
+    older.wait()
+    with pytest.raises(crumple.InvalidInput, match="another call has come after this launch"):
+        older.wait()
+    newer.wait()
+    launched = cuda.launch(mesh)
+    cuda.intersections(mesh)
+    with pytest.raises(crumple.InvalidInput, match="another call has come after this launch"):
+        launched.wait()
 
 
 BALL = soup(60, size=0.5, seed=4)
@@ -444,7 +469,7 @@ def worlds_of(count, scalar):
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
 @pytest.mark.parametrize(
-    ("wants", "told"),
+    ("output", "names"),
     [
         ("any", ["any"]),
         ("any_by_world", ["world_hit"]),
@@ -454,52 +479,53 @@ def worlds_of(count, scalar):
         ("contacts", ["bodies", "pairs"]),
     ],
 )
-def test_poses_of_worlds(cuda, cpu, scalar, wants, told):
+def test_poses_of_worlds(cuda, cpu, scalar, output, names):
     world, poses = worlds_of(5, scalar)
-    expected = cpu.find(world, poses=poses, wants=wants)
+    query = crumple.IntersectionQuery(output=output)
+    expected = cpu.find(world.at(poses), query)
     for _ in range(2):
-        found = cuda.find(world, poses=on_device(poses), wants=wants)
-        for name in told:
+        found = cuda.find(world.at(on_device(poses)), query)
+        for name in names:
             np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
+    counts = crumple.IntersectionQuery(output="count")
     world.poses = on_device(poses)
-    assert cuda.find(world, wants="count").count == cpu.find(world, wants="count", poses=poses).count > 0
+    assert cuda.find(world, counts).count == cpu.find(world.at(poses), counts).count > 0
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
 def test_launches_of_worlds(cuda, cpu, scalar):
     world, poses = worlds_of(5, scalar)
-    there = on_device(poses)
-    for wants, arrays in (
+    there = world.at(on_device(poses))
+    for output, arrays in (
         ("any_by_world", ["world_hit"]),
         ("count", ["world_hit", "world_counts"]),
         ("pairs", ["world_hit", "world_counts", "bodies", "pairs"]),
     ):
-        expected = cpu.find(world, poses=poses, wants=wants)
+        query = crumple.IntersectionQuery(output=output)
+        expected = cpu.find(world.at(poses), query)
         for _ in range(2):
-            cuda.launch(world, poses=there, wants=wants)
-            found = cuda.wait()
+            found = cuda.launch(there, query).wait()
             assert_shows(found, expected, arrays)
             assert found.any == expected.any
-    cuda.launch(world, poses=there)
-    assert isinstance(cuda.wait(), type(found))
-    with pytest.raises(crumple.InvalidInput, match="^launch takes poses in CUDA memory"):
-        cuda.launch(world, poses=poses)
+    assert isinstance(cuda.launch(there).wait(), crumple.DeviceResult)
+    with pytest.raises(crumple.InvalidInput, match="^launch takes worlds whose poses lie in device memory"):
+        cuda.launch(world.at(poses))
 
 
 def test_searches_read_poses_that_are_ready_on_the_default_stream(cuda):
     world, poses = worlds_of(3, np.float64)
-    start, end = producers = Producer(poses), Producer(poses)
-    for search in (
-        lambda: cuda.find(world, poses=start),
-        lambda: cuda.find_impacts(world, poses=start, end_poses=end),
-        lambda: cuda.find_near(world, radius=0.1, poses=start),
-        lambda: cuda.find_candidates(world, poses=start, end_poses=end),
+    start, end = Producer(poses), Producer(poses)
+    posed, moving = world.at(start), world.at(start, end)
+    for search, producers in (
+        (lambda: cuda.intersections(posed), [start]),
+        (lambda: cuda.impacts(moving), [start, end]),
+        (lambda: cuda.proximities(posed, radius=0.1), [start]),
+        (lambda: cuda.candidates(moving), [start, end]),
     ):
         for producer in producers:
             producer.calls.clear()
         search()
-        assert_each_was_ready_once([producer for producer in producers if producer.calls], 1)
-        assert start.calls
+        assert_each_was_ready_once(producers, 1)
 
 
 def test_each_search_has_the_poses_of_a_world_made_ready(cuda):
@@ -515,30 +541,30 @@ def test_each_search_has_the_poses_of_a_world_made_ready(cuda):
 @pytest.mark.parametrize(("stream", "number"), STREAMS)
 def test_launches_of_worlds_read_poses_that_are_ready_on_their_stream(cuda, cpu, stream, number):
     world, poses = worlds_of(3, np.float64)
-    expected = cpu.find(world, poses=poses)
+    expected = cpu.intersections(world.at(poses))
     world.poses = own = Producer(poses)
     other = Producer(poses)
-    for producer, given in ((own, {}), (other, {"poses": other})):
+    for producer, scene in ((own, world), (other, world.at(other))):
         producer.calls.clear()
-        cuda.launch(world, **given, stream=stream)
+        launched = cuda.launch(scene, stream=stream)
         assert_each_was_ready_once([producer], number)
-        assert_shows(cuda.wait(), expected, ["pairs"])
+        assert_shows(launched.wait(), expected, ["pairs"])
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
-def test_other_questions_about_poses(cuda, cpu, scalar):
+def test_other_queries_about_poses(cuda, cpu, scalar):
     world, poses = worlds_of(5, scalar)
     ends = poses.copy()
     ends[:, :, 3] += np.random.default_rng(8).uniform(-0.3, 0.3, (len(ends), 3))
     start, end = on_device(poses), on_device(ends)
-    expected = cpu.find_impacts(world, poses=poses, end_poses=ends)
+    expected = cpu.impacts(world.at(poses, ends))
     assert expected.count > 0
-    features.assert_same(cuda.find_impacts(world, poses=start, end_poses=end), expected, features.BODIES)
-    near = cpu.find_near(world, radius=0.2, poses=poses)
+    features.assert_same(cuda.impacts(world.at(start, end)), expected, features.BODIES)
+    near = cpu.proximities(world.at(poses), radius=0.2)
     assert near.count > 0
-    features.assert_same(cuda.find_near(world, radius=0.2, poses=start), near)
-    found = cuda.find_candidates(world, poses=start, end_poses=end, kinds="edge_edge")
-    candidates = cpu.find_candidates(world, poses=poses, end_poses=ends, kinds="edge_edge")
+    features.assert_same(cuda.proximities(world.at(start), radius=0.2), near)
+    found = cuda.candidates(world.at(start, end), kinds="edge_edge")
+    candidates = cpu.candidates(world.at(poses, ends), kinds="edge_edge")
     np.testing.assert_array_equal(found.edge_edges, candidates.edge_edges)
 
 
@@ -546,14 +572,14 @@ def test_poses_that_are_refused(cuda, cpu):
     world, poses = worlds_of(2, np.float64)
     there = on_device(poses)
     with pytest.raises(crumple.InvalidInput, match="lie in CUDA memory, which needs the cuda backend"):
-        cpu.find(world, poses=there)
+        cpu.intersections(world.at(there))
     with pytest.raises(crumple.InvalidInput, match="^poses lie in device memory or in host memory, not in both"):
-        cuda.find_impacts(world, poses=there, end_poses=poses)
+        cuda.impacts(world.at(there, poses))
     with pytest.raises(crumple.InvalidInput, match="^poses at the end lie in device memory, and those at the start do"):
-        cuda.find_impacts(world, end_poses=there)
+        cuda.impacts(world.at(None, there))
     four = np.tile(np.eye(4), (5, 1, 1))
     with pytest.raises(crumple.InvalidInput, match=r"^poses in CUDA memory must be \(n, 3, 4\)"):
-        cuda.find(world, poses=on_device(four))
+        cuda.intersections(world.at(on_device(four)))
     poses[3, 1, 2] = np.inf
     with pytest.raises(crumple.InvalidInput, match="^body 3: its pose is not finite"):
-        cuda.find(world, poses=on_device(poses))
+        cuda.intersections(world.at(on_device(poses)))

@@ -24,7 +24,7 @@ SAYS = {
     "kinds_of_contact": r"crossing: segment \(1, 1, 0\) \(1.66667, 1, 0\)\n(.*\n)*.*hexagon: area( \(\S+ \S+ 0\)){6}\n",
     "parts_in_processes": r"together: \d+ pairs, each once, the same bytes as from one detector",
     "cloth_that_never_passes_through_itself": r"2330 triangles, 18 frames: 0 pairs .*\nimpacts held back: \d+;",
-    "cloth_on_a_device": r"on the (host|device): \d+ questions, \d\d+ times a vertex stayed\n0 pairs of triangles",
+    "cloth_on_a_device": r"on the (host|device): \d+ queries, \d\d+ times a vertex stayed\n0 pairs of triangles",
     "ranks": r"(frame \d: \d{3,} pairs, \d+ on rank 0, \d+ on rank 1\n){4}"
     r"to frame 4: \d{3,} impacts; \d{3,} pairs of features are near\none process alone: \d{3,} pairs\n",
     "ipc_toolkit": r"LBVH .* intersects at the start\nCrumple        2 candidates, .* intersects .*\nexact    0.164",

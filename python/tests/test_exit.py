@@ -39,21 +39,21 @@ PREPARATION = """
     few, many = (crumple.make_scene("soup", triangles=n) for n in (300, 100_000))
     lists, foreign = [array.tolist() for array in few[:2]], [Foreign(array) for array in few[:2]]
     detector, slow = crumple.Detector(threads=2), crumple.Detector(backend="reference")
-    result = crumple.Detector().find_self(few)
+    result = crumple.Detector().intersections(few)
 """
 WORK = {
-    "search": "detector.find_self(few)",
-    "a search that takes minutes": "slow.find_self(many)",
-    "a search among lists": "detector.find_self(*lists)",
-    "a search among arrays that Python exports": "detector.find_self(*foreign)",
+    "search": "detector.intersections(few)",
+    "a search that takes minutes": "slow.intersections(many)",
+    "a search among lists": "detector.intersections(*lists)",
+    "a search among arrays that Python exports": "detector.intersections(*foreign)",
     "partition": "detector.partition(many, count=8)",
     "read_mesh": "crumple.read_mesh('mesh.ply')",
     "write_mesh": "crumple.write_mesh('written.off', many)",
-    "save": "crumple.Detector().find_self(many).save('saved.glb')",
+    "save": "crumple.Detector().intersections(many).save('saved.glb')",
     "make_scene": "crumple.make_scene('cloth', triangles=2000, frame=9)",
-    "what is refused": "refused(lambda: detector.find_self([[0, 0, np.nan]], [[0, 0, 0]]))",
+    "what is refused": "refused(lambda: detector.intersections([[0, 0, np.nan]], [[0, 0, 0]]))",
     "a file that is not there": "refused(lambda: crumple.read_mesh('none.ply'))",
-    "a call that does not fit": "refused(lambda: detector.find_self(few, neighbors=0))",
+    "a call that does not fit": "refused(lambda: detector.intersections(few, neighbors=0))",
 }
 
 
@@ -123,7 +123,7 @@ def test_a_turn_that_never_ends_is_not_waited_for(tmp_path):
     program = """
         class Last:
             def __init__(self):
-                self.call, self.arguments, self.write = slow.find_self, few, os.write
+                self.call, self.arguments, self.write = slow.intersections, few, os.write
 
             def __del__(self):
                 try:
@@ -132,7 +132,7 @@ def test_a_turn_that_never_ends_is_not_waited_for(tmp_path):
                     self.write(1, b"refused")
 
         sys.last = Last()
-        threading.Thread(target=loop, args=(lambda: slow.find_self(many),), daemon=True).start()
+        threading.Thread(target=loop, args=(lambda: slow.intersections(many),), daemon=True).start()
         started.wait()
         time.sleep(0.1)
     """

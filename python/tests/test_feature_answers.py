@@ -1,4 +1,4 @@
-"""Impacts and Nearby as values: they outlive everything, go through pickle whole or not at all, and are copied."""
+"""Impacts and Proximities as values: they outlive everything, go through pickle whole or not at all, and are copied."""
 
 import copy
 import gc
@@ -11,7 +11,7 @@ import pytest
 
 import crumple
 from conftest import OnDevice, soup, sufficient_limit
-from features import BODIES, CLOSEST, END, FACES, INDEX, LEAST, LISTS, START, TRIANGLES
+from features import BODIES, CLOSEST, END, FACES, INDEX, LEAST, LISTS, START, TRIANGLES, restored
 
 MESH = soup(12, size=0.5, dtype=np.float64)
 MOVED = MESH.vertices + 0.3 * np.random.default_rng(1).normal(size=MESH.vertices.shape)
@@ -20,68 +20,69 @@ POSES = np.tile(np.eye(3, 4), (3, 1, 1))
 POSES[:, 0, 3] = [0, 0.2, 5]
 WORLD = crumple.World([crumple.Shape(MESH, end=MOVED)], [0, 0, 0], poses=POSES, worlds=[0, 1, 1], self_collisions=True)
 
-ANSWERS = {
-    "impacts of a mesh": lambda d, **how: d.find_impacts(MESH, MOVED, **how),
-    "impacts of a world": lambda d, **how: d.find_impacts(WORLD, **how),
-    "triangles of a mesh": lambda d, **how: d.find_impacts(MESH, MOVED, triangle_pairs=True, **how),
-    "triangles of a world": lambda d, **how: d.find_impacts(WORLD, triangle_pairs=True, **how),
-    "pairs of a mesh": lambda d, **how: d.find_near(MESH, radius=0.2, **how),
-    "pairs of a world": lambda d, **how: d.find_near(WORLD, radius=0.2, **how),
-    "impacts of hair": lambda d, **how: d.find_impacts(HAIR, HAIR[::-1].copy(), edges=[[1, 0], [1, 2]], **how),
-    "pairs of particles": lambda d, **how: d.find_near(HAIR, radius=9, points=[3, 0, 2, 3], **how),
-    "no impacts": lambda d, **how: d.find_impacts(MESH._replace(faces=MESH.faces[:1]), MOVED, **how),
-    "no pairs": lambda d, **how: d.find_near([], [], radius=1, **how),
+RESULTS = {
+    "impacts of a mesh": lambda d, **how: d.impacts(MESH, MOVED, **how),
+    "impacts of a world": lambda d, **how: d.impacts(WORLD, **how),
+    "triangles of a mesh": lambda d, **how: d.impacts(MESH, MOVED, triangle_pairs=True, **how),
+    "triangles of a world": lambda d, **how: d.impacts(WORLD, triangle_pairs=True, **how),
+    "pairs of a mesh": lambda d, **how: d.proximities(MESH, radius=0.2, **how),
+    "pairs of a world": lambda d, **how: d.proximities(WORLD, radius=0.2, **how),
+    "impacts of hair": lambda d, **how: d.impacts(HAIR, HAIR[::-1].copy(), edges=[[1, 0], [1, 2]], **how),
+    "pairs of particles": lambda d, **how: d.proximities(HAIR, points=[3, 0, 2, 3], radius=9, **how),
+    "no impacts": lambda d, **how: d.impacts(MESH._replace(faces=MESH.faces[:1]), MOVED, **how),
+    "no pairs": lambda d, **how: d.proximities([], [], radius=1, **how),
 }
-WANTS = {"Impacts": ["any", "any_by_world", "earliest", "impacts"], "Nearby": ["any", "any_by_world", "pairs"]}
+OUTPUTS = {"Impacts": ["any", "any_by_world", "first", "pairs"], "Proximities": ["any", "any_by_world", "pairs"]}
 
 
-def arrays_of(answer):
+def arrays_of(result):
     """All that it has, what was not asked for included."""
-    raw = answer._answer
-    names = [*LISTS[type(answer).__name__], *BODIES, *INDEX, "edges", "first_edge", "points", "first_point"]
+    raw = result._found
+    names = [*LISTS[type(result).__name__], *BODIES, *INDEX, "edges", "first_edge", "points", "first_point"]
     made = {name: getattr(raw, name).tolist() for name in names}
-    if isinstance(answer, crumple.Nearby):
+    if isinstance(result, crumple.Proximities):
         made |= {name: getattr(raw, name).tolist() for name in [*CLOSEST, *LEAST]}
-    if isinstance(answer, crumple.Impacts):
+    if isinstance(result, crumple.Impacts):
         made |= {"first": raw.first, "world_first": raw.world_first}
         made |= {name: getattr(raw, name).tolist() for name in TRIANGLES}
-    return {**made, "any": answer.any, "rows": len(answer)}
+    return {**made, "any": result.any, "rows": len(result)}
 
 
-@pytest.mark.parametrize("name", ANSWERS)
-def test_an_answer_comes_back_whole(name, either):
-    find = ANSWERS[name]
-    questions = [{"wants": wants} for wants in WANTS[type(find(either)).__name__]] + [{"copy": True}]
+@pytest.mark.parametrize("name", RESULTS)
+def test_a_result_comes_back_whole(name, either):
+    find = RESULTS[name]
+    outputs = OUTPUTS[type(find(either)).__name__]
+    queries = [{"output": output} for output in outputs] + [{"copy": True}]
     if "world" not in name:
-        questions.append({"index": True})
+        queries.append({"index": True})
     if "pairs" in name:
-        questions.append({"closest": True} if "world" in name else {"closest": True, "least": True})
-    for question in questions:
-        answer = find(either, **question)
-        again = pickle.loads(pickle.dumps(answer))
-        for found in (again, copy.copy(answer), copy.deepcopy(answer), copy.deepcopy(again)):
-            assert type(found) is type(answer) and repr(found) == repr(answer) and bool(found) is bool(answer)
-            assert arrays_of(found) == arrays_of(answer) and found.statistics == answer.statistics
-            if question.get("copy"):
+        queries.append({"closest": True} if "world" in name else {"closest": True, "least": True})
+    for query in queries:
+        result = find(either, **query)
+        again = pickle.loads(pickle.dumps(result))
+        for found in (again, copy.copy(result), copy.deepcopy(result), copy.deepcopy(again)):
+            assert type(found) is type(result) and repr(found) == repr(result) and bool(found) is bool(result)
+            assert arrays_of(found) == arrays_of(result) and found.statistics == result.statistics
+            if query.get("copy"):
                 assert found.vertex_faces.flags.writeable and found.edges.flags.writeable
-            elif question.get("wants") == WANTS[type(answer).__name__][-1]:
+            elif query.get("output") == outputs[-1]:
                 assert not len(found.vertex_faces) or not found.vertex_faces.flags.writeable
     assert name.startswith("no ") or find(either)
 
 
 def test_copies_share_or_do_not(detector):
-    answer = detector.find_impacts(MESH, MOVED)
-    same, other = copy.copy(answer), copy.deepcopy(answer)
-    assert np.shares_memory(same.vertex_faces, answer.vertex_faces)
-    assert not np.shares_memory(other.vertex_faces, answer.vertex_faces)
+    result = detector.impacts(MESH, MOVED)
+    same, other = copy.copy(result), copy.deepcopy(result)
+    assert np.shares_memory(same.vertex_faces, result.vertex_faces)
+    assert not np.shares_memory(other.vertex_faces, result.vertex_faces)
 
 
 def test_another_process_finds_the_same(detector, tmp_path):
-    (tmp_path / "answer").write_bytes(pickle.dumps((detector.find_impacts(WORLD), WORLD)))
+    (tmp_path / "result").write_bytes(pickle.dumps((detector.impacts(WORLD), WORLD)))
     code = (
-        "import crumple, pickle; answer, world = pickle.load(open('answer', 'rb'))\n"
-        "found = crumple.Detector().find_impacts(world)\n"
-        "print(found.edge_edge_toi.tolist() == answer.edge_edge_toi.tolist() and len(answer) > 9)"
+        "import crumple, pickle; result, world = pickle.load(open('result', 'rb'))\n"
+        "found = crumple.Detector().impacts(world)\n"
+        "print(found.edge_edge_toi.tolist() == result.edge_edge_toi.tolist() and len(result) > 9)"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout == "True\n"
@@ -92,12 +93,7 @@ def test_another_process_finds_the_same(detector, tmp_path):
     [
         ("impacts of a mesh", "vertex_faces", lambda a: a[:-1], "count"),
         ("impacts of a mesh", "vertex_faces", lambda a: -1 - a, "vertex_faces"),
-        (
-            "impacts of a mesh",
-            "vertex_faces",
-            lambda a: a.astype(np.int64),
-            r"as an array \(n, 2\) of int32",
-        ),
+        ("impacts of a mesh", "vertex_faces", lambda a: a.astype(np.int64), r"as an array \(n, 2\) of int32"),
         ("impacts of a mesh", "edge_edges", lambda a: a + 999, "edge_edges and edges"),
         ("impacts of a mesh", "edge_edge_toi", lambda a: a + 2, "the values of edge_edges"),
         ("impacts of a mesh", "edge_edge_toi", lambda a: a * np.nan, "the values of edge_edges"),
@@ -114,8 +110,8 @@ def test_another_process_finds_the_same(detector, tmp_path):
         ("impacts of a mesh", "first_edge", lambda a: a[:1], "first_edge"),
         ("impacts of a mesh", "by_face", lambda a: a[::-1], "by_face"),
         ("impacts of a mesh", "vertex_offsets", lambda a: a[:3], "vertex_offsets"),
-        ("impacts of a mesh", "wants", lambda a: "all", "wants"),
-        ("impacts of a mesh", "wants", lambda a: "any", "count"),
+        ("impacts of a mesh", "output", lambda a: "all", "output"),
+        ("impacts of a mesh", "output", lambda a: "any", "count"),
         ("impacts of a mesh", "any", lambda a: 1, "needs any as bool"),
         ("impacts of a mesh", "statistics", lambda a: None, "needs statistics as Statistics"),
         ("impacts of a mesh", "first", lambda a: (1, 2), "first"),
@@ -123,51 +119,66 @@ def test_another_process_finds_the_same(detector, tmp_path):
         ("triangles of a mesh", "triangle_pairs", lambda a: a[1:], "the lengths of triangle_pairs"),
         ("triangles of a mesh", "triangle_pair_toi", lambda a: a + 2, "the values of triangle_pairs"),
         ("triangles of a mesh", "triangle_pair_start", lambda a: ~a, "the flags of triangle_pairs"),
-        ("triangles of a mesh", "has_triangle_pairs", lambda a: False, "triangle_pairs"),
+        ("triangles of a mesh", "options", lambda a: a - {"triangle_pairs"}, "triangle_pairs"),
         ("triangles of a mesh", "by_second_triangle", lambda a: a[1:], "by_second_triangle"),
         ("triangles of a world", "triangle_pair_bodies", lambda a: a + 3, "triangle_pair_bodies"),
         ("impacts of a world", "vertex_face_bodies", lambda a: a + 3, "vertex_face_bodies"),
-        ("impacts of a world", "of_world", lambda a: False, "first_edge"),
+        ("impacts of a world", "of_bodies", lambda a: False, "scene"),
+        ("impacts of a world", "block", lambda a: True, "block"),
         ("pairs of a mesh", "vertex_face_squared_distance", lambda a: -1 - a, "the values of vertex_faces"),
         ("pairs of a mesh", "vertex_face_touching", lambda a: ~a, "the flags of vertex_faces"),
-        ("pairs of a world", "has_index", lambda a: True, "has_index"),
-        ("pairs of a mesh", "has_closest", lambda a: True, "vertex_face_type"),
-        ("pairs of a mesh", "has_least", lambda a: True, "edge_distance"),
+        ("pairs of a world", "options", lambda a: a | {"index"}, "index"),
+        ("pairs of a mesh", "options", lambda a: a | {"closest"}, "vertex_face_type"),
+        ("pairs of a mesh", "options", lambda a: a | {"least"}, "edge_distance"),
         ("pairs of a mesh", "vertex_distance", lambda a: np.ones(3), "vertex_distance"),
         ("pairs of a mesh", "edge_edge_type", lambda a: np.full(2, 9, np.uint8), "edge_edge_type"),
     ],
 )
 def test_what_does_not_fit_together_is_refused(name, field, value, message, detector):
-    restore, (kind, state) = ANSWERS[name](detector, **({} if "world" in name else {"index": True})).__reduce__()
-    assert restore(kind, state)
+    result = RESULTS[name](detector, **({} if "world" in name else {"index": True}))
+    assert arrays_of(restored(result)) == arrays_of(result)
     with pytest.raises(crumple.InvalidInput, match=message):
-        restore(kind, {**state, field: value(state[field])})
-    for wrong in (("Result", state), (kind, {}), (kind, None)):
-        with pytest.raises(crumple.InvalidType, match="the state of"):
+        restored(result, **{field: value})
+
+
+def test_a_result_of_a_world_is_none_of_a_mesh(detector):
+    result, of_mesh = detector.impacts(WORLD), {"scene": lambda _: "mesh", "of_bodies": lambda _: False}
+    with pytest.raises(crumple.InvalidInput, match="the state of Impacts does not fit together: first_edge"):
+        restored(result, **of_mesh)
+
+
+def test_a_state_of_another_form_is_refused(detector):
+    restore, (kind, asked, state) = detector.impacts(MESH, MOVED).__reduce__()
+    for wrong in (("Result", asked, state), (kind, asked, {}), (kind, asked, None), (kind, asked, state, WORLD)):
+        with pytest.raises(crumple.InvalidType, match="the state of Impacts|a result must be one of"):
             restore(*wrong)
 
 
 def test_a_first_that_cannot_be_is_refused(detector):
-    restore, (kind, state) = detector.find_impacts(START, END, FACES, wants="earliest").__reduce__()
-    assert restore(kind, state).first.toi == 0.5
+    result = detector.impacts(START, END, FACES, output="first")
+    assert restored(result).first.toi == 0.5
     for first in (
-        ("face_face", (3, 0), None, 0.5, False),
-        ("vertex_face", (3, 0), (0, 0), 0.5, False),
-        ("vertex_face", (3, 0), None, 1.5, False),
+        ("face_face", (3, 0), (0, 0), 0.5, False),
+        ("vertex_face", (3, 0), None, 0.5, False),
+        ("vertex_face", (3, 0), (1, 0), 0.5, False),
+        ("vertex_face", (3, -1), (0, 0), 0.5, False),
+        ("vertex_face", (3, 2**31), (0, 0), 0.5, False),
+        ("vertex_face", (3, 0), (0, 0), 1.5, False),
+        ("vertex_face", (3, 0), (0, 0), 0.5, 0),
     ):
-        with pytest.raises(crumple.InvalidInput, match="first impact"):
-            restore(kind, {**state, "first": first})
+        with pytest.raises(crumple.InvalidInput, match="does not fit together: .*first"):
+            restored(result, first=lambda _, first=first: first)
 
 
 @pytest.mark.parametrize("name", ["impacts of a world", "pairs of a mesh"])
-def test_an_answer_outlives_everything(name, detector):
-    answer = ANSWERS[name](detector)
-    arrays = [getattr(answer, field) for field in LISTS[type(answer).__name__]]
+def test_a_result_outlives_everything(name, detector):
+    result = RESULTS[name](detector)
+    arrays = [getattr(result, field) for field in LISTS[type(result).__name__]]
     before = [array.copy() for array in arrays]
-    del answer
+    del result
     for _ in range(4):
-        detector.find_impacts(START, END, FACES)
-        detector.find_near(START, FACES, radius=9)
+        detector.impacts(START, END, FACES)
+        detector.proximities(START, FACES, radius=9)
     del detector
     gc.collect()
     for array, expected in zip(arrays, before):
@@ -177,41 +188,41 @@ def test_an_answer_outlives_everything(name, detector):
 
 @pytest.mark.parametrize("name", ["impacts of a mesh", "pairs of a mesh"])
 def test_frames_use_memory_again(name, detector):
-    """Two answers, and the rows that a search swaps with its answer."""
-    places = {ANSWERS[name](detector).edge_edges.ctypes.data for _ in range(12)}
+    """Two results, and the rows that a search swaps with its result."""
+    places = {RESULTS[name](detector).edge_edges.ctypes.data for _ in range(12)}
     assert len(places) <= 3
-    held = [ANSWERS[name](detector).edge_edges for _ in range(4)]
+    held = [RESULTS[name](detector).edge_edges for _ in range(4)]
     assert len({pairs.ctypes.data for pairs in held}) == 4
 
 
 def test_copies_may_be_written_to(detector):
-    for answer in (detector.find_impacts(MESH, MOVED, copy=True), detector.find_near(MESH, radius=0.2, copy=True)):
-        answer.edge_edges[:] = 0
-        assert not answer.edge_edges.any() and answer._answer.edge_edges.any()
+    for result in (detector.impacts(MESH, MOVED, copy=True), detector.proximities(MESH, radius=0.2, copy=True)):
+        result.edge_edges[:] = 0
+        assert not result.edge_edges.any() and result._found.edge_edges.any()
 
 
-def test_answers_of_one_detector_do_not_disturb_each_other(detector):
+def test_results_of_one_detector_do_not_disturb_each_other(detector):
     """Each kind has its own storage: pairs of triangles, impacts, near pairs."""
-    expected = arrays_of(detector.find_impacts(MESH, MOVED)), arrays_of(detector.find_near(MESH, radius=0.2))
-    pairs = detector.find_self(MESH).pairs.tolist()
-    impacts, near, result = detector.find_impacts(MESH, MOVED), detector.find_near(MESH, radius=0.2), None
+    expected = arrays_of(detector.impacts(MESH, MOVED)), arrays_of(detector.proximities(MESH, radius=0.2))
+    pairs = detector.intersections(MESH).pairs.tolist()
+    impacts, near, result = detector.impacts(MESH, MOVED), detector.proximities(MESH, radius=0.2), None
     for _ in range(3):
-        result = detector.find_self(MESH)
-        detector.find(WORLD)
+        result = detector.intersections(MESH)
+        detector.intersections(WORLD)
     assert (arrays_of(impacts), arrays_of(near)) == expected and result.pairs.tolist() == pairs
 
 
 def test_a_memory_limit_holds(detector):
     mesh = soup(300, size=0.5, dtype=np.float64)
-    for ask in (lambda d: d.find_impacts(mesh, mesh.vertices + 0.01), lambda d: d.find_near(mesh, radius=0.05)):
-        expected = ask(detector)
-        enough = crumple.Detector(memory_limit=sufficient_limit(ask, 10_000))
+    for find in (lambda d: d.impacts(mesh, mesh.vertices + 0.01), lambda d: d.proximities(mesh, radius=0.05)):
+        expected = find(detector)
+        enough = crumple.Detector(memory_limit=sufficient_limit(find, 10_000))
         for _ in range(3):
-            np.testing.assert_array_equal(ask(enough).edge_edges, expected.edge_edges)
+            np.testing.assert_array_equal(find(enough).edge_edges, expected.edge_edges)
 
 
-def test_the_raw_answers_are_not_made_in_python():
-    for make in (crumple.Impacts, crumple.Nearby, crumple._core.ImpactsAnswer, crumple._core.NearbyAnswer):
+def test_results_and_their_storage_are_not_made_in_python():
+    for make in (crumple.Impacts, crumple.Proximities, crumple._core.Impacts, crumple._core.Proximities):
         with pytest.raises(TypeError):
             make()
 
@@ -274,15 +285,15 @@ def test_a_search_names_the_body_that_goes_wrong(detector):
     world = crumple.World([MESH], [0, 0], names=["arm", "hand"], end_poses=ends, self_collisions=True)
     ends[1, 3, 0] = 2
     with pytest.raises(crumple.InvalidInput, match=r"body 1 \('hand'\): the last row of its end pose must be 0 0 0 1"):
-        detector.find_impacts(world)
+        detector.impacts(world)
     ends[1, 3, 0], ends[1, 0, 0] = 0, np.nan
     with pytest.raises(crumple.InvalidInput, match=r"body 1 \('hand'\): its pose is not finite"):
-        detector.is_free(world)
-    assert detector.find_near(world, radius=0.2), "the end is no business of nearness"
+        detector.any(world, crumple.ImpactQuery())
+    assert detector.proximities(world, radius=0.2), "the end is no business of nearness"
     moved = MOVED.copy()
     moved[7, 1] = np.inf
     world = crumple.World([MESH, crumple.Shape(MESH, end=moved)], names=["arm", "hand"], self_collisions=True)
     with pytest.raises(crumple.InvalidInput, match=r"body 1 \('hand'\): vertex 7 is not finite at the end"):
-        detector.time_of_first_impact(world)
+        detector.first_impact(world)
     with pytest.raises(crumple.InvalidInput, match="excluded: there is no body 'han'; did you mean 'hand'"):
-        detector.find_impacts(world, excluded=[{"arm", "han"}])
+        detector.impacts(world, filter=crumple.PairFilter(excluded_bodies=[{"arm", "han"}]))

@@ -14,58 +14,59 @@ from features import CANDIDATE_KINDS, END, FACES, LISTS, START
 WORLD = crumple.World(
     [crumple.Shape(START[:3], FACES[:1]), crumple.Shape(START[3:], FACES[:1], end=END[3:])], self_collisions=True
 )
-ANSWERS = {
-    "impacts": lambda d: d.find_impacts(START, END, FACES),
-    "near": lambda d: d.find_near(START, FACES, radius=2),
-    "impacts of a world": lambda d: d.find_impacts(WORLD),
-    "impacts with triangles": lambda d: d.find_impacts(START, END, FACES, triangle_pairs=True),
-    "near of a world": lambda d: d.find_near(WORLD, radius=2),
-    "candidates": lambda d: d.find_candidates(START, FACES, end=END, kinds=CANDIDATE_KINDS, inflation=0.25),
-    "candidates of a world": lambda d: d.find_candidates(WORLD, kinds=CANDIDATE_KINDS, inflation=0.25),
+RESULTS = {
+    "impacts": lambda d: d.impacts(START, END, FACES),
+    "near": lambda d: d.proximities(START, FACES, radius=2),
+    "impacts of a world": lambda d: d.impacts(WORLD),
+    "impacts with triangles": lambda d: d.impacts(START, END, FACES, triangle_pairs=True),
+    "near of a world": lambda d: d.proximities(WORLD, radius=2),
+    "candidates": lambda d: d.candidates(START, FACES, end=END, kinds=CANDIDATE_KINDS, inflation=0.25),
+    "candidates of a world": lambda d: d.candidates(WORLD, kinds=CANDIDATE_KINDS, inflation=0.25),
 }
 
 
 @pytest.mark.parametrize("extension", ["txt", "csv", "json", "npz"])
-@pytest.mark.parametrize("name", ANSWERS)
+@pytest.mark.parametrize("name", RESULTS)
 def test_what_went_through_pickle_is_saved_the_same(name, extension, detector, tmp_path):
-    answer = ANSWERS[name](detector)
-    answer.save(tmp_path / f"one.{extension}")
-    pickle.loads(pickle.dumps(answer)).save(str(tmp_path / f"other.{extension}"))
+    result = RESULTS[name](detector)
+    result.save(tmp_path / f"one.{extension}")
+    pickle.loads(pickle.dumps(result)).save(str(tmp_path / f"other.{extension}"))
     one, other = ((tmp_path / f"{file}.{extension}").read_bytes() for file in ("one", "other"))
     assert one == other and len(one) > 10
 
 
-@pytest.mark.parametrize("name", ANSWERS)
+@pytest.mark.parametrize("name", RESULTS)
 def test_arrays_come_back(name, detector, tmp_path):
-    answer = ANSWERS[name](detector)
-    answer.save(tmp_path / "lists.npz")
-    answer.save(tmp_path / "lists.json")
+    result = RESULTS[name](detector)
+    result.save(tmp_path / "lists.npz")
+    result.save(tmp_path / "lists.json")
     read, text = np.load(tmp_path / "lists.npz"), json.loads((tmp_path / "lists.json").read_text())
     more = ["vertex_face_bodies", "first_edge"] if "world" in name else []
-    for array in (*LISTS[type(answer).__name__], "edges", *more):
-        np.testing.assert_array_equal(read[array], getattr(answer, array))
-        assert text[array] == getattr(answer, array).tolist()
-    assert text["statistics"]["pairs"] == len(answer)
+    for array in (*LISTS[type(result).__name__], "edges", *more):
+        np.testing.assert_array_equal(read[array], getattr(result, array))
+        assert text[array] == getattr(result, array).tolist()
+    assert text["statistics"]["pairs"] == len(result)
 
 
 def test_lines_of_text(detector, tmp_path):
     expected = {"impacts": "vf 3 0 0.5 0\n", "impacts of a world": "vf 1:0 0:0 0.5 0\n"}
     for name, lines in expected.items():
-        ANSWERS[name](detector).save(tmp_path / "list.txt")
+        RESULTS[name](detector).save(tmp_path / "list.txt")
         assert (tmp_path / "list.txt").read_text() == lines
-    detector.find_impacts(START, END, FACES, groups=[0, 1], wanted="between").save(tmp_path / "list.txt")
+    between = crumple.PairFilter(groups="between")
+    detector.impacts(START, END, FACES, groups=[0, 1], filter=between).save(tmp_path / "list.txt")
     assert (tmp_path / "list.txt").read_text() == expected["impacts"]
-    detector.find_candidates(WORLD, kinds=["face_face", "vertex_face"]).save(tmp_path / "list.txt")
+    detector.candidates(WORLD, kinds=["face_face", "vertex_face"]).save(tmp_path / "list.txt")
     assert (tmp_path / "list.txt").read_text() == "vf 1:0 0:0\nff 0:0 1:0\n"
-    ANSWERS["near"](detector).save(tmp_path / "list.txt")
+    RESULTS["near"](detector).save(tmp_path / "list.txt")
     lines = (tmp_path / "list.txt").read_text().splitlines()
     assert len(lines) == 10 and lines[1] == "vf 3 0 1" and lines[4] == "ee 0 1 3 4 2"
 
 
 def test_files_hold_the_kinds_that_were_asked_for(detector, tmp_path):
-    for answer in (one := detector.find_candidates(START, FACES, end=END, kinds="face_face"), copy.deepcopy(one)):
-        answer.save(tmp_path / "list.npz")
-        answer.save(str(tmp_path / "list.CSV"))
+    for result in (one := detector.candidates(START, FACES, end=END, kinds="face_face"), copy.deepcopy(one)):
+        result.save(tmp_path / "list.npz")
+        result.save(str(tmp_path / "list.CSV"))
         with np.load(tmp_path / "list.npz") as read:
             assert sorted(read) == ["face_faces"] and read["face_faces"].tolist() == [[0, 1]]
         assert (tmp_path / "list.CSV").read_text() == "kind,vertex,face,a,b,c,d\nff,,0,1,,,\n"
@@ -73,19 +74,19 @@ def test_files_hold_the_kinds_that_were_asked_for(detector, tmp_path):
 
 @pytest.mark.parametrize("name", ["impacts", "near"])
 def test_meshes_are_coloured(name, detector, tmp_path):
-    answer = ANSWERS[name](detector)
+    result = RESULTS[name](detector)
     for mesh in ((START, FACES), crumple.Mesh(START.tolist(), FACES.ravel())):
-        answer.save(tmp_path / "mesh.glb", mesh)
+        result.save(tmp_path / "mesh.glb", mesh)
         assert (tmp_path / "mesh.glb").read_bytes()[:4] == b"glTF"
     with pytest.raises(crumple.InvalidInput, match="the answer names features that the mesh does not have"):
-        answer.save(tmp_path / "other.glb", (START[3:], FACES[:1]))
+        result.save(tmp_path / "other.glb", (START[3:], FACES[:1]))
     with pytest.raises(crumple.InvalidInput, match="vertices lie in CUDA memory, but are wanted in the host's"):
-        answer.save(tmp_path / "other.glb", (OnDevice(START), OnDevice(FACES)))
+        result.save(tmp_path / "other.glb", (OnDevice(START), OnDevice(FACES)))
     assert [path.name for path in tmp_path.iterdir()] == ["mesh.glb"]
 
 
 def test_what_cannot_be_saved_is_refused(detector, tmp_path):
-    candidates = ANSWERS["candidates"](detector)
+    candidates = RESULTS["candidates"](detector)
     for wrong in ("list.docx", "mesh.glb", "list"):
         with pytest.raises(crumple.InvalidInput, match=rf"{wrong}: candidates are saved as \.txt, \.csv, "):
             candidates.save(tmp_path / wrong)
@@ -93,19 +94,19 @@ def test_what_cannot_be_saved_is_refused(detector, tmp_path):
         candidates.save(tmp_path / "none" / "list.csv")
     with pytest.raises(crumple.InvalidType, match="path must be a str, bytes or os.PathLike, not int"):
         candidates.save(3)
-    answer = ANSWERS["impacts"](detector)
-    with pytest.raises(crumple.InvalidInput, match=r"list\.docx: an answer is saved as \.txt, "):
-        answer.save(tmp_path / "list.docx")
+    result = RESULTS["impacts"](detector)
+    with pytest.raises(crumple.InvalidInput, match=r"list\.docx: a result is saved as \.txt, "):
+        result.save(tmp_path / "list.docx")
     with pytest.raises(crumple.InvalidType, match=r"a coloured mesh needs the mesh: save\(path, mesh\)"):
-        answer.save(tmp_path / "mesh.glb")
+        result.save(tmp_path / "mesh.glb")
     with pytest.raises(crumple.InvalidType, match=r"mesh is no option of \.csv files"):
-        answer.save(tmp_path / "list.csv", (START, FACES))
+        result.save(tmp_path / "list.csv", (START, FACES))
     with pytest.raises(crumple.InvalidInput, match="but this was asked of a world"):
-        ANSWERS["near of a world"](detector).save(tmp_path / "mesh.glb", (START, FACES))
-    with pytest.raises(crumple.InvalidInput, match=r'was not asked for: find_impacts\(\.\.\., wants="impacts"\)'):
-        detector.find_impacts(START, END, FACES, wants="earliest").save(tmp_path / "list.csv")
+        RESULTS["near of a world"](detector).save(tmp_path / "mesh.glb", (START, FACES))
+    with pytest.raises(crumple.InvalidInput, match=r'was not asked for: ImpactQuery\(output="pairs"\)'):
+        detector.impacts(START, END, FACES, output="first").save(tmp_path / "list.csv")
     with pytest.raises(crumple.InvalidType, match="path must be a str, bytes or os.PathLike, not None"):
-        answer.save(None)
+        result.save(None)
     with pytest.raises(crumple.FileError, match="none"):
-        answer.save(tmp_path / "none" / "list.csv")
+        result.save(tmp_path / "none" / "list.csv")
     assert not list(tmp_path.iterdir())

@@ -33,7 +33,7 @@ def moved(mesh, dtype=np.float64):
 def test_impacts_are_those_of_the_mesh(dtype, question, detector):
     mesh = soup(25, size=0.4, dtype=dtype)
     start, end = mesh.vertices, moved(mesh, dtype)
-    expected = detector.find_impacts(start, end, mesh.faces, **question)
+    expected = detector.impacts(start, end, mesh.faces, **question)
     for kind, (pairs, points) in zip(("vertex_face", "edge_edge"), all_pairs(mesh, expected.edges)):
         find = functools.partial(crumple.pair_impacts, kind)
         found = find(start[points], end[points], **question)
@@ -50,7 +50,7 @@ def test_impacts_are_those_of_the_mesh(dtype, question, detector):
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_distances_are_those_of_the_mesh(dtype, detector):
     mesh = soup(25, size=0.4, dtype=dtype)
-    expected = detector.find_near(mesh, radius=0.1, closest=True)
+    expected = detector.proximities(mesh, radius=0.1, closest=True)
     assert len(expected)
     for kind, (pairs, points) in zip(("vertex_face", "edge_edge"), all_pairs(mesh, expected.edges)):
         find = functools.partial(crumple.pair_distances, kind)

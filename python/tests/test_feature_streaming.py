@@ -11,12 +11,12 @@ from features import BODIES, CLOSEST, INDEX, LISTS
 
 MESH = soup(90, 0.3)
 END = MESH.vertices + np.float32(0.2) * np.random.default_rng(2).random(MESH.vertices.shape).astype(np.float32)
+STEP = MESH.moving_to(END)
 SEARCHES = {
-    "impacts": ((MESH, END), {}),
-    "near": ((MESH,), {"radius": 0.03, "closest": True}),
-    "candidates": ((MESH,), {"end": END, "kinds": ["vertex_face", "edge_edge", "face_face"]}),
+    "Impacts": (STEP, crumple.ImpactQuery()),
+    "Proximities": (MESH, crumple.ProximityQuery(radius=0.03, closest=True)),
+    "Candidates": (STEP, crumple.CandidateQuery(kinds=["vertex_face", "edge_edge", "face_face"])),
 }
-KIND_OF = {"impacts": "Impacts", "near": "Nearby", "candidates": "Candidates"}
 PAIRS = ("vertex_faces", "edge_edges", "vertex_edges", "vertex_vertices")
 
 
@@ -24,12 +24,12 @@ def arrays_of(answer):
     """Those that blocks have: of what was asked for."""
     name = type(answer).__name__
     listed = ["vertex_faces", "edge_edges", "face_faces"] if name == "Candidates" else LISTS[name]
-    return [*listed, *(CLOSEST if name == "Nearby" else [])]
+    return [*listed, *(CLOSEST if name == "Proximities" else [])]
 
 
-def gathered(stream, *scene, **question):
+def gathered(detector, scene, query, block_rows):
     blocks = []
-    statistics = stream(blocks.append, *scene, **question)
+    statistics = detector.stream(scene, query, blocks.append, block_rows=block_rows)
     assert statistics.pairs == sum(map(len, blocks))
     return blocks
 
@@ -57,14 +57,14 @@ def in_order(found):
 @pytest.mark.parametrize("size", [1, 7, 100000])
 def test_blocks_are_the_whole_answer(search, backend, size):
     detector = crumple.Detector(backend=backend, threads=2)
-    scene, question = SEARCHES[search]
-    whole = getattr(crumple, f"find_{search}")(*scene, **question)
+    scene, query = SEARCHES[search]
+    whole = detector.find(scene, query)
     assert len(whole) > 50
     if size == 1 and len(whole) > 1000:
         size = 40
-    blocks = gathered(getattr(detector, f"stream_{search}"), *scene, **question, block_rows=size)
+    blocks = gathered(detector, scene, query, size)
     assert len(blocks) == -(-len(whole) // size) and max(map(len, blocks)) <= size
-    assert all(type(block).__name__ == KIND_OF[search] and block for block in blocks)
+    assert all(type(block).__name__ == search and block for block in blocks)
     for name, rows in in_order(joined(blocks, arrays_of(whole))).items():
         np.testing.assert_array_equal(rows, getattr(whole, name), name, strict=True)
     for block in blocks:
@@ -74,11 +74,11 @@ def test_blocks_are_the_whole_answer(search, backend, size):
 
 def test_blocks_of_rods_and_particles(detector):
     edges, points = np.arange(180).reshape(-1, 2), np.arange(170, 270)
-    question = {"radius": 0.05, "edges": edges, "points": points}
-    whole = detector.find_near(MESH, **question)
-    blocks = gathered(detector.stream_near, MESH, **question, block_rows=50)
+    scene, query = crumple.Mesh(*MESH, edges=edges, points=points), crumple.ProximityQuery(radius=0.05)
+    whole = detector.find(scene, query)
+    blocks = gathered(detector, scene, query, 50)
     assert len(blocks) > 2 and len(whole.vertex_edges)
-    for name, rows in in_order(joined(blocks, LISTS["Nearby"])).items():
+    for name, rows in in_order(joined(blocks, LISTS["Proximities"])).items():
         np.testing.assert_array_equal(rows, getattr(whole, name), name)
     assert all(np.array_equal(block.edges, edges) and np.array_equal(block.points, points) for block in blocks)
 
@@ -86,9 +86,14 @@ def test_blocks_of_rods_and_particles(detector):
 def test_blocks_of_worlds(detector):
     shape = crumple.Shape(MESH.vertices, MESH.faces, end=END)
     world = crumple.World([shape], [crumple.Body(0, world=number, self_collisions=True) for number in (0, 0, 1, -1)])
-    for search, question in (("impacts", {}), ("near", {"radius": 0.01}), ("candidates", {"bodies": "between"})):
-        whole = getattr(detector, f"find_{search}")(world, **question)
-        blocks = gathered(getattr(detector, f"stream_{search}"), world, **question, block_rows=300)
+    between = crumple.PairFilter(bodies="between")
+    for query in (
+        crumple.ImpactQuery(),
+        crumple.ProximityQuery(radius=0.01),
+        crumple.CandidateQuery(filter=between),
+    ):
+        whole = detector.find(world, query)
+        blocks = gathered(detector, world, query, 300)
         assert len(blocks) > 2
         names = [*PAIRS[:2], *(name for name in BODIES[:2])]
         expected = in_order({name: getattr(whole, name) for name in names})
@@ -99,8 +104,8 @@ def test_blocks_of_worlds(detector):
 
 def test_a_block_outlives_all_and_can_be_pickled_and_saved(tmp_path):
     detector = crumple.Detector(threads=2)
-    for search, (scene, question) in SEARCHES.items():
-        blocks = gathered(getattr(detector, f"stream_{search}"), *scene, **question, block_rows=20)
+    for scene, query in SEARCHES.values():
+        blocks = gathered(detector, scene, query, 20)
         copied = pickle.loads(pickle.dumps(blocks[1]))
         assert repr(copied) == repr(blocks[1]) and len(copied) == 20
         for name in arrays_of(copied):
@@ -110,11 +115,11 @@ def test_a_block_outlives_all_and_can_be_pickled_and_saved(tmp_path):
 
 
 def test_a_block_tells_what_it_has_not(detector):
-    impacts = gathered(detector.stream_impacts, MESH, END, block_rows=50)[0]
-    near = gathered(detector.stream_near, MESH, radius=0.02, block_rows=50)[0]
+    impacts = gathered(detector, STEP, crumple.ImpactQuery(), 50)[0]
+    near = gathered(detector, MESH, crumple.ProximityQuery(radius=0.02), 50)[0]
     for answer, names in ((impacts, ("first", "world_first", "world_hit")), (near, ("world_hit",))):
         for name in names:
-            with pytest.raises(crumple.InvalidInput, match=f"{name} is told of a whole answer"):
+            with pytest.raises(crumple.InvalidInput, match=f"{name} is told of a whole result"):
                 getattr(answer, name)
         with pytest.raises(crumple.InvalidInput, match="index"):
             getattr(answer, INDEX[0])
@@ -125,46 +130,49 @@ def test_a_block_tells_what_it_has_not(detector):
 @pytest.mark.parametrize("search", SEARCHES)
 def test_what_take_raises_ends_the_call(search):
     detector = crumple.Detector(threads=2)
-    scene, question = SEARCHES[search]
+    scene, query = SEARCHES[search]
     seen = []
 
     def refuse(block):
         seen.append(block)
         with pytest.raises(crumple.InvalidInput, match="can call the detector whose call goes on"):
-            detector.find_self(MESH)
+            detector.intersections(MESH)
         raise KeyError("full")
 
     with pytest.raises(KeyError, match="full"):
-        getattr(detector, f"stream_{search}")(refuse, *scene, **question, block_rows=3)
+        detector.stream(scene, query, refuse, block_rows=3)
     assert len(seen) == 1
-    whole = getattr(crumple, f"find_{search}")(*scene, **question)
-    assert len(getattr(detector, f"find_{search}")(*scene, **question)) == len(whole)
+    assert len(detector.find(scene, query)) == len(crumple.Detector().find(scene, query))
 
 
-def test_wrong_arguments_are_named(detector):
-    for stream, kind, scene, question in (
-        (detector.stream_impacts, "Impacts", (MESH, END), {}),
-        (detector.stream_near, "Nearby", (MESH,), {"radius": 1}),
-        (detector.stream_candidates, "Candidates", (MESH,), {}),
-    ):
-        with pytest.raises(crumple.InvalidType, match=f"take must be callable with a crumple.{kind}"):
-            stream(MESH, *scene, **question)
-        with pytest.raises(crumple.InvalidInput, match="block_rows"):
-            stream(print, *scene, **question, block_rows=0)
-        with pytest.raises(TypeError, match="index"):
-            stream(print, *scene, **question, index=True)
-        with pytest.raises(crumple.InvalidInput, match="triangle 0"):
-            stream(print, crumple.Mesh(MESH.vertices, [[0, 1, 900]]), *scene[1:], **question)
-    with pytest.raises(crumple.InvalidType, match="stream_near needs a radius"):
-        detector.stream_near(print, MESH)
+@pytest.mark.parametrize("search", SEARCHES)
+def test_wrong_arguments_are_named(search, detector):
+    scene, query = SEARCHES[search]
+    with pytest.raises(crumple.InvalidType, match="take must be callable with a block, not Mesh"):
+        detector.stream(scene, query, MESH)
+    with pytest.raises(crumple.InvalidInput, match="block_rows"):
+        detector.stream(scene, query, print, block_rows=0)
+    wrong = crumple.Mesh(MESH.vertices, [[0, 1, 900]]).moving_to(END)
+    with pytest.raises(crumple.InvalidInput, match="triangle 0"):
+        detector.stream(wrong, query, print)
+
+
+def test_blocks_have_no_more_than_rows(detector):
+    for query in (crumple.ImpactQuery(index=True), crumple.ProximityQuery(radius=1, least=True)):
+        with pytest.raises(crumple.InvalidInput):
+            detector.stream(STEP, query, print)
+    with pytest.raises(crumple.InvalidType, match="a ProximityQuery needs a radius"):
+        detector.stream(MESH, crumple.ProximityQuery(), print)
+    with pytest.raises(crumple.InvalidInput, match="stream is not for DistanceQuery: docs/supported.md has the table"):
+        detector.stream([MESH, MESH], crumple.DistanceQuery(), print)
 
 
 def test_a_memory_limit_that_the_answer_exceeds():
     mesh = soup(1500, 0.6)
-    count = len(crumple.find_candidates(mesh))
+    count = len(crumple.candidates(mesh))
     detector = crumple.Detector(memory_limit=4_000_000)
     with pytest.raises(crumple.MemoryLimit):
-        detector.find_candidates(mesh)
+        detector.candidates(mesh)
     rows = []
-    detector.stream_candidates(lambda block: rows.append(len(block)), mesh, block_rows=20_000)
+    detector.stream(mesh, crumple.CandidateQuery(), lambda block: rows.append(len(block)), block_rows=20_000)
     assert sum(rows) == count > 300_000

@@ -28,7 +28,7 @@ def test_coordinates_keep_every_bit(extension, scalar, tmp_path):
 
 
 def test_files_named_gz_are_compressed(tmp_path, crossing, detector):
-    result = detector.find_self(crossing)
+    result = detector.intersections(crossing)
     for extension in ("txt", "csv", "json", "npz", "ply", "3mf"):
         plain, packed = tmp_path / f"a.{extension}", tmp_path / f"a.{extension}.gz"
         result.save(plain)
@@ -89,7 +89,7 @@ def test_bad_files_are_named(tmp_path):
 
 
 def test_results_are_saved_by_extension(tmp_path, crossing, detector):
-    result = detector.find_self(crossing, contacts=True)
+    result = detector.intersections(crossing, output="contacts")
     for name in ("pairs.txt", "pairs.csv", "pairs.json", "pairs.npz", "mesh.ply", "mesh.obj", "mesh.glb", "mesh.html"):
         result.save(tmp_path / name)
         assert (tmp_path / name).stat().st_size > 0
@@ -98,7 +98,7 @@ def test_results_are_saved_by_extension(tmp_path, crossing, detector):
     assert json.loads((tmp_path / "pairs.json").read_text())["pairs"] == [[0, 1]]
     assert np.load(tmp_path / "pairs.npz")["contact_points"].shape == (2, 3)
     assert len(crumple.read_mesh(tmp_path / "mesh.ply").faces) == 3
-    detector.find_between(crossing, crossing).save(tmp_path / "both.ply")
+    detector.intersections(crossing, crossing).save(tmp_path / "both.ply")
     assert len(crumple.read_mesh(tmp_path / "both.ply").faces) == 6
     np.savez_compressed(tmp_path / "long.npz", pairs=np.array([[5, 6], [7, 8]], np.int64, order="F"))
     assert crumple.read_pairs(tmp_path / "long.npz").tolist() == [[5, 6], [7, 8]]
@@ -115,7 +115,7 @@ def test_results_are_saved_by_extension(tmp_path, crossing, detector):
 def test_files_are_written_from_host_memory_only(tmp_path, crossing, detector):
     """Addresses of another memory would be read as the host's."""
     arrays = OnDevice(crossing.vertices, kind=1), OnDevice(crossing.faces, kind=1)
-    results = [detector.find_self(*arrays), detector.find_between(crossing, arrays)]
+    results = [detector.intersections(*arrays), detector.intersections(crossing, arrays)]
     results[0].save(tmp_path / "mesh.html")
     (tmp_path / "mesh.html").unlink()
     for array in arrays:
@@ -135,7 +135,7 @@ def test_files_are_written_from_host_memory_only(tmp_path, crossing, detector):
 def test_lists_that_were_changed_after_the_search_are_refused(extension, tmp_path, crossing, detector):
     def changed(change):
         vertices, faces = crossing.vertices.tolist(), crossing.faces.tolist()
-        result = detector.find_self(vertices, faces)
+        result = detector.intersections(vertices, faces)
         result.save(tmp_path / f"mesh.{extension}")
         change(vertices, faces)
         with pytest.raises(crumple.InvalidInput):
@@ -152,7 +152,7 @@ def test_lists_that_were_changed_after_the_search_are_refused(extension, tmp_pat
 
 @pytest.mark.parametrize("name", ["mesh.PLY", "mesh.GLB", "pairs.CSV", "pairs.Npz", "page.HTML"])
 def test_extensions_may_be_upper_case(name, tmp_path, crossing, detector):
-    detector.find_self(crossing).save(tmp_path / name)
+    detector.intersections(crossing).save(tmp_path / name)
     assert (tmp_path / name).stat().st_size > 0
 
 
@@ -160,21 +160,21 @@ def test_extensions_may_be_upper_case(name, tmp_path, crossing, detector):
 def test_names_that_no_file_can_have_are_refused(extension, crossing, detector):
     for name in ("a\0b", "\ud800"):
         with pytest.raises(crumple.InvalidInput, match="^path cannot be the name of a file$"):
-            detector.find_self(crossing).save(f"{name}.{extension}")
+            detector.intersections(crossing).save(f"{name}.{extension}")
 
 
 @pytest.mark.parametrize("name", ["pairs.csv", "mesh.ply", "page.html"])
 def test_a_message_can_be_printed_whatever_the_name(name, tmp_path, crossing, detector):
     path = os.fsencode(tmp_path) + b"/\xff/" + name.encode()
     with pytest.raises(crumple.FileError) as caught:
-        detector.find_self(crossing).save(path)
+        detector.intersections(crossing).save(path)
     assert str(caught.value) == rf"cannot write {tmp_path}/\xff/{name}: there is no folder {tmp_path}/\xff"
     with pytest.raises(crumple.FileError, match=r"\\xff") as caught:
         crumple.read_mesh(path)
 
 
 def test_options_that_a_file_has_not_are_refused(tmp_path, crossing, detector):
-    result = detector.find_self(crossing)
+    result = detector.intersections(crossing)
     for name, options in [
         ("a.txt", {"window_size": (4, 3)}),
         ("a.npz", {"height": 3}),
@@ -218,9 +218,9 @@ def test_polygons_are_cut_without_overlaps_and_keep_their_names(tmp_path, detect
     assert mesh.polygons.of_triangle.tolist() == [0, 0, 1] and mesh.polygons.offsets.tolist() == [0, 4, 7]
     assert mesh.polygons.corners.tolist() == [0, 1, 2, 3, 0, 1, 2]
     assert mesh.polygons.of_triangle.dtype == np.int32 and mesh.polygons.offsets.dtype == np.int64
-    assert not detector.find_self(vertices, faces[:2])
+    assert not detector.intersections(vertices, faces[:2])
     fan = crumple.read_mesh(tmp_path / "a.obj", triangulation="fan")
-    result = detector.find_self(fan)
+    result = detector.intersections(fan)
     assert result.pairs.tolist()[0] == [0, 1]
     by_polygon = np.unique(np.sort(fan.polygons.of_triangle[result.pairs]), axis=0)
     assert by_polygon.tolist() == [[0, 0], [0, 1]]
@@ -249,7 +249,7 @@ def test_an_old_file_stays_until_the_new_one_is_whole(tmp_path):
     code = f"""
 import resource, signal, crumple, numpy
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-result = crumple.Detector().find_self(crumple.make_scene("lattice", triangles=5000))
+result = crumple.Detector().intersections(crumple.make_scene("lattice", triangles=5000))
 resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
 for name in ("a.html", "a.ply", "a.csv", "a.png"):
     try:
@@ -283,13 +283,13 @@ def test_units_are_read_kept_stated_and_converted(tmp_path, detector):
     crumple.write_mesh(tmp_path / "a.glb", inch)
     metres = crumple.read_mesh(tmp_path / "a.glb")
     assert metres.unit == "m" and np.allclose(metres.vertices, 0.0254 * mesh.vertices[mesh.faces].reshape(-1, 3))
-    detector.find_self(inch).save(tmp_path / "hits.3mf")
+    detector.intersections(inch).save(tmp_path / "hits.3mf")
     world = crumple.read_world(tmp_path / "hits.3mf")
     assert world.unit == "in" and pickle.loads(pickle.dumps(world)).unit == "in"
-    detector.find(world).save(tmp_path / "again.3mf")
+    detector.intersections(world).save(tmp_path / "again.3mf")
     assert crumple.read_mesh(tmp_path / "again.3mf").unit == "in"
     assert crumple.read_world(tmp_path / "again.3mf", unit="mm").unit == "mm"
     with pytest.raises(crumple.InvalidInput, match='unit must be one of "um", "mm", "cm", "in", "ft", "m", not "mile"'):
         crumple.read_mesh(tmp_path / "a.off", unit="mile")
     with pytest.raises(crumple.InvalidInput, match="the meshes are in different units, in and mm"):
-        detector.find_between(inch, millimetres).save(tmp_path / "two.3mf")
+        detector.intersections(inch, millimetres).save(tmp_path / "two.3mf")

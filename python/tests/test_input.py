@@ -9,8 +9,8 @@ import crumple
 from conftest import OnDevice, peer, soup
 
 MESH = soup(60, size=0.8)
-EXPECTED = crumple.find_self_intersections(MESH).tolist()
-EXPECTED_DOUBLE = crumple.find_self_intersections(MESH.vertices.astype(float), MESH.faces).tolist()
+EXPECTED = crumple.intersections(MESH).pairs.tolist()
+EXPECTED_DOUBLE = crumple.intersections(MESH.vertices.astype(float), MESH.faces).pairs.tolist()
 
 
 def interleaved(array, dtype):
@@ -45,7 +45,7 @@ def test_every_layout_and_type(layout, scalar, index, detector):
     few = 40  # so many triangles name vertices that fit int8
     vertices, faces = LAYOUTS[layout](MESH.vertices.astype(scalar)), LAYOUTS[layout](MESH.faces[:few].astype(index))
     expected = [pair for pair in EXPECTED if max(pair) < few]
-    assert detector.find_self(vertices, faces).pairs.tolist() == expected and len(expected) > 10
+    assert detector.intersections(vertices, faces).pairs.tolist() == expected and len(expected) > 10
 
 
 @pytest.mark.parametrize("index", ["int8", "int32", "uint32", "int64", "uint64"])
@@ -54,16 +54,16 @@ def test_faces_may_be_flat(index, tmp_path, detector):
     expected = [pair for pair in EXPECTED if max(pair) < 40]
     every_third = np.repeat(flat, 3)[::3]
     for faces in (flat, every_third, flat[::-1].copy()[::-1], flat.tolist(), OnDevice(flat, kind=1), memoryview(flat)):
-        result = detector.find_self(MESH.vertices, faces, groups=[0] * 40)
+        result = detector.intersections(MESH.vertices, faces, groups=[0] * 40)
         assert result.pairs.tolist() == expected and len(result.hit) == 40
-        assert detector.find_between((MESH.vertices, faces), MESH).offsets.shape == (41,)
+        assert detector.intersections((MESH.vertices, faces), MESH).offsets.shape == (41,)
         result.save(tmp_path / "page.html")
         crumple.write_mesh(tmp_path / "mesh.ply", (MESH.vertices, faces))
         assert crumple.read_mesh(tmp_path / "mesh.ply").faces.tolist() == MESH.faces[:40].tolist()
     with pytest.raises(crumple.InvalidInput, match="^groups must be one for each of the 40 faces, not 120$"):
-        detector.find_self(MESH.vertices, flat, groups=[0] * 120)
+        detector.intersections(MESH.vertices, flat, groups=[0] * 120)
     for none in ([], np.zeros(0, index)):
-        assert not detector.find_self(MESH.vertices, none)
+        assert not detector.intersections(MESH.vertices, none)
 
 
 def test_flat_faces_are_not_copied(detector):
@@ -73,16 +73,16 @@ def test_flat_faces_are_not_copied(detector):
     faces = np.broadcast_to(np.int32(7), 60_000_000)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with pytest.raises(crumple.InvalidInput, match="triangle 0 names vertex 7 of 3"):
-        detector.has_intersections(np.zeros((3, 3)), faces)
+        detector.any((np.zeros((3, 3)), faces))
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50_000  # KiB
 
 
 def test_flat_faces_that_look_like_cells_can_be_given_as_rows(detector):
     tetrahedron = np.array([[3, 0, 1], [0, 3, 2], [1, 2, 3], [0, 1, 2]])
     with pytest.raises(crumple.InvalidInput, match="^faces look like cells"):
-        detector.find_self(MESH.vertices[:4], tetrahedron.ravel())
-    assert not detector.find_self(MESH.vertices[:4], tetrahedron)
-    assert not detector.find_self(MESH.vertices[:4], tetrahedron[::-1].ravel())
+        detector.intersections(MESH.vertices[:4], tetrahedron.ravel())
+    assert not detector.intersections(MESH.vertices[:4], tetrahedron)
+    assert not detector.intersections(MESH.vertices[:4], tetrahedron[::-1].ravel())
 
 
 def test_the_layouts_are_what_they_are_called():
@@ -98,7 +98,7 @@ def test_read_only_inputs_are_read_and_no_input_is_written():
     before = vertices.tobytes(), faces.tobytes(), groups.tobytes()
     for array in (vertices, faces, groups):
         array.flags.writeable = False
-    result = crumple.Detector().find_self(vertices, faces, groups=groups, weld=True, contacts=True)
+    result = crumple.Detector().intersections(vertices, faces, groups=groups, weld=True, output="contacts")
     assert result.pairs.tolist() == EXPECTED
     assert (vertices.tobytes(), faces.tobytes(), groups.tobytes()) == before
 
@@ -110,18 +110,18 @@ def test_a_strided_array_is_not_copied():
     vertices = np.broadcast_to(np.zeros(3, np.float32), (20_000_000, 3))
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with pytest.raises(crumple.InvalidInput, match="triangle 0 names vertex 20000000 of 20000000"):
-        crumple.has_intersections(vertices, [[0, 0, 20_000_000]])
+        crumple.Detector().any((vertices, [[0, 0, 20_000_000]]))
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50_000  # KiB
 
 
 def test_empty_meshes_have_no_collisions(detector):
     none = np.zeros((0, 3))
     for vertices, faces in [([], []), (none, none.astype(int)), (MESH.vertices, []), (none.astype("f4"), [])]:
-        result = detector.find_self(vertices, faces, contacts=True)
+        result = detector.intersections(vertices, faces, output="contacts")
         assert result.pairs.shape == (0, 2) and not result
         assert result.contacts.points.shape == (0, 3) and result.contacts.offsets.tolist() == [0]
-        assert detector.find_between((vertices, faces), MESH).pairs.shape == (0, 2)
-        assert not detector.has_intersections(vertices, faces)
+        assert detector.intersections((vertices, faces), MESH).pairs.shape == (0, 2)
+        assert not detector.any((vertices, faces))
 
 
 def bad_vertices(row, column, value):
@@ -209,17 +209,17 @@ WRONG = [
 @pytest.mark.parametrize("vertices, faces, message", [w[1:] for w in WRONG], ids=[w[0] for w in WRONG])
 def test_what_is_wrong_is_named(vertices, faces, message, detector):
     calls = [
-        (lambda: detector.find_self(crumple.Mesh(vertices, faces)), ""),
-        (lambda: detector.has_intersections(crumple.Mesh(vertices, faces)), ""),
+        (lambda: detector.intersections(crumple.Mesh(vertices, faces)), ""),
+        (lambda: detector.any(crumple.Mesh(vertices, faces)), ""),
         (lambda: detector.partition((vertices, faces), count=2), ""),
-        (lambda: detector.find_between((vertices, faces), MESH), "first mesh: "),
-        (lambda: detector.find_between(MESH, (vertices, faces)), "second mesh: "),
+        (lambda: detector.intersections((vertices, faces), MESH), "first mesh: "),
+        (lambda: detector.intersections(MESH, (vertices, faces)), "second mesh: "),
     ]
     for call, which in calls:
         with pytest.raises(crumple.InvalidInput, match="^" + which + message.removeprefix("^")) as caught:
             call()
         assert isinstance(caught.value, ValueError) and isinstance(caught.value, crumple.Error)
-    assert detector.find_self(MESH).pairs.tolist() == EXPECTED, "the detector stays usable"
+    assert detector.intersections(MESH).pairs.tolist() == EXPECTED, "the detector stays usable"
 
 
 @pytest.mark.parametrize("name", ["vertices", "faces", "groups", "excluded_groups"])
@@ -231,18 +231,18 @@ def test_masked_values_are_refused(name, in_place, detector):
         "groups": np.zeros(60, np.int32),
         "excluded_groups": np.array([[1, 2]] * 6, np.int32),
     }
-    expected = detector.find_self(**arrays).pairs.tolist()
+    expected = detector.intersections(**arrays).pairs.tolist()
     array = arrays[name] if in_place else arrays[name].astype(arrays[name].dtype.newbyteorder())
     for nothing in (np.ma.nomask, False, np.zeros(array.shape)):
         unmasked = np.ma.array(array, mask=nothing)
-        assert detector.find_self(**{**arrays, name: unmasked}).pairs.tolist() == expected
+        assert detector.intersections(**{**arrays, name: unmasked}).pairs.tolist() == expected
     mask = np.zeros(array.shape, bool)
     mask[5] = True
     where = 5 if name == "groups" else (5, 0)
     masked = re.escape(f"{name} are masked at ({', '.join(map(str, np.atleast_1d(where)))}{',' * (name == 'groups')})")
     for given in (np.ma.array(array, mask=mask), GivesMasked(array, mask)):
         with pytest.raises(crumple.InvalidInput, match=f"^{masked}: .*numpy.ma.filled"):
-            detector.find_self(**{**arrays, name: given})
+            detector.intersections(**{**arrays, name: given})
 
 
 class GivesMasked:
@@ -256,10 +256,10 @@ class GivesMasked:
 def test_masks_are_looked_for_in_rows_and_meshes(detector):
     row = np.ma.array([0, 1, 2], mask=[0, 1, 0])
     with pytest.raises(crumple.InvalidInput, match=r"^faces: a row is masked at \(1,\): "):
-        detector.find_self(MESH.vertices, [row, [0, 1, 2]])
+        detector.intersections(MESH.vertices, [row, [0, 1, 2]])
     masked = np.ma.array(MESH.vertices, mask=MESH.vertices == MESH.vertices[17, 1])
     with pytest.raises(crumple.InvalidInput, match=r"^second mesh: vertices are masked at \(17, 1\): ") as caught:
-        detector.find_between(MESH, MESH._replace(vertices=masked))
+        detector.intersections(MESH, MESH._replace(vertices=masked))
     assert (caught.value.element, caught.value.index) == ("vertex", 17)
     with pytest.raises(crumple.InvalidInput, match="^vertices are masked"):
         crumple.write_mesh("mesh.ply", MESH._replace(vertices=masked))
@@ -268,17 +268,17 @@ def test_masks_are_looked_for_in_rows_and_meshes(detector):
 def test_other_kinds_of_numpy_arrays_are_read_in_place(tmp_path, detector):
     mapped = np.memmap(tmp_path / "vertices", np.float32, "w+", shape=MESH.vertices.shape)
     mapped[...] = MESH.vertices
-    assert detector.find_self(mapped, MESH.faces.view(np.recarray)).pairs.tolist() == EXPECTED
+    assert detector.intersections(mapped, MESH.faces.view(np.recarray)).pairs.tolist() == EXPECTED
 
 
 def test_an_error_knows_the_place(detector):
     import pickle
 
     with pytest.raises(crumple.InvalidInput) as caught:
-        detector.find_self(MESH.vertices, bad_faces(7, 0, 2**64 - 1, np.uint64))
+        detector.intersections(MESH.vertices, bad_faces(7, 0, 2**64 - 1, np.uint64))
     assert (caught.value.code, caught.value.element, caught.value.index) == ("index_out_of_range", "triangle", 7)
     with pytest.raises(crumple.InvalidInput) as caught:
-        detector.find_self(bad_vertices(17, 2, np.nan), MESH.faces)
+        detector.intersections(bad_vertices(17, 2, np.nan), MESH.faces)
     assert (caught.value.code, caught.value.element, caught.value.index) == ("not_finite", "vertex", 17)
     copy = pickle.loads(pickle.dumps(caught.value))
     assert (str(copy), copy.index) == ("vertex 17 is not finite", 17)
@@ -289,32 +289,32 @@ def test_device_arrays_are_told_what_to_do(detector):
         pytest.skip("this detector takes them")
     mesh = OnDevice(MESH.vertices), OnDevice(MESH.faces)
     with pytest.raises(crumple.InvalidInput, match=r"lie in CUDA memory, which needs the cuda backend.*\.cpu\(\)"):
-        detector.find_self(*mesh)
+        detector.intersections(*mesh)
     with pytest.raises(crumple.InvalidInput, match=r"lie in CUDA memory, which needs the cuda backend.*\.cpu\(\)"):
-        detector.find_between((MESH.vertices, MESH.faces), mesh)
+        detector.intersections((MESH.vertices, MESH.faces), mesh)
 
 
 def test_a_mesh_lies_in_one_place(detector):
     with pytest.raises(
         crumple.InvalidInput, match="faces lie in host memory, but vertices in the memory of CUDA device 0"
     ):
-        detector.find_self(OnDevice(MESH.vertices), MESH.faces)
+        detector.intersections(OnDevice(MESH.vertices), MESH.faces)
     with pytest.raises(
         crumple.InvalidInput, match="faces lie in the memory of CUDA device 3, but vertices in host memory"
     ):
-        detector.find_self(MESH.vertices, OnDevice(MESH.faces, 3))
+        detector.intersections(MESH.vertices, OnDevice(MESH.faces, 3))
     with pytest.raises(crumple.InvalidInput, match="groups lie in the memory of CUDA device 0, but vertices in host"):
-        detector.find_self(*MESH[:2], groups=OnDevice(np.zeros(len(MESH.faces), np.int32)))
+        detector.intersections(*MESH[:2], groups=OnDevice(np.zeros(len(MESH.faces), np.int32)))
 
 
 def test_nothing_is_converted_on_a_device(detector):
     faces = OnDevice(MESH.faces)
     with pytest.raises(crumple.InvalidInput, match=r"vertices in CUDA memory must be \(n, 3\) of float32 or float64"):
-        detector.find_self(OnDevice(MESH.vertices.astype(np.float16)), faces)
+        detector.intersections(OnDevice(MESH.vertices.astype(np.float16)), faces)
     with pytest.raises(crumple.InvalidInput, match=r"faces in CUDA memory must be \(m, 3\) or \(3m\) of int32, uint32"):
-        detector.find_self(OnDevice(MESH.vertices), OnDevice(MESH.faces.astype(np.int16)))
+        detector.intersections(OnDevice(MESH.vertices), OnDevice(MESH.faces.astype(np.int16)))
     with pytest.raises(crumple.InvalidInput, match="excluded_groups lie in CUDA memory, but are wanted in the host's"):
-        detector.find_self(MESH, excluded_groups=OnDevice(np.zeros((1, 2), np.int32)))
+        detector.intersections(MESH, filter=crumple.PairFilter(excluded_groups=OnDevice(np.zeros((1, 2), np.int32))))
 
 
 class Producer(OnDevice):
@@ -340,7 +340,7 @@ class Unannounced(Producer):
 @pytest.mark.parametrize("kind", [1, 3])
 def test_arrays_in_host_memory_are_read_without_a_stream(detector, kind):
     vertices, faces = Producer(MESH.vertices, kind), Producer(MESH.faces, kind)
-    assert detector.find_self(vertices, faces).pairs.tolist() == EXPECTED
+    assert detector.intersections(vertices, faces).pairs.tolist() == EXPECTED
     assert vertices.calls == faces.calls == [{}]
 
 
@@ -348,7 +348,7 @@ def test_arrays_in_host_memory_are_read_without_a_stream(detector, kind):
 def test_arrays_in_cuda_memory_are_made_ready_on_a_stream(detector, kind):
     vertices, faces = Producer(MESH.vertices, kind), Producer(MESH.faces.astype(np.int16), kind)
     with pytest.raises(crumple.InvalidInput, match="^faces in CUDA memory must be"):
-        detector.find_self(vertices, faces)
+        detector.intersections(vertices, faces)
     assert vertices.calls == faces.calls == [{"stream": 1}]
 
 
@@ -357,10 +357,10 @@ def test_read_only_arrays_are_requested_once_more_by_version(detector, kind, str
     vertices = Producer(MESH.vertices, kind, [BufferError("read-only")])
     faces = MESH.faces if kind == 1 else Producer(MESH.faces.astype(np.int16))
     if kind == 1:
-        assert detector.find_self(vertices, faces).pairs.tolist() == EXPECTED
+        assert detector.intersections(vertices, faces).pairs.tolist() == EXPECTED
     else:
         with pytest.raises(crumple.InvalidInput, match="^faces in CUDA memory must be"):
-            detector.find_self(vertices, faces)
+            detector.intersections(vertices, faces)
     first, second = vertices.calls
     assert first == stream and second.pop("max_version") >= (1, 0) and second == stream
 
@@ -379,13 +379,13 @@ def test_errors_of_arrays_in_cuda_memory_name_the_argument(detector, errors, tol
     vertices, faces = OnDevice(MESH.vertices), OnDevice(MESH.faces)
     failing = Producer(MESH.vertices, errors=errors)
     with pytest.raises(crumple.InvalidInput, match=f"^vertices {message}") as caught:
-        detector.find_self(failing, faces)
+        detector.intersections(failing, faces)
     assert caught.value.__cause__ in errors
     assert failing.calls[0] == {"stream": 1} and len(failing.calls) == len(errors)
     with pytest.raises(crumple.InvalidInput, match=f"^second mesh: faces {message}"):
-        detector.find_between((vertices, faces), (vertices, Producer(MESH.faces, errors=errors)))
+        detector.intersections((vertices, faces), (vertices, Producer(MESH.faces, errors=errors)))
     with pytest.raises(crumple.InvalidInput, match=f"^end vertices {message}"):
-        detector.find_impacts(MESH.vertices, Producer(MESH.vertices, errors=errors), MESH.faces)
+        detector.impacts(MESH.vertices, Producer(MESH.vertices, errors=errors), MESH.faces)
     with pytest.raises(crumple.InvalidInput, match=f"^end_poses {message}"):
         crumple.World([MESH], end_poses=Producer(np.eye(4)[None, :3], errors=errors), self_collisions=True)
 
@@ -393,25 +393,25 @@ def test_errors_of_arrays_in_cuda_memory_name_the_argument(detector, errors, tol
 @pytest.mark.parametrize("error", [MemoryError, KeyboardInterrupt])
 def test_what_is_no_fault_of_an_array_in_cuda_memory_passes_through(detector, error):
     with pytest.raises(error):
-        detector.find_self(Producer(MESH.vertices, errors=[error]), OnDevice(MESH.faces))
+        detector.intersections(Producer(MESH.vertices, errors=[error]), OnDevice(MESH.faces))
 
 
 def test_cuda_memory_without_a_place_is_refused(detector):
     silent = Unannounced(MESH.vertices)
     with pytest.raises(crumple.InvalidInput, match="^vertices lie in CUDA memory, but have no __dlpack_device__ that"):
-        detector.find_self(silent, MESH.faces)
+        detector.intersections(silent, MESH.faces)
     assert silent.calls == [{}]
 
 
 def test_host_memory_needs_no_place(detector):
     silent = Unannounced(MESH.vertices)
     silent.place = (1, 0)
-    assert detector.find_self(silent, MESH.faces).pairs.tolist() == EXPECTED
+    assert detector.intersections(silent, MESH.faces).pairs.tolist() == EXPECTED
 
 
 def test_a_device_of_another_kind_is_named(detector):
     with pytest.raises(crumple.InvalidInput, match="vertices lie in Metal memory.*copy them to the host"):
-        detector.find_self(OnDevice(MESH.vertices, kind=8), MESH.faces)
+        detector.intersections(OnDevice(MESH.vertices, kind=8), MESH.faces)
 
 
 class Enumerator:
@@ -425,14 +425,14 @@ def test_a_device_may_be_an_enumerator(detector):
     narrow = MESH.faces.astype(np.int16)
     for kind, memory in (Enumerator(2), "CUDA"), (Enumerator(8), "Metal"):
         with pytest.raises(crumple.InvalidInput, match=f"faces (lie )?in {memory} memory"):
-            detector.find_self(MESH.vertices, OnlyPlace(narrow, (kind, 0)))
-    assert detector.find_self(MESH.vertices, OnlyPlace(narrow, (Enumerator(1), 0))).pairs.tolist() == EXPECTED
+            detector.intersections(MESH.vertices, OnlyPlace(narrow, (kind, 0)))
+    assert detector.intersections(MESH.vertices, OnlyPlace(narrow, (Enumerator(1), 0))).pairs.tolist() == EXPECTED
 
 
 @pytest.mark.parametrize("place", [None, (), ("cpu", 0), (Enumerator(None), 0), ZeroDivisionError])
 def test_a_device_that_makes_no_sense_is_refused(place, detector):
     with pytest.raises(crumple.InvalidType, match="^faces do not tell where they lie, by __dlpack_device__: "):
-        detector.find_self(MESH.vertices, OnlyPlace(MESH.faces, place))
+        detector.intersections(MESH.vertices, OnlyPlace(MESH.faces, place))
 
 
 class OnlyPlace:
@@ -454,10 +454,10 @@ def test_tensors_of_open3d(detector):
     core = peer("open3d").core
     for index in (np.int16, np.int32, np.uint8):
         faces = MESH.faces[:40].astype(index)
-        result = detector.find_self(core.Tensor(MESH.vertices), core.Tensor(faces))
+        result = detector.intersections(core.Tensor(MESH.vertices), core.Tensor(faces))
         assert result.pairs.tolist() == [pair for pair in EXPECTED if max(pair) < 40]
     with pytest.raises(crumple.InvalidInput, match="^faces must be integers, not float64$"):
-        detector.find_self(core.Tensor(MESH.vertices), core.Tensor(MESH.faces.astype(float)))
+        detector.intersections(core.Tensor(MESH.vertices), core.Tensor(MESH.faces.astype(float)))
 
 
 @pytest.mark.parametrize("package", ["torch", "jax", "warp"])
@@ -471,15 +471,15 @@ def test_arrays_of_other_packages(package, detector):
     else:
         arrays = module.asarray(MESH.vertices), module.asarray(MESH.faces)
     vertices, faces = arrays
-    assert detector.find_self(vertices, faces).pairs.tolist() == EXPECTED
-    assert detector.find_self(vertices, faces.flatten()).pairs.tolist() == EXPECTED
+    assert detector.intersections(vertices, faces).pairs.tolist() == EXPECTED
+    assert detector.intersections(vertices, faces.flatten()).pairs.tolist() == EXPECTED
 
 
 @pytest.mark.parametrize("dtype", [np.float16, complex, bool])
 def test_a_wrong_dtype_is_a_type_error(dtype):
     with pytest.raises(TypeError, match="vertices must be float32 or float64"):
-        crumple.find_self_intersections(np.zeros((3, 3), dtype), [[0, 1, 2]])
+        crumple.intersections(np.zeros((3, 3), dtype), [[0, 1, 2]]).pairs
     with pytest.raises(TypeError, match="faces must be integers"):
-        crumple.find_self_intersections(np.zeros((3, 3)), np.zeros((1, 3), float))
+        crumple.intersections(np.zeros((3, 3)), np.zeros((1, 3), float)).pairs
     with pytest.raises(TypeError, match="poses must be float64 or float32"):
         crumple.World([crumple.Mesh(np.zeros((3, 3)), [[0, 1, 2]])], poses=np.zeros((1, 3, 4), np.float16))

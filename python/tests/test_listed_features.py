@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import crumple
-from conftest import OnDevice, soup
+from conftest import OnDevice, soup, toi_of
 from features import END, FACES, START, assert_same
 
 LINE = np.array([[x, 0, 0] for x in range(5)], np.float64)
 
 
 def test_particles(either):
-    found = either.find_near(LINE, points=[3, 0, 2], radius=2, closest=True, least=True, index=True)
+    found = either.proximities(LINE, points=[3, 0, 2], radius=2, closest=True, least=True, index=True)
     assert found.vertex_vertices.tolist() == [[0, 2], [1, 2]] and found.points.tolist() == [3, 0, 2]
     assert found.vertex_vertex_squared_distance.tolist() == [1, 4] and found.first_point.tolist() == [0, 3]
     assert found.vertex_vertex_touching.tolist() == [False, False] and found.vertex_distance.tolist() == [1, 2, 1]
@@ -23,36 +23,37 @@ def test_particles(either):
     assert found.vertex_vertex_at.tolist() == [[0, 0]] * 2 and found.vertex_vertex_offsets.tolist() == [0, 1, 2, 2]
     assert found.by_second_vertex.tolist() == [0, 1] and found.second_vertex_offsets.tolist() == [0, 0, 0, 2]
     assert "2 pairs, 0 of vertex and face, 0 of edge and edge, 2 of vertex and vertex" in repr(found)
-    assert not either.find_near(LINE, [], radius=9) and not either.find_near(LINE, points=[], radius=9)
+    assert not either.proximities(LINE, [], radius=9) and not either.proximities(LINE, points=[], radius=9)
 
 
 def test_rods(either):
     end = LINE.copy()
     end[4] = [0.5, 0, 0]
-    found = either.find_impacts(LINE, end, edges=[[1, 0], [1, 2]], points=np.array([4, 2]), index=True)
+    found = either.impacts(LINE, end, edges=[[1, 0], [1, 2]], points=np.array([4, 2]), index=True)
     assert found.vertex_edges.tolist() == [[0, 0], [0, 1]] and found.edges.tolist() == [[1, 0], [1, 2]]
     assert found.vertex_edge_start.tolist() == [False, False] and (np.diff(found.vertex_edge_toi) < 0).all()
     assert found.first == ("vertex_edge", (0, 1), None, found.vertex_edge_toi[1], False)
     assert found.by_edge.tolist() == [0, 1] and found.edge_vertex_offsets.tolist() == [0, 1, 2]
     assert found.vertex_edge_offsets.tolist() == [0, 2, 2]
-    assert either.time_of_first_impact(LINE, end, edges=[[1, 0], [1, 2]], points=[4]) == found.first.toi
-    assert either.is_free(LINE, end, edges=[[1, 0], [1, 2]]), "the last vertex is on no edge"
-    step = either.find_free_step(LINE, end, edges=[[1, 0], [1, 2]], points=[4])
+    assert toi_of(either.first_impact(LINE, end, edges=[[1, 0], [1, 2]], points=[4])) == found.first.toi
+    rods = crumple.Mesh(LINE, [], end=end, edges=[[1, 0], [1, 2]])
+    assert not either.any(rods, crumple.ImpactQuery()), "the last vertex is on no edge"
+    step = either.free_step(LINE, end, edges=[[1, 0], [1, 2]], points=[4])
     assert 0.5 < step.share < found.first.toi and step.positions.shape == (5, 3)
-    near = either.find_near(LINE, edges=[[1, 0]], points=[2], radius=1, closest=True)
+    near = either.proximities(LINE, edges=[[1, 0]], points=[2], radius=1, closest=True)
     assert near.vertex_edge_type.tolist() == [crumple.VertexEdgeType.P_E0] and near.vertex_edge_at.tolist() == [[0, 0]]
 
 
 @pytest.mark.parametrize("dtype", [np.int32, np.int64, np.uint8, ">i4"])
 def test_a_mesh_may_list_its_own(dtype, either):
     mesh = soup(14, size=0.5, dtype=np.float64)
-    plain = either.find_near(mesh, radius=0.1)
+    plain = either.proximities(mesh, radius=0.1)
     edges = plain.edges.astype(dtype)
-    listed = either.find_near(mesh, radius=0.1, edges=edges, points=np.arange(len(mesh.vertices), dtype=dtype))
+    listed = either.proximities(mesh, edges=edges, points=np.arange(len(mesh.vertices), dtype=dtype), radius=0.1)
     assert plain and listed.count == plain.count and not len(listed.vertex_edges)
     np.testing.assert_array_equal(listed.vertex_faces, plain.vertex_faces)
     np.testing.assert_array_equal(listed.edge_edges, plain.edge_edges)
-    turned = either.find_near(mesh, radius=0.1, edges=np.asfortranarray(edges[::-1]))
+    turned = either.proximities(mesh, edges=np.asfortranarray(edges[::-1]), radius=0.1)
     assert sorted(map(tuple, np.sort(len(edges) - 1 - turned.edge_edges).tolist())) == list(
         map(tuple, plain.edge_edges.tolist())
     )
@@ -63,13 +64,13 @@ def test_worlds(either):
     world = crumple.World(
         [strand, crumple.Shape(START, FACES, end=END)], [0, 0, 1], poses=poses_at([0, 0, 9]), self_collisions=True
     )
-    found = either.find_near(world, radius=0.5, bodies="between")
+    found = either.proximities(world, radius=0.5, filter=crumple.PairFilter(bodies="between"))
     assert found.points.tolist() == [2, 0, 2, 0] and found.first_point.tolist() == [0, 2, 4, 4]
     assert found.first_edge.tolist() == [0, 2, 4, 10]
     assert found.vertex_vertices.tolist() == [[0, 0]] and found.vertex_vertex_bodies.tolist() == [[0, 1]]
     assert found.vertex_vertex_touching.tolist() == [True]
     for again in (pickle.loads(pickle.dumps(world)), copy.deepcopy(world)):
-        assert_same(either.find_near(again, radius=0.5, bodies="between"), found)
+        assert_same(either.proximities(again, radius=0.5, filter=crumple.PairFilter(bodies="between")), found)
         np.testing.assert_array_equal(again.shapes[0].edges, strand.edges)
     assert strand.points == [2, 0] and world.shapes[1].edges is None
 
@@ -81,7 +82,7 @@ def poses_at(places):
 
 
 def test_files(detector, tmp_path):
-    found = detector.find_near(LINE, radius=1, edges=[[1, 0]], points=[3, 2, 4])
+    found = detector.proximities(LINE, edges=[[1, 0]], points=[3, 2, 4], radius=1)
     again = pickle.loads(pickle.dumps(found))
     for answer in (found, again):
         answer.save(tmp_path / "near.txt")
@@ -92,7 +93,7 @@ def test_files(detector, tmp_path):
         answer.save(tmp_path / "near.npz")
         with np.load(tmp_path / "near.npz") as arrays:
             assert arrays["vertex_edge_squared_distance"].tolist() == [1]
-    first = detector.find_impacts(LINE, LINE[::-1].copy(), points=[0, 4])
+    first = detector.impacts(LINE, LINE[::-1].copy(), points=[0, 4])
     pickle.loads(pickle.dumps(first)).save(tmp_path / "impacts.json")
     earliest = json.loads((tmp_path / "impacts.json").read_text())["earliest"]
     assert earliest == {"kind": "vertex_vertex", "pair": [0, 4], "toi": 0.5, "start": 0}
@@ -113,9 +114,9 @@ def test_files(detector, tmp_path):
 )
 def test_wrong_lists_are_refused(lists, message, either):
     for ask in (
-        lambda: either.find_near(LINE, radius=1, **lists),
-        lambda: either.find_impacts(LINE, LINE, **lists),
-        lambda: either.find_free_step(LINE, LINE, **lists),
+        lambda: either.proximities(LINE, radius=1, **lists),
+        lambda: either.impacts(LINE, LINE, **lists),
+        lambda: either.free_step(LINE, LINE, **lists),
     ):
         with pytest.raises(crumple.InvalidInput, match=message):
             ask()
@@ -123,8 +124,8 @@ def test_wrong_lists_are_refused(lists, message, either):
 
 def test_the_error_names_the_element(detector):
     with pytest.raises(crumple.InvalidInput) as caught:
-        detector.find_near(LINE, radius=1, edges=[[0, 1], [3, 3]])
+        detector.proximities(LINE, edges=[[0, 1], [3, 3]], radius=1)
     assert (caught.value.element, caught.value.index) == ("edge", 1)
     world = crumple.World([crumple.Shape(LINE, points=[7])], names=["dust"], self_collisions=True)
     with pytest.raises(crumple.InvalidInput, match=r"body 0 \('dust'\): point 0 names vertex 7 of 5"):
-        detector.find_near(world, radius=1)
+        detector.proximities(world, radius=1)

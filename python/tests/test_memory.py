@@ -27,7 +27,7 @@ def test_under_a_memory_limit_a_dropped_result_is_freed():
 
         for limit in (0, 1 << 30):
             detector = crumple.Detector(threads=1, memory_limit=limit)
-            result = detector.find_self(vertices, faces)
+            result = detector.intersections(vertices, faces)
             size, before = result.pairs.nbytes, resident()
             del result
             print((before - resident()) / size)
@@ -41,18 +41,18 @@ def test_a_machine_without_memory_is_a_memory_error():
         import resource, crumple
         few, many = (crumple.make_scene("soup", triangles=n) for n in (10, 400_000))
         detector = crumple.Detector(threads=1)
-        detector.find_self(few)
+        detector.intersections(few)
         used = int(open("/proc/self/statm").read().split()[0]) * 4096
         resource.setrlimit(resource.RLIMIT_AS, (used + (20 << 20), -1))
         try:
-            detector.find_self(many)
+            detector.intersections(many)
         except MemoryError as error:
             print(type(error).__name__, error, sep=", ")
         try:
             crumple.make_scene("soup", triangles=2_000_000)
         except MemoryError as error:
             print(type(error).__name__, error, sep=", ")
-        print(len(detector.find_self(few)) >= 0)  # stays usable
+        print(len(detector.intersections(few)) >= 0)  # stays usable
     """
     sentence = "MemoryError, the machine has no memory left for this call"
     assert run(program) == [*sentence.split(), *sentence.split(), "True"]
@@ -67,6 +67,6 @@ def test_arrays_that_find_no_memory_say_so(detector):
             raise self.error
 
     with pytest.raises(MemoryError, match="^vertices cannot be read as an array: the machine has no memory left$"):
-        detector.find_self(Raising(), [[0, 0, 0]])
+        detector.intersections(Raising(), [[0, 0, 0]])
     with pytest.raises(MemoryError, match="^faces cannot be read as an array: Unable to allocate 3 GiB$"):
-        detector.find_self([[0, 0, 0]], Raising("Unable to allocate 3 GiB"))
+        detector.intersections([[0, 0, 0]], Raising("Unable to allocate 3 GiB"))

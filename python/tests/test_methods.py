@@ -1,6 +1,7 @@
 """Methods of Detector: signature, documentation, calls and refusals are those of Python."""
 
 import copy
+import dataclasses
 import inspect
 import os
 import pickle
@@ -8,31 +9,52 @@ import re
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 
 import crumple
 from conftest import soup
 
 MESH = soup(60)
-EXPECTED = crumple.find_self_intersections(MESH).tolist()
-METHODS = ["find_self", "find_between", "has_intersections", "has_intersections_between"]
+EXPECTED = crumple.intersections(MESH).pairs.tolist()
+END = MESH.vertices + np.float32(0.1)
+CALLS = {
+    "intersections": (MESH,),
+    "impacts": (MESH, END),
+    "first_impact": (MESH, END),
+    "free_step": (MESH, END),
+    "proximities": (MESH,),
+    "candidates": (MESH,),
+    "distances": (MESH, MESH),
+}
+QUERIES = {
+    "intersections": crumple.IntersectionQuery,
+    "impacts": crumple.ImpactQuery,
+    "first_impact": crumple.FirstImpactQuery,
+    "free_step": crumple.FreeStepQuery,
+    "proximities": crumple.ProximityQuery,
+    "candidates": crumple.CandidateQuery,
+    "distances": crumple.DistanceQuery,
+}
+NEEDED = {"proximities": {"radius": 0.1}}
 
 
-def meshes_of(method):
-    return (MESH, MESH) if "between" in method else (MESH,)
-
-
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", [*CALLS, "find", "any", "stream", "launch", "partition", "supports"])
 def test_methods_tell_what_they_are(name, detector):
     for method in (getattr(crumple.Detector, name), getattr(detector, name)):
         assert method.__name__ == name and method.__qualname__ == f"Detector.{name}"
         assert method.__module__ == crumple.Detector.__module__ and name in repr(method)
         assert inspect.isroutine(method) and len(inspect.getdoc(method)) > 100
     unbound, bound = (list(inspect.signature(getattr(d, name)).parameters) for d in (crumple.Detector, detector))
-    assert unbound == ["self", *bound] and bound[0] in ("a", "vertices") and "neighbours" in bound
+    assert unbound == ["self", *bound] and bound[0] in ("scene", "vertices", "start", "world")
+    if name in CALLS:
+        members = {field.name for field in dataclasses.fields(QUERIES[name])}
+        assert members < set(bound) and name in crumple.__all__ and getattr(crumple, name).__name__ == name
+    else:
+        assert bound[1] == "query"
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", CALLS)
 def test_declared_defaults_are_the_defaults(name, detector):
     method = getattr(detector, name)
     defaults = {
@@ -40,32 +62,43 @@ def test_declared_defaults_are_the_defaults(name, detector):
         for parameter in inspect.signature(method).parameters.values()
         if parameter.default is not inspect.Parameter.empty
     }
-    assert len(defaults) > 4
-    assert as_answer(method(*meshes_of(name), **defaults)) == as_answer(method(*meshes_of(name)))
+    assert len(defaults) > 2
+    given = CALLS[name]
+    for place in list(inspect.signature(method).parameters)[: len(given)]:
+        defaults.pop(place, None)
+    whole = method(*given, **NEEDED.get(name, {}))
+    assert repr(whole).split(" ms")[0].rpartition(",")[0] == repr(
+        method(*given, **{**defaults, **NEEDED.get(name, {})})
+    ).split(" ms")[0].rpartition(",")[0]
+    assert type(detector.find(scene_of(name), QUERIES[name](**NEEDED.get(name, {})))) is type(whole)
 
 
-def as_answer(answer):
-    return answer if isinstance(answer, bool) else answer.pairs.tolist()
+def scene_of(name):
+    """The scene that a method makes of its arguments."""
+    if name == "distances":
+        return [MESH, MESH]
+    return MESH.moving_to(END) if END is CALLS[name][-1] else MESH
 
 
 def test_arguments_by_name_and_by_place(detector):
     vertices, faces, _ = MESH
     names = dict(zip(("".join(["verti", "ces"]), "".join(["fa", "ces"])), (vertices, faces)))  # not interned
     for answer in (
-        detector.find_self(vertices, faces),
-        detector.find_self(vertices, faces=faces),
-        detector.find_self(faces=faces, vertices=vertices),
-        detector.find_self(**names),
-        detector.find_self(vertices=MESH),
-        detector.find_self(MESH, None, groups=None, excluded_groups=None),
-        detector.find_self(*(vertices, faces), **{"contacts": True}),
-        crumple.Detector.find_self(detector, vertices, faces),
-        crumple.Detector.find_self(self=detector, vertices=MESH),
-        (lambda find: find(MESH))(detector.find_self),
+        detector.intersections(vertices, faces),
+        detector.intersections(vertices, faces=faces),
+        detector.intersections(faces=faces, vertices=vertices),
+        detector.intersections(**names),
+        detector.intersections(vertices=MESH),
+        detector.intersections(MESH, None, groups=None, filter=crumple.PairFilter(excluded_groups=None)),
+        detector.intersections(*(vertices, faces), **{"output": "contacts"}),
+        crumple.Detector.intersections(detector, vertices, faces),
+        crumple.Detector.intersections(self=detector, vertices=MESH),
+        (lambda find: find(MESH))(detector.find),
     ):
         assert answer.pairs.tolist() == EXPECTED
-    between = detector.find_between(MESH, MESH).pairs.tolist()
-    assert detector.find_between(b=MESH, a=(vertices, faces)).pairs.tolist() == between
+    between = detector.intersections(MESH, MESH).pairs.tolist()
+    assert detector.intersections(faces=MESH, vertices=(vertices, faces)).pairs.tolist() == between
+    assert detector.find([MESH, (vertices, faces)]).pairs.tolist() == between
 
 
 @pytest.mark.parametrize(
@@ -73,18 +106,16 @@ def test_arguments_by_name_and_by_place(detector):
     [
         ((), {}, "missing 1 required positional argument: 'vertices'"),
         ((1, 2, 3), {}, "takes from 2 to 3 positional arguments but 4 were given"),
-        ((MESH,), {"neighbors": "skip"}, r"^Detector\.find_self.* 'neighbors'\. Did you mean 'neighbours'\?$"),
-        ((MESH,), {"contact": True, "weld": True}, r"argument 'contact'\. Did you mean 'contacts'\?$"),
+        ((MESH,), {"neighbors": "skip"}, r"^Detector\.intersections.* 'neighbors'\. Did you mean 'neighbours'\?$"),
+        ((MESH,), {"out_put": "any", "weld": True}, r"argument 'out_put'\. Did you mean 'output'\?$"),
         ((MESH,), {"colour": "red"}, r"unexpected keyword argument 'colour'$"),
         ((MESH,), {"vertices": MESH}, "multiple values for argument 'vertices'"),
     ],
 )
 def test_calls_that_are_not_declared_are_refused_as_python_refuses_them(arguments, named, message, detector):
     with pytest.raises(TypeError, match=message) as caught:
-        detector.find_self(*arguments, **named)
+        detector.intersections(*arguments, **named)
     assert not isinstance(caught.value, crumple.Error)
-    with pytest.raises(TypeError, match="missing 1 required positional argument: 'b'"):
-        detector.find_between(MESH)
 
 
 @pytest.mark.parametrize(
@@ -94,7 +125,7 @@ def test_calls_that_are_not_declared_are_refused_as_python_refuses_them(argument
         (lambda: crumple.Detector(threads=2, memorylimit=2), "'memorylimit'. Did you mean 'memory_limit'?"),
         (lambda: crumple.Detector(colour=2), "'colour'"),
         (lambda: crumple.Detector().partition(MESH, counts=2), "'counts'. Did you mean 'count'?"),
-        (lambda: crumple.find_self_intersections(MESH, neighbor="skip"), "'neighbor'. Did you mean 'neighbours'?"),
+        (lambda: crumple.intersections(MESH, neighbor="skip").pairs, "'neighbor'. Did you mean 'neighbours'?"),
         (lambda: crumple.read_mesh("mesh.ply", welding="no"), "'welding'. Did you mean 'weld'?"),
         (lambda: crumple.make_scene("cloth", triangle=9), "'triangle'. Did you mean 'triangles'?"),
     ],
@@ -126,8 +157,8 @@ def test_self_must_be_a_detector_that_was_made(detector):
             call()
     unmade = crumple.Detector.__new__(crumple.Detector)
     for look in (
-        lambda: unmade.find_self(MESH),
-        lambda: unmade.has_intersections_between(MESH, MESH),
+        lambda: unmade.intersections(MESH),
+        lambda: unmade.any([MESH, MESH]),
         lambda: unmade.partition(MESH, count=2),
         lambda: unmade.backend,
         lambda: unmade.options,
@@ -141,13 +172,13 @@ def test_self_must_be_a_detector_that_was_made(detector):
         unmade.__init__(threads="2")
     assert "has not been called" in repr(unmade)
     unmade.__init__(threads=2)
-    assert unmade.find_self(MESH).pairs.tolist() == EXPECTED and unmade.options["threads"] == 2
+    assert unmade.intersections(MESH).pairs.tolist() == EXPECTED and unmade.options["threads"] == 2
 
 
 def test_a_detector_is_made_once(detector):
     with pytest.raises(crumple.InvalidInput, match=r"^crumple\.Detector\.__init__ has been called already$"):
         detector.__init__(threads=1)
-    assert detector.options["threads"] == 2 and detector.find_self(MESH).pairs.tolist() == EXPECTED
+    assert detector.options["threads"] == 2 and detector.intersections(MESH).pairs.tolist() == EXPECTED
 
     class Again:
         """Makes the detector while it is being made."""
@@ -159,7 +190,7 @@ def test_a_detector_is_made_once(detector):
     nested = crumple.Detector.__new__(crumple.Detector)
     with pytest.raises(crumple.InvalidInput, match="has been called already"):
         nested.__init__(threads=Again())
-    assert nested.options["threads"] == 1 and nested.find_self(MESH).pairs.tolist() == EXPECTED
+    assert nested.options["threads"] == 1 and nested.intersections(MESH).pairs.tolist() == EXPECTED
 
 
 def test_options_are_those_of_the_signature(detector):
@@ -179,30 +210,30 @@ def test_of_many_threads_one_makes_a_detector():
                 raw.__init__(threads=threads)
             except crumple.InvalidInput:
                 return None
-            raw.find_self(MESH)
+            raw.intersections(MESH)
             return threads
 
         with ThreadPoolExecutor(4) as pool:
             made = [threads for threads in pool.map(make, (1, 2, 3, 4)) if threads]
         assert made == [raw.options["threads"]]
-        assert raw.find_self(MESH).statistics.threads == min(made[0], len(os.sched_getaffinity(0)))
+        assert raw.intersections(MESH).statistics.threads == min(made[0], len(os.sched_getaffinity(0)))
 
 
 def test_detectors_can_be_derived_from():
     class Counting(crumple.Detector):
         calls = 0
 
-        def find_self(self, *arguments, **named):
+        def intersections(self, *arguments, **named):
             self.calls += 1
-            return super().find_self(*arguments, **named)
+            return super().intersections(*arguments, **named)
 
     detector = Counting(threads=1)
-    assert detector.find_self(MESH).pairs.tolist() == EXPECTED and detector.calls == 1
-    assert detector.options["threads"] == 1 and detector.has_intersections(MESH)
+    assert detector.intersections(MESH).pairs.tolist() == EXPECTED and detector.calls == 1
+    assert detector.options["threads"] == 1 and detector.any(MESH)
 
 
 def test_what_only_the_library_makes_is_not_made_in_python():
-    for make in (crumple.Result, crumple._core.Answer):
+    for make in (crumple.Intersections, crumple._core.Intersections):
         with pytest.raises(TypeError):
             make()
     for duplicate in (copy.copy, copy.deepcopy, pickle.dumps):

@@ -1,4 +1,4 @@
-"""Scenes on ranks of MPI: each test starts mpirun, whose ranks run one function of mpi_ranks.py or mpi_failures.py."""
+"""Tests of scenes on ranks of MPI: mpirun starts ranks that run one function of mpi_ranks.py or mpi_failures.py."""
 
 import inspect
 import os
@@ -17,7 +17,7 @@ FILES = [Path(__file__).with_name(name) for name in ("mpi_ranks.py", "mpi_failur
 FILE_OF = {case: file for file in FILES for case in re.findall(r"^def (\w+)\(\):$", file.read_text(), flags=re.M)}
 # Others have three ranks; one alone matters where there is nobody to speak to.
 RANKS_OF = {
-    "the_answer_is_that_of_one_detector": (1, 3),
+    "the_result_is_that_of_one_detector": (1, 3),
     "motion_is_that_of_one_detector": (1, 3),
     "ranks_fail_together_and_go_on": (1, 3),
     "a_closed_detector_says_so": (1, 3),
@@ -101,18 +101,11 @@ def test_options_are_those_of_a_detector():
         "of_each = [name for name in one if name != 'devices']\n"  # a rank has one
         "assert list(many)[:4] == ['self', 'comm', 'parts', 'round_bytes'] and list(many)[4:] == of_each[1:]\n"
         "assert all(many[name] == one[name] for name in of_each)\n"
-        "one = inspect.signature(crumple.Detector.find_self).parameters\n"
-        "for call in 'find_self', 'count', 'has_collision':\n"
-        "    many = inspect.signature(getattr(crumple.mpi.Detector, call)).parameters\n"
-        "    assert set(one) - set(many) <= {'copy'} | (set() if call == 'find_self' else {'contacts'})\n"
-        "    assert set(many) - set(one) == {'triangle_ids', 'vertex_ids'}\n"
-        "    assert all(many[name].default == one[name].default for name in one if name in many)\n"
-        "left_out = {'copy', 'edges', 'points', 'index', 'triangle_pairs'}\n"
-        "left_out |= {'radii', 'least', 'rings', 'rest', 'rest_radius'}\n"
-        "for call in 'find_impacts', 'time_of_first_impact', 'is_free', 'find_near':\n"
+        "for call in 'intersections', 'impacts', 'proximities':\n"
         "    one = inspect.signature(getattr(crumple.Detector, call)).parameters\n"
         "    many = inspect.signature(getattr(crumple.mpi.Detector, call)).parameters\n"
-        "    assert set(one) - set(many) <= left_out and set(many) - set(one) == {'triangle_ids', 'vertex_ids'}, call\n"
+        "    assert set(one) - set(many) <= {'copy', 'edges', 'points'}, call\n"
+        "    assert set(many) - set(one) == {'triangle_ids', 'vertex_ids', 'body_ids'}, call\n"
         "    assert all(many[name].default == one[name].default for name in one if name in many), call\n"
     )
     assert done.returncode == 0, done.stderr
@@ -134,7 +127,7 @@ def test_everything_public_is_documented():
 def test_errors_tell_a_rank():
     assert inspect.signature(crumple.Error).parameters["rank"].default == -1
     with pytest.raises(crumple.InvalidInput) as caught:
-        crumple.Detector().find_self([[0.0, 0, 0]], [[0, 0, 1]])
+        crumple.Detector().intersections([[0.0, 0, 0]], [[0, 0, 1]])
     assert caught.value.rank == -1
     for error in crumple.Error("no", rank=2), crumple.MemoryLimit("no", rank=2), crumple.FileError("no", rank=2):
         assert pickle.loads(pickle.dumps(error)).rank == 2

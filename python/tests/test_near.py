@@ -15,13 +15,13 @@ from worlds import random_poses
 
 def test_pairs_and_distances(either):
     """The lowest vertex of the upper triangle is 1 above the inside of the other one."""
-    found = either.find_near(START, FACES, radius=1)
+    found = either.proximities(START, FACES, radius=1)
     assert found.vertex_faces.tolist() == [[3, 0]] and found.vertex_face_squared_distance.tolist() == [1]
     assert found.vertex_face_touching.tolist() == [False] and found.edge_edges.shape == (0, 2)
     assert found.edges.tolist() == [[0, 1], [0, 2], [1, 2], [3, 4], [3, 5], [4, 5]]
     assert found.any and found and len(found) == found.count == 1 and found.world_hit.tolist() == [True]
     assert "1 pair, 1 of vertex and face, 0 of edge and edge" in repr(found)
-    every = either.find_near(START, FACES, radius=2)
+    every = either.proximities(START, FACES, radius=2)
     assert every.vertex_faces.tolist() == [[0, 1], [3, 0], [4, 0], [5, 0]]
     assert every.vertex_face_squared_distance.tolist() == [3, 1, 4, 4]
     assert every.edges[every.edge_edges[:2]].tolist() == [[[0, 1], [3, 4]], [[0, 1], [3, 5]]]
@@ -30,25 +30,25 @@ def test_pairs_and_distances(either):
 
 
 def test_strictly_nearer(either):
-    assert not either.find_near(START, FACES, radius=1, strict=True)
-    assert either.find_near(START, FACES, radius=np.nextafter(1, 2), strict=True)
-    assert not either.find_near(START, FACES, radius=np.nextafter(1, 0))
+    assert not either.proximities(START, FACES, radius=1, strict=True)
+    assert either.proximities(START, FACES, radius=np.nextafter(1, 2), strict=True)
+    assert not either.proximities(START, FACES, radius=np.nextafter(1, 0))
 
 
 def test_touching_is_told_from_rounding(either):
     vertices = START.copy()
     vertices[3, 2] = 0
-    found = either.find_near(vertices, FACES, radius=0)
+    found = either.proximities(vertices, FACES, radius=0)
     assert found.vertex_face_touching.tolist() == [True] and found.vertex_face_squared_distance.tolist() == [0]
     vertices[3, 2] = 1e-200
-    found = either.find_near(vertices, FACES, radius=1e-200)
+    found = either.proximities(vertices, FACES, radius=1e-200)
     assert found.vertex_face_touching.tolist() == [False] and found.vertex_face_squared_distance.tolist() == [0]
-    found = either.find_near(START * 1e200, FACES, radius=1e200)
+    found = either.proximities(START * 1e200, FACES, radius=1e200)
     assert found.vertex_face_squared_distance.tolist() == [np.inf]
 
 
 def test_where_they_are_closest(either):
-    found = either.find_near(START, FACES, radius=2, closest=True)
+    found = either.proximities(START, FACES, radius=2, closest=True)
     kinds = [crumple.VertexFaceType(kind).name for kind in found.vertex_face_type]
     assert found.vertex_faces[:2].tolist() == [[0, 1], [3, 0]] and kinds[:2] == ["P_T0", "P_T"]
     assert found.vertex_face_at.tolist()[:2] == [[0, 0], [0.25, 0.25]], "a corner, and (1, 1) of a face of 4 by 4"
@@ -70,7 +70,7 @@ def test_where_they_are_closest(either):
 
 
 def test_the_least_distance_of_each_feature(either):
-    found = either.find_near(START, FACES, radius=1.5, least=True)
+    found = either.proximities(START, FACES, radius=1.5, least=True)
     assert found.vertex_distance.tolist() == [np.inf, np.inf, np.inf, 1, np.inf, np.inf]
     assert found.face_distance.tolist() == [1, np.inf]
     root = np.sqrt(2)
@@ -80,20 +80,18 @@ def test_the_least_distance_of_each_feature(either):
 
 
 def test_without_a_detector():
-    assert crumple.find_near(START, FACES, radius=1).vertex_faces.tolist() == [[3, 0]]
-    assert crumple.find_near((START, FACES), radius=1, wants="any")
-    assert crumple.find_near(
-        crumple.World([(START, FACES)], self_collisions=True), radius=1
-    ).vertex_face_bodies.tolist() == [[0, 0]]
+    assert crumple.proximities(START, FACES, radius=1).vertex_faces.tolist() == [[3, 0]]
+    assert crumple.proximities((START, FACES), radius=1, output="any")
+    assert crumple.proximities(crumple.World([(START, FACES)], self_collisions=True), radius=1).vertex_face_bodies.tolist() == [[0, 0]]
 
 
 QUESTIONS = [
     {},
     {"weld": True},
     {"strict": True},
-    {"groups": True, "wanted": "between"},
-    {"groups": True, "wanted": "within"},
-    {"groups": True, "excluded_groups": [(0, 1), (2, 2)]},
+    {"groups": True, "filter": crumple.PairFilter(groups="between")},
+    {"groups": True, "filter": crumple.PairFilter(groups="within")},
+    {"groups": True, "filter": crumple.PairFilter(excluded_groups=[(0, 1), (2, 2)])},
 ]
 
 
@@ -105,29 +103,29 @@ def test_brute_force_agrees(dtype, question, detector, reference):
         asked = {**question, "radius": radius, "closest": True, "least": True}
         if "groups" in question:
             asked["groups"] = np.arange(len(faces)) % 3
-        expected = reference.find_near(vertices, faces, **asked)
+        expected = reference.proximities(vertices, faces, **asked)
         assert expected, "something must be near"
-        assert_same(detector.find_near(vertices, faces, **asked), expected, CLOSEST + LEAST)
+        assert_same(detector.proximities(vertices, faces, **asked), expected, CLOSEST + LEAST)
 
 
 def test_less_is_the_same_as_all_cut_short(either):
     mesh = soup(10, size=0.5)
     for radius in (0.2, 1e-9):
-        every = either.find_near(mesh, radius=radius)
-        by_world = either.find_near(mesh, radius=radius, wants="any_by_world")
-        assert every.any is by_world.any is either.find_near(mesh, radius=radius, wants="any").any is (radius > 0.1)
+        every = either.proximities(mesh, radius=radius)
+        by_world = either.proximities(mesh, radius=radius, output="any_by_world")
+        assert every.any is by_world.any is either.proximities(mesh, radius=radius, output="any").any is (radius > 0.1)
         assert by_world.world_hit.tolist() == [every.any] and len(by_world) == 0
         assert ("something is near" if every else "nothing is near") in repr(by_world)
 
 
 def test_offsets_by_feature(either):
     mesh = soup(10, size=0.5)
-    check_index(either.find_near(mesh, radius=0.2, index=True), len(mesh.vertices), len(mesh.faces))
+    check_index(either.proximities(mesh, radius=0.2, index=True), len(mesh.vertices), len(mesh.faces))
 
 
 def test_least_distances_with_groups(either):
     mesh = soup(10, size=0.5)
-    found = either.find_near(mesh, radius=0.5, groups=np.arange(10) % 2, wanted="between", least=True)
+    found = either.proximities(mesh, groups=np.arange(10) % 2, radius=0.5, least=True, filter=crumple.PairFilter(groups="between"))
     assert found and len(found.vertex_distance) == len(mesh.vertices)
     assert np.flatnonzero(np.isfinite(found.vertex_distance)).tolist() == np.unique(found.vertex_faces[:, 0]).tolist()
 
@@ -138,7 +136,7 @@ def test_least_distances_with_groups(either):
         ((START, FACES), {"radius": -1}, "radius must be finite and 0 or more"),
         ((START, FACES), {"radius": np.nan}, "radius must be finite and 0 or more"),
         ((START, FACES), {"radius": "1"}, "radius must be a number, not str"),
-        ((START, FACES), {"radius": None}, "find_near needs a radius, or radii of the vertices"),
+        ((START, FACES), {"radius": None}, "a ProximityQuery needs a radius, or radii of the vertices"),
         ((START, FACES), {"radii": np.ones(6)}, "radius is not asked for beside radii"),
         ((START, FACES), {"radius": None, "radii": np.ones(5)}, "radii must be one for each of the 6 vertices, not 5"),
         ((START, FACES), {"radius": None, "radii": []}, "radii must be one for each of the 6 vertices, not 0"),
@@ -156,8 +154,8 @@ def test_least_distances_with_groups(either):
         ((START, FACES), {"strict": 1}, "strict must be True or False, not int"),
         ((START, FACES), {"closest": 1}, "closest must be True or False, not int"),
         ((START, FACES), {"least": None}, "least must be True or False, not None"),
-        ((START, FACES), {"wants": "impacts"}, 'wants must be one of "any", "any_by_world", "pairs", not "impacts"'),
-        ((START, FACES), {"wanted": "no"}, 'wanted must be one of "both", "between", "within", not "no"'),
+        ((START, FACES), {"output": "first"}, 'output must be one of "any", "any_by_world", "pairs", not "first"'),
+        ((START, FACES), {"filter": crumple.PairFilter(groups="no")}, 'groups must be one of "both", "between", "within", not "no"'),
         ((START, FACES + 1), {}, "triangle 1 names vertex 6 of 6"),
         ((np.full_like(START, np.inf), FACES), {}, "vertex 0 is not finite"),
         (
@@ -169,39 +167,39 @@ def test_least_distances_with_groups(either):
 )
 def test_wrong_arguments_are_refused(mesh, named, message, detector):
     with pytest.raises(crumple.InvalidInput, match=message):
-        detector.find_near(*mesh, **{"radius": 1, **named})
-    assert detector.find_near(START, FACES, radius=1), "the detector stays usable"
+        detector.proximities(*mesh, **{"radius": 1, **named})
+    assert detector.proximities(START, FACES, radius=1), "the detector stays usable"
 
 
 def test_the_method_tells_what_it_is(detector):
-    for method in (crumple.Detector.find_near, detector.find_near):
-        assert method.__name__ == "find_near" and method.__qualname__ == "Detector.find_near"
+    for method in (crumple.Detector.proximities, detector.proximities):
+        assert method.__name__ == "proximities" and method.__qualname__ == "Detector.proximities"
         assert inspect.isroutine(method) and len(inspect.getdoc(method)) > 100
-    assert list(inspect.signature(detector.find_near).parameters)[:3] == ["vertices", "faces", "radius"]
+    assert list(inspect.signature(detector.proximities).parameters)[:3] == ["vertices", "faces", "groups"]
     for scene in ((START, FACES), (crumple.World([(START, FACES)], self_collisions=True),)):
-        with pytest.raises(TypeError, match="find_near needs a radius, or radii of the vertices"):
-            detector.find_near(*scene)
-        with pytest.raises(TypeError, match=r"find_near.*'stric'\. Did you mean 'strict'\?$"):
-            detector.find_near(*scene, radius=1, stric=True)
+        with pytest.raises(TypeError, match="a ProximityQuery needs a radius, or radii of the vertices"):
+            detector.proximities(*scene)
+        with pytest.raises(TypeError, match=r"proximities.*'stric'\. Did you mean 'strict'\?$"):
+            detector.proximities(*scene, radius=1, stric=True)
 
 
 def test_what_was_not_asked_for_says_how_to_ask(detector):
-    nothing = detector.find_near(START, FACES, radius=1, wants="any")
-    for name in (*LISTS["Nearby"], "count", "edges", "first_edge", "by_second_edge"):
-        with pytest.raises(crumple.InvalidInput, match=re.escape(f'{name} was not asked for: find_near(..., wants="p')):
+    nothing = detector.proximities(START, FACES, radius=1, output="any")
+    for name in (*LISTS["Proximities"], "count", "edges", "first_edge", "by_second_edge"):
+        with pytest.raises(crumple.InvalidInput, match=re.escape(f'{name} was not asked for: ProximityQuery(output="p')):
             getattr(nothing, name)
-    with pytest.raises(crumple.InvalidInput, match=r'world_hit was .* find_near\(\.\.\., wants="any_by_world"\)'):
+    with pytest.raises(crumple.InvalidInput, match=r'world_hit was .* ProximityQuery\(output="any_by_world"\)'):
         _ = nothing.world_hit
-    every = detector.find_near(START, FACES, radius=1)
-    with pytest.raises(crumple.InvalidInput, match=r"face_offsets was not asked for: find_near\(\.\.\., index=True\)"):
+    every = detector.proximities(START, FACES, radius=1)
+    with pytest.raises(crumple.InvalidInput, match=r"face_offsets was not asked for: ProximityQuery\(index=True\)"):
         _ = every.face_offsets
     with pytest.raises(crumple.InvalidInput, match="edge_edge_bodies are those of a world"):
         _ = every.edge_edge_bodies
     for option, names in (("closest", CLOSEST), ("least", LEAST)):
         for name in names:
-            with pytest.raises(crumple.InvalidInput, match=rf"{name} was not asked for: .*, {option}=True\)"):
+            with pytest.raises(crumple.InvalidInput, match=rf"{name} was not asked for: ProximityQuery\({option}=True\)"):
                 getattr(every, name)
-    of_world = detector.find_near(crumple.World([(START, FACES)], self_collisions=True), radius=1)
+    of_world = detector.proximities(crumple.World([(START, FACES)], self_collisions=True), radius=1)
     with pytest.raises(crumple.InvalidInput, match="vertex_distance is made for one mesh alone"):
         _ = of_world.vertex_distance
 
@@ -221,16 +219,16 @@ def random_world(seed, bodies=6, worlds=2):
 
 @pytest.mark.parametrize(
     "question",
-    [{}, {"bodies": "between"}, {"bodies": "within"}, {"excluded": [(0, 1), {2}]}, {"strict": True}],
+    [{}, {"filter": crumple.PairFilter(bodies="between")}, {"filter": crumple.PairFilter(bodies="within")}, {"filter": crumple.PairFilter(excluded_bodies=[(0, 1), {2}])}, {"strict": True}],
     ids=str,
 )
 def test_brute_force_agrees_about_worlds(question, detector, reference):
     for seed in range(3):
         world, asked = random_world(seed), {"radius": 0.1 * (seed + 1), "closest": True, **question}
-        expected = reference.find_near(world, **asked)
+        expected = reference.proximities(world, **asked)
         assert expected, "something must be near"
-        assert_same(detector.find_near(world, **asked), expected, BODIES + CLOSEST)
-        hit = detector.find_near(world, wants="any_by_world", **asked).world_hit
+        assert_same(detector.proximities(world, **asked), expected, BODIES + CLOSEST)
+        hit = detector.proximities(world, output="any_by_world", **asked).world_hit
         assert hit.tolist() == expected.world_hit.tolist()
 
 
@@ -238,14 +236,14 @@ def test_worlds_are_those_of_the_start(either):
     far = START.copy()
     far[3:, 2] += 9
     still = crumple.World([(START, FACES)], self_collisions=True)
-    expected = either.find_near(still, radius=1)
+    expected = either.proximities(still, radius=1)
     assert expected.vertex_face_bodies.tolist() == [[0, 0]]
     for world in (
         crumple.World([crumple.Shape(START, FACES, end=far)], self_collisions=True),
         crumple.World([(START, FACES)], self_collisions=True),
     ):
         world.end_poses = 2 * np.eye(3, 4)[None]
-        assert_same(either.find_near(world, radius=1), expected)
+        assert_same(either.proximities(world, radius=1), expected)
 
 
 def test_poses_and_exclusions(either):
@@ -253,41 +251,41 @@ def test_poses_and_exclusions(either):
     poses = np.tile(np.eye(3, 4), (2, 1, 1))
     poses[1, 2, 3] = 3
     world = crumple.World([shape], [0, 0], poses=poses, names=["low", "high"], self_collisions=True)
-    assert not either.find_near(world, radius=2.5) and either.find_near(world, radius=3)
-    assert not either.find_near(world, radius=3, excluded=[{"low", "high"}])
+    assert not either.proximities(world, radius=2.5) and either.proximities(world, radius=3)
+    assert not either.proximities(world, radius=3, filter=crumple.PairFilter(excluded_bodies=[{"low", "high"}]))
     poses[1, 2, 3] = 1
-    nearer = either.find_near(world, radius=1)
+    nearer = either.proximities(world, radius=1)
     assert nearer.vertex_face_bodies.tolist() == [[0, 1]] * 3 + [[1, 0]] * 3
     assert nearer.vertex_face_squared_distance.tolist() == [1] * 6
-    np.testing.assert_array_equal(either.find_near(world, radius=1, poses=poses.copy()).edge_edges, nearer.edge_edges)
+    np.testing.assert_array_equal(either.proximities(world.at(poses.copy()), radius=1).edge_edges, nearer.edge_edges)
 
 
 def test_radii_add_up(either):
     radii = np.array([0.75, 0, 0, 0.25, 0, 0])
-    assert either.find_near(START, FACES, radii=radii).vertex_faces.tolist() == [[3, 0]]
-    assert not either.find_near(START, FACES, radii=radii, strict=True)
+    assert either.proximities(START, FACES, radii=radii).vertex_faces.tolist() == [[3, 0]]
+    assert not either.proximities(START, FACES, radii=radii, strict=True)
     radii[3] = np.nextafter(0.25, 0)
-    assert not either.find_near(START, FACES, radii=radii)
+    assert not either.proximities(START, FACES, radii=radii)
     for given in (list(radii + 1), (radii + 1).astype(">f8"), np.repeat(radii + 1, 2)[::2], (radii + 1).tolist()):
-        assert_same(either.find_near(START, FACES, radii=given), either.find_near(START, FACES, radii=radii + 1))
+        assert_same(either.proximities(START, FACES, radii=given), either.proximities(START, FACES, radii=radii + 1))
     half = np.full(len(START), 1, np.float32)
-    assert_same(either.find_near(START, FACES, radii=half), either.find_near(START, FACES, radius=2))
-    assert not either.find_near([], [], radii=[])
+    assert_same(either.proximities(START, FACES, radii=half), either.proximities(START, FACES, radius=2))
+    assert not either.proximities([], [], radii=[])
 
 
 def test_neighbours_and_what_is_close_at_rest_are_left_out(either):
     mesh = soup(20, size=0.5, seed=3, dtype=np.float64)
     for question in ({"radius": 0.3}, {"radii": np.random.default_rng(1).random(len(mesh.vertices)) * 0.2}):
-        every = either.find_near(mesh, **question)
-        assert_same(either.find_near(mesh, rings=3, **question), every)  # each triangle by itself
-        assert not either.find_near(mesh, rest=mesh.vertices, rest_radius=1, **question)
+        every = either.proximities(mesh, **question)
+        assert_same(either.proximities(mesh, rings=3, **question), every)  # each triangle by itself
+        assert not either.proximities(mesh, rest=mesh.vertices, rest_radius=1, **question)
         rest = mesh.vertices.astype(np.float32) * 2
-        some = either.find_near(mesh, rest=rest, rest_radius=0.3, **question)
+        some = either.proximities(mesh, rest=rest, rest_radius=0.3, **question)
         assert 0 < len(some) < len(every)
-        assert either.find_near(mesh, rest=rest, rest_radius=0.3, wants="any", **question)
+        assert either.proximities(mesh, rest=rest, rest_radius=0.3, output="any", **question)
     square = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], float), [[0, 1, 2], [2, 1, 3]]
-    assert either.find_near(*square, radius=1).vertex_faces.tolist() == [[0, 1], [3, 0]]
-    assert not either.find_near(*square, radius=1, rings=1)
+    assert either.proximities(*square, radius=1).vertex_faces.tolist() == [[0, 1], [3, 0]]
+    assert not either.proximities(*square, radius=1, rings=1)
 
 
 def test_brute_force_agrees_on_filters(detector, reference):
@@ -303,9 +301,9 @@ def test_brute_force_agrees_on_filters(detector, reference):
             "least": True,
             "closest": True,
         }
-        expected = reference.find_near(mesh, **asked)
+        expected = reference.proximities(mesh, **asked)
         assert expected, "something must be near"
-        assert_same(detector.find_near(mesh, **asked), expected, CLOSEST + LEAST)
+        assert_same(detector.proximities(mesh, **asked), expected, CLOSEST + LEAST)
 
 
 def test_shapes_of_worlds_bring_radii_and_where_they_are_at_rest(either):
@@ -314,15 +312,13 @@ def test_shapes_of_worlds_bring_radii_and_where_they_are_at_rest(either):
     assert shape.radii is radii and shape.rest is START
     for kept in (shape, pickle.loads(pickle.dumps(shape))):
         world = crumple.World([kept], self_collisions=True)
-        assert either.find_near(world).vertex_faces.tolist() == [[3, 0]]
-        assert not either.find_near(world, rest_radius=1)
+        assert either.proximities(world).vertex_faces.tolist() == [[3, 0]]
+        assert not either.proximities(world, rest_radius=1)
         with pytest.raises(crumple.InvalidInput, match="radius is not asked for beside radii"):
-            either.find_near(world, radius=1)
+            either.proximities(world, radius=1)
     with pytest.raises(crumple.InvalidInput, match="^shape 1: the radius of vertex 2 must be finite and 0 or more$"):
-        either.find_near(
-            crumple.World([shape, crumple.Shape(START, FACES, radii=[0, 0, -1, 0, 0, 0])], self_collisions=True)
-        )
+        either.proximities(crumple.World([shape, crumple.Shape(START, FACES, radii=[0, 0, -1, 0, 0, 0])], self_collisions=True))
     with pytest.raises(crumple.InvalidInput, match="radii must be one for each of the 6 vertices, not 2"):
         crumple.Shape(START, FACES, radii=[1.0, 2.0])
-    with pytest.raises(TypeError, match="'radii'"):
-        either.find_near(world, radii=radii)
+    with pytest.raises(crumple.InvalidInput, match="radii and rest are for the vertices of one mesh"):
+        either.proximities(world, radii=radii)

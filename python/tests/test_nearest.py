@@ -28,12 +28,12 @@ def assert_same(found, expected):
 
 def test_two_squares(either):
     world = crumple.World([SQUARE], [0, 0], poses=moved((0, 0, 0), (0.25, 0.5, 3)))
-    found = either.find_nearest(world)
+    found = either.distances(world)
     assert found.bodies.tolist() == [[0, 1]] and found.triangles.tolist() == [[0, 0]] and len(found) == 1
     assert found.squared_distance.tolist() == [9] and found.distance.tolist() == [3] and not found.touching[0]
     assert found.points.shape == (1, 2, 3) and found.points[0, :, 2].tolist() == [0, 3]
     assert "1 pair of bodies, 0 touching" in repr(found)
-    touching = either.find_nearest(world, poses=moved((0, 0, 0), (1, 1, 0)))
+    touching = either.distances(world.at(moved((0, 0, 0), (1, 1, 0))))
     assert touching.touching.tolist() == [True] and touching.points.tolist() == [[[1, 1, 0], [1, 1, 0]]]
 
 
@@ -41,7 +41,7 @@ def test_vertices_are_as_near_as_rational_numbers_say(either):
     """Single points, as collapsed triangles: nothing is closer than two vertices."""
     points = np.random.default_rng(2).uniform(-1, 1, (8, 3))
     shapes = [(points[k : k + 4], np.repeat(np.arange(4)[:, None], 3, axis=1)) for k in (0, 4)]
-    found = either.find_nearest(crumple.World(shapes))
+    found = either.distances(crumple.World(shapes))
     exact = [[sum((Fraction(x) - Fraction(y)) ** 2 for x, y in zip(p, q)) for q in points[4:]] for p in points[:4]]
     a, b = min(((i, j) for i in range(4) for j in range(4)), key=lambda pair: exact[pair[0]][pair[1]])
     assert found.triangles.tolist() == [[a, b]]
@@ -60,30 +60,35 @@ def test_it_is_that_of_the_reference():
         world = crumple.World(shapes, [0, 1, 2, 0, 1], worlds=worlds, groups=[0, 1, 0, 1, 1])
         for spread in (0.5, 2, 6):
             world.poses = random_poses(random, 5, spread)
-            for question in ({}, {"radius": spread}, {"groups": "between"}, {"excluded": [(0, 4), (2, 3)]}):
-                expected = reference.find_nearest(world, **question)
-                assert_same(detector.find_nearest(world, **question), expected)
+            for question in (
+                {},
+                {"radius": spread},
+                {"filter": crumple.PairFilter(groups="between")},
+                {"filter": crumple.PairFilter(excluded_bodies=[(0, 4), (2, 3)])},
+            ):
+                expected = reference.distances(world, **question)
+                assert_same(detector.distances(world, **question), expected)
 
 
 def test_configurations_and_names():
     world = crumple.World([SQUARE, SQUARE], worlds=[0, -1], names=["arm", "room"])
     poses = np.stack([moved((0, 0, z)) for z in (1, 2, 0)])
-    found = crumple.find_nearest(world.configurations(poses))
+    found = crumple.distances(world.configurations(poses))
     assert found.bodies.tolist() == [[0, 3], [1, 3], [2, 3]]
     assert found.distance.tolist() == [1, 2, 0] and found.touching.tolist() == [False, False, True]
-    assert len(crumple.find_nearest(world.configurations(poses), excluded=[{"arm", "room"}])) == 0
-    assert crumple.find_nearest(world.configurations(poses), radius=1).bodies.tolist() == [[0, 3], [2, 3]]
+    assert len(crumple.distances(world.configurations(poses), filter=crumple.PairFilter(excluded_bodies=[{"arm", "room"}]))) == 0
+    assert crumple.distances(world.configurations(poses), radius=1).bodies.tolist() == [[0, 3], [2, 3]]
 
 
 def test_arrays_are_views_or_copies():
     world = crumple.World([SQUARE], [0, 0], poses=moved((0, 0, 0), (0, 0, 3)))
     detector = crumple.Detector()
-    found = detector.find_nearest(world)
+    found = detector.distances(world)
     assert not any(getattr(found, name).flags.writeable for name in (*ARRAYS, "distance"))
     for z in (4, 5, 6):
-        detector.find_nearest(world, poses=moved((0, 0, 0), (0, 0, z)))
+        detector.distances(world.at(moved((0, 0, 0), (0, 0, z))))
     assert found.squared_distance.tolist() == [9]
-    own = detector.find_nearest(world, copy=True)
+    own = detector.distances(world, copy=True)
     assert all(getattr(own, name).flags.writeable for name in (*ARRAYS, "distance"))
     del detector
     assert found.points[0, 1, 2] == 3
@@ -91,11 +96,11 @@ def test_arrays_are_views_or_copies():
 
 def test_copies_and_pickles():
     world = crumple.World([SQUARE], [0, 0, 0], poses=moved((0, 0, 0), (0, 0, 3), (0, 0, 0)))
-    found = crumple.find_nearest(world)
+    found = crumple.distances(world)
     for other in (copy.copy(found), copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
         assert_same(other, found)
         assert repr(other) == repr(found)
-    restore, (state,) = found.__reduce__()
+    restore, (kind, asked, state) = found.__reduce__()
     for name, wrong, error in (
         ("bodies", state["bodies"][::-1], crumple.InvalidInput),
         ("bodies", state["bodies"][:, ::-1], crumple.InvalidInput),
@@ -106,12 +111,11 @@ def test_copies_and_pickles():
         ("triangles", state["triangles"].astype(float), crumple.InvalidType),
         ("points", state["points"] * np.nan, crumple.InvalidInput),
         ("points", state["points"][:, 0], crumple.InvalidType),
-        ("copy", 1, crumple.InvalidType),
     ):
-        with pytest.raises(error, match="the state of NearestBodies"):
-            restore({**state, name: wrong})
-    with pytest.raises(crumple.InvalidType, match="the state of NearestBodies"):
-        restore({})
+        with pytest.raises(error, match="the state of Distances"):
+            restore(kind, asked, {**state, name: wrong})
+    with pytest.raises(crumple.InvalidType, match="the state of Distances"):
+        restore(kind, asked, {})
 
 
 @pytest.mark.parametrize(
@@ -120,29 +124,29 @@ def test_copies_and_pickles():
         ({"radius": -1}, "radius must be 0 or more, or infinite"),
         ({"radius": np.nan}, "radius must be 0 or more, or infinite"),
         ({"radius": "1"}, "radius must be"),
-        ({"groups": "all"}, 'groups must be one of "both", '),
-        ({"excluded": [(0, 7)]}, "excluded names body 7 of 2"),
-        ({"poses": moved((0, 0, 0))}, "poses must have shape"),
-        ({"poses": moved((0, 0, 0), (np.nan, 0, 0))}, "body 1: its pose is not finite"),
+        ({"filter": crumple.PairFilter(groups="all")}, 'groups must be one of "both", '),
+        ({"filter": crumple.PairFilter(excluded_bodies=[(0, 7)])}, "excluded names body 7 of 2"),
     ],
 )
 def test_what_is_refused(either, question, message):
     world = crumple.World([SQUARE], [0, 0])
     with pytest.raises(crumple.InvalidInput, match=message):
-        either.find_nearest(world, **question)
-    assert len(either.find_nearest(world)) == 1, "usable still"
+        either.distances(world, **question)
+    with pytest.raises(crumple.InvalidInput, match="body 1: its pose is not finite"):
+        either.distances(world.at(moved((0, 0, 0), (np.nan, 0, 0))))
+    assert len(either.distances(world)) == 1, "usable still"
 
 
 def test_it_is_asked_of_worlds():
-    with pytest.raises(crumple.InvalidType, match=r"find_nearest takes a crumple\.World, not tuple"):
-        crumple.find_nearest(SQUARE)
+    with pytest.raises(crumple.InvalidInput, match=r"distances are those of bodies: a world, or two meshes"):
+        crumple.distances(SQUARE)
     with pytest.raises(TypeError, match="Did you mean 'radius'"):
-        crumple.find_nearest(crumple.World([SQUARE]), radios=1)
+        crumple.distances(crumple.World([SQUARE]), radios=1)
 
 
 def test_a_memory_limit_holds():
     vertices, faces, _ = soup(3000, seed=1)
     world = crumple.World([(vertices, faces)], [0, 0], poses=moved((0, 0, 0), (3, 0, 0)))
-    limit = sufficient_limit(lambda detector: detector.find_nearest(world), 20_000, backend="cpu")
+    limit = sufficient_limit(lambda detector: detector.distances(world), 20_000, backend="cpu")
     enough = crumple.Detector(backend="cpu", memory_limit=limit)
-    assert_same(enough.find_nearest(world), crumple.find_nearest(world))
+    assert_same(enough.distances(world), crumple.distances(world))

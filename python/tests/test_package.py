@@ -28,7 +28,7 @@ def test_the_command_line_is_the_c_plus_plus_one(tmp_path):
     crumple.write_mesh(tmp_path / "mesh.ply", mesh)
     assert run("-m", "crumple", "detect", "mesh.ply", "--check", cwd=tmp_path).returncode == 1
     found = run("-m", "crumple", "detect", "mesh.ply", cwd=tmp_path)
-    assert found.stdout == "".join(f"{a} {b}\n" for a, b in crumple.find_self_intersections(mesh))
+    assert found.stdout == "".join(f"{a} {b}\n" for a, b in crumple.intersections(mesh).pairs)
     assert run("-m", "crumple", "detect", "none.ply", cwd=tmp_path).returncode == 2
 
 
@@ -85,39 +85,41 @@ def test_types_hold(tmp_path):
         "import numpy as np\n"
         "import crumple\n"
         "v, f = np.zeros((3, 3)), np.zeros((1, 3), np.int32)\n"
-        "r: crumple.Result = crumple.Detector(threads=2).find_self(v, f, neighbours='skip', contacts=True)\n"
+        "r: crumple.Intersections = crumple.Detector(threads=2).intersections(v, f, neighbours='skip', output='contacts')\n"
         "n: int = r.statistics.pairs\n"
-        "ok: bool = crumple.has_intersections((v, f))\n"
+        "ok: bool = crumple.Detector().any((v, f))\n"
         "seconds: float = r.statistics.stage_milliseconds['sweep'] / 1000\n"
-        "crumple.find_self_intersections(v, f, excluded_groups=zip([0], [1]))\n"
+        "rules = crumple.PairFilter(groups='both', excluded_groups=zip([0], [1]))\n"
+        "crumple.intersections(v, f, filter=rules)\n"
         "assert r.contacts is not None\n"
         "x: list[float] = [points[0, 0] for points in r.contacts]\n"
         "base = crumple.World([crumple.Shape(v, f, name='arm'), (v, f)], worlds=[0, -1], names=['arm', 'wall'])\n"
-        "found: crumple.WorldResult = crumple.Detector().find(base, wants='any', excluded=[{'arm', 'wall'}])\n"
+        "found: crumple.Intersections = crumple.Detector().find(base, crumple.IntersectionQuery(output='any'))\n"
         "many = base.configurations(np.zeros((9, 1, 3, 4)))\n"
         "detector = crumple.Detector()\n"
-        "hit: bool = detector.find(many, wants='count').world_hit.dtype == np.bool_\n"
-        "of_part: crumple.Result = detector.find(detector.partition((v, f), count=1)[0], contacts=True)\n"
-        "impacts: crumple.Impacts = detector.find_impacts(v, v, f, min_distance=0.1, wants='earliest')\n"
-        "toi: float | None = detector.time_of_first_impact(base, end_poses=np.zeros((2, 3, 4)), excluded=[{0, 1}])\n"
-        "free: bool = detector.is_free((v, f), v)\n"
-        "share: float = detector.find_free_step(v, v, f, min_distance=0.1).share\n"
-        "near: crumple.Nearby = detector.find_near(many, radius=0.1, wants='any_by_world')\n"
+        "hit: bool = detector.intersections(many, output='count').world_hit.dtype == np.bool_\n"
+        "of_part: crumple.Intersections = detector.find(detector.partition((v, f), count=1)[0])\n"
+        "impacts: crumple.Impacts = detector.impacts(v, v, f, min_distance=0.1, output='first')\n"
+        "first = detector.find(base.at(None, np.zeros((2, 3, 4))), crumple.FirstImpactQuery())\n"
+        "toi: float | None = None if first is None else first.toi\n"
+        "free: bool = not detector.any(crumple.Mesh(v, f).moving_to(v), crumple.ImpactQuery())\n"
+        "share: float = detector.free_step(v, v, f, min_distance=0.1).share\n"
+        "near: crumple.Proximities = detector.find(many, crumple.ProximityQuery(radius=0.1))\n"
         "touching: bool = near.vertex_face_touching.dtype == np.bool_\n"
-        "apart: bool = detector.find_nearest(many, radius=1).distance.dtype == np.float64\n"
+        "apart: bool = detector.distances(many, radius=1).distance.dtype == np.float64\n"
         "kind: str = 'none' if impacts.first is None else impacts.first.kind\n"
         "why: str = crumple.Detector().fallback or crumple.list_devices().reason\n"
     )
     checked = run("-m", "mypy", "--strict", str(program), cwd=tmp_path)
     assert checked.returncode == 0, checked.stdout
     for wrong in (
-        "find_self([], [], neighbours='none')",
-        "find(crumple.World([]), wants='all')",
-        "find_near([], radius='1')",
-        "find_impacts([], [], wants='pairs')",
-        "find_nearest([])",
+        "IntersectionQuery(neighbours='none')",
+        "ImpactQuery(output='contacts')",
+        "ProximityQuery(radius='1')",
+        "PairFilter(bodies='some')",
+        "Detector().find([], 'pairs')",
     ):
-        program.write_text(f"import crumple\ncrumple.Detector().{wrong}\n")
+        program.write_text(f"import crumple\ncrumple.{wrong}\n")
         checked = run("-m", "mypy", "--strict", str(program), cwd=tmp_path)
         assert "arg-type" in checked.stdout or "call-overload" in checked.stdout
 
@@ -133,7 +135,7 @@ def test_everything_public_is_documented():
 
 
 def test_without_numpy_a_search_says_so():
-    code = "import sys; sys.modules['numpy'] = None; import crumple; crumple.Detector().find_self([], [])"
+    code = "import sys; sys.modules['numpy'] = None; import crumple; crumple.Detector().intersections([], [])"
     process = run("-c", code)
     assert process.returncode == 1 and "ImportError" in process.stderr and "numpy" in process.stderr
 

@@ -12,6 +12,7 @@ import pytest
 
 import crumple
 from conftest import OnDevice, soup
+from features import restored
 
 PROTOCOLS = range(2, pickle.HIGHEST_PROTOCOL + 1)
 MESH, OTHER = soup(200, size=0.4)._replace(groups=np.arange(200, dtype=np.int32) % 3), soup(90, size=0.4, seed=2)
@@ -20,29 +21,29 @@ ARRAYS = ("pairs", "offsets", "hit", "hit_second")
 
 def results():
     detector = crumple.Detector(threads=2)
-    yield "one soup", detector.find_self(MESH, contacts=True)
-    yield "without contacts", detector.find_self(MESH.vertices, MESH.faces.ravel())
-    yield "two meshes", detector.find_between(MESH, OTHER, contacts=True)
-    yield "an empty second mesh", detector.find_between(MESH, (OTHER.vertices, []))
-    yield "nothing", detector.find_self([], [], contacts=True)
-    yield "no pairs", detector.find_self(MESH.vertices[:3], MESH.faces[:1], contacts=True)
-    yield "lists", detector.find_self(MESH.vertices.tolist(), MESH.faces.tolist())
-    yield "integers in lists", detector.find_self([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 1, 2]])
-    yield "Fortran order", detector.find_self(np.asfortranarray(MESH.vertices), MESH.faces.astype(np.uint8))
-    yield "DLPack", detector.find_self(OnDevice(MESH.vertices, kind=1), OnDevice(MESH.faces, kind=1))
-    yield "writable", detector.find_self(MESH, copy=True)
+    yield "one soup", detector.intersections(MESH, output="contacts")
+    yield "without contacts", detector.intersections(MESH.vertices, MESH.faces.ravel())
+    yield "two meshes", detector.intersections(MESH, OTHER, output="contacts")
+    yield "an empty second mesh", detector.intersections(MESH, (OTHER.vertices, []))
+    yield "nothing", detector.intersections([], [], output="contacts")
+    yield "no pairs", detector.intersections(MESH.vertices[:3], MESH.faces[:1], output="contacts")
+    yield "lists", detector.intersections(MESH.vertices.tolist(), MESH.faces.tolist())
+    yield "integers in lists", detector.intersections([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 1, 2]])
+    yield "Fortran order", detector.intersections(np.asfortranarray(MESH.vertices), MESH.faces.astype(np.uint8))
+    yield "DLPack", detector.intersections(OnDevice(MESH.vertices, kind=1), OnDevice(MESH.faces, kind=1))
+    yield "writable", detector.intersections(MESH, copy=True)
     for part in detector.partition(MESH, count=3):
-        yield f"part {part.index}", detector.find(part, contacts=True)
-    for part in detector.partition(MESH, OTHER, count=2):
-        yield f"part {part.index} of two meshes", detector.find(part)
-    yield "brute force", crumple.Detector(backend="reference").find_self(MESH, contacts=True)
+        yield f"part {part.index}", detector.intersections(part, output="contacts")
+    for part in detector.partition([MESH, OTHER], count=2):
+        yield f"part {part.index} of two meshes", detector.intersections(part)
+    yield "brute force", crumple.Detector(backend="reference").intersections(MESH, output="contacts")
 
 
 RESULTS = list(results())
 
 
 def assert_same(found, expected):
-    assert type(found) is crumple.Result and len(found) == len(expected)
+    assert type(found) is crumple.Intersections and len(found) == len(expected)
     for name in ARRAYS:
         array, other = getattr(found, name), getattr(expected, name)
         np.testing.assert_array_equal(array, other, name, strict=True)
@@ -72,6 +73,20 @@ def without_id(page):
     return re.sub(b"crumple-[0-9a-f]{32}", b"", page)
 
 
+@pytest.mark.parametrize("output", ["any", "any_by_world", "body_pairs", "count"])
+def test_less_than_pairs_comes_back(output, detector):
+    for scene in (MESH, [MESH, OTHER]):
+        result = detector.find(scene, crumple.IntersectionQuery(output=output))
+        for found in (pickle.loads(pickle.dumps(result)), copy.copy(result), copy.deepcopy(result)):
+            assert repr(found) == repr(result) and found.any is result.any is True and len(found) == 0
+            assert found.statistics == result.statistics
+            with pytest.raises(crumple.InvalidInput, match=r'pairs was not asked for: .*output="pairs"'):
+                _ = found.pairs
+        if output == "count":
+            with pytest.raises(crumple.InvalidInput, match=": statistics"):
+                restored(result, count=lambda n: n + 1)
+
+
 def test_a_result_travels_between_processes(tmp_path):
     program = """
 import pickle, sys
@@ -96,7 +111,7 @@ def test_buffers_may_travel_apart():
 
 def test_copies_share_and_deep_copies_do_not():
     vertices, faces = MESH.vertices.copy(), MESH.faces.copy()
-    result = crumple.Detector().find_self(vertices, faces, contacts=True)
+    result = crumple.Detector().intersections(vertices, faces, output="contacts")
     shared, own = copy.copy(result), copy.deepcopy(result)
     assert shared is not result and np.shares_memory(shared.pairs, result.pairs)
     assert not np.shares_memory(own.pairs, result.pairs)
@@ -112,15 +127,15 @@ def test_copies_share_and_deep_copies_do_not():
 
 def test_a_copy_keeps_its_memory():
     detector = crumple.Detector(threads=1)
-    kept = copy.copy(detector.find_self(MESH))
+    kept = copy.copy(detector.intersections(MESH))
     expected = kept.pairs.tolist()
     for seed in range(5):
-        detector.find_self(soup(200, seed=seed))
+        detector.intersections(soup(200, seed=seed))
     assert kept.pairs.tolist() == expected
 
 
 def test_what_was_written_into_copies_is_not_carried():
-    result = crumple.Detector().find_self(MESH, copy=True)
+    result = crumple.Detector().intersections(MESH, copy=True)
     expected = result.pairs.tolist()
     result.pairs[...] = 0
     for found in (pickle.loads(pickle.dumps(result)), copy.copy(result), copy.deepcopy(result)):
@@ -128,96 +143,154 @@ def test_what_was_written_into_copies_is_not_carried():
 
 
 def test_the_size_of_a_pickle():
-    result = crumple.Detector().find_between(MESH, OTHER, contacts=True)
+    result = crumple.Detector().intersections(MESH, OTHER, output="contacts")
     meshes = sum(array.nbytes for mesh in (MESH, OTHER) for array in mesh if array is not None)
-    answer = 8 * len(result) + 9 * 200 + 8 + 90 + 9 * len(result) + 8 + 24 * len(result.contacts.points)
-    assert 0 < len(pickle.dumps(result)) - meshes - answer < 3000
+    arrays = 8 * len(result) + 9 * 200 + 8 + 90 + 9 * len(result) + 8 + 24 * len(result.contacts.points)
+    assert 0 < len(pickle.dumps(result)) - meshes - arrays < 3000
 
 
 def test_meshes_that_cannot_be_pickled_are_named():
     vertices, faces = MESH.vertices.tolist(), MESH.faces.tolist()
-    changed = crumple.Detector().find_self(vertices, faces)
+    changed = crumple.Detector().intersections(vertices, faces)
     faces.pop()
     with pytest.raises(crumple.InvalidInput, match="^the mesh was changed after the search"):
         pickle.dumps(changed)
     array = OnDevice(MESH.vertices, kind=1)
-    moved = crumple.Detector().find_self(array, MESH.faces)
+    moved = crumple.Detector().intersections(array, MESH.faces)
     array.place = (2, 0)
     with pytest.raises(crumple.InvalidInput, match="vertices in CUDA memory|vertices lie in CUDA memory"):
         pickle.dumps(moved)
 
 
-def state_of(result):
-    restore, (state,) = result.__reduce__()
-    return restore, state
-
-
 def changes():
-    """Name, what is changed in the state of a result of two meshes with contacts, and what the error is about."""
+    """Yields a name, what is changed in the state of a result of two meshes with contacts, how, and the message."""
 
-    def at(name, index, value):
-        def change(state):
-            state[name] = state[name].copy()
-            state[name][index] = value
+    def at(index, value):
+        def change(array):
+            array = array.copy()
+            array[index] = value
+            return array
 
         return change
 
-    def put(name, value):
-        return lambda state: state.__setitem__(name, value(state[name]) if callable(value) else value)
+    def put(value):
+        return lambda _: value
 
-    yield "no dict", None, "must be a dict"
-    yield "a field too few", lambda s: s.pop("hit"), "must be a dict of pairs, offsets"
-    yield "a field too many", put("colour", "red"), "must be a dict of pairs, offsets"
     for name in ("pairs", "offsets", "hit", "hit_second", "contact_kinds", "contact_offsets", "contact_points"):
-        yield f"{name} as list", put(name, lambda a: a.tolist()), f"needs {name} as an array of "
-        yield f"{name} of another type", put(name, lambda a: a.astype(np.int16)), f"needs {name} as an array of "
-        yield f"{name} of another shape", put(name, lambda a: a[None]), f"needs {name} of shape "
-        yield f"{name} cut", put(name, lambda a: a[:-1]), "does not fit together"
-        yield f"{name} empty", put(name, lambda a: a[:0]), "does not fit together"
-        yield f"{name} longer", put(name, lambda a: np.concatenate([a, a[-1:]])), "does not fit together"
+        yield f"{name} as list", name, lambda a: a.tolist(), f"needs {name} as an array "
+        yield f"{name} of another type", name, lambda a: a.astype(np.int16), f"needs {name} as an array "
+        yield f"{name} of another shape", name, lambda a: a[None], f"needs {name} as an array "
+        yield f"{name} cut", name, lambda a: a[:-1], "does not fit together"
+        yield f"{name} empty", name, lambda a: a[:0], "does not fit together"
+        yield f"{name} longer", name, lambda a: np.concatenate([a, a[-1:]]), "does not fit together"
     for value in (-1, 2**31 - 1, 0):
-        yield f"first of a pair {value}", at("pairs", (-1, 0), value), "offsets of pairs"
+        yield f"first of a pair {value}", "pairs", at((-1, 0), value), "offsets of pairs"
     for value in (-1, 90, 2**31 - 1):
-        yield f"second of a pair {value}", at("pairs", (-1, 1), value), ": pairs"
-    yield "pairs in another order", put("pairs", lambda a: a[::-1]), "does not fit together"
-    yield "the same pair twice", put("pairs", lambda a: np.repeat(a[::2], 2, axis=0)[: len(a)]), "does not fit"
+        yield f"second of a pair {value}", "pairs", at((-1, 1), value), ": pairs"
+    yield "pairs in another order", "pairs", lambda a: a[::-1], "does not fit together"
+    yield "the same pair twice", "pairs", lambda a: np.repeat(a[::2], 2, axis=0)[: len(a)], "does not fit"
     for value in (-1, 2**62, -(2**63)):
-        yield f"offset {value}", at("offsets", 5, value), ": offsets"
-        yield f"offset of contacts {value}", at("contact_offsets", 5, value), ": offsets of contacts"
-    yield "another hit", put("hit", lambda a: ~a), ": hit"
-    yield "hit that is no bool", put("hit", lambda a: (a * np.uint8(7)).view(np.bool_)), ": hit"
-    yield "another hit in the second mesh", put("hit_second", lambda a: ~a), ": hit_second"
-    yield "another kind", at("contact_kinds", 3, 9), ": kinds of contacts"
-    yield "NaN", at("contact_points", (3, 1), np.nan), ": points of contacts"
-    yield "no contacts", put("has_contacts", False), ": contacts"
-    yield "no bool", put("has_contacts", 1), "needs has_contacts as bool"
-    yield "no bool either", put("copy", None), "needs copy as bool"
-    yield "no statistics", put("statistics", None), "statistics must be crumple.Statistics"
+        yield f"offset {value}", "offsets", at(5, value), ": offsets"
+        yield f"offset of contacts {value}", "contact_offsets", at(5, value), ": offsets of contacts"
+    yield "another hit", "hit", lambda a: ~a, ": hit"
+    yield "hit that is no bool", "hit", lambda a: (a * np.uint8(7)).view(np.bool_), ": hit"
+    yield "another hit in the second mesh", "hit_second", lambda a: ~a, ": hit_second"
+    yield "another kind", "contact_kinds", at(3, 9), ": kinds of contacts"
+    yield "NaN", "contact_points", at((3, 1), np.nan), ": points of contacts"
+    yield "no contacts", "output", put("pairs"), ": contacts"
+    yield "pairs that were not asked for", "output", put("count"), ": pairs"
+    yield "no output", "output", put("all"), ": output"
+    yield "no str", "output", put(1), "needs output as str"
+    yield "no bool", "copy", put(None), "needs copy as bool"
+    yield "no options", "options", put(["index"]), "needs options as frozenset"
+    yield "no scene", "scene", put("meshs"), ": scene"
+    yield "no bodies", "of_bodies", put(True), ": scene"
+    yield "no block", "block", put(True), ": offsets"
+    yield "nothing", "any", put(False), ": count"
+    yield "another count", "count", lambda n: n + 1, ": count"
+    yield "a count that is no int", "count", float, "needs count as int"
+    yield "no statistics", "statistics", put(None), "needs statistics as Statistics"
     raw = crumple.Statistics.__new__(crumple.Statistics)
-    yield "statistics without anything", put("statistics", raw), "statistics must be crumple.Statistics with something"
-    other = RESULTS[4][1].statistics
-    yield "other statistics", put("statistics", other), ": statistics"
-    yield "no mesh", put("first", None), "needs first as a tuple"
-    yield "no second mesh", put("second", None), ": pairs|: offsets|: hit"
-    yield "a mesh of two", put("second", lambda m: m[:2]), "needs second as a tuple"
-    yield "faces cut", put("first", lambda m: (m[0], m[1][:-1], None)), ": the number of faces"
-    yield "groups cut", put("first", lambda m: (*m[:2], m[2][:-1])), "first mesh: groups must be one for each"
-    yield "vertices cut", put("second", lambda m: (m[0][:, :2], *m[1:])), "second mesh: vertices must have shape"
-    yield "words", put("second", lambda m: ("vertices", *m[1:])), "second mesh: vertices must have"
-    yield "objects", put("second", lambda m: (m[0].astype(object), *m[1:])), "second mesh: vertices must be"
+    yield "statistics without anything", "statistics", put(raw), "needs statistics as Statistics"
+    yield "other statistics", "statistics", put(RESULTS[4][1].statistics), ": statistics"
+    yield "no mesh", "first", put(None), "needs first as a tuple"
+    yield "no second mesh", "second", put(None), ": pairs|: offsets|: hit"
+    yield "a mesh of two", "second", lambda m: m[:2], "needs second as a tuple"
+    yield "faces cut", "first", lambda m: (m[0], m[1][:-1], None), ": the number of faces"
+    yield "groups cut", "first", lambda m: (*m[:2], m[2][:-1]), "first mesh: groups must be one for each"
+    yield "vertices cut", "second", lambda m: (m[0][:, :2], *m[1:]), "second mesh: vertices must have shape"
+    yield "words", "second", lambda m: ("vertices", *m[1:]), "second mesh: vertices must have"
+    yield "objects", "second", lambda m: (m[0].astype(object), *m[1:]), "second mesh: vertices must be"
+    yield "ids as list", "ids", put([1, 2]), "needs ids as an array"
+    yield "ids of another mesh", "ids", put(np.arange(9, dtype=np.int32)), ": ids"
 
 
 CHANGES = list(changes())
 
 
-@pytest.mark.parametrize("change, message", [c[1:] for c in CHANGES], ids=[c[0] for c in CHANGES])
-def test_a_state_that_does_not_fit_together_is_refused(change, message):
-    restore, state = state_of(RESULTS[2][1])
-    assert_same(restore(state), RESULTS[2][1])
-    if change:
-        change(state)
+@pytest.mark.parametrize("name, change, message", [c[1:] for c in CHANGES], ids=[c[0] for c in CHANGES])
+def test_a_state_that_does_not_fit_together_is_refused(name, change, message):
+    assert_same(restored(RESULTS[2][1]), RESULTS[2][1])
     with pytest.raises(crumple.InvalidInput, match=message):
-        restore(state if change else [state])
+        restored(RESULTS[2][1], **{name: change})
+
+
+def test_a_state_of_another_form_is_refused():
+    restore, (kind, asked, state, *scene) = RESULTS[2][1].__reduce__()
+    for given, message in (
+        (("Result", asked, state, *scene), "a result must be one of Intersections, Impacts, .*, not 'Result'"),
+        (([], asked, state, *scene), "a result must be one of"),
+        ((kind, None, state, *scene), "needs what was asked for as a tuple of scene, "),
+        ((kind, asked[1:], state, *scene), "needs what was asked for as a tuple of scene, "),
+        ((kind, asked, [state], *scene), "the state of Intersections must be a dict of any, bodies, "),
+        ((kind, asked, {**state, "colour": "red"}, *scene), "must be a dict of any, bodies, "),
+        ((kind, asked, {name: state[name] for name in state if name != "hit"}, *scene), "must be a dict of any, "),
+        ((kind, asked, state, *scene[1:]), "needs two meshes, and ids of their triangles"),
+        ((kind, ("world", True, *asked[2:]), state, *scene), "needs the world and its poses"),
+    ):
+        with pytest.raises(crumple.InvalidType, match=message):
+            restore(*given)
+
+
+def test_blocks_come_back_whole(detector, tmp_path):
+    world = crumple.World([MESH, OTHER], worlds=[0, 0], self_collisions=True)
+    for scene in (MESH, [MESH, OTHER], world):
+        blocks = []
+        detector.stream(scene, crumple.IntersectionQuery(output="contacts"), blocks.append, block_rows=20)
+        for found in (pickle.loads(pickle.dumps(blocks[1])), copy.copy(blocks[1]), copy.deepcopy(blocks[1])):
+            assert repr(found) == repr(blocks[1]) and len(found) == found.count == 20
+            assert found.pairs.tolist() == blocks[1].pairs.tolist()
+            assert [p.tolist() for p in found.contacts] == [p.tolist() for p in blocks[1].contacts]
+            if scene is world:
+                assert found.bodies.tolist() == blocks[1].bodies.tolist()
+                continue
+            for name, block in (("expected.csv", blocks[1]), ("found.csv", found)):
+                block.save(tmp_path / name)
+            assert (tmp_path / "found.csv").read_bytes() == (tmp_path / "expected.csv").read_bytes()
+            with pytest.raises(crumple.InvalidInput, match="offsets is told of a whole result"):
+                _ = found.offsets
+        for change in (lambda a: -1 - a, lambda a: a[1:]):
+            with pytest.raises(crumple.InvalidInput, match="does not fit together"):
+                restored(blocks[1], pairs=change)
+
+
+def test_results_of_version_0_2_are_refused():
+    """Their pickles name functions, by which they were restored."""
+    functions = ["_pickling.restore", "_feature_pickling.restore", "_world_pickling.restore_result"]
+    functions += ["_candidates._restore", "_nearest._restore"]
+    program = r"""
+import pickle, sys
+for function in sys.argv[1:]:
+    module, _, name = function.rpartition(".")
+    try:
+        pickle.loads(f"ccrumple.{module}\n{name}\n(I1\ntR.".encode())
+    except ValueError as error:
+        print(f"{type(error).__name__}: {error}")
+"""
+    process = subprocess.run([sys.executable, "-c", program, *functions], capture_output=True, text=True, check=True)
+    refusal = "InvalidInput: this was pickled by crumple 0.2, whose results crumple 0.3 does not read: "
+    lines = process.stdout.splitlines()
+    assert len(lines) == 5 and all(line.startswith(refusal) for line in lines)
 
 
 def test_arrays_with_wrong_bytes_do_not_crash(tmp_path):
@@ -225,7 +298,7 @@ def test_arrays_with_wrong_bytes_do_not_crash(tmp_path):
     buffers = []
     pickled = pickle.dumps(RESULTS[0][1], 5, buffer_callback=buffers.append)
     buffers = [bytes(buffer) for buffer in buffers]
-    random, restored = np.random.default_rng(1), 0
+    random, whole = np.random.default_rng(1), 0
     for _ in range(1000):
         wrong = [bytearray(buffer) for buffer in buffers]
         buffer = wrong[random.integers(len(wrong))]
@@ -235,17 +308,17 @@ def test_arrays_with_wrong_bytes_do_not_crash(tmp_path):
             found = pickle.loads(pickled, buffers=wrong)
         except crumple.InvalidInput:
             continue
-        restored += 1
+        whole += 1
         assert found.offsets[-1] == len(found.pairs) and len(list(found.contacts)) == len(found)
         for name in ("pairs.npz", "mesh.glb", "mesh.html"):
             with contextlib.suppress(crumple.InvalidInput), np.errstate(all="ignore"):
                 found.save(tmp_path / name)
-    assert 100 < restored < 900
+    assert 100 < whole < 900
 
 
 @pytest.mark.parametrize("thing", ["statistics", "part", "contacts"])
 def test_other_values_are_copied_and_pickled(thing, detector):
-    result = detector.find_self(MESH, contacts=True)
+    result = detector.intersections(MESH, output="contacts")
     one = {"statistics": result.statistics, "part": detector.partition(MESH, count=2)[1], "contacts": result.contacts}[
         thing
     ]
@@ -254,14 +327,14 @@ def test_other_values_are_copied_and_pickled(thing, detector):
         assert type(other) is type(one) and other is not one and repr(other) == repr(one)
         if thing == "part":
             assert pickle.dumps(other) == pickle.dumps(one)
-            answer, expected = (detector.find(part).pairs for part in (other, one))
-            assert answer.tolist() == expected.tolist()
+            pairs, expected = (detector.intersections(part).pairs for part in (other, one))
+            assert pairs.tolist() == expected.tolist()
         if thing == "contacts":
             assert [p.tolist() for p in other] == [p.tolist() for p in one]
 
 
 def test_statistics_are_equal_field_by_field(detector):
-    one, other = (detector.find_self(mesh).statistics for mesh in (MESH, OTHER))
+    one, other = (detector.intersections(mesh).statistics for mesh in (MESH, OTHER))
     same = pickle.loads(pickle.dumps(one))
     fields = [name for name in dir(crumple.Statistics) if not name.startswith("_")]
     assert set(one.__getstate__()) == set(fields) and len(fields) == 18
@@ -297,7 +370,7 @@ def test_names_in_statistics_are_kept_once():
     """And only so many of them: hostile states shall not fill the memory."""
     program = """
 import crumple
-state = crumple.Detector().find_self([], []).statistics.__getstate__()
+state = crumple.Detector().intersections([], []).statistics.__getstate__()
 one = crumple.Statistics.__new__(crumple.Statistics)
 one.__setstate__(state)
 try:

@@ -15,7 +15,7 @@ from crumple._drawing import CALM, COLLIDING, drawing_of
 
 def test_a_drawing_colours_what_collides(crossing, detector):
     far = crumple.Mesh(crossing.vertices.astype(np.float32)[::-1][::-1], crossing.faces[:1])
-    drawing = drawing_of(detector.find_between(crossing, far, contacts=True))
+    drawing = drawing_of(detector.intersections(crossing, far, output="contacts")._painted())
     assert drawing.vertices.shape == (18, 3) and drawing.faces.tolist()[-1] == [9, 10, 11]
     assert drawing.colours.tolist() == [list(c) for c in (COLLIDING[0], COLLIDING[0], CALM[0], COLLIDING[1])]
 
@@ -23,19 +23,19 @@ def test_a_drawing_colours_what_collides(crossing, detector):
 def test_contacts_are_drawn_by_their_kind(detector):
     """A coplanar overlap with three edges, a crossing with one, a touch with none."""
     vertices = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 0], [2, 1, 0], [1, 2, 0]]
-    area = detector.find_self(vertices, [[0, 1, 2], [3, 4, 5]], contacts=True)
-    assert drawing_of(area).lines.shape == (3, 2, 3) and not len(drawing_of(area).points)
-    edges = {tuple(sorted(map(tuple, line))) for line in drawing_of(area).lines.tolist()}
+    area = detector.intersections(vertices, [[0, 1, 2], [3, 4, 5]], output="contacts")
+    assert drawing_of(area._painted()).lines.shape == (3, 2, 3) and not len(drawing_of(area._painted()).points)
+    edges = {tuple(sorted(map(tuple, line))) for line in drawing_of(area._painted()).lines.tolist()}
     corners = [tuple(map(float, v)) for v in vertices[3:]]
     assert edges == {tuple(sorted(e)) for e in zip(corners, corners[1:] + corners[:1])}
-    touch = detector.find_self([*vertices[:3], [1, 1, 0], [1, 1, 5], [2, 1, 5]], [[0, 1, 2], [3, 4, 5]], contacts=True)
-    assert drawing_of(touch).points.tolist() == [[1, 1, 0]] and not len(drawing_of(touch).lines)
+    touch = detector.intersections([*vertices[:3], [1, 1, 0], [1, 1, 5], [2, 1, 5]], [[0, 1, 2], [3, 4, 5]], output="contacts")
+    assert drawing_of(touch._painted()).points.tolist() == [[1, 1, 0]] and not len(drawing_of(touch._painted()).lines)
 
 
 def test_a_drawing_of_contacts_of_every_kind(detector):
     mesh = crumple.make_scene("lattice", triangles=2000)
-    contacts = detector.find_self(mesh, contacts=True).contacts
-    drawing = drawing_of(detector.find_self(mesh, contacts=True))
+    contacts = detector.intersections(mesh, output="contacts").contacts
+    drawing = drawing_of(detector.intersections(mesh, output="contacts")._painted())
     counts = np.diff(contacts.offsets)
     assert set(counts.tolist()) >= {1, 2, 3, 4}
     assert len(drawing.lines) == (counts == 2).sum() + counts[counts > 2].sum()
@@ -48,7 +48,7 @@ def test_a_drawing_of_contacts_of_every_kind(detector):
 
 @pytest.mark.parametrize("scale", [1.0, 1e-300, 8e307])
 def test_html_holds_the_scene(scale, crossing, detector):
-    result = detector.find_self(crumple.Mesh(crossing.vertices * (scale / 9), crossing.faces), contacts=True)
+    result = detector.intersections(crumple.Mesh(crossing.vertices * (scale / 9), crossing.faces), output="contacts")
     text = result.to_html(height=333)
     assert "@" not in re.sub(r"const data = .*", "", text) and "height:333px" in text
     assert "1 colliding pairs of 3 triangles" in text and "http" not in text
@@ -61,7 +61,7 @@ def test_html_holds_the_scene(scale, crossing, detector):
 
 
 def test_html_of_nothing(detector):
-    assert "0 colliding pairs of 0 triangles" in detector.find_self([], []).to_html()
+    assert "0 colliding pairs of 0 triangles" in detector.intersections([], []).to_html()
 
 
 def test_pictures_without_pyvista_say_what_to_install(tmp_path, crossing, detector, monkeypatch):
@@ -69,23 +69,23 @@ def test_pictures_without_pyvista_say_what_to_install(tmp_path, crossing, detect
 
     monkeypatch.setitem(sys.modules, "pyvista", None)
     with pytest.raises(ModuleNotFoundError, match="pip install pyvista"):
-        detector.find_self(crossing).save(tmp_path / "picture.png")
+        detector.intersections(crossing).save(tmp_path / "picture.png")
 
 
 def test_a_picture_shows_red_where_it_collides(tmp_path, detector):
     peer("pyvista")
     image = peer("PIL.Image")
     mesh = crumple.make_scene("cloth", triangles=5000, frame=60)
-    detector.find_self(mesh, contacts=True).save(tmp_path / "hit.png", window_size=(400, 300))
-    detector.find_self(mesh, wanted="between", excluded_groups=[(0, 1)]).save(
+    detector.intersections(mesh, output="contacts").save(tmp_path / "hit.png", window_size=(400, 300))
+    detector.intersections(mesh, filter=crumple.PairFilter(groups="between", excluded_groups=[(0, 1)])).save(
         tmp_path / "calm.png", window_size=(400, 300)
     )
 
-    detector.find_self(mesh).save(tmp_path / "LOUD.PNG", window_size=(400, 300), return_img=False)
+    detector.intersections(mesh).save(tmp_path / "LOUD.PNG", window_size=(400, 300), return_img=False)
     assert image.open(tmp_path / "LOUD.PNG").format == "PNG"
     for extension in ("png", "jpg"):
         with pytest.raises(crumple.FileError, match=f"cannot write .*none/a.{extension}: there is no folder") as caught:
-            detector.find_self(mesh).save(tmp_path / "none" / f"a.{extension}")
+            detector.intersections(mesh).save(tmp_path / "none" / f"a.{extension}")
         assert caught.value.errno == errno.ENOENT
 
     def red(name):

@@ -36,14 +36,13 @@ def soups(draw):
     return crumple.Mesh(draw(st.sampled_from([np.ascontiguousarray, np.asfortranarray]))(vertices), faces, groups)
 
 
+filters = st.builds(
+    crumple.PairFilter,
+    groups=st.sampled_from(["both", "between", "within"]),
+    excluded_groups=st.lists(st.tuples(st.integers(-2, 2), st.integers(-2, 2)), max_size=3),
+)
 queries = st.fixed_dictionaries(
-    {
-        "neighbours": st.sampled_from(["geometric", "skip"]),
-        "intersections": st.sampled_from(["all", "proper"]),
-        "weld": st.booleans(),
-        "wanted": st.sampled_from(["both", "between", "within"]),
-        "excluded_groups": st.lists(st.tuples(st.integers(-2, 2), st.integers(-2, 2)), max_size=3),
-    }
+    {"neighbours": st.sampled_from(["geometric", "skip"]), "kind": st.sampled_from(["all", "proper"]), "weld": st.booleans(), "filter": filters}
 )
 
 
@@ -56,7 +55,7 @@ def same(found, expected):
 
 def sensible(query, *meshes):
     """Between groups there is nothing to find without groups, and nothing to exclude."""
-    needs_groups = query["wanted"] == "between" or query["excluded_groups"]
+    needs_groups = query["filter"].groups == "between" or query["filter"].excluded_groups
     assume(not needs_groups or any(mesh.groups is not None for mesh in meshes))
 
 
@@ -64,18 +63,18 @@ def sensible(query, *meshes):
 @given(soups(), queries)
 def test_one_soup(mesh, query):
     sensible(query, mesh)
-    result = WARM.find_self(mesh, contacts=True, **query)
-    same(result, REFERENCE.find_self(mesh, contacts=True, **query))
-    assert WARM.has_intersections(mesh, **query) == bool(result)
+    result = WARM.intersections(mesh, output="contacts", **query)
+    same(result, REFERENCE.intersections(mesh, output="contacts", **query))
+    assert WARM.any(mesh, crumple.IntersectionQuery(**query)) == bool(result)
 
 
 @settings(max_examples=200, deadline=None)
 @given(soups(), soups(), queries)
 def test_two_soups(a, b, query):
     sensible(query, a, b)
-    result = WARM.find_between(a, b, contacts=True, **query)
-    same(result, REFERENCE.find_between(a, b, contacts=True, **query))
-    assert WARM.has_intersections_between(a, b, **query) == bool(result)
+    result = WARM.intersections(a, b, output="contacts", **query)
+    same(result, REFERENCE.intersections(a, b, output="contacts", **query))
+    assert WARM.any([a, b], crumple.IntersectionQuery(**query)) == bool(result)
 
 
 @settings(max_examples=200, deadline=None)
@@ -86,7 +85,7 @@ def test_two_soups(a, b, query):
 def test_whatever_comes_in_is_answered_or_refused(vertices, faces):
     """Never a crash, never another exception."""
     try:
-        pairs = WARM.find_self(vertices, faces).pairs
+        pairs = WARM.intersections(vertices, faces).pairs
     except crumple.InvalidInput as error:
         assert str(error)
     else:

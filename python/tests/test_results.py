@@ -28,7 +28,7 @@ def fields(result):
 
 
 def test_shapes_types_and_order(detector):
-    result = detector.find_self(soup(300), contacts=True)
+    result = detector.intersections(soup(300), output="contacts")
     k, p = len(result), len(result.contacts.points)
     expected = {
         "pairs": ((k, 2), np.int32),
@@ -51,7 +51,7 @@ def test_shapes_types_and_order(detector):
 
 
 def test_between_two_meshes(detector):
-    result = detector.find_between(soup(40, seed=1, size=0.5), soup(70, seed=2, size=0.5))
+    result = detector.intersections(soup(40, seed=1, size=0.5), soup(70, seed=2, size=0.5))
     assert result.offsets.shape == (41,) and result.hit.shape == (40,) and result.hit_second.shape == (70,)
     assert result.hit.nonzero()[0].tolist() == sorted(set(result.pairs[:, 0].tolist()))
     assert result.hit_second.nonzero()[0].tolist() == sorted(set(result.pairs[:, 1].tolist()))
@@ -59,48 +59,48 @@ def test_between_two_meshes(detector):
 
 
 def test_arrays_are_read_only_views_of_one_memory(detector):
-    result = detector.find_self(soup(300), contacts=True)
+    result = detector.intersections(soup(300), output="contacts")
     for name, array in fields(result).items():
         assert not array.flags.writeable and not array.flags.owndata, name
         with pytest.raises(ValueError):
             array[...] = 0
     assert result.pairs is result.pairs
-    assert address(result._answer.pairs) == address(result.pairs), "no copy is made"
+    assert address(result._found.pairs) == address(result.pairs), "no copy is made"
 
 
 def test_copies_are_writable(detector):
-    result = detector.find_self(soup(300), contacts=True, copy=True)
+    result = detector.intersections(soup(300), output="contacts", copy=True)
     for array in fields(result).values():
         array[...] = 0
     assert not result.pairs.any()
-    assert crumple.find_self_intersections(soup(300), copy=True).flags.writeable
+    assert crumple.intersections(soup(300), copy=True).pairs.flags.writeable
 
 
 def test_no_later_call_changes_a_result(detector):
     results = []
     for seed in range(6):
-        results.append(detector.find_self(soup(200 + 50 * seed, seed=seed), contacts=True))
+        results.append(detector.intersections(soup(200 + 50 * seed, seed=seed), output="contacts"))
         if seed == 2:
             with pytest.raises(crumple.InvalidInput):
-                detector.find_self([[0, 0, np.nan]], [])
+                detector.intersections([[0, 0, np.nan]], [])
     for seed, result in enumerate(results):
-        fresh = crumple.Detector().find_self(soup(200 + 50 * seed, seed=seed), contacts=True)
+        fresh = crumple.Detector().intersections(soup(200 + 50 * seed, seed=seed), output="contacts")
         for name, array in fields(fresh).items():
             np.testing.assert_array_equal(fields(result)[name], array, name)
 
 
 def test_a_view_outlives_result_detector_and_input():
     mesh = soup(500)
-    expected = crumple.find_self_intersections(mesh).tolist()
+    expected = crumple.intersections(mesh).pairs.tolist()
     for warm in (0, 3):
         detector = crumple.Detector()
         for _ in range(warm):
-            detector.find_self(mesh)
+            detector.intersections(mesh)
         own = soup(500)
-        pairs = detector.find_self(own).pairs
+        pairs = detector.intersections(own).pairs
         del detector, own
         gc.collect()
-        churn = [crumple.find_self_intersections(soup(500, seed=s)) for s in range(5)]
+        churn = [crumple.intersections(soup(500, seed=s)).pairs for s in range(5)]
         assert pairs.tolist() == expected and len(churn) == 5
 
 
@@ -108,38 +108,38 @@ def test_a_result_that_was_looked_at_goes_with_its_last_reference(detector):
     """Reference counts alone do it: neither the result's views nor its meshes hold the result."""
     gc.disable()
     try:
-        result = detector.find_self(soup(300), contacts=True)
+        result = detector.intersections(soup(300), output="contacts")
         gone, storage = weakref.ref(result), address(result.pairs)
         assert len(fields(result)) > 3 and result.statistics
         del result
         assert gone() is None
-        assert address(detector.find_self(soup(300)).pairs) == storage, "its memory is used again"
+        assert address(detector.intersections(soup(300)).pairs) == storage, "its memory is used again"
     finally:
         gc.enable()
 
 
 def test_what_is_computed_once_stays(detector):
-    result = detector.find_self(soup(50), contacts=True)
+    result = detector.intersections(soup(50), output="contacts")
     for name in ("pairs", "offsets", "hit", "hit_second", "contacts"):
         assert getattr(result, name) is getattr(result, name)
-        assert getattr(crumple.Result, name).__doc__
+        assert getattr(crumple.Intersections, name).__doc__
 
 
 def test_storage_is_used_again_only_when_nobody_looks(detector):
     """A detector goes back and forth between two memories; who keeps more results makes it take new ones."""
     mesh, other = soup(300), soup(300, seed=2)
-    expected, others = crumple.find_self_intersections(mesh).tolist(), crumple.find_self_intersections(other).tolist()
+    expected, others = crumple.intersections(mesh).pairs.tolist(), crumple.intersections(other).pairs.tolist()
     loop, seen = None, set()
     for _ in range(6):
-        loop = detector.find_self(mesh)
+        loop = detector.intersections(mesh)
         seen.add(address(loop.pairs))
     assert len(seen) == 2
-    kept = [detector.find_self(scene).pairs for scene in 3 * (mesh, other)]
+    kept = [detector.intersections(scene).pairs for scene in 3 * (mesh, other)]
     assert [pairs.tolist() for pairs in kept] == 3 * [expected, others]
     assert len({address(pairs) for pairs in (loop.pairs, *kept)}) == 7
     with pytest.raises(crumple.InvalidInput):
-        detector.find_self(mesh.vertices * np.nan, mesh.faces)
-    assert loop.pairs.tolist() == expected and detector.find_self(mesh).pairs.tolist() == expected
+        detector.intersections(mesh.vertices * np.nan, mesh.faces)
+    assert loop.pairs.tolist() == expected and detector.intersections(mesh).pairs.tolist() == expected
 
 
 def test_a_cycle_of_mesh_and_result_is_collected(detector):
@@ -148,7 +148,7 @@ def test_a_cycle_of_mesh_and_result_is_collected(detector):
             self.vertices, self.faces, _ = soup(30)
 
     owner = Owner()
-    owner.result = detector.find_self(owner.vertices, Faces(owner))
+    owner.result = detector.intersections(owner.vertices, Faces(owner))
     gone = weakref.ref(owner)
     del owner
     gc.collect()
@@ -169,7 +169,7 @@ def test_views_alone_do_not_keep_the_input():
     mesh = soup(300)
     vertices = mesh.vertices.copy()
     gone = weakref.ref(vertices)
-    result = crumple.Detector().find_self(vertices, mesh.faces)
+    result = crumple.Detector().intersections(vertices, mesh.faces)
     pairs = result.pairs
     del vertices
     assert gone() is not None, "a result keeps its input for pictures"
@@ -178,16 +178,16 @@ def test_views_alone_do_not_keep_the_input():
     assert gone() is None and len(pairs)
 
 
-def test_inputs_are_let_go_after_errors_and_questions(detector):
+def test_inputs_are_let_go_after_errors_and_queries(detector):
     mesh = soup(300)
     arrays = (mesh.vertices, mesh.faces)
     counts = [sys.getrefcount(a) for a in arrays]
-    detector.has_intersections(mesh)
-    detector.find_self(mesh)
+    detector.any(mesh)
+    detector.intersections(mesh)
     with pytest.raises(crumple.InvalidInput):
-        detector.find_self(mesh.vertices, mesh.faces, groups=[1])
+        detector.intersections(mesh.vertices, mesh.faces, groups=[1])
     with pytest.raises(crumple.InvalidInput):
-        detector.find_self(mesh.vertices[:5], mesh.faces)
+        detector.intersections(mesh.vertices[:5], mesh.faces)
     gc.collect()
     assert [sys.getrefcount(a) for a in arrays] == counts
 
@@ -198,7 +198,7 @@ def test_frames_take_turns_in_two_memories(detector):
     addresses = []
     result = None
     for _ in range(10):
-        result = detector.find_self(mesh)
+        result = detector.intersections(mesh)
         addresses.append(address(result.pairs))
     assert len(set(addresses[-6:])) <= 2
     assert result.statistics.pairs == len(result)
@@ -207,10 +207,10 @@ def test_frames_take_turns_in_two_memories(detector):
 def test_many_results_dropped_in_any_order(detector):
     random = np.random.default_rng(5)
     held, mesh = [], [soup(int(n), seed=int(n)) for n in random.integers(1, 400, 10)]
-    expected = [crumple.find_self_intersections(m).tolist() for m in mesh]
+    expected = [crumple.intersections(m).pairs.tolist() for m in mesh]
     for _ in range(200):
         which = int(random.integers(10))
-        held.append((which, detector.find_self(mesh[which]).pairs))
+        held.append((which, detector.intersections(mesh[which]).pairs))
         if len(held) > 5:
             index, pairs = held.pop(int(random.integers(5)))
             assert pairs.tolist() == expected[index]
@@ -224,8 +224,8 @@ def test_memory_comes_back():
 
     def loop(n):
         for _ in range(n):
-            detector.find_self(mesh, contacts=True)
-            crumple.find_self_intersections(mesh)
+            detector.intersections(mesh, output="contacts")
+            crumple.intersections(mesh)
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
     assert loop(20) - loop(10) < 20_000  # KiB
@@ -233,7 +233,7 @@ def test_memory_comes_back():
 
 def test_statistics(detector):
     mesh = crumple.make_scene("cloth", triangles=3000, frame=93)
-    result = detector.find_self(mesh)
+    result = detector.intersections(mesh)
     s = result.statistics
     assert (s.triangles, s.pairs, s.backend, s.threads) == (len(mesh.faces), len(result), "cpu", 2)
     assert s.simd and s.box_overlaps >= s.pairs and s.peak_memory_bytes > 8 * s.pairs and s.leaves >= s.clusters >= 1
@@ -242,13 +242,13 @@ def test_statistics(detector):
     assert f"pairs={s.pairs}" in repr(s)
     # One thread, for which of two meets the largest leaf is chance. Uncounted results would lower the warm peaks.
     one = crumple.Detector(threads=1)
-    peaks = [one.find_self(mesh).statistics.peak_memory_bytes for _ in range(4)]
+    peaks = [one.intersections(mesh).statistics.peak_memory_bytes for _ in range(4)]
     assert max(peaks) - min(peaks) < 4 * s.pairs, "the result counts in cold and warm calls"
 
 
 def test_reprs_say_what_is_there(detector, crossing):
-    result = detector.find_self(crossing, contacts=True)
-    assert repr(result).startswith("<crumple.Result: 1 colliding pairs of 3 triangles, ")
+    result = detector.intersections(crossing, output="contacts")
+    assert repr(result).startswith("<crumple.Intersections: 1 colliding pairs of 3 triangles, ")
     assert repr(result.contacts) == "<crumple.Contacts: 1 pairs, 2 points>"
     assert repr(detector).startswith("crumple.Detector(backend='automatic', threads=2, ")
-    assert len(result) == 1 and result and not detector.find_self([], [])
+    assert len(result) == 1 and result and not detector.intersections([], [])

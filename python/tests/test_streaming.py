@@ -11,9 +11,9 @@ from conftest import soup
 MESH, OTHER = soup(300), soup(200)
 
 
-def gathered(stream, *meshes, **arguments):
+def gathered(detector, scene, block_rows, **query):
     blocks = []
-    statistics = stream(blocks.append, *meshes, **arguments)
+    statistics = detector.stream(scene, crumple.IntersectionQuery(**query), blocks.append, block_rows=block_rows)
     assert statistics.pairs == sum(map(len, blocks))
     return blocks
 
@@ -22,12 +22,12 @@ def gathered(stream, *meshes, **arguments):
 @pytest.mark.parametrize("size", [1, 7, 100000])
 def test_blocks_are_the_whole_answer(backend, size):
     detector = crumple.Detector(backend=backend, threads=2)
-    for whole, stream, meshes in (
-        (detector.find_self(MESH, contacts=True), detector.stream_self, (MESH,)),
-        (detector.find_between(MESH, OTHER, contacts=True), detector.stream_between, (MESH, OTHER)),
+    for whole, scene in (
+        (detector.intersections(MESH, output="contacts"), MESH),
+        (detector.intersections(MESH, OTHER, output="contacts"), [MESH, OTHER]),
     ):
         assert len(whole) > 20
-        blocks = gathered(stream, *meshes, block_rows=size, contacts=True)
+        blocks = gathered(detector, scene, block_rows=size, output="contacts")
         assert max(map(len, blocks)) <= size
         pairs = np.concatenate([block.pairs for block in blocks])
         points = [contact.tolist() for block in blocks for contact in block.contacts]
@@ -39,10 +39,10 @@ def test_blocks_are_the_whole_answer(backend, size):
 
 def test_blocks_outlive_the_call_and_the_detector():
     detector = crumple.Detector()
-    expected = detector.find_self(MESH).pairs.tolist()
-    blocks = gathered(detector.stream_self, MESH, block_rows=10)
-    assert blocks[0].contacts is None and repr(blocks[0]).startswith("<crumple.Block: ")
-    detector.find_self(OTHER)
+    expected = detector.intersections(MESH).pairs.tolist()
+    blocks = gathered(detector, MESH, block_rows=10)
+    assert blocks[0].contacts is None and repr(blocks[0]) == "<crumple.Intersections: a block of 10 colliding pairs>"
+    detector.intersections(OTHER)
     del detector
     assert sorted(pair for block in blocks for pair in block.pairs.tolist()) == expected
 
@@ -56,9 +56,9 @@ def test_what_take_raises_ends_the_call():
         raise KeyError("full")
 
     with pytest.raises(KeyError, match="full"):
-        detector.stream_self(refuse, MESH, block_rows=3)
+        detector.stream(MESH, crumple.IntersectionQuery(), refuse, block_rows=3)
     assert len(seen) == 1
-    assert detector.find_self(MESH).pairs.tolist() == crumple.find_self_intersections(MESH).tolist()
+    assert detector.intersections(MESH).pairs.tolist() == crumple.intersections(MESH).pairs.tolist()
 
 
 def test_take_cannot_call_the_detector():
@@ -66,13 +66,13 @@ def test_take_cannot_call_the_detector():
     messages, other = [], crumple.Detector(threads=1)
 
     def call(_):
-        other.find_self(OTHER)
+        other.intersections(OTHER)
         try:
-            detector.find_self(MESH)
+            detector.intersections(MESH)
         except crumple.InvalidInput as error:
             messages.append(str(error))
 
-    detector.stream_self(call, MESH, block_rows=5)
+    detector.stream(MESH, crumple.IntersectionQuery(), call, block_rows=5)
     assert messages and set(messages) == {
         "neither a signal handler nor what takes a block can call the detector whose call goes on"
     }
@@ -87,19 +87,19 @@ def test_cancel_ends_a_stream_between_blocks():
         stopper.join()
 
     with pytest.raises(crumple.Error) as caught:
-        detector.stream_self(cancel, MESH, block_rows=2)
+        detector.stream(MESH, crumple.IntersectionQuery(), cancel, block_rows=2)
     assert caught.value.code == "cancelled"
 
 
 def test_wrong_arguments_are_named(detector):
     with pytest.raises(crumple.InvalidType, match="take must be callable"):
-        detector.stream_self(MESH, MESH)
+        detector.stream(MESH, crumple.IntersectionQuery(), MESH)
     with pytest.raises(crumple.InvalidInput, match="block_rows"):
-        detector.stream_self(print, MESH, block_rows=0)
+        detector.stream(MESH, crumple.IntersectionQuery(), print, block_rows=0)
     with pytest.raises(crumple.InvalidType, match="block_rows"):
-        detector.stream_self(print, MESH, block_rows="many")
+        detector.stream(MESH, crumple.IntersectionQuery(), print, block_rows="many")
     with pytest.raises(TypeError, match="block_rows"):
-        detector.stream_self(print, MESH, block_row=5)
+        detector.stream(MESH, crumple.IntersectionQuery(), print, block_row=5)
 
 
 def test_a_memory_limit_that_the_answer_exceeds():
@@ -107,9 +107,9 @@ def test_a_memory_limit_that_the_answer_exceeds():
     centres = rng.random((3000, 1, 3))
     vertices = (centres + 0.9 * (rng.random((3000, 3, 3)) - 0.5)).reshape(-1, 3).astype(np.float32)
     faces = np.arange(9000, dtype=np.int32).reshape(-1, 3)
-    count = len(crumple.find_self_intersections(vertices, faces))
+    count = len(crumple.intersections(vertices, faces).pairs)
     detector = crumple.Detector(memory_limit=2_500_000)
     with pytest.raises(crumple.MemoryLimit):
-        detector.find_self(vertices, faces)
-    blocks = gathered(detector.stream_self, vertices, faces, block_rows=10_000)
+        detector.intersections(vertices, faces)
+    blocks = gathered(detector, (vertices, faces), block_rows=10_000)
     assert sum(map(len, blocks)) == count > 200_000

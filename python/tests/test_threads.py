@@ -30,7 +30,7 @@ def test_other_threads_run_meanwhile():
     thread.start()
     inside.set()
     begin = time.perf_counter()
-    detector.find_self(mesh)
+    detector.intersections(mesh)
     end = time.perf_counter()
     inside.clear()
     thread.join()
@@ -47,7 +47,7 @@ def test_two_detectors_at_once():
     def search():
         detector = crumple.Detector(backend="reference")
         begin = time.perf_counter()
-        pairs = detector.find_self(mesh).pairs
+        pairs = detector.intersections(mesh).pairs
         spans.append((begin, time.perf_counter()))
         return pairs
 
@@ -60,11 +60,11 @@ def test_two_detectors_at_once():
 
 def test_many_threads_with_detectors_of_their_own():
     meshes = [soup(400, seed=s) for s in range(8)]
-    expected = [crumple.find_self_intersections(m).tolist() for m in meshes]
+    expected = [crumple.intersections(m).pairs.tolist() for m in meshes]
 
     def search(i):
         detector = crumple.Detector(threads=1 + i % 3)
-        return all(detector.find_self(meshes[(i + k) % 8]).pairs.tolist() == expected[(i + k) % 8] for k in range(20))
+        return all(detector.intersections(meshes[(i + k) % 8]).pairs.tolist() == expected[(i + k) % 8] for k in range(20))
 
     with ThreadPoolExecutor(8) as pool:
         assert all(pool.map(search, range(8)))
@@ -73,10 +73,10 @@ def test_many_threads_with_detectors_of_their_own():
 def test_one_detector_and_many_threads(detector):
     """Calls take turns; results of each thread are its own, and are dropped by any."""
     meshes = [soup(300, seed=s) for s in range(6)]
-    expected = [crumple.find_self_intersections(m).tolist() for m in meshes]
+    expected = [crumple.intersections(m).pairs.tolist() for m in meshes]
 
     def search(i):
-        results = [(k % 6, detector.find_self(meshes[k % 6])) for k in range(i, i + 30)]
+        results = [(k % 6, detector.intersections(meshes[k % 6])) for k in range(i, i + 30)]
         return all(result.pairs.tolist() == expected[which] for which, result in results)
 
     with ThreadPoolExecutor(6) as pool:
@@ -86,25 +86,25 @@ def test_one_detector_and_many_threads(detector):
 def test_cancel_ends_the_call_of_another_thread():
     mesh, detector = soup(20_000, size=0.3), crumple.Detector(backend="reference")  # minutes
     detector.cancel()
-    assert detector.has_intersections(mesh), "there was nothing to cancel"
+    assert detector.any(mesh), "there was nothing to cancel"
     with ThreadPoolExecutor(1) as pool:
-        call = pool.submit(detector.find_self, mesh)
+        call = pool.submit(detector.intersections, mesh)
         while not call.done():  # a request that comes before the call does nothing
             detector.cancel()
             time.sleep(0.01)
     with pytest.raises(crumple.Error, match="cancel") as caught:
         call.result()
     assert caught.value.code == "cancelled" and not isinstance(caught.value, crumple.InvalidInput)
-    assert detector.has_intersections(mesh), "the detector stays usable"
+    assert detector.any(mesh), "the detector stays usable"
 
 
 @pytest.mark.parametrize("backend", ["cpu", "reference"])
-@pytest.mark.parametrize("name", ["find_impacts", "find_near"])
+@pytest.mark.parametrize("name", ["impacts", "proximities"])
 def test_cancel_ends_searches_for_features(name, backend):
     mesh, small, detector = soup(20_000, size=0.3), soup(20), crumple.Detector(backend=backend, threads=2)
 
     def find(mesh):
-        step = {"radius": 0.3} if name == "find_near" else {"end": mesh.vertices[::-1].copy()}
+        step = {"radius": 0.3} if name == "proximities" else {"end": mesh.vertices[::-1].copy()}
         return getattr(detector, name)(mesh, **step)
 
     expected = find(small).edge_edges.tolist()
@@ -120,12 +120,12 @@ def test_cancel_ends_searches_for_features(name, backend):
 
 def test_searches_for_features_take_turns(detector):
     meshes = [soup(40, size=0.5, seed=s) for s in range(4)]
-    expected = [crumple.find_near(m, radius=0.1).edge_edges.tolist() for m in meshes]
+    expected = [crumple.proximities(m, radius=0.1).edge_edges.tolist() for m in meshes]
 
     def search(i):
         for k in range(i, i + 20):
-            near, mesh = detector.find_near(meshes[k % 4], radius=0.1), meshes[k % 4]
-            assert near.edge_edges.tolist() == expected[k % 4] and detector.is_free(mesh, mesh.vertices) is True
+            near, mesh = detector.proximities(meshes[k % 4], radius=0.1), meshes[k % 4]
+            assert near.edge_edges.tolist() == expected[k % 4] and (not detector.any(mesh.moving_to(mesh.vertices), crumple.ImpactQuery())) is True
         return True
 
     with ThreadPoolExecutor(4) as pool:
@@ -160,9 +160,9 @@ def test_interrupt_cuts_a_call_short(options, triangles, size):
         detector = crumple.Detector({options})
         try:
             print("ready", flush=True)
-            detector.find_self(mesh)
+            detector.intersections(mesh)
         except KeyboardInterrupt:
-            print("interrupted", detector.has_intersections(mesh))
+            print("interrupted", detector.any(mesh))
     """
     assert run_interrupted(program) == "interrupted True\n"
 
@@ -179,7 +179,7 @@ def test_interrupt_while_another_thread_has_its_turn():
         def search():
             while not stop.is_set():
                 try:
-                    detector.find_self(mesh)
+                    detector.intersections(mesh)
                 except BaseException as error:
                     failures.append(error)
 
@@ -188,7 +188,7 @@ def test_interrupt_while_another_thread_has_its_turn():
         try:
             print("ready", flush=True)
             while True:
-                detector.find_self(mesh)
+                detector.intersections(mesh)
         except KeyboardInterrupt:
             print("interrupted", failures)
         stop.set()
@@ -206,13 +206,13 @@ def test_a_signal_handler_cannot_call_the_detector_it_interrupts():
 
         def handle(*_):
             interrupted.append(True)
-            detector.find_self(mesh)
+            detector.intersections(mesh)
 
         signal.signal(signal.SIGINT, handle)
         print("ready", flush=True)
         try:
             while not interrupted:
-                detector.find_self(mesh)
+                detector.intersections(mesh)
             print("between two calls")
         except crumple.InvalidInput as error:
             print(error)

@@ -40,7 +40,7 @@ def expected_hits(detector, meshes):
         (a, b)
         for i, a in enumerate(names)
         for b in names[i + 1 :]
-        if detector.has_intersections_between(meshes[a], meshes[b])
+        if detector.any([meshes[a], meshes[b]])
     }
 
 
@@ -55,27 +55,27 @@ def test_a_scene_of_trimesh_is_a_world(detector):
         mesh.apply_transform(transform)
         placed[node] = mesh
     expected = expected_hits(detector, placed)
-    found = detector.find(world, wants="body_pairs", bodies="between").names
+    found = detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(bodies="between")).names
     assert {frozenset(pair) for pair in found} == {frozenset(pair) for pair in expected} and len(found) == 3
-    less = detector.find(world, wants="body_pairs", bodies="between", excluded=[{"stone", "pebble"}]).names
+    less = detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(bodies="between", excluded_bodies=[{"stone", "pebble"}])).names
     assert len(less) == 2
     assert repr(world.shapes[0]).startswith("<crumple.Shape: ") and world.shapes[0].name is None
 
 
 def test_a_scene_that_is_taken_for_a_mesh_says_what_it_is(detector):
     with pytest.raises(crumple.InvalidType, match=r"a world of bodies: crumple.World.from_trimesh, or .*to_mesh"):
-        detector.find_self(scene())
-    assert detector.find_self(scene().to_mesh()) is not None
+        detector.intersections(scene())
+    assert detector.intersections(scene().to_mesh()) is not None
 
 
 def test_what_happens_to_trimesh_later_does_not_matter(detector):
     given = scene()
     world = crumple.World.from_trimesh(given)
-    before = detector.find(world).pairs.tolist()
+    before = detector.intersections(world).pairs.tolist()
     for mesh in given.geometry.values():
         mesh.vertices[:] = np.nan
-    assert detector.find(world).pairs.tolist() == before
-    assert crumple.Detector().find(world).pairs.tolist() == before
+    assert detector.intersections(world).pairs.tolist() == before
+    assert crumple.Detector().intersections(world).pairs.tolist() == before
     with pytest.raises(ValueError, match="read-only"):
         world.shapes[0].mesh.vertices[0] = 0
 
@@ -102,19 +102,19 @@ def test_a_scene_comes_through_a_file(extension, tmp_path, detector):
             (tmp_path / name).write_bytes(data)
     world = crumple.read_world(path, precision="float64")
     assert sorted(world.names) == sorted(PLACED) and len(world.shapes) == 2
-    found = {frozenset(pair) for pair in detector.find(world, wants="body_pairs", bodies="between").names}
-    direct = detector.find(crumple.World.from_trimesh(given), wants="body_pairs", bodies="between").names
+    found = {frozenset(pair) for pair in detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(bodies="between")).names}
+    direct = detector.intersections(crumple.World.from_trimesh(given), output="body_pairs", filter=crumple.PairFilter(bodies="between")).names
     assert found == {frozenset(pair) for pair in direct} and found
     assert crumple.read_world(path).shapes[0].mesh.vertices.dtype == np.float32
 
 
 def test_bodies_travel_in_3mf(tmp_path, detector):
     given = crumple.World.from_trimesh(scene())
-    result = detector.find(given)
+    result = detector.intersections(given)
     result.save(tmp_path / "hits.3mf")
     world = crumple.read_world(tmp_path / "hits.3mf")
     assert world.names == given.names and len(world) == len(given)
-    assert detector.find(world).pairs.tolist() == result.pairs.tolist()
+    assert detector.intersections(world).pairs.tolist() == result.pairs.tolist()
     assert len(crumple.read_mesh(tmp_path / "hits.3mf").faces) == len(given.mesh.faces)
     trimesh = peer("trimesh")
     pytest.importorskip("lxml")
@@ -129,9 +129,9 @@ def test_any_mesh_file_is_a_world_of_one_body(tmp_path, detector):
     crumple.write_mesh(tmp_path / "part.ply", mesh)
     world = crumple.read_world(tmp_path / "part.ply")
     assert world.names == ("part",) and len(world) == 1
-    assert detector.find(world).pairs.tolist() == [], "a body is not tested against itself unless that is wanted"
+    assert detector.intersections(world).pairs.tolist() == [], "a body is not tested against itself unless that is wanted"
     deformable = crumple.World(world.shapes, self_collisions=True)
-    assert detector.find(deformable).pairs.tolist() == detector.find_self(mesh).pairs.tolist()
+    assert detector.intersections(deformable).pairs.tolist() == detector.intersections(mesh).pairs.tolist()
     with pytest.raises(crumple.FileError, match="none.glb"):
         crumple.read_world(tmp_path / "none.glb")
     (tmp_path / "bad.glb").write_bytes(b"glTF\2\0\0\0")
@@ -171,7 +171,7 @@ def test_poses_come_from_files(kind, rows, tmp_path, detector):
     for bodies in (2, base, ["a", "b"], np.int64(2)):
         np.testing.assert_array_equal(crumple.read_poses(path, bodies), poses)
     assert crumple.read_poses(path).shape == (10, 1, 3, 4)
-    assert detector.find(base.configurations(crumple.read_poses(path, base)), wants="any") is not None
+    assert detector.intersections(base.configurations(crumple.read_poses(path, base)), output="any") is not None
     with pytest.raises(crumple.InvalidInput, match="10 rows for 3 bodies: the last configuration has 1"):
         crumple.read_poses(path, 3)
 
@@ -194,8 +194,8 @@ def test_the_mesh_of_a_world_is_what_is_searched(detector):
     world = columns._replace(shapes=single, worlds=np.zeros(8, int)).world(named=False, self_collisions=True)
     mesh = world.mesh
     assert len(mesh.faces) == 8 * 30 and mesh.vertices.dtype == np.float32
-    found = detector.find(world)
-    expected = detector.find_self(mesh.vertices, mesh.faces).pairs
+    found = detector.intersections(world)
+    expected = detector.intersections(mesh.vertices, mesh.faces).pairs
     np.testing.assert_array_equal(
         np.sort(30 * found.bodies + found.pairs, axis=1), expected[np.lexsort(expected.T[::-1])]
     )
@@ -204,24 +204,24 @@ def test_the_mesh_of_a_world_is_what_is_searched(detector):
 @pytest.mark.parametrize("name", ["world.glb", "world.ply", "world.obj", "world.html"])
 def test_results_are_saved_coloured(name, tmp_path, detector):
     world = crumple.World.from_trimesh(scene())
-    result = detector.find(world, wants="contacts")
+    result = detector.intersections(world, output="contacts")
     result.save(tmp_path / name)
     assert (tmp_path / name).stat().st_size > 1000
     if name == "world.glb":
         again = crumple.read_world(tmp_path / name)
         assert again.names == world.names
-        assert {frozenset(p) for p in detector.find(again, wants="body_pairs", bodies="between").names} == {
-            frozenset(p) for p in detector.find(world, wants="body_pairs", bodies="between").names
+        assert {frozenset(p) for p in detector.intersections(again, output="body_pairs", filter=crumple.PairFilter(bodies="between")).names} == {
+            frozenset(p) for p in detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(bodies="between")).names
         }
     if name == "world.ply":
         assert len(crumple.read_mesh(tmp_path / name).faces) == len(world.mesh.faces)
         red = red_faces(tmp_path / name, 252)
-        np.testing.assert_array_equal(red, detector.find(world, index=True).hit)
+        np.testing.assert_array_equal(red, detector.intersections(world, index=True).hit)
 
 
 def test_whole_bodies_are_coloured_where_only_they_are_known(tmp_path, detector):
     world = crumple.World.from_trimesh(scene())
-    detector.find(world, wants="body_pairs", bodies="between").save(tmp_path / "world.ply")
+    detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(bodies="between")).save(tmp_path / "world.ply")
     red = red_faces(tmp_path / "world.ply", 252)
     assert red.tolist() == [world.names[body] != "far" for body in world.mesh.groups]
 
@@ -235,8 +235,8 @@ def red_faces(path, count):
 def test_what_cannot_be_saved_says_why(tmp_path, detector):
     world = crumple.World.from_trimesh(scene())
     with pytest.raises(crumple.InvalidInput, match="bodies was not asked for"):
-        detector.find(world, wants="any").save(tmp_path / "world.glb")
-    result = detector.find(world)
+        detector.intersections(world, output="any").save(tmp_path / "world.glb")
+    result = detector.intersections(world)
     with pytest.raises(crumple.InvalidInput, match="is saved as .ply"):
         result.save(tmp_path / "world.csv")
     with pytest.raises(crumple.InvalidType, match="height is no option of .glb files"):
@@ -247,12 +247,12 @@ def test_what_cannot_be_saved_says_why(tmp_path, detector):
 
 def test_a_result_of_configurations_is_painted_too(tmp_path, detector):
     base = crumple.World([soup(20, size=0.5)], [0, 0], worlds=[0, -1], names=["a", "table"], self_collisions=False)
-    result = detector.find(base.configurations(random_poses(np.random.default_rng(1), 3, 3)[:, None]))
+    result = detector.intersections(base.configurations(random_poses(np.random.default_rng(1), 3, 3)[:, None]))
     result.save(tmp_path / "many.glb")
     assert crumple.read_world(tmp_path / "many.glb").names == ("a 0", "a 1", "a 2", "table")
 
 
 def test_pictures(tmp_path, detector):
     peer("pyvista")
-    detector.find(crumple.World.from_trimesh(scene()), wants="contacts").save(tmp_path / "world.png")
+    detector.intersections(crumple.World.from_trimesh(scene()), output="contacts").save(tmp_path / "world.png")
     assert (tmp_path / "world.png").stat().st_size > 5000

@@ -60,7 +60,7 @@ MASKED = np.ma.masked_array(poses(), mask=with_entry(np.zeros((3, 3, 4), bool), 
         ({"poses": "none"}, "poses must"),
         ({"poses": OnDevice(poses()[:, ::-1])}, r"poses in CUDA memory must be \(n, 3, 4\)"),
         ({"end_poses": OnDevice(poses()[:, ::-1])}, r"end_poses in CUDA memory must be \(n, 3, 4\)"),
-        ({"bodies": [crumple.Body(0)], "groups": [1]}, "poses, groups, .* are those of each crumple.Body"),
+        ({"groups": [1], "bodies": [crumple.Body(0)]}, "poses, groups, .* are those of each crumple.Body"),
     ],
 )
 def test_a_wrong_world_is_refused(arguments, message):
@@ -142,16 +142,16 @@ def test_a_wrong_body_is_refused(body, message):
 )
 def test_a_search_names_body_and_shape(world, message, element, index, detector):
     with pytest.raises(crumple.InvalidInput, match=message) as caught:
-        detector.find(world())
+        detector.intersections(world())
     assert (caught.value.element, caught.value.index) == (element, index)
-    assert detector.find(three()), "the detector stays usable"
+    assert detector.intersections(three()), "the detector stays usable"
 
 
 def test_errors_of_configurations_name_them(detector):
     base = three(worlds=[0, 0, -1])
     many = base.configurations(with_entry(poses(10).reshape(5, 2, 3, 4), (3, 1, 0, 0), np.nan))
     with pytest.raises(crumple.InvalidInput, match=r"body 7 \('hand' of configuration 3\): its pose is not finite"):
-        detector.find(many)
+        detector.intersections(many)
     for wrong, message in [
         (
             poses(10).reshape(2, 5, 3, 4),
@@ -196,7 +196,7 @@ def test_errors_of_configurations_name_them(detector):
 )
 def test_a_wrong_exclusion_is_refused(excluded, message, detector):
     with pytest.raises(crumple.InvalidInput, match=message):
-        detector.find(three(), excluded=excluded)
+        detector.intersections(three(), filter=crumple.PairFilter(excluded_bodies=excluded))
 
 
 def test_exclusions_in_many_forms(detector):
@@ -204,7 +204,7 @@ def test_exclusions_in_many_forms(detector):
     every = {(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)}
 
     def colliding(excluded):
-        return set(map(tuple, detector.find(world, wants="body_pairs", excluded=excluded).bodies.tolist()))
+        return set(map(tuple, detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(excluded_bodies=excluded)).bodies.tolist()))
 
     assert colliding(None) == colliding([]) == colliding(np.empty((0, 2), int)) == every
     less = every - {(0, 1), (2, 2)}
@@ -221,7 +221,7 @@ def test_exclusions_in_many_forms(detector):
         list(pairs),
     ):
         assert colliding(excluded) == less
-    assert detector.find(world, wants="body_pairs", bodies="between").names == [
+    assert detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(bodies="between")).names == [
         ("arm", "hand"),
         ("arm", "table"),
         ("hand", "table"),
@@ -231,30 +231,36 @@ def test_exclusions_in_many_forms(detector):
 @pytest.mark.parametrize(
     "arguments, message",
     [
-        ({"wants": "all"}, 'wants must be one of "any", "any_by_world", "body_pairs", "count", "pairs", "contacts"'),
-        ({"wants": None}, "wants must be one of .*, not None"),
-        ({"bodies": "none"}, 'bodies must be one of "both", "between", "within", not "none"'),
-        ({"groups": 1}, "groups must be one of .*, not int"),
+        ({"output": "all"}, 'output must be one of "any", "any_by_world", "body_pairs", "count", "pairs", "contacts"'),
+        ({"output": None}, "output must be one of .*, not None"),
+        ({"filter": crumple.PairFilter(bodies="none")}, 'bodies must be one of "both", "between", "within", not "none"'),
+        ({"filter": crumple.PairFilter(groups=1)}, "groups must be one of .*, not int"),
         ({"index": 1}, "index must be True or False, not int"),
         ({"weld": "no"}, "weld must be True or False, not str"),
         ({"copy": 1}, "copy must be True or False, not int"),
-        ({"excluded_groups": [1]}, "excluded_groups"),
-        ({"poses": poses(2)}, r"poses must have shape \(3, 3, 4\)"),
+        ({"filter": crumple.PairFilter(excluded_groups=[1])}, "excluded_groups"),
     ],
 )
 def test_a_wrong_question_is_refused(arguments, message, detector):
     with pytest.raises(crumple.InvalidInput, match=message):
-        detector.find(three(), **arguments)
+        detector.intersections(three(), **arguments)
+
+
+def test_other_poses_are_one_for_each_body():
+    with pytest.raises(crumple.InvalidInput, match=r"^poses must have shape \(3, 3, 4\)"):
+        three().at(poses(2))
+    with pytest.raises(crumple.InvalidInput, match=r"^end_poses must have shape \(3, 3, 4\)"):
+        three().at(None, poses(2))
 
 
 def test_a_misspelt_question_is_suggested(detector):
-    with pytest.raises(TypeError, match=r"Detector.find\(\) got an .* 'neighbors'. Did you mean 'neighbours'"):
-        detector.find(three(), neighbors="skip")
+    with pytest.raises(TypeError, match=r"Detector.intersections\(\) got an .* 'neighbors'. Did you mean 'neighbours'"):
+        detector.intersections(three(), neighbors="skip")
     part = detector.partition(MESH, count=1)[0]
-    with pytest.raises(TypeError, match=r"Detector.find\(\) got an unexpected keyword argument 'wants'. Did you mean"):
-        detector.find(part, wants="any")
-    with pytest.raises(crumple.InvalidType, match="a crumple.World or a crumple.Part, not numpy.ndarray"):
-        detector.find(MESH.vertices)
+    with pytest.raises(crumple.InvalidInput, match="output must be pairs or contacts: these are what parts have"):
+        detector.intersections(part, output="any")
+    with pytest.raises(crumple.InvalidType, match="a mesh must be .*, not numpy.ndarray"):
+        detector.intersections(MESH.vertices)
 
 
 @pytest.mark.parametrize(
@@ -280,45 +286,45 @@ def test_a_named_shape_is_read_once(name, detector):
     apart = poses(2)
     apart[1, 0, 3] = 0.1
     how = {"poses": apart, "self_collisions": False}
-    expected = detector.find(crumple.World([(MESH.vertices.copy(), MESH.faces)], [0, 0], **how)).pairs.tolist()
+    expected = detector.intersections(crumple.World([(MESH.vertices.copy(), MESH.faces)], [0, 0], **how)).pairs.tolist()
     world = crumple.World([shape], [0, 0], **how)
-    assert detector.find(world).pairs.tolist() == expected
+    assert detector.intersections(world).pairs.tolist() == expected
     vertices[:] = np.nan  # against the rules, to see that nobody looks
-    assert detector.find(world).pairs.tolist() == expected
+    assert detector.intersections(world).pairs.tolist() == expected
     again = crumple.World([crumple.Shape(vertices, MESH.faces, name=name)], [0, 0], **how)
-    assert detector.find(again).pairs.tolist() == expected
+    assert detector.intersections(again).pairs.tolist() == expected
     with pytest.raises(crumple.InvalidInput, match="is not finite"):
-        crumple.Detector().find(world)
+        crumple.Detector().intersections(world)
 
 
 @pytest.mark.parametrize("other", [soup(21), soup(20, dtype=np.float64)], ids=["size", "precision"])
 def test_another_size_under_a_known_name_is_refused(other, detector):
-    detector.find(crumple.World([crumple.Shape(MESH, name="known")]))
+    detector.intersections(crumple.World([crumple.Shape(MESH, name="known")]))
     with pytest.raises(crumple.InvalidInput, match="shape 0: what is named .* has 60 vertices, 20 triangles") as caught:
-        detector.find(crumple.World([crumple.Shape(other, name="known")]))
+        detector.intersections(crumple.World([crumple.Shape(other, name="known")]))
     assert (caught.value.element, caught.value.index) == ("shape", 0)
 
 
 def test_a_message_spells_the_name_of_a_shape(detector):
-    detector.find(crumple.World([crumple.Shape(MESH, name="wheel")]))
+    detector.intersections(crumple.World([crumple.Shape(MESH, name="wheel")]))
     with pytest.raises(crumple.InvalidInput, match="shape 0: what is named 'wheel' has 60 vertices"):
-        detector.find(crumple.World([crumple.Shape(soup(21), name="wheel")]))
+        detector.intersections(crumple.World([crumple.Shape(soup(21), name="wheel")]))
 
 
 def test_bodies_of_points_alone_are_refused_where_a_pair_is_wanted(detector):
     dust = crumple.Shape(MESH.vertices, points=[0, 1])
     world = crumple.World([MESH, dust], names=["stone", "dust"])
-    for ask in (detector.find, detector.find_nearest):
-        with pytest.raises(crumple.InvalidInput, match=r"body 1 \('dust'\): it has edges or points but no .*find_near"):
+    for ask in (detector.intersections, detector.distances):
+        with pytest.raises(crumple.InvalidInput, match=r"body 1 \('dust'\): it has edges or points but no "):
             ask(world)
-        assert ask(world, excluded=[{"stone", "dust"}]) is not None
-    assert len(detector.find_near(world, radius=1))
+        assert ask(world, filter=crumple.PairFilter(excluded_bodies=[{"stone", "dust"}])) is not None
+    assert len(detector.proximities(world, radius=1))
 
 
 def test_names_are_of_a_process_and_numbers_no_strings(detector):
     """The name "5" and the name 5 are two."""
-    detector.find(crumple.World([crumple.Shape(MESH, name="5")]))
-    assert detector.find(crumple.World([crumple.Shape(soup(21, size=0.5), name=5)])) is not None
+    detector.intersections(crumple.World([crumple.Shape(MESH, name="5")]))
+    assert detector.intersections(crumple.World([crumple.Shape(soup(21, size=0.5), name=5)])) is not None
 
 
 def test_what_a_world_tells():
@@ -342,19 +348,19 @@ def test_what_a_world_tells():
 
 def test_empty_worlds(detector):
     for world in (crumple.World([]), crumple.World([MESH], []), crumple.World([(np.empty((0, 3)), [])])):
-        result = detector.find(world, wants="contacts", index=True)
+        result = detector.intersections(world, output="contacts", index=True)
         assert not result and len(result) == 0 and result.pairs.shape == (0, 2) and not result.hit.any()
-        assert not detector.find(world, wants="any")
+        assert not detector.intersections(world, output="any")
     none = three(worlds=[0, 0, -1]).configurations(np.empty((0, 2, 3, 4)))
-    assert len(none) == 1 and detector.find(none, wants="any_by_world").world_hit.tolist() == []
+    assert len(none) == 1 and detector.intersections(none, output="any_by_world").world_hit.tolist() == []
 
 
 def test_what_init_did_not_make_is_refused(detector):
     for kind in (crumple.World, crumple.Shape):
         raw = kind.__new__(kind)
         with pytest.raises(crumple.InvalidInput, match="__init__ has not been called"):
-            detector.find(raw) if kind is crumple.World else crumple.World([raw])
+            detector.intersections(raw) if kind is crumple.World else crumple.World([raw])
     world = three()
     with pytest.raises(crumple.InvalidInput, match="__init__ has been called already"):
         world.__init__([MESH])
-    assert len(world) == len(world.names) == len(world.bodies) == 3 and detector.find(world)
+    assert len(world) == len(world.names) == len(world.bodies) == 3 and detector.intersections(world)

@@ -10,9 +10,14 @@ import pytest
 
 import crumple
 from conftest import OnDevice, soup
+from crumple._world_pickling import restore_configurations, restore_shape, restore_world
+from features import restored
 from worlds import random_columns, random_poses
 
-ARRAYS = ("bodies", "pairs", "world_hit", "world_counts", "world_offsets", "body_offsets", "first_triangle", "hit")
+ARRAYS = (
+    *("bodies", "pairs", "world_hit", "world_counts", "world_offsets", "body_offsets", "first_triangle", "hit"),
+    *("contact_kinds", "contact_offsets", "contact_points"),
+)
 
 
 def configurations():
@@ -40,26 +45,26 @@ WORLDS = {
     "nothing": crumple.World([([], [])], [], self_collisions=True),
     "configurations": configurations(),
 }
-QUESTIONS = [{"wants": wants} for wants in ("any", "any_by_world", "body_pairs", "count", "pairs", "contacts")]
-QUESTIONS += [{"index": True}, {"wants": "contacts", "index": True, "copy": True}]
+QUERIES = [{"output": output} for output in ("any", "any_by_world", "body_pairs", "count", "pairs", "contacts")]
+QUERIES += [{"index": True}, {"output": "contacts", "index": True, "copy": True}]
 
 
 def arrays_of(result):
-    answer = result._answer
-    return {name: getattr(answer, name).tolist() for name in (*ARRAYS, "contact_kinds", "contact_points")}
+    """All that it has, what was not asked for included."""
+    return {name: getattr(result._found, name).tolist() for name in ARRAYS}
 
 
-@pytest.mark.parametrize("question", QUESTIONS, ids=str)
+@pytest.mark.parametrize("query", QUERIES, ids=str)
 @pytest.mark.parametrize("name", WORLDS)
-def test_a_result_comes_back_whole(name, question, detector):
-    result = detector.find(WORLDS[name], **question)
+def test_a_result_comes_back_whole(name, query, detector):
+    result = detector.intersections(WORLDS[name], **query)
     for found in (pickle.loads(pickle.dumps(result)), copy.copy(result), copy.deepcopy(result)):
-        assert type(found) is crumple.WorldResult and repr(found) == repr(result) and bool(found) is bool(result)
+        assert type(found) is crumple.Intersections and repr(found) == repr(result) and bool(found) is bool(result)
         assert arrays_of(found) == arrays_of(result) and found.statistics == result.statistics
-        again = detector.find(found.world, **question)
+        again = detector.intersections(found.world, **query)
         assert arrays_of(again) == arrays_of(result), "the world came back as well"
-        if question.get("wants") == "contacts":
-            assert not len(found) or found.pairs.flags.writeable is bool(question.get("copy"))
+        if query.get("output") == "contacts":
+            assert not len(found) or found.pairs.flags.writeable is bool(query.get("copy"))
             assert len(found.contacts) == len(result.pairs)
 
 
@@ -75,11 +80,11 @@ def test_worlds_come_back():
 
 
 def test_another_process_finds_the_same(detector, tmp_path):
-    result = detector.find(WORLDS["columns"], wants="contacts")
+    result = detector.intersections(WORLDS["columns"], output="contacts")
     (tmp_path / "result").write_bytes(pickle.dumps(result))
     code = (
         "import crumple, pickle; r = pickle.load(open('result', 'rb'))\n"
-        "f = crumple.Detector().find(r.world, wants='contacts')\n"
+        "f = crumple.Detector().intersections(r.world, output='contacts')\n"
         "print(f.pairs.tolist() == r.pairs.tolist() and f.contacts.points.tolist() == r.contacts.points.tolist())"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
@@ -91,12 +96,15 @@ def test_another_process_finds_the_same(detector, tmp_path):
     [
         ("bodies", np.array([[0, 99]], np.int32), "does not fit together"),
         ("pairs", np.array([[0, 99]], np.int32), "does not fit together: pairs"),
-        ("pairs", np.array([[0, 1]], np.int64), "needs pairs as an array of int32"),
-        ("pairs", [[0, 1]], "needs pairs as an array of int32"),
+        ("pairs", np.array([[0, 1]], np.int64), r"needs pairs as an array \(n, 2\) of int32"),
+        ("pairs", [[0, 1]], r"needs pairs as an array \(n, 2\) of int32"),
         ("world_hit", np.array([True]), "world_hit"),
         ("count", 2.0, "needs count as int"),
         ("count", -1, "count"),
-        ("wants", "all", "wants"),
+        ("output", "all", "output"),
+        ("output", "count", ": pairs"),
+        ("output", "pairs", ": contacts"),
+        ("any", False, ": count"),
         ("hit", np.zeros(3, bool), "hit"),
         ("first_triangle", np.zeros(9, np.int64), "first_triangle"),
         ("body_offsets", np.zeros(2, np.int64), "body_offsets"),
@@ -105,14 +113,56 @@ def test_another_process_finds_the_same(detector, tmp_path):
     ],
 )
 def test_what_does_not_fit_together_is_refused(field, value, message, detector):
-    from crumple._world_pickling import StoredAnswer
-
-    restore, (answer, world, poses) = detector.find(WORLDS["columns"], wants="contacts", index=True).__reduce__()
-    assert restore(answer, world, poses)
-    state = StoredAnswer(*answer)
+    result = detector.intersections(WORLDS["columns"], output="contacts", index=True)
+    assert arrays_of(restored(result)) == arrays_of(result)
     if field == "pairs" and isinstance(value, np.ndarray) and value.dtype == np.int32:
-        value = np.repeat(value, len(state.bodies), axis=0)
+        value = np.repeat(value, len(result), axis=0)
     with pytest.raises(crumple.InvalidInput, match=message):
-        restore(tuple(state._replace(**{field: value})), world, poses)
-    with pytest.raises(crumple.InvalidType, match="must be"):
-        restore((), world, poses)
+        restored(result, **{field: lambda _: value})
+
+
+def test_a_result_needs_its_world(detector):
+    result = detector.intersections(WORLDS["columns"])
+    restore, state = result.__reduce__()
+    for wrong in ((*state[:3],), (*state[:3], None, None), (*state, None)):
+        with pytest.raises(crumple.InvalidType, match="needs the world and its poses"):
+            restore(*wrong)
+
+
+class Reduced:
+    """Is pickled as a call of a function, as shapes and worlds of version 0.2 are."""
+
+    def __init__(self, *call):
+        self.call = call
+
+    def __reduce__(self):
+        return self.call
+
+
+def test_shapes_and_worlds_of_version_0_2_are_read():
+    vertices, faces, _ = soup(9, size=0.5)
+    poses, moved = random_poses(np.random.default_rng(1), 2, 1), vertices + 1
+    edges, radii = np.array([[0, 1]], np.int32), np.ones(27)
+    arm = Reduced(restore_shape, (vertices, faces, None, "arm"))
+    rope = Reduced(restore_shape, (vertices, np.empty((0, 3), np.int32), None, None, moved, edges, None, radii, None))
+    columns = (*np.array([[0, 1], [2, 3], [0, -1]], np.int32), np.array([True, True]))
+    world = Reduced(restore_world, ((arm, rope), *columns, ("arm", "rope"), poses), {"unit": "mm"})
+    later = Reduced(restore_world, ((arm,), *(column[:1] for column in columns), None, None, poses[:1]))
+    many = Reduced(restore_configurations, (world, poses[None, :1].repeat(3, axis=0)))
+    given = pickle.dumps((world, later, many))
+    for name in (b"restore_shape", b"restore_world", b"restore_configurations"):
+        assert name in given
+
+    world, later, many = pickle.loads(given)
+    assert world.names == ("arm", "rope") and world.unit == "mm" and world.shapes[0].name == "arm"
+    assert world.bodies.tolist() == [0, 1] and world.groups.tolist() == [2, 3] and world.worlds.tolist() == [0, -1]
+    np.testing.assert_array_equal(world.poses, poses)
+    for found, expected in zip(world.shapes[0].mesh, (vertices, faces)):
+        np.testing.assert_array_equal(found, expected)
+    shape = world.shapes[1]
+    for found, expected in ((shape.end, moved), (shape.edges, edges), (shape.radii, radii)):
+        np.testing.assert_array_equal(found, expected)
+    assert shape.points is None and shape.rest is None
+    assert later.poses is None
+    np.testing.assert_array_equal(later.end_poses, poses[:1])
+    assert repr(many) == "<crumple.World: 3 configurations of 1 bodies, 4 in all>"

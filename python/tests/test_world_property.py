@@ -1,5 +1,7 @@
 """Random worlds, found by hypothesis, against brute force in rational arithmetic."""
 
+import dataclasses
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -40,16 +42,15 @@ def worlds(draw):
     }
 
 
-wanted = st.sampled_from(["both", "between", "within"])
+scopes = st.sampled_from(["both", "between", "within"])
+filters = st.builds(
+    crumple.PairFilter,
+    bodies=scopes,
+    groups=scopes,
+    excluded_groups=st.lists(st.tuples(st.integers(0, 2), st.integers(0, 2)), max_size=2),
+)
 questions = st.fixed_dictionaries(
-    {
-        "neighbours": st.sampled_from(["geometric", "skip"]),
-        "intersections": st.sampled_from(["all", "proper"]),
-        "weld": st.booleans(),
-        "bodies": wanted,
-        "groups": wanted,
-        "excluded_groups": st.lists(st.tuples(st.integers(0, 2), st.integers(0, 2)), max_size=2),
-    }
+    {"neighbours": st.sampled_from(["geometric", "skip"]), "kind": st.sampled_from(["all", "proper"]), "weld": st.booleans(), "filter": filters}
 )
 
 
@@ -60,19 +61,19 @@ def test_brute_force_agrees(columns, question, excluded, named):
     excluded = [pair for pair in excluded if max(pair) < n]
     columns = dict(columns)
     given_shapes = columns.pop("shapes")
-    expected = REFERENCE.find(
-        crumple.World(given_shapes, **columns), wants="contacts", index=True, excluded=excluded, **question
-    )
+    question["filter"] = dataclasses.replace(question["filter"], excluded_bodies=excluded)
+    world = crumple.World(given_shapes, **columns)
+    expected = REFERENCE.intersections(world, output="contacts", index=True, **question)
     # Another name each time: hypothesis goes on to other shapes.
     made = [crumple.Shape(*shape, name=f"{id(columns)} {i}" if named else None) for i, shape in enumerate(given_shapes)]
     world = crumple.World(made, **columns)
     detector = crumple.Detector(threads=1) if named else WARM
-    found = detector.find(world, wants="contacts", index=True, excluded=excluded, **question)
+    found = detector.intersections(world, output="contacts", index=True, **question)
     for name in ARRAYS:
         np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), name)
     np.testing.assert_array_equal(found.contacts.points, expected.contacts.points)
-    assert detector.find(world, wants="any", excluded=excluded, **question).any is expected.any
-    flags = detector.find(world, wants="any_by_world", excluded=excluded, **question)
+    assert detector.intersections(world, output="any", **question).any is expected.any
+    flags = detector.intersections(world, output="any_by_world", **question)
     np.testing.assert_array_equal(flags.world_hit, expected.world_hit)
-    bodies = detector.find(world, wants="body_pairs", excluded=excluded, **question).bodies
+    bodies = detector.intersections(world, output="body_pairs", **question).bodies
     np.testing.assert_array_equal(bodies, np.unique(expected.bodies, axis=0).reshape(-1, 2))

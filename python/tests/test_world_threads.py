@@ -14,7 +14,7 @@ from worlds import random_poses
 
 
 @pytest.mark.parametrize(
-    ("options", "wants", "name", "count"),
+    ("options", "output", "name", "count"),
     [
         ("threads=1", "any_by_world", "'ball'", 200_000),
         ("threads=2", "any_by_world", "'ball'", 200_000),
@@ -23,7 +23,7 @@ from worlds import random_poses
         ("backend='reference'", "any", "'ball'", 100),
     ],
 )
-def test_interrupt_cuts_a_call_short(options, wants, name, count):
+def test_interrupt_cuts_a_call_short(options, output, name, count):
     """Many configurations of two balls one within the other: boxes overlap, nothing collides."""
     program = f"""
         import signal, crumple
@@ -39,9 +39,9 @@ def test_interrupt_cuts_a_call_short(options, wants, name, count):
         detector = crumple.Detector({options})
         try:
             print("ready", flush=True)
-            detector.find(many, wants="{wants}")
+            detector.intersections(many, output="{output}")
         except KeyboardInterrupt:
-            print("interrupted", detector.find(base, wants="any", bodies="within").any)
+            print("interrupted", detector.any(base))
     """
     assert run_interrupted(program) == "interrupted False\n"
 
@@ -53,7 +53,7 @@ def test_cancel_ends_the_call_of_another_thread():
 
     def search():
         try:
-            detector.find(many)
+            detector.intersections(many)
         except crumple.Error as error:
             failures.append(error.code)
 
@@ -71,7 +71,7 @@ def test_threads_share_worlds_and_detectors():
     world = crumple.World([crumple.Shape(soup(40, size=0.5), name="shared")], [0, 0, 0], self_collisions=False)
     placed = random_poses(random, 8 * 3, 0.5).reshape(8, 3, 3, 4)
     square = np.concatenate([placed, np.broadcast_to([0, 0, 0, 1.0], (8, 3, 1, 4))], axis=2)
-    expected = [crumple.Detector().find(world, poses=poses).pairs.tolist() for poses in placed]
+    expected = [crumple.Detector().intersections(world.at(poses)).pairs.tolist() for poses in placed]
     assert len(set(map(str, expected))) > 4
     shared = crumple.Detector(threads=2)
 
@@ -80,7 +80,7 @@ def test_threads_share_worlds_and_detectors():
         for k in range(50):
             n = (i + k) % 8
             world.poses = placed[(i * k) % 8]
-            assert detector.find(world, poses=(square if k % 2 else placed)[n]).pairs.tolist() == expected[n]
+            assert detector.intersections(world.at((square if k % 2 else placed)[n])).pairs.tolist() == expected[n]
         return True
 
     with ThreadPoolExecutor(8) as pool:
@@ -92,11 +92,11 @@ def test_poses_that_are_replaced_meanwhile_stay_until_the_call_ends():
     base = crumple.World([soup(60, size=0.5)], [0], worlds=[0], self_collisions=True)
     poses = random_poses(np.random.default_rng(2), 500, 9).reshape(500, 1, 3, 4)
     many, detector = base.configurations(poses.copy()), crumple.Detector(threads=1)
-    expected = detector.find(many).pairs
+    expected = detector.intersections(many).pairs
     found = []
     for _ in range(5):
         many.poses = poses.copy()
-        thread = threading.Thread(target=lambda: found.append(detector.find(many).pairs))
+        thread = threading.Thread(target=lambda: found.append(detector.intersections(many).pairs))
         thread.start()
         while thread.is_alive():
             many.poses = np.full_like(poses, 1.0)

@@ -12,10 +12,10 @@ from worlds import random_columns, random_poses
 ARRAYS = ("bodies", "pairs", "world_hit", "world_counts", "world_offsets", "body_offsets", "first_triangle", "hit")
 QUESTIONS = [
     {},
-    {"neighbours": "skip", "bodies": "between"},
-    {"intersections": "proper", "groups": "within"},
-    {"weld": True, "bodies": "within"},
-    {"excluded": [(0, 1), (2,) * 2, {3}], "excluded_groups": [(0, 1)], "groups": "between"},
+    {"neighbours": "skip", "filter": crumple.PairFilter(bodies="between")},
+    {"kind": "proper", "filter": crumple.PairFilter(groups="within")},
+    {"weld": True, "filter": crumple.PairFilter(bodies="within")},
+    {"filter": crumple.PairFilter(excluded_bodies=[(0, 1), (2,) * 2, {3}], excluded_groups=[(0, 1)], groups="between")},
 ]
 
 
@@ -36,22 +36,22 @@ def assert_same(found, expected):
 @pytest.mark.parametrize("seed", range(4))
 def test_brute_force_agrees(seed, question, detector, reference):
     columns = random_columns(seed)
-    expected = reference.find(columns.world(named=False), wants="contacts", index=True, **question)
+    expected = reference.intersections(columns.world(named=False), output="contacts", index=True, **question)
     assert seed > 0 or question or expected, "something must collide"
     for named in (False, True, True):
-        found = detector.find(columns.world(named=named), wants="contacts", index=True, **question)
+        found = detector.intersections(columns.world(named=named), output="contacts", index=True, **question)
         assert_same(found, expected)
 
 
 @pytest.mark.parametrize("named", [False, True])
 def test_less_is_the_same_as_all_cut_short(named, detector):
     world = random_columns(5).world(named=named)
-    every = detector.find(world, index=True)
+    every = detector.intersections(world, index=True)
     assert every.world_hit.any()
-    assert detector.find(world, wants="any").any is every.any is bool(every)
-    np.testing.assert_array_equal(detector.find(world, wants="any_by_world").world_hit, every.world_hit)
-    np.testing.assert_array_equal(detector.find(world, wants="body_pairs").bodies, np.unique(every.bodies, axis=0))
-    counted = detector.find(world, wants="count")
+    assert detector.intersections(world, output="any").any is every.any is bool(every)
+    np.testing.assert_array_equal(detector.intersections(world, output="any_by_world").world_hit, every.world_hit)
+    np.testing.assert_array_equal(detector.intersections(world, output="body_pairs").bodies, np.unique(every.bodies, axis=0))
+    counted = detector.intersections(world, output="count")
     assert counted.count == every.count == len(every.pairs)
     np.testing.assert_array_equal(counted.world_counts, every.world_counts)
     for w, count in enumerate(every.world_counts):
@@ -62,15 +62,15 @@ def test_less_is_the_same_as_all_cut_short(named, detector):
 def test_one_body_in_place_is_a_soup_and_two_are_two_meshes(detector):
     a, b = soup(200, size=0.4), soup(150, size=0.4, seed=2)
     alone, both = crumple.World([a], self_collisions=True), crumple.World([a, b], self_collisions=False)
-    expected = detector.find_self(a, contacts=True)
-    found = detector.find(alone, wants="contacts", index=True)
+    expected = detector.intersections(a, output="contacts")
+    found = detector.intersections(alone, output="contacts", index=True)
     assert found.pairs.tobytes() == expected.pairs.tobytes() and len(expected)
     assert found.contacts.points.tobytes() == expected.contacts.points.tobytes()
     assert found.hit.tobytes() == expected.hit.tobytes()
-    expected = detector.find_between(a, b, contacts=True)
+    expected = detector.intersections(a, b, output="contacts")
     for found in (
-        detector.find(both, wants="contacts"),
-        detector.find(crumple.World([a, b], self_collisions=True), bodies="between"),
+        detector.intersections(both, output="contacts"),
+        detector.intersections(crumple.World([a, b], self_collisions=True), filter=crumple.PairFilter(bodies="between")),
     ):
         assert found.pairs.tobytes() == expected.pairs.tobytes() and len(expected)
         assert (found.bodies == [0, 1]).all()
@@ -93,10 +93,10 @@ def test_configurations_are_a_loop(named, detector):
     many = base.configurations(poses)
     assert len(many) == 40 * 3 + 2 and many.worlds.tolist() == [*np.repeat(range(40), 3), -1, -1]
     excluded = [{"upper", "lower"}, {"hand", "table"}]
-    every = detector.find(many, excluded=excluded, index=True)
+    every = detector.intersections(many, index=True, filter=crumple.PairFilter(excluded_bodies=excluded))
     hits = []
     for c, moved in enumerate(poses):
-        one = detector.find(base, poses=np.concatenate([moved, base.poses[3:]]), excluded=excluded)
+        one = detector.intersections(base.at(np.concatenate([moved, base.poses[3:]])), filter=crumple.PairFilter(excluded_bodies=excluded))
         resting = (one.bodies >= 3).all(axis=1)  # pairs at rest come once, after all configurations
         rows = slice(every.world_offsets[c], every.world_offsets[c + 1])
         np.testing.assert_array_equal(many.originals[every.bodies[rows]], one.bodies[~resting])
@@ -104,7 +104,7 @@ def test_configurations_are_a_loop(named, detector):
         np.testing.assert_array_equal(every.bodies[every.world_offsets[-1] :] - 40 * 3 + 3, one.bodies[resting])
         hits.append(bool(len(one.pairs[~resting])))
     assert 0 < sum(hits) < 40
-    np.testing.assert_array_equal(detector.find(many, wants="any_by_world", excluded=excluded).world_hit, hits)
+    np.testing.assert_array_equal(detector.intersections(many, output="any_by_world", filter=crumple.PairFilter(excluded_bodies=excluded)).world_hit, hits)
     names = {name for pair in every.names for name in pair}
     assert names == {"upper", "lower", "hand", "table", "wall"} and ("upper", "lower") not in every.names
 
@@ -114,13 +114,13 @@ def test_configurations_get_other_poses(detector):
     base = crumple.World([soup(20, size=0.5)], [0, 0, 0], worlds=[0, 0, -1], self_collisions=False)
     one, other = random_poses(random, 40).reshape(2, 10, 2, 3, 4)
     many = base.configurations(one)
-    expected = detector.find(base.configurations(other))
-    assert expected.pairs.tolist() != detector.find(many).pairs.tolist()
-    np.testing.assert_array_equal(detector.find(many, poses=other).pairs, expected.pairs)
+    expected = detector.intersections(base.configurations(other))
+    assert expected.pairs.tolist() != detector.intersections(many).pairs.tolist()
+    np.testing.assert_array_equal(detector.intersections(many.at(other)).pairs, expected.pairs)
     assert many.poses is one
     many.poses = other
-    np.testing.assert_array_equal(detector.find(many).pairs, expected.pairs)
-    np.testing.assert_array_equal(detector.find(many, poses=other.reshape(20, 3, 4)).pairs, expected.pairs)
+    np.testing.assert_array_equal(detector.intersections(many).pairs, expected.pairs)
+    np.testing.assert_array_equal(detector.intersections(many.at(other.reshape(20, 3, 4))).pairs, expected.pairs)
 
 
 def square(poses):
@@ -158,11 +158,11 @@ class Dlpack:
 )
 def test_poses_come_in_many_forms(given, detector):
     columns = random_columns(6)
-    expected = detector.find(columns.world())
+    expected = detector.intersections(columns.world())
     assert expected
     for found in (
-        detector.find(columns.world(poses=given(columns.poses))),
-        detector.find(columns.world(), poses=given(columns.poses)),
+        detector.intersections(columns.world(poses=given(columns.poses))),
+        detector.intersections(columns.world().at(given(columns.poses))),
     ):
         np.testing.assert_array_equal(found.pairs, expected.pairs)
 
@@ -171,12 +171,12 @@ def test_single_precision_and_integers_are_poses(detector):
     world = crumple.World([soup(30, size=0.5)], [0, 0], self_collisions=False)
     poses = np.zeros((2, 3, 4), int)
     poses[:, range(3), range(3)], poses[1, 0, 3] = 1, 0
-    expected = detector.find(world, poses=poses.astype(float)).pairs.tolist()
+    expected = detector.intersections(world.at(poses.astype(float))).pairs.tolist()
     assert expected
     for given in (poses, poses.astype(np.float32), poses.tolist()):
-        assert detector.find(world, poses=given).pairs.tolist() == expected
+        assert detector.intersections(world.at(given)).pairs.tolist() == expected
     with pytest.raises(crumple.InvalidType, match="poses must be float64 or float32, not float16"):
-        detector.find(world, poses=poses.astype(np.float16))
+        detector.intersections(world.at(poses.astype(np.float16)))
 
 
 def test_poses_are_read_where_they_lie(detector):
@@ -184,11 +184,11 @@ def test_poses_are_read_where_they_lie(detector):
     world = crumple.World([soup(30, size=0.5)], [0, 0], self_collisions=False)
     poses = np.tile(np.eye(3, 4), (2, 1, 1))
     world.poses = poses
-    assert world.poses is poses and detector.find(world)
+    assert world.poses is poses and detector.intersections(world)
     poses[1, 0, 3] = 9
-    assert not detector.find(world)
+    assert not detector.intersections(world)
     world.poses = None
-    assert world.poses is None and detector.find(world)
+    assert world.poses is None and detector.intersections(world)
 
 
 def test_bodies_one_by_one_are_the_same_as_columns(detector):
@@ -208,19 +208,19 @@ def test_bodies_one_by_one_are_the_same_as_columns(detector):
     world = crumple.World(shapes, bodies)
     assert world.names[3] == "body 3" and world.index("body 3") == 3
     assert_same(
-        detector.find(world, wants="contacts", index=True),
-        detector.find(columns.world(), wants="contacts", index=True),
+        detector.intersections(world, output="contacts", index=True),
+        detector.intersections(columns.world(), output="contacts", index=True),
     )
 
 
 def test_a_result_outlives_everything(detector):
-    result = detector.find(random_columns(8).world(), wants="contacts", index=True)
+    result = detector.intersections(random_columns(8).world(), output="contacts", index=True)
     arrays = {name: getattr(result, name) for name in ARRAYS}
     points = result.contacts.points
     before = {name: array.copy() for name, array in arrays.items()}, points.copy()
     del result
     for seed in range(9, 13):
-        detector.find(random_columns(seed).world(), wants="contacts", index=True)
+        detector.intersections(random_columns(seed).world(), output="contacts", index=True)
     del detector
     gc.collect()
     for name, array in arrays.items():
@@ -232,25 +232,25 @@ def test_a_result_outlives_everything(detector):
 def test_frames_go_back_and_forth_between_two_memories(detector):
     world, places = random_columns(8).world(), set()
     for _ in range(8):
-        result = detector.find(world)
+        result = detector.intersections(world)
         places.add(result.pairs.ctypes.data)
     assert len(places) == 2
-    held = [detector.find(world).pairs for _ in range(4)]
+    held = [detector.intersections(world).pairs for _ in range(4)]
     assert len({pairs.ctypes.data for pairs in held}) == 4
 
 
 def test_arrays_may_go_once_the_world_is_made(detector):
     def made():
         columns = random_columns(9)
-        return columns.world(named=False), detector.find(columns.world()).pairs.tolist()
+        return columns.world(named=False), detector.intersections(columns.world()).pairs.tolist()
 
     world, expected = made()
     gc.collect()
-    assert detector.find(world).pairs.tolist() == expected and expected
+    assert detector.intersections(world).pairs.tolist() == expected and expected
 
 
 def test_copies_may_be_written_to(detector):
-    result = detector.find(random_columns(10).world(), index=True, copy=True)
+    result = detector.intersections(random_columns(10).world(), index=True, copy=True)
     result.pairs[:] = 0
     result.hit[:] = False
     assert not result.pairs.any()
@@ -258,18 +258,18 @@ def test_copies_may_be_written_to(detector):
 
 def test_what_was_not_asked_for_says_how_to_ask(detector):
     world = random_columns(11).world()
-    nothing = detector.find(world, wants="any")
+    nothing = detector.intersections(world, output="any")
     for name in ("count", "bodies", "pairs", "world_hit", "world_counts", "hit", "body_offsets"):
-        with pytest.raises(crumple.InvalidInput, match=rf"{name} was not asked for: find\(\.\.\., wants="):
+        with pytest.raises(crumple.InvalidInput, match=rf"{name} was not asked for: IntersectionQuery\(output="):
             getattr(nothing, name)
     assert nothing.contacts is None and len(nothing) == 0
     with pytest.raises(crumple.InvalidInput, match="index=True"):
-        _ = detector.find(world).hit
+        _ = detector.intersections(world).hit
 
 
 def test_a_memory_limit_holds():
     world = random_columns(12, bodies=30).world()
-    expected = crumple.Detector().find(world).pairs
-    enough = crumple.Detector(memory_limit=sufficient_limit(lambda detector: detector.find(world), 10_000))
+    expected = crumple.Detector().intersections(world).pairs
+    enough = crumple.Detector(memory_limit=sufficient_limit(lambda detector: detector.intersections(world), 10_000))
     for _ in range(3):
         np.testing.assert_array_equal(enough.find(world).pairs, expected)

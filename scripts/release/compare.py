@@ -32,9 +32,9 @@ mesh = crumple.make_scene("cloth", triangles=50_000, frame=60)
 small = crumple.make_scene("cloth", triangles=2_000, frame=60)
 detector = crumple.Detector(threads=1)
 print(json.dumps({
-    "self, 50,000 triangles": time_of(lambda: detector.find_self(mesh.vertices, mesh.faces), 60),
-    "self, 2,000 triangles": time_of(lambda: detector.find_self(small.vertices, small.faces), 400),
-    "near, 2,000 triangles": time_of(lambda: detector.find_near(small.vertices, small.faces, radius=0.01), 60),
+    "self, 50,000 triangles": time_of(lambda: detector.intersections(mesh.vertices, mesh.faces), 60),
+    "self, 2,000 triangles": time_of(lambda: detector.intersections(small.vertices, small.faces), 400),
+    "near, 2,000 triangles": time_of(lambda: detector.proximities(small.vertices, small.faces, radius=0.01), 60),
 }))
 """
 

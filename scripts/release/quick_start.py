@@ -23,13 +23,13 @@ with tempfile.TemporaryDirectory() as folder:
     assert version == f"crumple {crumple.__version__}\n", version
     subprocess.run([*command, "make", "cloth", "--triangles", "2000", "-o", mesh], check=True)
     found = subprocess.run([*command, "detect", mesh], check=True, capture_output=True, text=True).stdout
-    expected = crumple.find_self_intersections(crumple.read_mesh(mesh))
+    expected = crumple.intersections(crumple.read_mesh(mesh)).pairs
     assert found == "".join(f"{a} {b}\n" for a, b in expected) and len(expected), "both find the same"
     assert "\n" not in crumple.Detector().fallback, "without a device, one line says why"
     for call, error in (
         (lambda: crumple.read_mesh("no such file.ply"), crumple.FileError),
-        (lambda: crumple.find_self_intersections([[0, 0, 0]], [[0, 0, 1]]), crumple.InvalidInput),
-        (lambda: crumple.Detector(memory_limit=1).find_self(crumple.read_mesh(mesh)), crumple.MemoryLimit),
+        (lambda: crumple.intersections([[0, 0, 0]], [[0, 0, 1]]), crumple.InvalidInput),
+        (lambda: crumple.Detector(memory_limit=1).intersections(crumple.read_mesh(mesh)), crumple.MemoryLimit),
     ):
         try:
             call()

@@ -116,15 +116,7 @@ class BroadPhase(ipctk.BroadPhase):
         return self._overlapping(kind) if self.boxes else getattr(self, f"_near_{kind}")()
 
     def _overlapping(self, kind: Any) -> np.ndarray:
-        found = self.detector.find_candidates(
-            self._start,
-            self._faces,
-            end=self._end,
-            kinds=kind,
-            inflation=self._within / 2,
-            edges=self._edges,
-            points=np.arange(len(self._start)),
-        )
+        found = self.detector.candidates(self._start, self._faces, end=self._end, edges=self._edges, points=np.arange(len(self._start)), kinds=kind, inflation=self._within / 2)
         name = "vertex_vertices" if kind == "vertex_vertex" else f"{kind}s"
         return getattr(found, name).astype(np.int64)
 
@@ -201,16 +193,16 @@ class BroadPhase(ipctk.BroadPhase):
         parts.append(np.stack([single] * 3, axis=1))
         every = np.concatenate(parts)
         if self._end is None:
-            found = self.detector.find_near(self._start, every, radius=self._within)
+            found = self.detector.proximities(self._start, every, radius=self._within)
         else:
-            found = self.detector.find_impacts(self._start, self._end, every, min_distance=self._within)
+            found = self.detector.impacts(self._start, self._end, every, min_distance=self._within)
         return _Found(found, len(every) if all_vertices else len(faces))
 
     def _intersecting(self) -> tuple[np.ndarray, np.ndarray]:
         if self._end is not None:
             raise NotImplementedError("edges against faces are searched at one moment, not between two")
         faces = np.concatenate([self._faces, self._loose_edges()])
-        return faces, self.detector.find_self(self._start, faces).pairs.astype(np.int64)
+        return faces, self.detector.intersections(self._start, faces).pairs.astype(np.int64)
 
     def _made(self, kind: Any, first: Any, second: Any, of_first: np.ndarray, of_second: np.ndarray) -> list[Any]:
         """Candidates of these numbers, unless no vertex of the one may collide with any of the other."""

@@ -1,13 +1,13 @@
 // crumple._mpi, the library behind crumple.mpi: a module of its own, for no other needs MPI. Private. It takes and
-// gives objects of crumple._core (Query, Statistics), which is imported before: modules of one nanobind know each
+// gives objects of crumple._core (World, Statistics), which is imported before: modules of one nanobind know each
 // other's types.
 
 #include <nanobind/nanobind.h>
 
 #include "errors.h"
 #include "gil.h"
-#include "mpi/rank_answer.h"
 #include "mpi/rank_detector.h"
+#include "mpi/rank_results.h"
 #include "mpi/world_share.h"
 #include "signals.h"
 
@@ -17,7 +17,7 @@ NB_MODULE(_mpi, module) {
     crumple::python::WithoutGil::watch_exit();
     crumple::python::know_main_thread();
     crumple::python::translate_errors();
-    crumple::python::bind_rank_answer(module);
+    crumple::python::bind_rank_results(module);
     crumple::python::bind_world_share(module);
     crumple::python::bind_rank_detector(module);
 }

@@ -8,13 +8,15 @@
 #include <type_traits>
 #include <utility>
 
+#include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
 #include "arguments.h"
 #include "errors.h"
 #include "gil.h"
+#include "mpi/rank_results.h"
 #include "options.h"
-#include "query.h"
+#include "queries.h"
 #include "signals.h"
 
 namespace nb = nanobind;
@@ -78,6 +80,10 @@ BorrowedShare::BorrowedShare(const RankDetector& detector, const nb::tuple& give
     : mesh(given),
       triangle_ids(triangles, "triangle", mesh.view().triangles.rows),
       vertex_ids(vertices, "vertex", mesh.view().vertices.rows) {
+    if (!given.attr("edges").is_none() || !given.attr("points").is_none())
+        refuse("listed edges and points are for one process");
+    const nb::object at_end = given.attr("end");
+    if (!at_end.is_none()) end.emplace(at_end, mesh);
     const Options& own = detector.detector().options().detector;
     if (mesh.device() == BorrowedArray::on_host) return;
     if (own.backend != Backend::cuda && own.backend != Backend::automatic)
@@ -142,57 +148,14 @@ auto RankDetector::alone(Work work) {
     }
 }
 
-RankAnswer RankDetector::find(const BorrowedShare& share, const IntersectionQuery& query) {
-    return alone([&](std::stop_token stop) {
-        return RankAnswer{detector_.find(share.view(), query, std::move(stop)), query.contacts()};
-    });
+template <class Share, class Query>
+typename Query::DistributedResult RankDetector::find(const Share& share, const Query& query) {
+    return alone([&](std::stop_token stop) { return detector_.find(share.view(), query, std::move(stop)); });
 }
 
-std::int64_t RankDetector::count(const BorrowedShare& share, const IntersectionQuery& query) {
-    IntersectionQuery counted = query;
-    counted.output = Output::count;
-    return alone([&](std::stop_token stop) { return detector_.find(share.view(), counted, std::move(stop)).count; });
-}
-
-bool RankDetector::any(const BorrowedShare& share, const IntersectionQuery& query) {
+template <class Share, class Query>
+bool RankDetector::any(const Share& share, const Query& query) {
     return alone([&](std::stop_token stop) { return detector_.any(share.view(), query, std::move(stop)); });
-}
-
-RankImpacts RankDetector::find_impacts(const BorrowedShare& share, const BorrowedEnd& end,
-                                       const ImpactQuery& question) {
-    return alone([&](std::stop_token stop) {
-        return RankImpacts{detector_.find(share.view().moving_to(end.view()), question, std::move(stop)),
-                           question.output};
-    });
-}
-
-RankNearby RankDetector::find_near(const BorrowedShare& share, const ProximityQuery& question) {
-    return alone([&](std::stop_token stop) {
-        const DistributedProximities& found = detector_.find(share.view(), question, std::move(stop));
-        return RankNearby{found, question.output, found.closest};
-    });
-}
-
-RankWorldAnswer RankDetector::find_world(const BorrowedWorldShare& share, const IntersectionQuery& question) {
-    const IntersectionQuery asked = share.with_excluded(question);
-    return alone([&](std::stop_token stop) {
-        return RankWorldAnswer{detector_.find(share.view(), asked, std::move(stop)), asked.output};
-    });
-}
-
-RankImpacts RankDetector::find_impacts_in_world(const BorrowedWorldShare& share, const ImpactQuery& question) {
-    const ImpactQuery asked = share.with_excluded(question);
-    return alone([&](std::stop_token stop) {
-        return RankImpacts{detector_.find(share.view(), asked, std::move(stop)), asked.output, false, true};
-    });
-}
-
-RankNearby RankDetector::find_near_in_world(const BorrowedWorldShare& share, const ProximityQuery& question) {
-    const ProximityQuery asked = share.with_excluded(question);
-    return alone([&](std::stop_token stop) {
-        const DistributedProximities& found = detector_.find(share.view(), asked, std::move(stop));
-        return RankNearby{found, asked.output, found.closest, true};
-    });
 }
 
 void RankDetector::fail(nb::handle exception) {
@@ -218,6 +181,42 @@ void RankDetector::close() {
     });
 }
 
+namespace {
+
+// A query as crumple/_queries.py has it, read before ranks wait for each other. `excluded`: (n, 2) of int32 or None.
+template <class Query>
+void make_query(Query* place, nb::handle given, nb::handle excluded) {
+    Query query;
+    read(given, query);
+    if constexpr (std::is_same_v<Query, ProximityQuery>)
+        if (!given.attr("radii").is_none() || !given.attr("rest").is_none())
+            refuse("radii and rest are for one process");
+    if (!excluded.is_none()) {
+        nb::ndarray<const std::int32_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu> pairs;
+        if (!nb::try_cast(excluded, pairs)) throw std::logic_error("crumple/mpi.py gave no pairs of bodies");
+        for (std::size_t i = 0; i < pairs.shape(0); ++i)
+            query.filter.excluded_bodies.push_back({pairs(i, 0), pairs(i, 1)});
+    }
+    new (place) Query(std::move(query));
+}
+
+// The query, and find and any of both shares with it.
+template <class Query>
+void bind_query(nb::module_& module, nb::class_<RankDetector>& detector, const char* name) {
+    nb::class_<Query>(module, name, "A query that all ranks ask.")
+        .def("__init__", make_query<Query>, "query"_a, "excluded"_a.none());
+    const auto bind_share = [&]<class Share>(const Share*) {
+        using Result = RankShown<typename Query::DistributedResult>;
+        const auto find = [](RankDetector& d, const Share& s, const Query& q) { return Result{d.find(s, q)}; };
+        const auto any = [](RankDetector& d, const Share& s, const Query& q) { return d.any(s, q); };
+        detector.def("find", find, "share"_a, "query"_a).def("any", any, "share"_a, "query"_a);
+    };
+    bind_share(static_cast<const BorrowedShare*>(nullptr));
+    bind_share(static_cast<const BorrowedWorldShare*>(nullptr));
+}
+
+}  // namespace
+
 void bind_rank_detector(nb::module_& module) {
     module.def("library", mpi_library, "MPI's own name and version.");
     module.def("handle_size", [] { return sizeof(MPI_Comm); });
@@ -232,29 +231,9 @@ void bind_rank_detector(nb::module_& module) {
     nb::class_<BorrowedShare>(module, "Share", "What one rank brings to a call.")
         .def(nb::init<const RankDetector&, const nb::tuple&, nb::handle, nb::handle>(), "detector"_a, "mesh"_a,
              "triangle_ids"_a.none(), "vertex_ids"_a.none());
-    nb::class_<BorrowedEnd>(module, "End", "Where the vertices of a share are at the end of a step.")
-        .def(
-            "__init__",
-            [](BorrowedEnd* self, nb::handle end, const BorrowedShare& share) {
-                new (self) BorrowedEnd(end, share.mesh);
-            },
-            "end"_a.none(), "share"_a);
-    nb::class_<RankDetector>(module, "Detector", "The library's detector of one rank; crumple.mpi.Detector has one.")
-        .def(nb::init<std::uintptr_t, const DistributedOptions&>(), "communicator"_a, "options"_a)
-        .def(
-            "find", [](RankDetector& d, const BorrowedShare& s, const IntersectionQuery& q) { return d.find(s, q); },
-            "share"_a, "query"_a)
-        .def(
-            "count", [](RankDetector& d, const BorrowedShare& s, const IntersectionQuery& q) { return d.count(s, q); },
-            "share"_a, "query"_a)
-        .def(
-            "any", [](RankDetector& d, const BorrowedShare& s, const IntersectionQuery& q) { return d.any(s, q); },
-            "share"_a, "query"_a)
-        .def("find_impacts", &RankDetector::find_impacts, "share"_a, "end"_a, "question"_a)
-        .def("find_near", &RankDetector::find_near, "share"_a, "question"_a)
-        .def("find_world", &RankDetector::find_world, "share"_a, "question"_a)
-        .def("find_impacts_in_world", &RankDetector::find_impacts_in_world, "share"_a, "question"_a)
-        .def("find_near_in_world", &RankDetector::find_near_in_world, "share"_a, "question"_a)
+    nb::class_<RankDetector> detector(module, "Detector",
+                                      "The library's detector of one rank; crumple.mpi.Detector has one.");
+    detector.def(nb::init<std::uintptr_t, const DistributedOptions&>(), "communicator"_a, "options"_a)
         .def("fail", &RankDetector::fail, "exception"_a)
         .def("close", &RankDetector::close)
         .def("set_progress", &RankDetector::set_progress, "show"_a.none())
@@ -264,6 +243,9 @@ void bind_rank_detector(nb::module_& module) {
         .def_prop_ro("device", [](const RankDetector& d) { return d.detector().options().detector.device; })
         .def_prop_ro("statistics",
                      [](const RankDetector& d) { return DistributedStatistics(d.detector().statistics()); });
+    bind_query<IntersectionQuery>(module, detector, "IntersectionQuery");
+    bind_query<ImpactQuery>(module, detector, "ImpactQuery");
+    bind_query<ProximityQuery>(module, detector, "ProximityQuery");
 }
 
 }  // namespace crumple::python

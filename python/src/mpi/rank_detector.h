@@ -11,7 +11,6 @@
 
 #include "arrays.h"
 #include "crumple/mpi.h"
-#include "mpi/rank_answer.h"
 #include "mpi/world_share.h"
 
 namespace crumple::python {
@@ -20,12 +19,15 @@ class RankDetector;
 
 /// What one rank brings, in place. Needs the GIL to come and go.
 struct BorrowedShare {
-    /// Throws where the detector cannot read the memory that the arrays lie in.
+    /// `mesh` is a crumple.Mesh. Throws where the detector cannot read the memory that the arrays lie in.
     BorrowedShare(const RankDetector& detector, const nanobind::tuple& mesh, nanobind::handle triangle_ids,
                   nanobind::handle vertex_ids);
-    MeshShare view() const { return {mesh.view(), triangle_ids.view(), vertex_ids.view()}; }
+    MeshShare view() const {
+        return {end ? mesh.view().moving_to(end->view()) : mesh.view(), triangle_ids.view(), vertex_ids.view()};
+    }
 
     const BorrowedMesh mesh;
+    std::optional<BorrowedEnd> end;
     const BorrowedIds triangle_ids, vertex_ids;
 };
 
@@ -35,15 +37,10 @@ class RankDetector {
     /// Collective, as all that follows but set properties. `communicator`: MPI's handle, as mpi4py tells it.
     RankDetector(std::uintptr_t communicator, const DistributedOptions& options);
 
-    RankAnswer find(const BorrowedShare& share, const IntersectionQuery& query);
-    std::int64_t count(const BorrowedShare& share, const IntersectionQuery& query);
-    bool any(const BorrowedShare& share, const IntersectionQuery& query);
-    /// `end`: where the share's vertices are at the end of the step.
-    RankImpacts find_impacts(const BorrowedShare& share, const BorrowedEnd& end, const ImpactQuery& question);
-    RankNearby find_near(const BorrowedShare& share, const ProximityQuery& question);
-    RankWorldAnswer find_world(const BorrowedWorldShare& share, const IntersectionQuery& question);
-    RankImpacts find_impacts_in_world(const BorrowedWorldShare& share, const ImpactQuery& question);
-    RankNearby find_near_in_world(const BorrowedWorldShare& share, const ProximityQuery& question);
+    template <class Share, class Query>
+    typename Query::DistributedResult find(const Share& share, const Query& query);
+    template <class Share, class Query>
+    bool any(const Share& share, const Query& query);
     /// A call for a rank that failed before its own: all ranks raise the same. Returns, here alone, if `exception` is
     /// none of crumple's, for the caller to raise it.
     void fail(nanobind::handle exception);

@@ -1,4 +1,4 @@
-"""What the answers about motion and nearness have in common, beside what all lists of pairs have."""
+"""What results about pairs of features have in common: Impacts, Proximities and Candidates."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from ._errors import InvalidInput, InvalidType
 from ._mesh import as_mesh
-from ._pair_lists import PairLists
+from ._result import Result, extension_of, file_name
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-    from typing_extensions import Self
 
 _INDEX = (
     *("vertex_offsets", "face_offsets", "by_face"),
@@ -31,34 +30,104 @@ _BODIES = (
 )
 
 
+class PairLists(Result):
+    """Base of results that list pairs of features, a list for each kind."""
+
+    @property
+    def count(self) -> int:
+        """How many pairs of features are listed, of all kinds."""
+        self._check("count")
+        return self._found.count
+
+    def __len__(self) -> int:
+        """How many pairs of features are listed; 0 where they were not asked for."""
+        return self._found.count
+
+    @cached_property
+    def vertex_faces(self) -> NDArray[np.int32]:
+        """(k, 2) int32: each a vertex and a face that does not name it, sorted; of worlds within their bodies."""
+        return self._array("vertex_faces")
+
+    @cached_property
+    def vertex_face_bodies(self) -> NDArray[np.int32]:
+        """(k, 2) int32, of a world: the vertex's body and the face's."""
+        return self._array("vertex_face_bodies")
+
+    @cached_property
+    def edge_edges(self) -> NDArray[np.int32]:
+        """(k, 2) int32: each two of `edges` without a common vertex, sorted; of worlds within their bodies."""
+        return self._array("edge_edges")
+
+    @cached_property
+    def edge_edge_bodies(self) -> NDArray[np.int32]:
+        """(k, 2) int32, of a world: the body of each of the two edges."""
+        return self._array("edge_edge_bodies")
+
+    @cached_property
+    def edges(self) -> NDArray[np.int32]:
+        """(n, 2) int32: the vertices of each edge, the lower first; each edge once, in lexicographic order.
+
+        Or as they were listed (`edges`).
+        Of a world those of body b are edges[first_edge[b]:first_edge[b + 1]], and an edge counts within its body.
+        """
+        return self._array("edges")
+
+    @cached_property
+    def first_edge(self) -> NDArray[np.int64]:
+        """(bodies + 1,) int64: where each body's edges begin in `edges`; one mesh is one body."""
+        return self._array("first_edge")
+
+    @cached_property
+    def points(self) -> NDArray[np.int32]:
+        """(n,) int32: the vertices that were listed as points, in their order; then rows name vertices by place here.
+
+        Of a world those of body b are points[first_point[b]:first_point[b + 1]]; a body without any names its vertices.
+        """
+        return self._array("points")
+
+    @cached_property
+    def first_point(self) -> NDArray[np.int64]:
+        """(bodies + 1,) int64: where each body's listed points begin in `points`."""
+        return self._array("first_point")
+
+    @cached_property
+    def vertex_edge_bodies(self) -> NDArray[np.int32]:
+        """(k, 2) int32, of a world: the vertex's body and the edge's."""
+        return self._array("vertex_edge_bodies")
+
+    @cached_property
+    def vertex_vertex_bodies(self) -> NDArray[np.int32]:
+        """(k, 2) int32, of a world: the body of each of the two vertices."""
+        return self._array("vertex_vertex_bodies")
+
+
 class FeatureResult(PairLists):
-    """Base of Impacts and Nearby."""
+    """Base of Impacts and Proximities."""
 
-    _find: ClassVar[str]  # the search
     _write: ClassVar[Callable[..., None]]
-    _wants: ClassVar[tuple[str, ...]]
-    _from: ClassVar[dict[str, int]]  # what is made from which of `_wants` on; all else is made for the last
+    _outputs: ClassVar[tuple[str, ...]]
+    _from: ClassVar[dict[str, int]]  # what is made from which of `_outputs` on; all else is made for the last
 
-    def _check_wanted(self, name: str) -> None:
-        if name in _NOT_IN_BLOCKS and self._answer.is_block:
-            raise InvalidInput(f"{name} is told of a whole answer, but this is one of its blocks")
-        least = self._from.get(name, len(self._wants) - 1)
-        if self._wants.index(self._answer.wants) < least:
-            raise InvalidInput(f'{name} was not asked for: {self._find}(..., wants="{self._wants[least]}")')
+    def _check_output(self, name: str) -> None:
+        if name in _NOT_IN_BLOCKS and self._asked.block:
+            raise InvalidInput(f"{name} is told of a whole result, but this is one of its blocks")
+        least = self._from.get(name, len(self._outputs) - 1)
+        if self._outputs.index(self._asked.output) < least:
+            self._refuse(name, f'output="{self._outputs[least]}"')
 
-    def _check_listed(self, name: str) -> None:
-        of_world = self._answer.of_world
-        if name in _OF_THE_WHOLE and self._answer.of_part:
+    def _check(self, name: str) -> None:
+        asked = self._asked
+        if name in _OF_THE_WHOLE and asked.scene == "part":
             raise InvalidInput(
                 f"{name} is told of a whole mesh, but this was asked of a part, which knows its edge_ids"
             )
-        if name in _BODIES and not of_world:
+        if name in _BODIES and not asked.of_bodies:
             raise InvalidInput(f"{name} are those of a world, but this was asked of one mesh")
-        if name in _INDEX and of_world:
+        if name in _INDEX and asked.of_bodies:
             raise InvalidInput(f"{name} is made for one mesh alone, but this was asked of a world")
-        self._check_wanted(name)
-        if name in _INDEX and not self._answer.has_index:
-            raise InvalidInput(f"{name} was not asked for: {self._find}(..., index=True)")
+        self._check_output(name)
+        if name in _INDEX and "index" not in asked.options:
+            self._refuse(name, "index=True")
 
     @cached_property
     def vertex_edges(self) -> NDArray[np.int32]:
@@ -132,23 +201,8 @@ class FeatureResult(PairLists):
 
     @cached_property
     def world_hit(self) -> NDArray[np.bool_]:
-        """(worlds,) bool: in which worlds there is anything. From wants="any_by_world" on."""
+        """(worlds,) bool: in which worlds there is anything. From output="any_by_world" on."""
         return self._array("world_hit")
-
-    @property
-    def any(self) -> bool:
-        """Whether there is anything at all."""
-        return self._answer.any
-
-    @property
-    def count(self) -> int:
-        """How many pairs of features are listed, of all kinds."""
-        self._check_wanted("count")
-        return self._answer.count
-
-    def __bool__(self) -> bool:
-        """Whether there is anything at all."""
-        return self._answer.any
 
     def save(self, path: str | os.PathLike[str], mesh: Any = None) -> None:
         """Writes a file of the kind that its extension names.
@@ -157,41 +211,29 @@ class FeatureResult(PairLists):
         - .glb: the `mesh` that was asked about, its triangles coloured by time or by distance, the darkest first
 
         A file appears when it is complete; the old one stays until then. Ctrl-C waits until the file is written. Raises
-        InvalidInput for other extensions, for answers that list no pairs, and for a mesh that does not fit; FileError.
+        InvalidInput for other extensions, for results that list no pairs, and for a mesh that does not fit; FileError.
         """
-        from ._result import extension_of, file_name
-
-        self._check_wanted("what save writes")
-        if self._answer.of_part:
-            raise InvalidInput("an answer of a part is not saved: files name edges by their vertices, all of the mesh")
+        self._check_output("what save writes")
+        if self._asked.scene == "part":
+            raise InvalidInput("a result of a part is not saved: files name edges by their vertices, all of the mesh")
         name = file_name(path)
         extension = extension_of(name)
         if extension == ".glb" and mesh is None:
             raise InvalidType(f"{name}: a coloured mesh needs the mesh: save(path, mesh)")
         if extension != ".glb" and mesh is not None:
             raise InvalidType(f"mesh is no option of {extension} files")
-        if extension == ".glb" and self._answer.of_world:
-            raise InvalidInput(f"{name}: an answer about one mesh is saved as .glb, but this was asked of a world")
+        if extension == ".glb" and self._asked.of_bodies:
+            raise InvalidInput(f"{name}: a result about one mesh is saved as .glb, but this was asked of a world")
         if extension not in (".txt", ".csv", ".json", ".npz", ".glb"):
-            raise InvalidInput(f"{name}: an answer is saved as .txt, .csv, .json, .npz (lists) or .glb (coloured mesh)")
-        type(self)._write(path, self._answer, None if mesh is None else as_mesh(mesh))
+            raise InvalidInput(f"{name}: a result is saved as .txt, .csv, .json, .npz (lists) or .glb (coloured mesh)")
+        type(self)._write(path, self, None if mesh is None else as_mesh(mesh))
 
     def _told(self, found: str) -> str:
         """What __repr__ says."""
-        answer = self._answer
-        if answer.wants == self._wants[-1]:
-            faces, edges = len(answer.vertex_faces), len(answer.edge_edges)
-            found = f"{answer.count} {found}, {faces} of vertex and face, {edges} of edge and edge"
-            for pairs, kind in ((answer.vertex_edges, "edge"), (answer.vertex_vertices, "vertex")):
+        listed = self._found
+        if self._asked.output == self._outputs[-1]:
+            faces, edges = len(listed.vertex_faces), len(listed.edge_edges)
+            found = f"{listed.count} {found}, {faces} of vertex and face, {edges} of edge and edge"
+            for pairs, kind in ((listed.vertex_edges, "edge"), (listed.vertex_vertices, "vertex")):
                 found += f", {len(pairs)} of vertex and {kind}" if len(pairs) else ""
         return f"<crumple.{type(self).__name__}: {found}, {self.statistics.milliseconds:.3g} ms>"
-
-    def __reduce__(self) -> Any:
-        from ._feature_pickling import restore, stored
-
-        return restore, (type(self).__name__, stored(self._answer))
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        from ._feature_pickling import StoredAnswer, stored
-
-        return type(self)(StoredAnswer(stored(self._answer)))

@@ -1,0 +1,267 @@
+"""Checks that what came through pickle fits together, as far as accessors, pictures and files trust it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._candidates import LISTS
+from ._errors import InvalidInput
+from ._impacts import FirstImpact, Impacts
+from ._intersections import OUTPUTS
+from ._proximities import EdgeEdgeType, Proximities, VertexEdgeType, VertexFaceType, VertexVertexType
+
+if TYPE_CHECKING:
+    from ._result import Result
+
+_OUTPUTS = {"Impacts": Impacts._outputs, "Proximities": Proximities._outputs}
+_VALUES = {"Impacts": ("toi", "start"), "Proximities": ("squared_distance", "touching")}
+_LISTS = {kind: LISTS[kind] for kind in ("vertex_face", "edge_edge", "vertex_edge", "vertex_vertex")}
+
+
+class _Check:
+    """Base of checks that all of a result fits together."""
+
+    def __init__(self, result: Result) -> None:
+        self._name, self._found, self._asked = type(result).__name__, result._found, result._asked
+        self._scene = result._scene
+
+    def _that(self, holds: Any, what: str) -> None:
+        if not holds:
+            raise InvalidInput(f"the state of {self._name} does not fit together: {what}")
+
+    def _offsets(self, offsets: np.ndarray, parts: int, most: int, what: str) -> None:
+        self._that(len(offsets) == parts + 1 and offsets[0] == 0 and (np.diff(offsets) >= 0).all(), what)
+        self._that(offsets[-1] <= most, what)
+
+    def all(self) -> None:
+        """Raises InvalidInput where something does not fit."""
+        raise NotImplementedError
+
+
+def _are_two_ids(ids: tuple[Any, ...]) -> bool:
+    return [*map(type, ids)] == [int, int] and all(0 <= number < 2**31 for number in ids)
+
+
+class _CheckFeatures(_Check):
+    def all(self) -> None:
+        found, outputs = self._found, _OUTPUTS[self._name]
+        self._has = self._asked.options.__contains__
+        self._that(self._asked.output in outputs, "output")
+        self._listed = self._asked.output == outputs[-1]
+        rows = sum(len(getattr(found, pairs)) for pairs in _LISTS.values())
+        self._that(found.count == rows and (self._listed or not rows), "count")
+        triangles = len(found.triangle_pairs) if self._name == "Impacts" else 0
+        self._that(not self._listed or found.any == (rows + triangles > 0), "any")
+        self._that(self._asked.output != "any" or not len(found.world_hit), "world_hit")
+        self._that(not self._has("index") or (self._listed and not self._asked.of_bodies), "index")
+        alone = rows and not (self._has("index") or len(found.world_hit) or self._asked.scene == "part")
+        self._that(not self._asked.block or alone, "block")
+        self._edges()
+        for name, pairs in _LISTS.items():
+            self._list(name, pairs)
+        for offsets, second, by_second, pairs in (
+            ("vertex_offsets", "face_offsets", "by_face", "vertex_faces"),
+            ("edge_offsets", "second_edge_offsets", "by_second_edge", "edge_edges"),
+            ("vertex_edge_offsets", "edge_vertex_offsets", "by_edge", "vertex_edges"),
+            ("vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex", "vertex_vertices"),
+        ):
+            self._index(offsets, second, by_second, getattr(found, pairs))
+        if self._name == "Impacts":
+            self._triangles()
+            self._first()
+        else:
+            self._closest_and_least()
+
+    def _edges(self) -> None:
+        first, edges = self._found.first_edge, self._found.edges
+        if self._asked.scene == "part":
+            lists = (first, edges, self._found.first_point, self._found.points)
+            return self._that(not any(map(len, lists)), "edges")
+        self._that(len(first) or not (len(edges) or self._listed), "first_edge")
+        if len(first):
+            self._that(first[0] == 0 and first[-1] == len(edges) and (np.diff(first) >= 0).all(), "first_edge")
+            self._that(self._asked.of_bodies or len(first) == 2, "first_edge")
+        self._that(((edges >= 0).all(axis=1) & (edges[:, 0] != edges[:, 1])).all(), "edges")
+        first_point, points = self._found.first_point, self._found.points
+        self._that(len(first_point) == len(first), "first_point")
+        if len(first_point):
+            self._that(first_point[0] == 0 and first_point[-1] == len(points), "first_point")
+        self._that((np.diff(first_point) >= 0).all() and (len(first_point) or not len(points)), "first_point")
+        self._that((points >= 0).all(), "points")
+
+    def _list(self, name: str, array: str) -> None:
+        found, pairs = self._found, getattr(self._found, array)
+        rows = len(pairs)
+        value, flag = (getattr(found, f"{name}_{word}") for word in _VALUES[self._name])
+        bodies = getattr(found, f"{name}_bodies")
+        self._that(len(value) == len(flag) == rows, f"the lengths of {array}")
+        self._that((value >= 0).all() and (self._name == "Proximities" or (value <= 1).all()), f"the values of {array}")
+        self._that((value[flag] == 0).all(), f"the flags of {array}")
+        self._that((pairs >= 0).all(), array)
+        self._that(len(bodies) == (rows if self._asked.of_bodies else 0), f"{name}_bodies")
+        if self._asked.scene == "part":
+            return
+        if not self._asked.of_bodies:
+            bodies = np.zeros((rows, 2), np.int32)
+        self._that(((bodies >= 0) & (bodies < max(len(found.first_edge) - 1, 0))).all(), f"{name}_bodies")
+        if not rows:
+            return
+        edges, points = np.diff(found.first_edge), np.diff(found.first_point)
+        for column, of in enumerate(name.split("_")):
+            index, body = pairs[:, column], bodies[:, column]
+            if of == "edge":
+                self._that((index < edges[body]).all(), f"{array} and edges")
+            if of == "vertex":
+                self._that(((index < points[body]) | (points[body] == 0)).all(), f"{array} and points")
+
+    def _triangles(self) -> None:
+        found = self._found
+        fits = self._listed if self._has("triangle_pairs") else not len(found.triangle_pairs)
+        self._that(fits, "triangle_pairs")
+        self._list("triangle_pair", "triangle_pairs")
+        names = ("triangle_offsets", "second_triangle_offsets", "by_second_triangle")
+        self._index(*names, found.triangle_pairs, self._has("triangle_pairs"))
+
+    def _index(self, offsets: str, second: str, by_second: str, pairs: np.ndarray, listed: bool = True) -> None:
+        first, last, order = (getattr(self._found, name) for name in (offsets, second, by_second))
+        if not (self._has("index") and listed):
+            return self._that(not (len(first) or len(last) or len(order)), offsets)
+        for column, of, name in ((0, first, offsets), (1, last, second)):
+            self._that(len(of) and of[0] == 0 and of[-1] == len(pairs) and (np.diff(of) >= 0).all(), name)
+            if self._asked.scene == "part":  # by position in the part
+                continue
+            self._that((pairs[:, column] < len(of) - 1).all(), name)
+            counts = np.bincount(pairs[:, column], minlength=len(of) - 1)
+            self._that(np.array_equal(np.diff(of), counts), name)
+        self._that(np.array_equal(order, np.lexsort((pairs[:, 0], pairs[:, 1]))), by_second)
+
+    def _first(self) -> None:
+        found = self._found
+        firsts = [first for first in (found.first, *found.world_first) if first is not None]
+        told = self._asked.output in ("first", "pairs")
+        self._that(told or not (firsts or found.world_first), "first")
+        for first in firsts:
+            self._that(isinstance(first, tuple) and [*map(type, first)] == [str, tuple, tuple, float, bool], "first")
+            impact = FirstImpact(*first)
+            self._that(impact.kind in _LISTS, "the kind of the first impact")
+            self._that(_are_two_ids(impact.pair), "the pair of the first impact")
+            fits = _are_two_ids(impact.bodies) and (self._asked.of_bodies or impact.bodies == (0, 0))
+            self._that(fits, "the bodies of the first impact")
+            self._that(0 <= impact.toi <= 1, "the time of the first impact")
+        if self._asked.block:
+            self._that(not (firsts or found.world_first), "first")
+        elif self._listed:
+            self._that((found.first is not None) == (found.count > 0), "first")
+        else:
+            self._that(found.first is None or found.any, "first")
+
+    def _closest_and_least(self) -> None:
+        found = self._found
+        self._that(self._listed or not (self._has("closest") or self._has("least")), "closest and least")
+        for name, pairs, most in (
+            ("vertex_face", found.vertex_faces, VertexFaceType.P_T),
+            ("edge_edge", found.edge_edges, EdgeEdgeType.EA_EB),
+            ("vertex_edge", found.vertex_edges, VertexEdgeType.P_E),
+            ("vertex_vertex", found.vertex_vertices, VertexVertexType.P_P),
+        ):
+            types, at = getattr(found, f"{name}_type"), getattr(found, f"{name}_at")
+            rows = len(pairs) if self._has("closest") else 0
+            self._that(len(types) == len(at) == rows and (types <= most).all(), f"{name}_type")
+            self._that(((at >= 0) & (at <= 1)).all(), f"{name}_at")
+        self._that(not (self._has("least") and self._asked.of_bodies), "least")
+        for name in ("vertex_distance", "face_distance", "edge_distance"):
+            least = getattr(found, name)
+            self._that((least >= 0).all() and (self._has("least") or not len(least)), name)
+        whole = self._has("least") and not self._asked.scene == "part"
+        self._that(not whole or len(found.edge_distance) == len(found.edges), "edge_distance")
+
+
+class _CheckCandidates(_Check):
+    def all(self) -> None:
+        found, of_bodies = self._found, self._asked.of_bodies
+        first, edges, points = found.first_edge, found.edges, found.points
+        fits = len(first) == len(found.first_point) and (len(first) == 2 or (of_bodies and len(first) > 0))
+        for offsets, listed in ((first, edges), (found.first_point, points)):
+            fits = fits and offsets[0] == 0 and offsets[-1] == len(listed) and bool((np.diff(offsets) >= 0).all())
+        self._that(fits and (edges >= 0).all() and (edges[:, 0] != edges[:, 1]).all() and (points >= 0).all(), "edges")
+        self._that(all(kind in [*LISTS] for kind in self._asked.kinds), "kinds")
+        for kind, name in LISTS.items():
+            pairs, bodies = getattr(found, name), getattr(found, f"{kind}_bodies")
+            self._that((kind in self._asked.kinds or not len(pairs)) and (pairs >= 0).all(), name)
+            self._that(len(bodies) == (len(pairs) if of_bodies else 0), name)
+            self._that(((bodies >= 0) & (bodies < len(first) - 1)).all(), f"{kind}_bodies")
+            of = bodies if of_bodies else np.zeros_like(pairs)
+            for column, feature in enumerate(kind.split("_")):
+                if feature == "edge":
+                    self._that((pairs[:, column] < np.diff(first)[of[:, column]]).all(), f"{name} and edges")
+        count = sum(len(getattr(found, name)) for name in LISTS.values())
+        self._that(found.count == count and found.any == (count > 0), "count")
+
+
+class _CheckDistances(_Check):
+    def all(self) -> None:
+        found = self._found
+        bodies, squared = found.bodies, found.squared_distance
+        rows = (squared, found.touching, found.triangles, found.points)
+        self._that(all(len(array) == len(bodies) for array in rows), "lengths")
+        first, second = bodies[:, 0].astype(np.int64), bodies[:, 1].astype(np.int64)
+        self._that((0 <= first).all() and (first < second).all(), "bodies")
+        self._that((np.diff(first << 32 | second) > 0).all(), "bodies")
+        self._that((squared >= 0).all() and not squared[found.touching].any(), "squared_distance")
+        self._that((found.triangles >= 0).all(), "triangles")
+        self._that(np.isfinite(found.points).all(), "points")
+
+
+class _CheckIntersections(_Check):
+    """Checks of worlds, and of meshes before the extension module checks their pairs."""
+
+    def all(self) -> None:
+        found, asked = self._found, self._asked
+        self._that(asked.output in OUTPUTS, "output")
+        least, contacts = OUTPUTS.index(asked.output), len(found.contact_kinds)
+        listed = least >= OUTPUTS.index("pairs")
+        self._that(listed or not asked.block, "block")
+        self._that(listed or not len(found.pairs), "pairs")
+        self._that(not listed or (found.count == len(found.pairs) and found.any == (found.count > 0)), "count")
+        counted = least >= OUTPUTS.index("count") and not asked.block
+        self._that(not counted or found.count == found.statistics.pairs, "statistics")
+        self._that(contacts == (len(found.pairs) if asked.output == "contacts" else 0), "contacts")
+        if asked.scene == "world":
+            self._world(least)
+
+    def _world(self, least: int) -> None:
+        found, asked, world, rows = self._found, self._asked, self._scene[0], len(self._found.bodies)
+        worlds = int(max(world.worlds.max(initial=-1), -1)) + 1
+        if not asked.block:
+            self._that(len(found.world_hit) == (worlds if least >= 1 else 0), "world_hit")
+            self._that(len(found.world_counts) == (worlds if least >= 3 else 0), "world_counts")
+        self._that(len(found.pairs) == (rows if least >= 4 else 0) and (rows == 0 or least in (2, 4, 5)), "pairs")
+        self._that(((found.bodies >= 0) & (found.bodies < len(world))).all(), "bodies")
+        sizes = np.array([shape.triangles for shape in world.shapes], np.int64)[world.bodies]
+        if least >= 4:
+            self._that(((found.pairs >= 0) & (found.pairs < sizes[found.bodies])).all(), "pairs")
+        if least == 5:
+            self._offsets(found.contact_offsets, rows, len(found.contact_points), "offsets of contacts")
+            self._that(np.isfinite(found.contact_points).all(), "points of contacts")
+        if "index" in asked.options and not asked.block:
+            self._offsets(found.world_offsets, worlds, rows, "world_offsets")
+            self._offsets(found.body_offsets, len(world), rows, "body_offsets")
+            starts = np.concatenate([[0], np.cumsum(sizes)])
+            self._that(np.array_equal(found.first_triangle, starts), "first_triangle")
+            self._that(len(found.hit) == sizes.sum(), "hit")
+
+
+_CHECKS: dict[str, type[_Check]] = {
+    "Intersections": _CheckIntersections,
+    "Impacts": _CheckFeatures,
+    "Proximities": _CheckFeatures,
+    "Candidates": _CheckCandidates,
+    "Distances": _CheckDistances,
+}
+
+
+def check_fit(result: Result) -> None:
+    """Raises InvalidInput where something of a result does not fit together."""
+    _CHECKS[type(result).__name__](result).all()

@@ -1,0 +1,238 @@
+"""Queries: the type says what is searched for, and gives the type of the result.
+
+A query is declared here once. Its members are the keywords of the method of Detector that asks it, and what the
+extension module reads (python/src/queries.cpp).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+Scope = Literal["both", "between", "within"]
+CandidateKind = Literal["vertex_face", "edge_edge", "edge_face", "face_face", "vertex_edge", "vertex_vertex"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PairFilter:
+    """Which pairs a query is about.
+
+    Args:
+        bodies: pairs "between" bodies, "within" one, or "both"; "both" where the scene is no world.
+        groups: the same for groups, which compare across bodies and meshes.
+        excluded_bodies: pairs of bodies of a world that are not tested against each other, by name or index: an
+            iterable of sets ({"arm", "hand"}; {"arm"}: the arm and itself) or pairs, or an array (k, 2) of integers.
+        excluded_groups: the same for groups, by number: an array or any iterable of pairs.
+    """
+
+    bodies: Scope = "both"
+    groups: Scope = "both"
+    excluded_bodies: Any = None
+    excluded_groups: Any = None
+
+
+class Query:
+    """Base of all queries."""
+
+    _call: ClassVar[str]  # the name of its calls, and of the method of Detector
+    _deliveries: ClassVar[frozenset[str]] = frozenset({"find"})
+
+
+_OF_PAIRS = frozenset({"find", "any", "stream", "partition", "launch"})
+
+
+@dataclass(frozen=True, kw_only=True)
+class IntersectionQuery(Query):
+    """Pairs of triangles that intersect -> Intersections.
+
+    Args:
+        output: how much is made; what is less than all pairs ends as soon as it is known. "any": whether anything
+            intersects; "any_by_world": in which worlds; "body_pairs": which bodies; "count": how many pairs; "pairs":
+            all of them; "contacts": and where each pair meets.
+        neighbours: pairs that share a vertex. "geometric": they intersect only if they meet outside the hull of what
+            they share (a fold counts, a hinge does not); "skip": never reported.
+        kind: "all": touching counts; "proper": only if an edge strictly crosses an interior.
+        weld: vertices at equal positions count as one, also those of different meshes and bodies.
+        filter: which pairs.
+        index: of worlds, also make offsets by world and by body, and hit flags; those of meshes are always there.
+
+    What an intersection is: docs/contract.md. Source: D. Mainzer, G. Zachmann, "Collision Detection Based on Fuzzy Scene
+    Subdivision", Algorithm 1.
+    """
+
+    output: Literal["any", "any_by_world", "body_pairs", "count", "pairs", "contacts"] = "pairs"
+    neighbours: Literal["geometric", "skip"] = "geometric"
+    kind: Literal["all", "proper"] = "all"
+    weld: bool = False
+    filter: PairFilter = PairFilter()
+    index: bool = False
+
+    _call: ClassVar[str] = "intersections"
+    _deliveries: ClassVar[frozenset[str]] = _OF_PAIRS
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImpactQuery(Query):
+    """Features that touch while every vertex goes straight from the start of a step to its end, and when -> Impacts.
+
+    An impact is a vertex and a face that does not name it, or two edges without a common vertex, that have a point in
+    common at some time in [0, 1], closed and degenerate ones included. What runs through a face without touching vertex
+    or edge is none: an intersection.
+
+    Args:
+        output: how much is made; all but the last end as soon as they may. "any": whether anything touches;
+            "any_by_world": in which worlds; "first": the first impact; "pairs": all impacts.
+        min_distance: features touch where their distance is at most this, in the units of the coordinates.
+        min_distance_share: or at most this share, in [0, 1), of the pair's own distance at the start, if that is more.
+        weld: vertices at equal positions at the start and at the end count as one: their features are neighbours.
+        filter: which pairs; a vertex or edge is in the group of its lowest triangle.
+        index: of one mesh, also make offsets by vertex, face and edge.
+        triangle_pairs: also find pairs of triangles that intersect at the start, and those of whose features some pair
+            is an impact; `any` and `world_hit` count them, `first` stays that of features.
+
+    What an impact is: docs/motion.md.
+    """
+
+    output: Literal["any", "any_by_world", "first", "pairs"] = "pairs"
+    min_distance: float = 0.0
+    min_distance_share: float = 0.0
+    weld: bool = False
+    filter: PairFilter = PairFilter()
+    index: bool = False
+    triangle_pairs: bool = False
+
+    _call: ClassVar[str] = "impacts"
+    _deliveries: ClassVar[frozenset[str]] = _OF_PAIRS
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirstImpactQuery(Query):
+    """The first impact of a step, of all worlds -> FirstImpact, or None.
+
+    Args:
+        min_distance, min_distance_share, weld, filter: as ImpactQuery has them.
+    """
+
+    min_distance: float = 0.0
+    min_distance_share: float = 0.0
+    weld: bool = False
+    filter: PairFilter = PairFilter()
+
+    _call: ClassVar[str] = "first_impact"
+
+
+@dataclass(frozen=True, kw_only=True)
+class FreeStepQuery(Query):
+    """A share of a step, with positions, on the way to which nothing touches, as they are rounded -> FreeStep.
+
+    vertices + toi * (end - vertices), computed in floating point, is another motion than the one whose toi that is. The
+    share is somewhat less than the first time of contact, by 2**-16 of it if that does; 0 where contact is at the start
+    or too near. Of one mesh. Cost: two or three times that of `any` with an ImpactQuery.
+
+    Args:
+        min_distance, min_distance_share, weld, filter: as ImpactQuery has them.
+        triangle_pairs: the share is 0 where triangles intersect at the start.
+    """
+
+    min_distance: float = 0.0
+    min_distance_share: float = 0.0
+    weld: bool = False
+    filter: PairFilter = PairFilter()
+    triangle_pairs: bool = False
+
+    _call: ClassVar[str] = "free_step"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProximityQuery(Query):
+    """Features whose distance is at most a radius, and their distances -> Proximities.
+
+    Features are a vertex and a face that does not name it, or two edges without a common vertex. Two triangles that run
+    through each other need not have features that are near.
+
+    Args:
+        output: how much is made; the first two end as soon as they may. "any": whether anything is near;
+            "any_by_world": in which worlds; "pairs": all pairs.
+        radius: Euclidean, 0 or more, in the units of the coordinates.
+        radii: (n,) float64 or float32, instead of `radius`: one a vertex, such as half the thickness of a cloth. An
+            edge or a face has the largest of its vertices'; features are near whose distance is at most the sum of
+            both, in real numbers. Of one mesh; shapes of a world have their own.
+        strict: distances less than the radius, or the sum of radii, not equal to it.
+        closest: also tell where the features of each pair are closest.
+        least: also tell the least distance of each vertex, face and edge of one mesh. Pairs that `rings` or `rest`
+            leave out do not count, so that with these it is no bound for a step.
+        weld: vertices at equal positions count as one: their features are neighbours.
+        rings: neighbours, which are never near, are also those from one of whose vertices at most so many edges lead
+            to one of the other's: Newton's topological filter. Kept while the edges stay the same.
+        rest: (n, 3) float32 or float64: where the vertices are at rest. Of one mesh; shapes of a world have their own.
+        rest_radius: features whose distance at rest is at most this are not near.
+        filter: which pairs; a vertex or edge is in the group of its lowest triangle.
+        index: of one mesh, also make offsets by vertex, face and edge.
+
+    A scene that moves is searched as it is at the start. What nearness is: docs/nearness.md.
+    """
+
+    output: Literal["any", "any_by_world", "pairs"] = "pairs"
+    radius: float | None = None
+    radii: Any = None
+    strict: bool = False
+    closest: bool = False
+    least: bool = False
+    weld: bool = False
+    rings: int = 0
+    rest: Any = None
+    rest_radius: float = 0.0
+    filter: PairFilter = PairFilter()
+    index: bool = False
+
+    _call: ClassVar[str] = "proximities"
+    _deliveries: ClassVar[frozenset[str]] = _OF_PAIRS
+
+
+@dataclass(frozen=True, kw_only=True)
+class CandidateQuery(Query):
+    """Features whose boxes overlap, for a narrow phase of one's own -> Candidates.
+
+    A box has the axes of the coordinates and holds where the feature's vertices are at the start and, of a scene that
+    moves, at the end. Two features are a candidate if they have no vertex in common and on every axis the gap between
+    their boxes is at most twice `inflation`, in real numbers: it is a definition, so nothing is missed and nothing is
+    more than that.
+
+    Args:
+        kinds: which lists are made, one name or several.
+        inflation: by how much each box is grown on all sides, 0 or more, in the units of the coordinates.
+        weld: vertices at equal positions at the start and at the end count as one, for "in common".
+        filter: which pairs.
+
+    More: docs/candidates.md.
+    """
+
+    kinds: CandidateKind | Iterable[CandidateKind] = ("vertex_face", "edge_edge")
+    inflation: float = 0.0
+    weld: bool = False
+    filter: PairFilter = PairFilter()
+
+    _call: ClassVar[str] = "candidates"
+    _deliveries: ClassVar[frozenset[str]] = frozenset({"find", "stream", "launch"})
+
+
+@dataclass(frozen=True, kw_only=True)
+class DistanceQuery(Query):
+    """Distances of the bodies of a world, each pair of them, and where they are closest -> Distances.
+
+    Bodies are sets of triangles, not volumes: a body inside another one is as far from it as their surfaces. Shapes
+    that are named are remembered; then a pair takes some microseconds to some ten.
+
+    Args:
+        radius: only pairs of bodies at most so far apart are listed, exactly: 0 or more, or infinite.
+        filter: which pairs of triangles count; those within a body never do.
+
+    With the cpu and the reference backend. More: docs/nearest.md.
+    """
+
+    radius: float = math.inf
+    filter: PairFilter = PairFilter()
+
+    _call: ClassVar[str] = "distances"

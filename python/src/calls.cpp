@@ -1,0 +1,163 @@
+#include "calls.h"
+
+#include <concepts>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/vector.h>
+
+#include "arguments.h"
+#include "gil.h"
+#include "queries.h"
+#include "results.h"
+#include "scene.h"
+#include "views.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace crumple::python {
+namespace {
+
+/// Arguments of a call, and its turn.
+template <class Query>
+struct Call {
+    Call(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded)
+        : detector(detector_of(self)),
+          given(detector, scene),
+          asked(query, given, excluded),
+          turn(detector),
+          view(given.view(detector)) {}
+
+    SharedDetector& detector;
+    const BorrowedScene given;
+    const BorrowedQuery<Query> asked;
+    const SharedDetector::Turn turn;
+    const Scene view;
+};
+
+// Makes an array (n, 3) that owns its memory.
+template <class Number>
+nb::object give_rows(const Array<double>& values) {
+    import_numpy();
+    const auto given = new std::vector<Number>(values.begin(), values.end());
+    const nb::capsule owner(given, [](void* p) noexcept { delete static_cast<std::vector<Number>*>(p); });
+    return nb::cast(nb::ndarray<nb::numpy, Number>(given->data(), {given->size() / 3, 3}, owner));
+}
+
+// Converts a free step to (share, positions), which are of the precision of the mesh.
+nb::object tuple_of_step(const FreeStep& step, const Scene& scene) {
+    const MeshView& mesh = std::get<MeshView>(scene.source());
+    const bool single = mesh.vertices.type == ScalarType::float32 && mesh.end.type == ScalarType::float32;
+    return nb::make_tuple(step.share, single ? give_rows<float>(step.positions) : give_rows<double>(step.positions));
+}
+
+template <class Query>
+nb::object find(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded) {
+    const Call<Query> call(self, scene, query, excluded);
+    const auto find_in = [&](auto work) { return without_gil(work, call.detector.stop()); };
+    if constexpr (std::same_as<Query, FreeStepQuery>) {
+        return tuple_of_step(find_in([&] { return call.detector.find(call.view, call.asked.query); }), call.view);
+    } else if constexpr (std::same_as<Query, FirstImpactQuery>) {
+        return tuple_of(find_in([&] { return call.detector.find(call.view, call.asked.query); }));
+    } else {
+        using Result = typename Query::Result;
+        SharedDetector& detector = call.detector;
+        Shown<Result> result{detector.storage<Result>()};
+        find_in([&] { detector.find(call.view, call.asked.query, *result.storage); });
+        return nb::cast(std::move(result));
+    }
+}
+
+template <class Query>
+bool supports(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded) {
+    const Call<Query> call(self, scene, query, excluded);
+    return call.detector.call([&](Detector& by, std::stop_token) { return by.supports(call.view, call.asked.query); });
+}
+
+template <class Query>
+bool any(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded) {
+    const Call<Query> call(self, scene, query, excluded);
+    return without_gil([&] { return call.detector.any(call.view, call.asked.query); }, call.detector.stop());
+}
+
+template <class Query>
+std::vector<Part> partition(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded,
+                            nb::handle count) {
+    const int parts = integer<int>("count", count);
+    const Call<Query> call(self, scene, query, excluded);
+    return without_gil([&] { return call.detector.partition(call.view, call.asked.query, parts); },
+                       call.detector.stop());
+}
+
+// Counts the rows of a block alone, where the library counts those before as well.
+template <class Block>
+std::int64_t rows_of(const Block& block) {
+    std::int64_t rows = 0;
+    for (const auto& list : block.lists) rows += static_cast<std::int64_t>(list.pairs.size());
+    return rows;
+}
+std::int64_t rows_of(const Intersections& block) { return static_cast<std::int64_t>(block.pairs.size()); }
+
+/// Calls `take` with a copy of each block, with the GIL.
+template <class Query>
+Statistics stream(nb::handle self, nb::handle take, nb::handle scene, nb::handle query, nb::handle excluded,
+                  nb::handle block_rows) {
+    using Block = typename Query::Result;
+    const std::int64_t rows = integer<std::int64_t>("block_rows", block_rows);
+    const Call<Query> call(self, scene, query, excluded);
+    const auto take_copy = [&](const Block& block) {
+        Shown<Block> copy{std::make_shared<Block>(block)};
+        copy.storage->count = rows_of(block);
+        const nb::object shown = nb::cast(std::move(copy));
+        PyObject* const done =
+            in_python([&] { return PyObject_CallFunctionObjArgs(take.ptr(), shown.ptr(), nullptr); });
+        if (!done) throw nb::python_error();
+        Py_DECREF(done);
+    };
+    const auto deliver = [&](Detector& by, auto& sink, std::stop_token stop) {
+        return by.stream(call.view, call.asked.query, sink, rows, std::move(stop));
+    };
+    SharedDetector& detector = call.detector;
+    return without_gil([&] { return detector.stream<Block>(take_copy, deliver); }, detector.stop());
+}
+
+template <class Query>
+void bind_find(nb::class_<SharedDetector>& detector, const std::string& name) {
+    detector.def(("_find_" + name).c_str(), find<Query>, "scene"_a, "query"_a, "excluded"_a.none());
+    detector.def(("_supports_" + name).c_str(), supports<Query>, "scene"_a, "query"_a, "excluded"_a.none());
+}
+
+template <class Query>
+void bind_stream(nb::class_<SharedDetector>& detector, const std::string& name) {
+    detector.def(("_stream_" + name).c_str(), stream<Query>, "take"_a, "scene"_a, "query"_a, "excluded"_a.none(),
+                 "block_rows"_a.none());
+}
+
+template <class Query>
+void bind_pairs(nb::class_<SharedDetector>& detector, const std::string& name) {
+    bind_find<Query>(detector, name);
+    bind_stream<Query>(detector, name);
+    detector.def(("_any_" + name).c_str(), any<Query>, "scene"_a, "query"_a, "excluded"_a.none());
+    detector.def(("_partition_" + name).c_str(), partition<Query>, "scene"_a, "query"_a, "excluded"_a.none(),
+                 "count"_a.none());
+}
+
+}  // namespace
+
+void bind_calls(nb::class_<SharedDetector>& detector) {
+    bind_pairs<IntersectionQuery>(detector, "intersections");
+    bind_pairs<ImpactQuery>(detector, "impacts");
+    bind_pairs<ProximityQuery>(detector, "proximities");
+    bind_find<CandidateQuery>(detector, "candidates");
+    bind_stream<CandidateQuery>(detector, "candidates");
+    bind_find<DistanceQuery>(detector, "distances");
+    bind_find<FirstImpactQuery>(detector, "first_impact");
+    bind_find<FreeStepQuery>(detector, "free_step");
+}
+
+}  // namespace crumple::python

@@ -1,0 +1,142 @@
+#include "mpi/rank_results.h"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <tuple>
+
+#include <nanobind/stl/string_view.h>
+
+#include "names.h"
+#include "views.h"
+
+namespace nb = nanobind;
+
+namespace crumple::python {
+namespace {
+
+nb::typed<nb::dict, nb::str, double> phase_milliseconds(const DistributedStatistics& statistics) {
+    nb::typed<nb::dict, nb::str, double> result;
+    for (int i = 0; i < phase_count; ++i) {
+        const auto phase = static_cast<Phase>(i);
+        const std::string_view name = phase_name(phase);
+        result[nb::str(name.data(), name.size())] = statistics[phase];
+    }
+    return result;
+}
+
+void bind_statistics(nb::module_& module) {
+    using S = DistributedStatistics;
+    nb::class_<S>(module, "Statistics", "What a call did on this rank. Times are in milliseconds.")
+        .def_ro("milliseconds", &S::milliseconds, "Wall-clock time of the call inside the library.")
+        .def_prop_ro("phase_milliseconds", phase_milliseconds,
+                     "Milliseconds by phase, with the communication that follows each: question, input, ids, place,\n"
+                     "members, room, search, rows, output.")
+        .def_ro("parts", &S::parts, "Parts of the scene that this rank has searched.")
+        .def_ro("members", &S::members, "Triangles of these, each counted in each.")
+        .def_ro("bytes_sent", &S::bytes_sent, "Bytes to other ranks.")
+        .def_ro("messages", &S::messages, "Messages to other ranks.")
+        .def_ro("work_milliseconds", &S::work_milliseconds, "Time of this rank's searches.")
+        .def_ro("largest_work", &S::largest_work, "The largest of these over all ranks, in milliseconds.")
+        .def_ro("mean_work", &S::mean_work, "Their mean over all ranks, in milliseconds.")
+        .def_ro("moved", &S::moved,
+                "Whether only vertices have moved since the call before, so that only coordinates were sent.")
+        .def_prop_ro(
+            "search", [](const S& s) { return Statistics(s.search); },
+            "A crumple.Statistics: the sum over this rank's parts.")
+        .def("__repr__", [](const S& s) {
+            return nb::str(
+                       "Statistics(milliseconds={:.3f}, parts={}, members={}, bytes_sent={}, messages={}, "
+                       "work_milliseconds={:.3f}, largest_work={:.3f}, mean_work={:.3f}, moved={!r})")
+                .format(s.milliseconds, s.parts, s.members, s.bytes_sent, s.messages, s.work_milliseconds,
+                        s.largest_work, s.mean_work, s.moved);
+        });
+}
+
+constexpr auto owner = nb::rv_policy::reference_internal;
+
+const Array<double>& values(const ImpactList& list) { return list.toi; }
+const Array<double>& values(const ProximityList& list) { return list.squared_distance; }
+const Array<std::uint8_t>& flags(const ImpactList& list) { return list.start; }
+const Array<std::uint8_t>& flags(const ProximityList& list) { return list.touching; }
+
+template <class Result>
+class Binding {
+   public:
+    Binding(nb::module_& module, const char* name, const char* description) : type_(module, name, description) {
+        value("any", [](const Result& r) { return r.any; });
+        value("count", [](const Result& r) { return r.count; });
+        value("statistics", [](const Result& r) { return DistributedStatistics(r.statistics); });
+    }
+    template <class Get>
+    void value(const std::string& name, Get get) {
+        type_.def_prop_ro(name.c_str(), [get](const RankShown<Result>& r) { return get(r.found); });
+    }
+    template <class Number, class ArrayOf, class... Columns>
+    void array(const std::string& name, ArrayOf array_of, Columns... columns) {
+        const auto show = [=](const RankShown<Result>& r) { return view<Number>(array_of(r.found), columns...); };
+        type_.def_prop_ro(name.c_str(), show, owner);
+    }
+
+   private:
+    nb::class_<RankShown<Result>> type_;
+};
+
+void bind_intersections(nb::module_& module) {
+    using R = DistributedIntersections;
+    Binding<R> result(module, "Intersections", "Storage of a crumple.mpi.Intersections.");
+    result.array<std::int32_t>(
+        "pairs", [](const R& r) -> auto& { return r.pairs; }, 2U);
+    result.array<std::int32_t>(
+        "bodies", [](const R& r) -> auto& { return r.bodies; }, 2U);
+    result.array<std::uint8_t>(
+        "contact_kinds", [](const R& r) -> auto& { return r.contacts.kinds; });
+    result.array<std::int64_t>(
+        "contact_offsets", [](const R& r) -> auto& { return r.contacts.offsets; });
+    result.array<double>(
+        "contact_points", [](const R& r) -> auto& { return r.contacts.points; }, 3U);
+}
+
+// Binds members of both results about features. Ranks have lists of two kinds: no others occur where nothing is listed.
+template <class Result>
+void bind_features(Binding<Result>& result, const char* value, const char* flag) {
+    for (const auto& [kind, name, pairs] : {std::tuple(FeatureKind::vertex_face, "vertex_face_", "vertex_faces"),
+                                            std::tuple(FeatureKind::edge_edge, "edge_edge_", "edge_edges")}) {
+        const FeatureKind of = kind;
+        const std::string prefix = name;
+        result.template array<std::int32_t>(
+            pairs, [of](const Result& r) -> auto& { return r[of].pairs; }, 2U);
+        result.template array<std::int32_t>(
+            prefix + "bodies", [of](const Result& r) -> auto& { return r[of].bodies; }, 2U);
+        result.template array<double>(
+            prefix + value, [of](const Result& r) -> auto& { return values(r[of]); });
+        result.template array<bool>(
+            prefix + flag, [of](const Result& r) -> auto& { return flags(r[of]); });
+        if constexpr (std::is_same_v<Result, DistributedProximities>) {
+            result.template array<std::uint8_t>(
+                prefix + "type", [of](const Result& r) -> auto& { return r[of].type; });
+            result.template array<double>(
+                prefix + "at", [of](const Result& r) -> auto& { return r[of].at; }, 2U);
+        }
+    }
+    result.template array<std::int32_t>(
+        "edges", [](const Result& r) -> auto& { return r.edges; }, 2U);
+    result.template array<std::int32_t>(
+        "edge_ids", [](const Result& r) -> auto& { return r.edge_ids; });
+    result.template array<std::int32_t>(
+        "edge_bodies", [](const Result& r) -> auto& { return r.edge_bodies; });
+}
+
+}  // namespace
+
+void bind_rank_results(nb::module_& module) {
+    bind_statistics(module);
+    bind_intersections(module);
+    Binding<DistributedImpacts> impacts(module, "Impacts", "Storage of a crumple.mpi.Impacts.");
+    bind_features(impacts, "toi", "start");
+    impacts.value("first", [](const DistributedImpacts& r) { return tuple_of(r.first); });
+    Binding<DistributedProximities> proximities(module, "Proximities", "Storage of a crumple.mpi.Proximities.");
+    bind_features(proximities, "squared_distance", "touching");
+}
+
+}  // namespace crumple::python
