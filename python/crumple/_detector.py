@@ -372,7 +372,7 @@ class Detector(_core.Detector):
         **options: Any,
     ) -> FirstImpact | None:
         """The first impact of a step; None: the step is free. Find with a FirstImpactQuery; arguments as of impacts."""
-        return self._find(step_of(start, end, faces, groups, edges, points), First_query_of(ImpactQuery, options))
+        return self._find(step_of(start, end, faces, groups, edges, points), _query_of(FirstImpactQuery, options))
 
     @asks(FreeStepQuery)
     def free_step(

@@ -140,12 +140,9 @@ def is_mesh(thing: Any) -> bool:
 
 def _is_row(thing: Any) -> bool:
     """True of (0, 1, 2) and of 0, which a tuple of faces has where a mesh has its vertices."""
-    shape = getattr(thing, "shape", None)
-    if shape is not None:
-        return len(shape) < 2
     if isinstance(thing, (list, tuple)):
         return len(thing) > 0 and not hasattr(thing[0], "__len__")
-    return hasattr(thing, "__index__")
+    return isinstance(thing, int)
 
 
 def mesh_of(vertices: Any, faces: Any = None, **attributes: Any) -> Mesh:

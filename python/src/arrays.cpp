@@ -151,11 +151,11 @@ struct Argument {
     void* stream = nullptr;  ///< CUDA stream that it must be ready on, if it lies in CUDA memory
 };
 
-// The number that DLPack has for a CUDA stream: 1 for the legacy default stream, else the address. Never -1, which
-// leaves the array unsynchronized.
-std::uintptr_t dlpack_stream(void* stream) {
+// The number that DLPack has for a CUDA stream: 1 for the legacy default stream, -1 for none, else the address.
+nb::int_ dlpack_stream(void* stream) {
+    if (stream == no_stream()) return nb::int_(-1);
     constexpr std::uintptr_t legacy_default = 1;
-    return stream ? reinterpret_cast<std::uintptr_t>(stream) : legacy_default;
+    return nb::int_(stream ? reinterpret_cast<std::uintptr_t>(stream) : legacy_default);
 }
 
 // Calls __dlpack__ by name. Returns null, with Python's error set, if it raises.

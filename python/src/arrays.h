@@ -53,6 +53,9 @@ inline constexpr const char* copy_to_host =
 // below: __dlpack__(stream=...) has that stream wait for what the package's own current stream was given. Null is the
 // legacy default stream, as in MeshView::stream. Arrays in host memory need no stream.
 
+/// Stands for no stream: for arrays of which only the shape is read now, so that no stream has to wait.
+inline void* no_stream() { return reinterpret_cast<void*>(~std::uintptr_t{0}); }  // NOLINT(performance-no-int-to-ptr)
+
 /// A crumple.Mesh in place. Needs the GIL to come and go, not to be read.
 class BorrowedMesh {
    public:

@@ -36,6 +36,11 @@ void construct(nb::handle self, const char* type, Arguments&&... arguments) {
     nb::inst_mark_ready(self);
 }
 
+// Poses that a world keeps: each call that reads them borrows them once more, on a stream of its own.
+BorrowedPoses looked_at(nb::handle poses, const Bodies& bodies, BorrowedPoses::When when = BorrowedPoses::When::start) {
+    return {poses, bodies, when, no_stream()};
+}
+
 void make_shape(nb::handle self, const nb::tuple& mesh, const char* which, std::uint64_t name, nb::handle end,
                 const nb::tuple& lists, nb::handle radii, nb::handle rest) {
     if (!nb::isinstance<BorrowedShape>(self)) refuse_type("self", "a crumple.Shape", self);
@@ -58,7 +63,7 @@ void make_world(nb::handle self, const nb::list& shapes, const Column<std::int32
     made->moving = static_cast<std::int64_t>(n);
     made->bodies.reserve(n);
     for (std::size_t b = 0; b < n; ++b) made->bodies.push_back({shape_of(b), groups(b), worlds(b), wanted_self(b)});
-    BorrowedPoses given(poses, *made), at_end(end_poses, *made, BorrowedPoses::When::end);
+    BorrowedPoses given = looked_at(poses, *made), at_end = looked_at(end_poses, *made, BorrowedPoses::When::end);
     construct<BorrowedWorld>(self, "crumple.World", made, std::move(given), std::move(at_end));
 }
 
@@ -90,7 +95,7 @@ void make_configurations(nb::handle self, nb::handle of, std::int64_t count, nb:
         made->poses_at_rest.resize(static_cast<std::size_t>(rest));
     else
         made->poses_at_rest.assign(known.begin() + made->moving, known.end());
-    BorrowedPoses given(poses, *made), at_end(end_poses, *made, BorrowedPoses::When::end);
+    BorrowedPoses given = looked_at(poses, *made), at_end = looked_at(end_poses, *made, BorrowedPoses::When::end);
     construct<BorrowedWorld>(self, "crumple.World", made, std::move(given), std::move(at_end));
 }
 
@@ -98,7 +103,7 @@ void make_configurations(nb::handle self, nb::handle of, std::int64_t count, nb:
 void make_posed(nb::handle self, nb::handle of, nb::handle poses, nb::handle end_poses) {
     if (!nb::isinstance<BorrowedWorld>(self)) refuse_type("self", "a crumple.World", self);
     const std::shared_ptr<const Bodies> bodies = given_world(of).bodies;
-    BorrowedPoses given(poses, *bodies), at_end(end_poses, *bodies, BorrowedPoses::When::end);
+    BorrowedPoses given = looked_at(poses, *bodies), at_end = looked_at(end_poses, *bodies, BorrowedPoses::When::end);
     construct<BorrowedWorld>(self, "crumple.World", bodies, std::move(given), std::move(at_end));
 }
 
@@ -273,7 +278,7 @@ void bind_world(nb::module_& module) {
             "_place",
             [](nb::handle self, nb::handle poses) {
                 BorrowedWorld& world = given_world(self);
-                BorrowedPoses given(poses, *world.bodies);
+                BorrowedPoses given = looked_at(poses, *world.bodies);
                 std::swap(world.poses, given);  // what was there is dropped last: that may run code of Python
             },
             "poses"_a.none())
@@ -282,7 +287,7 @@ void bind_world(nb::module_& module) {
             "_place_end",
             [](nb::handle self, nb::handle poses) {
                 BorrowedWorld& world = given_world(self);
-                BorrowedPoses given(poses, *world.bodies, BorrowedPoses::When::end);
+                BorrowedPoses given = looked_at(poses, *world.bodies, BorrowedPoses::When::end);
                 std::swap(world.end_poses, given);
             },
             "poses"_a.none());

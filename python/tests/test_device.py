@@ -532,6 +532,7 @@ def test_each_search_has_the_poses_of_a_world_made_ready(cuda):
     """Between searches they may be written to, on any stream."""
     world, poses = worlds_of(3, np.float64)
     world.poses = producer = Producer(poses)
+    assert producer.calls == [{"stream": -1}], "only its shape is read"
     for _ in range(2):
         producer.calls.clear()
         cuda.find(world)

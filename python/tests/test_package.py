@@ -41,11 +41,13 @@ def test_the_version_is_that_of_the_distribution():
 def test_the_version_has_one_place():
     header = (TOP / "include" / "crumple" / "version.h").read_text()
     numbers = re.findall(r"^#define CRUMPLE_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)$", header, flags=re.M)
-    assert crumple.__version__ == ".".join(numbers)
+    suffix = re.search(r'^#define CRUMPLE_VERSION_SUFFIX "(.*)"$', header, flags=re.M).group(1)
+    assert crumple.__version__ == ".".join(numbers) + suffix
     citation = re.findall(r"^version: (.*)$", (TOP / "CITATION.cff").read_text(), flags=re.M)
     assert citation == [crumple.__version__], "CITATION.cff repeats it, for it cannot read it elsewhere"
-    named = set(re.findall(r"crumple[-_](\d+\.\d+\.\d+)", (TOP / "README.md").read_text()))
-    assert named == {crumple.__version__}, "README.md names the files of the release"
+    named = set(re.findall(r"crumple[-_](\d+\.\d+\.\d+[.~\w]*?)[-_]", (TOP / "README.md").read_text()))
+    deb = ".".join(numbers) + suffix.replace(".", "~")
+    assert named == {crumple.__version__, deb}, "README.md names the files of the release"
     for name in ("CMakeLists.txt", "pyproject.toml", "cmake/package.cmake"):
         assert crumple.__version__ not in (TOP / name).read_text(), f"{name} reads include/crumple/version.h"
 

@@ -4,7 +4,10 @@ here=$top/scripts/release
 dist=$top/dist
 work=$top/build-release
 numbers='s/^#define CRUMPLE_VERSION_(MAJOR|MINOR|PATCH) ([0-9]+)$/\2/p'
-version=$(sed -nE "$numbers" "$top/include/crumple/version.h" | paste -sd.)
+suffix=$(sed -nE 's/^#define CRUMPLE_VERSION_SUFFIX "(.*)"$/\1/p' "$top/include/crumple/version.h")
+version=$(sed -nE "$numbers" "$top/include/crumple/version.h" | paste -sd.)$suffix
+deb_version=${version%"$suffix"}${suffix/./\~}
+interface=$(sed -nE "$numbers" "$top/include/crumple/version.h" | head -n 2 | paste -sd.)  # in names of shared libraries
 numpy=$work/numpy  # wheels of NumPy, for installations that are to reach no index
 
 step() { printf "\n== %s (%s)\n" "$1" "$(date +%T)"; }

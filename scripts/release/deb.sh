@@ -14,6 +14,8 @@ cmake -G Ninja -S "$top" -B "$folder" -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL
 quietly "$work/deb.log" cmake --build "$folder" -j "${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}"
 python3 "$here/licences.py" "$folder" "$folder/cli/crumple" >"$work/licences.txt"
 mv "$work/licences.txt" "$folder/THIRD_PARTY_LICENSES.txt"
+released=$(sed -nE 's/^## \[([0-9.]+)\].*/\1/p' "$top/CHANGELOG.md" | grep -vxF "$version" | head -n 1)
+dpkg --compare-versions "$deb_version" gt "$released" || fail "$deb_version does not upgrade the package of $released"
 (cd "$folder" && quietly "$work/cpack.log" cpack -G DEB -B "$work/deb")
-mv "$work/deb/crumple_${version}_$(dpkg --print-architecture).deb" "$dist"
+mv "$work/deb/crumple_${deb_version}_$(dpkg --print-architecture).deb" "$dist"
 dpkg-deb --field "$dist"/crumple_*.deb Package Version Architecture Installed-Size Depends

@@ -18,7 +18,7 @@ cmake -G Ninja -S "$top/tests/consumer" -B "$prefix/consumer" -DCMAKE_PREFIX_PAT
 cmake --build "$prefix/consumer"
 "$prefix/consumer/consumer"
 for library in crumple crumple_io; do
-    readelf -d "$prefix/consumer/consumer" | grep "NEEDED.*lib$library\.so\.${version%.*}\]" ||
-        fail "the project is not linked with lib$library.so.${version%.*}"
+    readelf -d "$prefix/consumer/consumer" | grep "NEEDED.*lib$library\.so\.$interface\]" ||
+        fail "the project is not linked with lib$library.so.$interface"
 done
 "$prefix/bin/crumple" --version

@@ -236,6 +236,16 @@ struct Detector::Implementation : WorldCalls {
         return free_step;
     }
 
+    /// The world without its end, where queries of this type read it as it is at the start.
+    template <class Query>
+    static World as_read(const World& world) {
+        World read = world;
+        if (OneOf<Query, ImpactQuery, CandidateQuery>) return read;
+        read.end_poses = {};
+        read.device_end_poses = {};
+        return read;
+    }
+
     // Sources of a query:
 
     template <class Query>
@@ -260,7 +270,9 @@ struct Detector::Implementation : WorldCalls {
                 });
             }
         };
-        const auto of_world = [&](const World& world) -> const Result& { return find(world, query, std::move(stop)); };
+        const auto of_world = [&](const World& world) -> const Result& {
+            return find(as_read<Query>(world), query, std::move(stop));
+        };
         const auto of_part = [&](const Part* part) -> const Result& {
             if constexpr (intersections) {
                 if (query.output != Output::pairs && query.output != Output::contacts)
@@ -311,7 +323,7 @@ struct Detector::Implementation : WorldCalls {
             }
         };
         const auto of_world = [&](const World& world) {
-            return stream(world, query, take, block_rows, std::move(stop));
+            return stream(as_read<Query>(world), query, take, block_rows, std::move(stop));
         };
         const auto of_part = [&](const Part*) -> Statistics { refuse("blocks are not made of parts"); };
         return std::visit(Overloaded{of_mesh, of_two, of_world, of_part}, scene.source());
@@ -337,7 +349,7 @@ struct Detector::Implementation : WorldCalls {
         if constexpr (std::same_as<Query, IntersectionQuery>) {
             const auto* two = std::get_if<TwoMeshes>(&scene.source());
             const auto* world = std::get_if<World>(&scene.source());
-            if (world) return launch(*world, query);
+            if (world) return launch(as_read<Query>(*world), query);
             if (mesh) return launch(*mesh, nullptr, query);
             if (two) return launch(two->a, &two->b, query);
             refuse("parts are not launched");

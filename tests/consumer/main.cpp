@@ -35,7 +35,7 @@ int main() {
     const std::vector<std::array<std::int32_t, 3>> wrong{{0, 1, 9}};
     const bool refused = fails_with(crumple::ErrorCode::index_out_of_range, [&] { detector.find({vertices, wrong}); });
     const bool missing = fails_with(crumple::ErrorCode::file, [] { crumple::io::read_mesh("no such file.ply"); });
-    const bool same_version = std::string_view(CRUMPLE_VERSION) == CRUMPLE_PACKAGE_VERSION;
+    const bool same_version = std::string_view(CRUMPLE_VERSION).starts_with(CRUMPLE_PACKAGE_VERSION);
     if (!refused || !missing) std::puts("an error did not come through as a crumple::Error");
     if (!same_version) std::puts("the headers have another version than the package");
     return found && refused && missing && same_version ? 0 : 1;
