@@ -179,7 +179,7 @@ std::string text_of(const io::FeatureRow& row, bool has_bodies) {
 }
 
 std::string text_of(const io::CandidateRow& row, bool has_bodies) {
-    std::string text(io::short_name(row.kind));
+    std::string text(io::in_files(row.kind).keyword);
     for (std::size_t k = 0; k < io::id_count(row.kind); ++k) {
         const std::int32_t body = k < io::first_ids(row.kind) ? row.bodies.first : row.bodies.second;
         text += ' ' + (has_bodies ? fmt::format("{}:", body) : "") + std::to_string(row.ids[k]);

@@ -6,8 +6,7 @@
 #include "cli/ranks/rank_gather.h"
 #include "distributed/transport/exchange_lists.h"
 #include "distributed/transport/merge_runs.h"
-#include "io/bytes/sink.h"
-#include "io/lists/feature_list_view.h"
+#include "io/lists/feature_tables.h"
 
 namespace crumple::cli {
 namespace {
@@ -87,12 +86,10 @@ void fill(std::span<const TravellingRow> rows, std::size_t kind, Answer& block) 
 template <class Answer>
 void write_rows(std::ostream& out, const std::vector<TravellingRow>& rows, std::size_t kind, io::PairFormat format) {
     constexpr std::size_t most = std::size_t{1} << 14;
-    io::Sink sink(out);
     Answer block;
     for (std::size_t begin = 0; begin < rows.size(); begin += most) {
         fill(std::span(rows).subspan(begin, std::min(most, rows.size() - begin)), kind, block);
-        const io::FeatureAnswer answer = io::view(block);
-        format == io::PairFormat::csv ? io::add_csv(sink, answer) : io::add_txt(sink, answer);
+        io::write_list_rows(out, io::table_of(block), format);
     }
 }
 
@@ -101,10 +98,7 @@ template <class Answer>
 std::function<void(std::ostream&)> section(const OrderedRows& rows, std::size_t kind, io::PairFormat format,
                                            const io::FeatureWords* heading) {
     return [&rows = rows[kind], kind, format, heading](std::ostream& out) {
-        if (heading && format == io::PairFormat::csv) {
-            io::Sink sink(out);
-            io::begin_csv(sink, *heading);
-        }
+        if (heading) io::write_list_heading(out, heading->rows(), format);
         write_rows<Answer>(out, rows, kind, format);
     };
 }

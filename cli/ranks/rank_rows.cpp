@@ -31,7 +31,7 @@ void write_rows(std::ostream& out, const DistributedIntersections& found, bool c
             const auto points = static_cast<std::size_t>(block.contacts.offsets[n]);
             std::copy_n(all.points.data() + first, points, block.contacts.points.resize_discard(points));
         }
-        io::write_rows_of_pairs(out, block, format);
+        io::write_list_rows(out, io::table_of(block), format);
     }
 }
 
@@ -84,7 +84,7 @@ std::int64_t count_hits(RankLink& link, const DistributedIntersections& found, i
 
 RankText text_of(const RankLink& link, const DistributedIntersections& found, bool contacts, io::PairFormat format) {
     return {[&found, contacts, format, first = link.is_first()](std::ostream& out) {
-        if (first) io::write_heading_of_pairs(out, contacts, format);
+        if (first) io::write_list_heading(out, io::pair_rows(contacts), format);
         write_rows(out, found, contacts, format);
     }};
 }

@@ -94,12 +94,6 @@ void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<con
 void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
                 const Intersections& collisions, int height = 0);
 
-void write_pairs_json(std::ostream& out, const Intersections& collisions);
-void write_pairs_npz(std::ostream& out, const Intersections& collisions);
-std::vector<Pair> read_pairs_json(const Source& source);
-std::vector<Pair> read_pairs_npy(const Source& source);
-std::vector<Pair> read_pairs_npz(const Source& source);
-
 /// Lower-case extension, with its dot; .obj for mesh.obj.gz.
 std::string extension_of(const std::filesystem::path& path);
 /// The format that an extension, in lower case and with its dot, names; automatic for none of them.

@@ -35,10 +35,10 @@ class NpzWriter {
    public:
     /// `data` holds scalars of type T in rows of `columns`; 0: a plain vector.
     template <class T>
-    void add(const char* name, const void* data, std::size_t rows, int columns = 0) {
+    void add(const char* name, const void* data, std::size_t rows, std::size_t columns = 0) {
         const std::string shape = std::to_string(rows) + "," + (columns ? std::to_string(columns) : "");
         const std::string header = npy_header(npy_descriptor<T>(), shape);
-        const std::size_t size = rows * static_cast<std::size_t>(columns ? columns : 1) * sizeof(T);
+        const std::size_t size = rows * (columns ? columns : 1) * sizeof(T);
         archive_.begin(std::string(name) + ".npy", ZipWriter::Method::store, header.size() + size);
         archive_.add(header);
         archive_.add({static_cast<const char*>(data), size});

@@ -7,9 +7,10 @@
 #include <map>
 
 #include "base/float_environment.h"
+#include "crumple/io_features.h"
 #include "io/bytes/atomic_file.h"
 #include "io/formats.h"
-#include "io/lists/feature_list_view.h"
+#include "io/lists/feature_kinds.h"
 
 namespace crumple::io {
 

@@ -1,123 +1,256 @@
-// Impacts, near pairs and candidates as text and CSV; the format by extension.
+// Impacts, near pairs and candidates as tables, and into files.
 
 #include <algorithm>
 
-#include "base/float_environment.h"
-#include "io/bytes/atomic_file.h"
-#include "io/bytes/sink.h"
-#include "io/formats.h"
-#include "io/lists/feature_list_view.h"
+#include "crumple/error.h"
+#include "io/bytes/json.h"
+#include "io/lists/feature_tables.h"
 
 namespace crumple::io {
-
 namespace {
 
-void add_id(Sink& sink, const CandidateRow& row, bool has_bodies, std::size_t k) {
-    if (has_bodies) sink << (k < first_ids(row.kind) ? row.bodies.first : row.bodies.second) << ':';
-    sink << row.ids[k];
+/// Pairs of one kind.
+struct PairsOfKind {
+    bool listed = false;  ///< they are to be written, be there none
+    std::span<const Pair> pairs;
+    std::span<const BodyPair> bodies;
+    std::span<const double> values;
+    std::span<const std::uint8_t> flags;
+};
+
+/// A result, whichever it is.
+struct FeatureLists {
+    FeatureWords words;
+    std::array<PairsOfKind, candidate_kinds> lists;  ///< by CandidateKind
+    std::span<const Edge> edges;
+    std::span<const std::int64_t> first_edge;
+    std::span<const std::int32_t> points;  ///< as in Impacts
+    std::span<const std::int64_t> first_point;
+    const Statistics* statistics;
+    const FirstImpact* first = nullptr;  ///< null unless these are impacts
+
+    PairsOfKind& operator[](CandidateKind kind) { return lists[static_cast<std::size_t>(kind)]; }
+    const PairsOfKind& operator[](CandidateKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
+    bool has_bodies() const { return first_edge.size() > 2; }
+
+    bool lists_edges() const {
+        return std::any_of(all_kinds.begin(), all_kinds.end(), [&](CandidateKind kind) {
+            return (*this)[kind].listed && (is_edge(kind, 0) || is_edge(kind, 1));
+        });
+    }
+    BodyPair bodies_of(CandidateKind kind, std::size_t i) const {
+        const PairsOfKind& list = (*this)[kind];
+        return list.bodies.empty() ? BodyPair{0, 0} : list.bodies[i];
+    }
+    std::span<const Edge> edges_of(std::int32_t body) const { return piece(edges, first_edge, body); }
+    /// Empty if the body's points are its vertices.
+    std::span<const std::int32_t> points_of(std::int32_t body) const { return piece(points, first_point, body); }
+
+    /// The pair with vertices in place of points.
+    Pair by_vertex(CandidateKind kind, Pair pair, const BodyPair& bodies) const {
+        const auto name_vertex = [&](std::size_t side, std::int32_t body, std::int32_t& id) {
+            const auto of_body = points_of(body);
+            if (feature_of(kind, side) == Feature::vertex && !of_body.empty())
+                id = of_body[static_cast<std::size_t>(id)];
+        };
+        name_vertex(0, bodies.first, pair.a);
+        name_vertex(1, bodies.second, pair.b);
+        return pair;
+    }
+    Pair by_vertex(CandidateKind kind, std::size_t i) const {
+        return by_vertex(kind, (*this)[kind].pairs[i], bodies_of(kind, i));
+    }
+
+    FeatureRow row(CandidateKind kind, std::size_t i) const {
+        const PairsOfKind& list = (*this)[kind];
+        FeatureRow row{{kind, bodies_of(kind, i), {}}};
+        if (words.has_values()) {
+            row.value = list.values[i];
+            row.flag = list.flags[i] != 0;
+        }
+        auto id = row.ids.begin();
+        const auto add = [&](std::size_t side, std::int32_t body, std::int32_t index) {
+            if (!is_edge(kind, side)) {
+                *id++ = index;
+                return;
+            }
+            const Edge edge = edges_of(body)[static_cast<std::size_t>(index)];
+            *id++ = edge.a;
+            *id++ = edge.b;
+        };
+        const Pair pair = by_vertex(kind, i);
+        add(0, row.bodies.first, pair.a);
+        add(1, row.bodies.second, pair.b);
+        put_in_order(row);
+        return row;
+    }
+
+    /// Calls use(section, row) in the order of the result; of candidates value and flag say nothing.
+    template <class Use>
+    void for_each_row(Use use) const {
+        std::size_t section = 0;
+        for (const CandidateKind kind : words.kinds()) {
+            for (std::size_t i = 0; i < (*this)[kind].pairs.size(); ++i) use(section, row(kind, i));
+            ++section;
+        }
+    }
+
+   private:
+    /// Empty where there is none.
+    template <class T>
+    static std::span<const T> piece(std::span<const T> all, std::span<const std::int64_t> first, std::int32_t body) {
+        const auto b = static_cast<std::size_t>(body);
+        if (body < 0 || b + 1 >= first.size()) return {};
+        const std::int64_t begin = first[b], end = first[b + 1];
+        if (begin < 0 || begin > end || end > static_cast<std::int64_t>(all.size())) return {};
+        return all.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
+    }
+};
+
+bool has_feature(const FeatureLists& lists, Feature feature, std::int32_t body, std::int32_t index) {
+    if (feature == Feature::face) return true;
+    const std::size_t edges = lists.edges_of(body).size(), points = lists.points_of(body).size();
+    if (feature == Feature::vertex && points == 0) return true;
+    return index >= 0 && static_cast<std::size_t>(index) < (feature == Feature::edge ? edges : points);
 }
 
-}  // namespace
+bool fit_together(const FeatureLists& lists, CandidateKind kind) {
+    const PairsOfKind& list = lists[kind];
+    const std::size_t count = list.pairs.size(), values = lists.words.has_values() ? count : 0;
+    if (count > 0 && !list.listed) return false;
+    if (list.values.size() != values || list.flags.size() != values) return false;
+    if ((lists.has_bodies() || !list.bodies.empty()) && list.bodies.size() != count) return false;
+    for (std::size_t i = 0; i < count; ++i) {
+        const BodyPair bodies = lists.bodies_of(kind, i);
+        if (!has_feature(lists, feature_of(kind, 0), bodies.first, list.pairs[i].a) ||
+            !has_feature(lists, feature_of(kind, 1), bodies.second, list.pairs[i].b))
+            return false;
+    }
+    return true;
+}
 
-void add_txt(Sink& sink, const FeatureAnswer& answer) {
-    const bool has_bodies = answer.has_bodies();
-    for_each_row(answer, [&](const FeatureRow& row) {
-        sink << short_name(row.kind);
+PairsOfKind pairs_of(const ImpactList& list, bool listed = true) {
+    return {listed, list.pairs.span(), list.bodies.span(), list.toi.span(), list.start.span()};
+}
+PairsOfKind pairs_of(const ProximityList& list) {
+    return {true, list.pairs.span(), list.bodies.span(), list.squared_distance.span(), list.touching.span()};
+}
+
+template <class Result>
+FeatureLists lists_of(const FeatureWords& words, const Result& result, const FirstImpact* first = nullptr) {
+    FeatureLists lists{words,
+                       {},
+                       result.edges.span(),
+                       result.first_edge.span(),
+                       result.points.span(),
+                       result.first_point.span(),
+                       &result.statistics,
+                       first};
+    if constexpr (requires { result.listed; }) {
+        for (const CandidateKind kind : all_kinds) {
+            const CandidateList& list = result[kind];
+            lists[kind] = {
+                result.listed[static_cast<std::size_t>(kind)], list.pairs.span(), list.bodies.span(), {}, {}};
+        }
+    } else {
+        for (const FeatureKind kind : all_feature_kinds) lists[kind_of(kind)] = pairs_of(result[kind]);
+    }
+    if constexpr (requires { result.triangle_pairs; })
+        lists[CandidateKind::face_face] = pairs_of(result.triangle_pairs, result.lists_triangle_pairs);
+    for (const CandidateKind kind : all_kinds)
+        if (!fit_together(lists, kind))
+            throw Error(ErrorCode::invalid_argument,
+                        "the lists of " + std::string(words.what) + " do not fit together");
+    return lists;
+}
+FeatureLists lists_of(const Impacts& impacts) { return lists_of(impact_words, impacts, &impacts.first); }
+FeatureLists lists_of(const Proximities& nearby) { return lists_of(near_words, nearby); }
+FeatureLists lists_of(const Candidates& candidates) { return lists_of(candidate_words, candidates); }
+
+template <class List>
+List rows_of(const FeatureLists& lists) {
+    List list{{}, lists.has_bodies()};
+    lists.for_each_row([&](std::size_t, const FeatureRow& row) { list.rows.push_back(row); });
+    return list;
+}
+
+void add_features(RowWriter& writer, const FeatureLists& lists) {
+    std::vector<ListValue> values;
+    lists.for_each_row([&](std::size_t section, const FeatureRow& row) {
+        values.clear();
         for (std::size_t k = 0; k < id_count(row.kind); ++k) {
-            sink << ' ';
-            add_id(sink, row, has_bodies, k);
+            ListId id{row.ids[k]};
+            if (lists.has_bodies()) id.body = k < first_ids(row.kind) ? row.bodies.first : row.bodies.second;
+            values.emplace_back(id);
         }
-        if (answer.words.has_values()) sink << ' ' << row.value;
-        if (answer.words.text_has_flag) sink << ' ' << (row.flag ? '1' : '0');
-        sink << '\n';
+        if (lists.words.has_values()) values.insert(values.end(), {ListValue(row.value), ListValue(row.flag)});
+        writer.add(section, values);
     });
 }
 
-void begin_csv(Sink& sink, const FeatureWords& words) {
-    sink << "kind,vertex,face,a,b,c,d";
-    if (words.has_values()) sink << ',' << words.value << ',' << words.flag;
-    sink << '\n';
+void add_earliest(Sink& sink, const FeatureLists& lists) {
+    const FirstImpact& first = *lists.first;
+    if (!first.found) {
+        sink << "null";
+        return;
+    }
+    const Pair pair = lists.by_vertex(kind_of(first.kind), first.pair, first.bodies);
+    sink << R"({"kind":")" << feature_kind_name(first.kind) << R"(","pair":[)" << pair.a << ',' << pair.b << ']';
+    if (lists.has_bodies()) sink << R"(,"bodies":[)" << first.bodies.first << ',' << first.bodies.second << ']';
+    sink << R"(,"toi":)" << first.toi << R"(,"start":)" << int{first.start} << '}';
 }
 
-void add_csv(Sink& sink, const FeatureAnswer& answer) {
-    const bool has_bodies = answer.has_bodies(), has_values = answer.words.has_values();
-    for_each_row(answer, [&](const FeatureRow& row) {
-        sink << short_name(row.kind);
-        const auto columns = id_columns(row.kind);
-        for (std::size_t column = 0; column < most_id_columns; ++column) {
-            sink << ',';
-            const auto k =
-                static_cast<std::size_t>(std::find(columns.begin(), columns.end(), column) - columns.begin());
-            if (k < columns.size()) add_id(sink, row, has_bodies, k);
+/// Pairs with vertices in place of points.
+ListMember pairs_by_vertex(const FeatureLists& lists, CandidateKind kind, ListArray array) {
+    const std::span<const Pair> pairs = lists[kind].pairs;
+    if (lists.points.empty()) return with_rows(std::move(array), pairs);
+    const auto own = std::make_shared<std::vector<Pair>>();
+    for (std::size_t i = 0; i < pairs.size(); ++i) own->push_back(lists.by_vertex(kind, i));
+    ListMember member = with_rows(std::move(array), std::span<const Pair>(*own));
+    member.owner = own;
+    return member;
+}
+
+std::vector<ListMember> members_of_features(const FeatureLists& lists) {
+    std::vector<ListMember> members;
+    for (const CandidateKind kind : lists.words.kinds()) {
+        if (kind == CandidateKind::edge_edge && lists.lists_edges()) {
+            members.push_back(with_rows(edges_array(), lists.edges));
+            if (lists.has_bodies()) members.push_back(with_rows(first_edge_array(), lists.first_edge));
         }
-        if (has_values) sink << ',' << row.value << ',' << (row.flag ? '1' : '0');
-        sink << '\n';
-    });
+        const PairsOfKind& list = lists[kind];
+        if (!list.listed) continue;
+        const std::vector<ListArray> arrays = lists.words.arrays(kind);
+        members.push_back(pairs_by_vertex(lists, kind, arrays[0]));
+        if (lists.has_bodies()) members.push_back(with_rows(arrays[1], list.bodies));
+        if (!lists.words.has_values()) continue;
+        members.push_back(with_rows(arrays[2], list.values));
+        members.push_back(with_rows(arrays[3], list.flags));
+    }
+    if (lists.first) members.push_back(json_member("earliest", [&](Sink& sink) { add_earliest(sink, lists); }));
+    members.push_back(json_member("statistics", [&](Sink& sink) { sink << json_of(*lists.statistics); }));
+    return members;
 }
 
-namespace {
-
-void write(std::ostream& out, const FeatureAnswer& answer, PairFormat format) {
-    if (format == PairFormat::json) return write_features_json(out, answer);
-    if (format == PairFormat::npz) return write_features_npz(out, answer);
-    Sink sink(out);
-    if (format != PairFormat::csv) return add_txt(sink, answer);
-    begin_csv(sink, answer.words);
-    add_csv(sink, answer);
-}
-
-void write_list(std::ostream& out, const FeatureAnswer& answer, PairFormat format) {
-    write(out, answer, format);
-    if (!out.flush()) throw Error(ErrorCode::file, "cannot write " + std::string(answer.words.what) + " to the stream");
-}
-
-void write_list(const std::filesystem::path& path, const FeatureAnswer& answer, PairFormat format) {
-    if (format == PairFormat::automatic) format = pair_format_of(extension_of(path));
-    if (format == PairFormat::automatic)
-        throw Error(ErrorCode::invalid_argument, "cannot write " + path.string() + ": " +
-                                                     std::string(answer.words.what) +
-                                                     " are written as .txt, .csv, .json or .npz");
-    AtomicFile file(path);
-    write(file.stream(), answer, format);
-    file.commit();
+ListTable table_of_lists(FeatureLists lists) {
+    const auto own = std::make_shared<const FeatureLists>(std::move(lists));
+    return {own->words.what, own->words.rows(), [own](RowWriter& writer) { add_features(writer, *own); },
+            [own] { return members_of_features(*own); }};
 }
 
 }  // namespace
 
-void write_impacts(std::ostream& out, const Impacts& impacts, PairFormat format) {
-    const FloatEnvironment environment;
-    write_list(out, view(impacts), format);
-}
-void write_impacts(const std::filesystem::path& path, const Impacts& impacts, PairFormat format) {
-    const FloatEnvironment environment;
-    write_list(path, view(impacts), format);
-}
-
-void write_triangle_pairs(std::ostream& out, const Impacts& impacts, PairFormat format) {
-    const FloatEnvironment environment;
-    write_list(out, view_of_triangle_pairs(impacts), format);
-}
-void write_triangle_pairs(const std::filesystem::path& path, const Impacts& impacts, PairFormat format) {
-    const FloatEnvironment environment;
-    write_list(path, view_of_triangle_pairs(impacts), format);
+ListTable table_of(const Impacts& impacts) { return table_of_lists(lists_of(impacts)); }
+ListTable table_of(const Proximities& nearby) { return table_of_lists(lists_of(nearby)); }
+ListTable table_of(const Candidates& candidates) { return table_of_lists(lists_of(candidates)); }
+ListTable table_of_triangle_pairs(const Impacts& impacts) {
+    FeatureLists lists = lists_of(triangle_pair_words, impacts);
+    for (const FeatureKind kind : all_feature_kinds) lists[kind_of(kind)] = {};
+    return table_of_lists(lists);
 }
 
-void write_near(std::ostream& out, const Proximities& nearby, PairFormat format) {
-    const FloatEnvironment environment;
-    write_list(out, view(nearby), format);
-}
-void write_near(const std::filesystem::path& path, const Proximities& nearby, PairFormat format) {
-    const FloatEnvironment environment;
-    write_list(path, view(nearby), format);
-}
-
-void write_candidates(std::ostream& out, const Candidates& candidates, PairFormat format) {
-    const FloatEnvironment environment;
-    write_list(out, view(candidates), format);
-}
-void write_candidates(const std::filesystem::path& path, const Candidates& candidates, PairFormat format) {
-    const FloatEnvironment environment;
-    write_list(path, view(candidates), format);
-}
+FeatureList list_of(const Impacts& impacts) { return rows_of<FeatureList>(lists_of(impacts)); }
+FeatureList list_of(const Proximities& nearby) { return rows_of<FeatureList>(lists_of(nearby)); }
+CandidateRows list_of(const Candidates& candidates) { return rows_of<CandidateRows>(lists_of(candidates)); }
 
 }  // namespace crumple::io

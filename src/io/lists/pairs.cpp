@@ -1,58 +1,18 @@
-// Colliding pairs as text and CSV; the format by extension.
-
 #include "io/lists/pairs.h"
 
-#include <optional>
-
-#include "base/float_environment.h"
-#include "io/bytes/atomic_file.h"
-#include "io/bytes/sink.h"
-#include "io/formats.h"
+#include "io/bytes/json.h"
 
 namespace crumple::io {
-
 namespace {
 
 constexpr std::size_t most_points = 6;
+constexpr std::string_view pairs_name = "pairs";
 
-void add_txt(Sink& sink, const Intersections& collisions) {
-    for (std::size_t i = 0; i < collisions.pairs.size(); ++i) {
-        sink << collisions.pairs[i].a << ' ' << collisions.pairs[i].b;
-        if (has_contacts(collisions)) {
-            sink << ' ' << name_of(collisions.contacts.kinds[i]);
-            for (const auto& point : points_of_pair(collisions, i)) {
-                for (const double x : point) sink << ' ' << x;
-            }
-        }
-        sink << '\n';
-    }
+ListArray pairs_array() {
+    return {std::string(pairs_name), NumberType::int32, 2, {"triangle", "triangle"}, "pair", true};
 }
 
-void begin_csv(Sink& sink, bool contacts) {
-    sink << "a,b";
-    if (contacts) {
-        sink << ",kind,points";
-        for (std::size_t k = 0; k < most_points; ++k) sink << ",x" << k << ",y" << k << ",z" << k;
-    }
-    sink << '\n';
-}
-
-void add_csv(Sink& sink, const Intersections& collisions) {
-    for (std::size_t i = 0; i < collisions.pairs.size(); ++i) {
-        sink << collisions.pairs[i].a << ',' << collisions.pairs[i].b;
-        if (has_contacts(collisions)) {
-            const auto points = points_of_pair(collisions, i);
-            sink << ',' << name_of(collisions.contacts.kinds[i]) << ',' << points.size();
-            for (const auto& point : points) {
-                for (const double x : point) sink << ',' << x;
-            }
-            for (std::size_t k = points.size(); k < most_points; ++k) sink << ",,,";
-        }
-        sink << '\n';
-    }
-}
-
-void validate(const Intersections& collisions) {
+void check_contacts(const Intersections& collisions) {
     if (!has_contacts(collisions)) return;
     const Contacts& contacts = collisions.contacts;
     const std::size_t pairs = collisions.pairs.size();
@@ -66,111 +26,126 @@ void validate(const Intersections& collisions) {
     if (!consistent) throw Error(ErrorCode::invalid_argument, "the contacts are not those of the pairs");
 }
 
-void write(std::ostream& out, const Intersections& collisions, PairFormat format) {
-    switch (format) {
-        case PairFormat::json:
-            return write_pairs_json(out, collisions);
-        case PairFormat::npz:
-            return write_pairs_npz(out, collisions);
-        case PairFormat::csv: {
-            Sink sink(out);
-            begin_csv(sink, has_contacts(collisions));
-            return add_csv(sink, collisions);
+void add_pairs(RowWriter& writer, const Intersections& collisions) {
+    std::vector<ListValue> values;
+    for (std::size_t i = 0; i < collisions.pairs.size(); ++i) {
+        values.assign({ListId{collisions.pairs[i].a}, ListId{collisions.pairs[i].b}});
+        if (has_contacts(collisions)) {
+            const auto points = points_of_pair(collisions, i);
+            values.emplace_back(name_of(collisions.contacts.kinds[i]));
+            values.emplace_back(ListId{static_cast<std::int32_t>(points.size())});
+            for (const auto& point : points) values.insert(values.end(), point.begin(), point.end());
         }
-        default: {
-            Sink sink(out);
-            add_txt(sink, collisions);
-        }
+        writer.add(0, values);
     }
+}
+
+/// An array of objects: {"kind":"segment","points":[[0,0,0],[1,0,0]]}.
+void add_contacts(Sink& sink, const Intersections& collisions) {
+    write_json_array(sink, collisions.pairs.size(), [&](std::size_t i) {
+        sink << R"({"kind":")" << name_of(collisions.contacts.kinds[i]) << R"(","points":[)";
+        bool first = true;
+        for (const auto& [x, y, z] : points_of_pair(collisions, i)) {
+            sink << (first ? "[" : ",[") << x << ',' << y << ',' << z << ']';
+            first = false;
+        }
+        sink << "]}";
+    });
+}
+
+std::vector<ListMember> members_of(const Intersections& collisions) {
+    std::vector<ListMember> members{with_rows(pairs_array(), collisions.pairs.span())};
+    const auto add_to_npz = [&](const char* name, NumberType type, std::size_t width, const auto& rows) {
+        members.push_back(with_rows({name, type, width}, rows.span(), false));
+    };
+    add_to_npz("offsets", NumberType::int64, 1, collisions.offsets);
+    add_to_npz("hit", NumberType::uint8, 1, collisions.hit);
+    if (!collisions.hit_second.empty()) add_to_npz("hit_second", NumberType::uint8, 1, collisions.hit_second);
+    if (has_contacts(collisions)) {
+        const Contacts& contacts = collisions.contacts;
+        add_to_npz("contact_kinds", NumberType::uint8, 1, contacts.kinds);
+        add_to_npz("contact_offsets", NumberType::int64, 1, contacts.offsets);
+        add_to_npz("contact_points", NumberType::float64, 3, contacts.points);
+        members.push_back(json_member("contacts", [&](Sink& sink) { add_contacts(sink, collisions); }));
+    }
+    members.push_back(json_member("statistics", [&](Sink& sink) { sink << json_of(collisions.statistics); }));
+    return members;
+}
+
+std::vector<Pair> read(const Source& source) {
+    std::vector<Pair> pairs;
+    const auto take_row = [&](std::size_t, std::span<const ListValue> values) -> std::string {
+        pairs.push_back({std::get<ListId>(values[0]).index, std::get<ListId>(values[1]).index});
+        return {};
+    };
+    const auto take_arrays = [&](const NumbersByName& arrays) {
+        const auto found = arrays.find(pairs_name);
+        if (found == arrays.end())
+            throw Error(ErrorCode::format, source.name() + ": there is no array 'pairs' that can be read");
+        const std::vector<std::int32_t>& ids = found->second.ids;
+        pairs.resize(ids.size() / 2);
+        for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i] = {ids[2 * i], ids[2 * i + 1]};
+    };
+    RowTable rows = pair_rows(false);
+    rows.may_have_more = true;
+    read_list(source, {rows, take_row, {pairs_array()}, take_arrays, true});
+    return pairs;
 }
 
 }  // namespace
 
-PairFormat pair_format_of(std::string_view extension) {
-    if (extension == ".txt") return PairFormat::txt;
-    if (extension == ".csv") return PairFormat::csv;
-    if (extension == ".json") return PairFormat::json;
-    if (extension == ".npz") return PairFormat::npz;
-    return PairFormat::automatic;
+RowTable pair_rows(bool contacts) {
+    RowTable table{{}, {{"", {}}}};
+    const auto add = [&](const std::string& column, FieldType type, std::string_view noun = {}, bool as_text = true) {
+        table.sections[0].fields.push_back({type, table.columns.size(), noun, as_text});
+        table.columns.push_back(column);
+    };
+    add("a", FieldType::id, "triangle");
+    add("b", FieldType::id, "triangle");
+    if (!contacts) return table;
+    add("kind", FieldType::word);
+    add("points", FieldType::id, {}, false);
+    for (std::size_t k = 0; k < most_points; ++k)
+        for (const char axis : {'x', 'y', 'z'}) add(axis + std::to_string(k), FieldType::number);
+    return table;
+}
+
+ListTable table_of(const Intersections& collisions) {
+    check_contacts(collisions);
+    return {"pairs", pair_rows(has_contacts(collisions)), [&](RowWriter& writer) { add_pairs(writer, collisions); },
+            [&] { return members_of(collisions); }};
 }
 
 void write_pairs(std::ostream& out, const Intersections& collisions, PairFormat format) {
-    const FloatEnvironment environment;
-    validate(collisions);
-    write(out, collisions, format);
-    if (!out.flush()) throw Error(ErrorCode::file, "cannot write pairs to the stream");
+    write_list(out, table_of(collisions), format);
 }
-
 void write_pairs(const std::filesystem::path& path, const Intersections& collisions, PairFormat format) {
-    const FloatEnvironment environment;
-    if (format == PairFormat::automatic) format = pair_format_of(extension_of(path));
-    if (format == PairFormat::automatic) {
-        throw Error(ErrorCode::invalid_argument,
-                    "cannot write " + path.string() + ": pairs are written as .txt, .csv, .json or .npz");
-    }
-    validate(collisions);
-    AtomicFile file(path);
-    write(file.stream(), collisions, format);
-    file.commit();
-}
-
-void write_heading_of_pairs(std::ostream& out, bool contacts, PairFormat format) {
-    const FloatEnvironment environment;
-    Sink sink(out);
-    if (format == PairFormat::csv) begin_csv(sink, contacts);
-}
-
-void write_rows_of_pairs(std::ostream& out, const Intersections& block, PairFormat format) {
-    const FloatEnvironment environment;
-    Sink sink(out);
-    format == PairFormat::csv ? add_csv(sink, block) : add_txt(sink, block);
+    write_list(path, table_of(collisions), format);
 }
 
 struct PairWriter::Implementation {
-    std::optional<AtomicFile> file;
-    std::ostream* out = nullptr;
-    bool csv = false, contacts = false;
-
-    Implementation(PairFormat format, bool with_contacts) : csv(format == PairFormat::csv), contacts(with_contacts) {
-        if (format != PairFormat::csv && format != PairFormat::txt)
-            throw Error(ErrorCode::invalid_argument, "pairs are written block by block as .txt or .csv");
-    }
-    void begin() const { write_heading_of_pairs(*out, contacts, csv ? PairFormat::csv : PairFormat::txt); }
+    bool contacts;
+    ListWriter writer;
 };
 
 PairWriter::PairWriter(const std::filesystem::path& path, bool contacts, PairFormat format)
-    : implementation_(std::make_unique<Implementation>(
-          format == PairFormat::automatic ? pair_format_of(extension_of(path)) : format, contacts)) {
-    implementation_->out = &implementation_->file.emplace(path).stream();
-    implementation_->begin();
-}
-
+    : implementation_(new Implementation{contacts, {"pairs", pair_rows(contacts), path, format}}) {}
 PairWriter::PairWriter(std::ostream& out, bool contacts, PairFormat format)
-    : implementation_(
-          std::make_unique<Implementation>(format == PairFormat::automatic ? PairFormat::txt : format, contacts)) {
-    implementation_->out = &out;
-    implementation_->begin();
-}
-
+    : implementation_(new Implementation{contacts, {"pairs", pair_rows(contacts), out, format}}) {}
 PairWriter::~PairWriter() = default;
 PairWriter::PairWriter(PairWriter&&) noexcept = default;
 PairWriter& PairWriter::operator=(PairWriter&&) noexcept = default;
 
 void PairWriter::add(const Intersections& block) {
-    const FloatEnvironment environment;
-    Implementation& to = *implementation_;
-    validate(block);
-    if (to.contacts != has_contacts(block) && !block.pairs.empty())
+    const ListTable table = table_of(block);
+    if (implementation_->contacts != has_contacts(block) && !block.pairs.empty())
         throw Error(ErrorCode::invalid_argument, "a block has contacts, or lacks them, unlike what was announced");
-    write_rows_of_pairs(*to.out, block, to.csv ? PairFormat::csv : PairFormat::txt);
-    if (*to.out) return;
-    if (to.file) to.file->complete();  // says why not
-    throw Error(ErrorCode::file, "cannot write pairs to the stream");
+    implementation_->writer.add(table);
 }
 
-void PairWriter::commit() {
-    if (implementation_->file) return implementation_->file->commit();
-    if (!implementation_->out->flush()) throw Error(ErrorCode::file, "cannot write pairs to the stream");
-}
+void PairWriter::commit() { implementation_->writer.commit(); }
+
+std::vector<Pair> read_pairs(const std::filesystem::path& path) { return read(Source(path)); }
+std::vector<Pair> read_pairs(std::istream& in, const std::string& name) { return read(Source(in, name)); }
 
 }  // namespace crumple::io

@@ -1,22 +1,19 @@
 #pragma once
 
-// What writers, and what readers of pairs have in common.
+// Lists of colliding pairs, with or without contacts.
 
-#include <cstdint>
-#include <iosfwd>
-#include <optional>
+#include <array>
 #include <span>
 #include <string_view>
-#include <utility>
 
 #include "crumple/intersections.h"
-#include "crumple/io.h"
+#include "io/lists/list_files.h"
 
 namespace crumple::io {
 
-/// .txt and .csv in pieces that somebody else puts one behind the other: what stands before the rows, and rows.
-void write_heading_of_pairs(std::ostream& out, bool contacts, PairFormat format);
-void write_rows_of_pairs(std::ostream& out, const Intersections& block, PairFormat format);
+RowTable pair_rows(bool contacts);
+/// Throws Error (invalid_argument) unless the contacts are those of the pairs.
+ListTable table_of(const Intersections& collisions);
 
 inline std::string_view name_of(ContactKind kind) {
     return kind == ContactKind::point ? "point" : kind == ContactKind::segment ? "segment" : "area";
@@ -29,13 +26,6 @@ inline std::span<const std::array<double, 3>> points_of_pair(const Intersections
     return contacts.points.span().subspan(
         static_cast<std::size_t>(contacts.offsets[pair]),
         static_cast<std::size_t>(contacts.offsets[pair + 1] - contacts.offsets[pair]));
-}
-
-/// The index of a triangle, or nothing: ids are int32 and not negative.
-template <class Integer>
-std::optional<std::int32_t> triangle_index(Integer value) {
-    if (!std::in_range<std::int32_t>(value) || value < 0) return std::nullopt;
-    return static_cast<std::int32_t>(value);
 }
 
 }  // namespace crumple::io

@@ -1,0 +1,50 @@
+#pragma once
+
+// Lists of impacts, near pairs and candidates: one table, of which each list has its columns.
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "crumple/io_features.h"
+#include "io/lists/feature_kinds.h"
+#include "io/lists/list_files.h"
+
+namespace crumple::io {
+
+/// Names of a list's columns, and which of them it has.
+struct FeatureWords {
+    std::string_view what;         ///< names the results in messages
+    std::string_view value, flag;  ///< names of columns and arrays; candidates have neither
+    bool text_has_flag;
+    bool has_edge_faces, has_face_faces;  ///< may have pairs of these kinds
+
+    bool has_values() const { return !value.empty(); }
+    /// Kinds of pairs that such a list may have: the sections of its rows.
+    std::vector<CandidateKind> kinds() const;
+    /// Table of .txt and .csv.
+    RowTable rows() const;
+    /// Arrays of one kind: pairs, their bodies, values and flags.
+    std::vector<ListArray> arrays(CandidateKind kind) const;
+};
+inline constexpr FeatureWords impact_words{"impacts", "toi", "start", true, false, true};
+inline constexpr FeatureWords triangle_pair_words{"pairs of triangles", "toi", "start", true, false, true};
+inline constexpr FeatureWords near_words{"near pairs", "squared_distance", "touching", false, false, false};
+inline constexpr FeatureWords candidate_words{"candidates", "", "", false, true, true};
+
+/// Edges that pairs name by their index, and where those of each body begin.
+ListArray edges_array();
+ListArray first_edge_array();
+
+/// The lists of a result. Throw Error (invalid_argument) unless they fit together.
+ListTable table_of(const Impacts& impacts);
+ListTable table_of(const Proximities& nearby);
+ListTable table_of(const Candidates& candidates);
+/// Pairs of triangles alone.
+ListTable table_of_triangle_pairs(const Impacts& impacts);
+
+/// Puts the lower vertex of each edge first, and of two features of one kind the lesser.
+void put_in_order(CandidateRow& row);
+
+}  // namespace crumple::io

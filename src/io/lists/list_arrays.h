@@ -1,0 +1,108 @@
+#pragma once
+
+// Lists of results as .json and .npz hold them: arrays with names, all of whose rows have as many numbers.
+//
+//     name              type      width   ids
+//     vertex_faces      int32     2       vertex, face
+//     vertex_face_toi   float64   1
+//     edges             int32     2       vertex, vertex
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <iosfwd>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/bytes/sink.h"
+#include "io/bytes/source.h"
+
+namespace crumple::io {
+
+enum class NumberType : std::uint8_t { int32, int64, float64, uint8 };
+
+/// Calls use(0) with a number of this type.
+template <class Use>
+void with_number_of(NumberType type, Use use) {
+    if (type == NumberType::int32) return use(std::int32_t{});
+    if (type == NumberType::int64) return use(std::int64_t{});
+    if (type == NumberType::float64) return use(double{});
+    use(std::uint8_t{});
+}
+
+/// One array. Integers of 32 and 64 bits are ids, at most two a row; a reader refuses those below 0 and above
+/// INT32_MAX.
+struct ListArray {
+    std::string name;
+    NumberType type = NumberType::int32;
+    std::size_t width = 1;                       ///< numbers of a row
+    std::array<std::string_view, 2> nouns = {};  ///< name the ids of a row in messages
+    std::string_view row_noun = {};              ///< names a row in messages: "pair"
+    bool integers_only = false;                  ///< ids that are written as other numbers are refused
+
+    bool has_ids() const { return type == NumberType::int32 || type == NumberType::int64; }
+};
+
+/// Array, or other member of a .json, that is to be written.
+struct ListMember : ListArray {
+    const void* data = nullptr;
+    std::size_t rows = 0;
+    bool in_json = true;
+    std::function<void(Sink&)> write_json = {};  ///< writes the member of a .json that a .npz does not have
+    std::shared_ptr<const void> owner = {};      ///< keeps data that the result itself does not have
+};
+
+/// Array of these rows, which must outlive it.
+template <class Row>
+ListMember with_rows(ListArray array, std::span<const Row> rows, bool in_json = true) {
+    return {std::move(array), rows.data(), rows.size(), in_json};
+}
+inline ListMember json_member(std::string name, std::function<void(Sink&)> write) {
+    return {{std::move(name)}, nullptr, 0, true, std::move(write)};
+}
+
+void write_list_json(std::ostream& out, std::span<const ListMember> members);
+void write_list_npz(std::ostream& out, std::span<const ListMember> members);
+
+/// Numbers that have been read.
+struct ArrayNumbers {
+    std::vector<std::int32_t> ids;
+    std::vector<double> numbers;
+};
+using NumbersByName = std::map<std::string, ArrayNumbers, std::less<>>;
+
+/// Read those of the arrays that a file has, and nothing else of it. Throw Error (format) that names array and row, or
+/// the byte: what is no array of such numbers, ids that are out of range.
+NumbersByName read_list_json(const Source& source, std::span<const ListArray> arrays);
+NumbersByName read_list_npz(const Source& source, std::span<const ListArray> arrays);
+/// The same of a .npy, which holds that one array.
+NumbersByName read_list_npy(const Source& source, const ListArray& array);
+
+/// Checks the numbers of an array as they come.
+class ArrayChecker {
+   public:
+    /// All must outlive it.
+    ArrayChecker(const Source& source, const ListArray& array, ArrayNumbers& to);
+
+    void add(double number);
+    /// How many have been added.
+    std::size_t count() const { return count_; }
+    const ListArray& array() const { return array_; }
+    /// Throws Error (format) that names the source.
+    [[noreturn]] void fail(const std::string& what) const;
+
+   private:
+    const Source& source_;
+    const ListArray& array_;
+    ArrayNumbers& to_;
+    std::size_t count_ = 0;
+};
+
+/// Names a row in messages: `row 7 of "edges"`, `pair 7`.
+std::string row_name(const ListArray& array, std::size_t row);
+
+}  // namespace crumple::io

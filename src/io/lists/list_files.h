@@ -1,0 +1,63 @@
+#pragma once
+
+// Lists of results in files, whatever they list and whatever the format.
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "crumple/io.h"
+#include "io/bytes/atomic_file.h"
+#include "io/lists/list_arrays.h"
+#include "io/lists/list_rows.h"
+
+namespace crumple::io {
+
+/// A list of results, or a block of one. Valid as long as the result.
+struct ListTable {
+    std::string_view what;  ///< names the results in messages: "near pairs"
+    RowTable rows;
+    std::function<void(RowWriter&)> add_rows;
+    std::function<std::vector<ListMember>()> members;
+};
+
+/// Write a list in one of the four formats. Throw Error (file, invalid_argument).
+void write_list(const std::filesystem::path& path, const ListTable& list, PairFormat format);
+void write_list(std::ostream& out, const ListTable& list, PairFormat format);
+
+/// A list in pieces, as .txt or .csv: the heading, then the rows of each block.
+void write_list_heading(std::ostream& out, const RowTable& rows, PairFormat format);
+void write_list_rows(std::ostream& out, const ListTable& block, PairFormat format);
+
+/// Writes such a list to a file, which is there after commit(), or to a stream.
+class ListWriter {
+   public:
+    ListWriter(std::string_view what, const RowTable& rows, const std::filesystem::path& path, PairFormat format);
+    ListWriter(std::string_view what, const RowTable& rows, std::ostream& out, PairFormat format);
+
+    void add(const ListTable& block);
+    void commit();
+
+   private:
+    std::string_view what_;
+    PairFormat format_;
+    std::optional<AtomicFile> file_;
+    std::ostream* out_;
+};
+
+/// Table that a file is to hold, and the functions that take what is read.
+struct ListReader {
+    RowTable rows;  ///< for .txt and .csv
+    TakeRow take_row;
+    std::vector<ListArray> arrays;  ///< for .json and .npz
+    std::function<void(const NumbersByName&)> take_arrays;
+    bool reads_npy = false;  ///< a .npy holds the first of the arrays
+};
+/// Reads a list; the extension of the source's name tells the format, text by default. Throws Error (file, format).
+void read_list(const Source& source, const ListReader& reader);
+
+}  // namespace crumple::io

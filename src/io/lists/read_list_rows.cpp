@@ -1,0 +1,169 @@
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "io/bytes/text.h"
+#include "io/lists/list_rows.h"
+
+namespace crumple::io {
+namespace {
+
+constexpr std::string_view csv_blanks = " \t\r";
+
+/// Takes the number that a word begins with from it.
+std::optional<std::int32_t> take_index(std::string_view& word) {
+    std::int32_t index = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
+    if (error != std::errc() || index < 0) return std::nullopt;
+    word.remove_prefix(static_cast<std::size_t>(end - word.data()));
+    return index;
+}
+
+std::optional<ListId> id_of(std::string_view word, bool may_have_body) {
+    if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
+    const auto first = take_index(word);
+    if (first && word.empty()) return ListId{*first};
+    if (!first || !may_have_body || !word.starts_with(':')) return std::nullopt;
+    word.remove_prefix(1);
+    const auto second = take_index(word);
+    return second && word.empty() ? std::optional(ListId{*second, first}) : std::nullopt;
+}
+
+class RowReader {
+   public:
+    RowReader(const Source& source, const RowTable& table, const TakeRow& take)
+        : source_(source), table_(table), take_(take) {}
+
+    void read_txt() {
+        Scanner in(source_, {.lines = true, .comments = true});
+        for (; in.next_line_with_items(); in.skip_line()) {
+            line_ = in.position();
+            words_.clear();
+            while (!in.finished()) {
+                std::string_view word = in.rest_of_word();
+                if (table_.may_have_more) word = word.substr(0, word.find(','));
+                words_.push_back(word);
+                in.skip_characters(word.size());
+                if (table_.may_have_more) in.skip(',');
+            }
+            const std::size_t section = section_of(words_[0]);
+            take(section, std::span(words_).subspan(has_keywords() ? 1 : 0));
+        }
+    }
+
+    void read_csv() {
+        for (line_ = source_.text_begin(); line_ != source_.end();) {
+            const char* const end = std::find(line_, source_.end(), '\n');
+            const std::string_view line(line_, static_cast<std::size_t>(end - line_));
+            split(line);
+            const bool heading = line_ == source_.text_begin() && is_heading();
+            if (!heading && line.find_first_not_of(csv_blanks) != line.npos) take_csv();
+            line_ = end == source_.end() ? end : end + 1;
+        }
+    }
+
+   private:
+    [[noreturn]] void fail(const std::string& what) const { source_.fail_at_line(line_, what); }
+    bool has_keywords() const { return !table_.sections[0].keyword.empty(); }
+
+    bool is_heading() const {
+        if (has_keywords()) return words_[0] == table_.columns[0];
+        return words_[0].find_first_of("+-0123456789") != 0;
+    }
+
+    void split(std::string_view line) {
+        words_.clear();
+        for (bool ended = false; !ended;) {
+            const std::size_t comma = line.find(',');
+            std::string_view word = line.substr(0, comma);
+            ended = comma == line.npos;
+            line.remove_prefix(ended ? line.size() : comma + 1);
+            word.remove_prefix(std::min(word.find_first_not_of(csv_blanks), word.size()));
+            words_.push_back(word.substr(0, word.find_last_not_of(csv_blanks) + 1));
+        }
+    }
+
+    std::size_t section_of(std::string_view word) const {
+        if (!has_keywords()) return 0;
+        const auto& sections = table_.sections;
+        std::string names;
+        for (std::size_t i = 0; i < sections.size(); ++i) {
+            if (word == sections[i].keyword) return i;
+            names += i == 0 ? "" : i + 1 == sections.size() ? " and " : ", ";
+            names += sections[i].keyword;
+        }
+        fail(in_quotes(word) + " is none of " + names);
+    }
+
+    /// Words of the section's fields, out of those of all columns.
+    void take_csv() {
+        const std::size_t section = section_of(words_[0]), most = table_.columns.size();
+        const std::size_t least = table_.may_lack_last ? most - 1 : most;
+        if (!table_.may_have_more && (words_.size() < least || words_.size() > most))
+            fail(std::to_string(words_.size()) + " columns in place of " + std::to_string(most));
+        picked_.clear();
+        for (const ListField& field : table_.sections[section].fields) {
+            if (field.column >= words_.size()) break;
+            picked_.push_back(std::exchange(words_[field.column], {}));
+        }
+        for (std::size_t i = has_keywords() ? 1 : 0; i < std::min(most, words_.size()); ++i)
+            if (!words_[i].empty()) fail(in_quotes(words_[i]) + " is in a column of another kind");
+        take(section, picked_);
+    }
+
+    void take(std::size_t section, std::span<const std::string_view> words) {
+        const auto& fields = table_.sections[section].fields;
+        if (words.size() + (table_.may_lack_last ? 1 : 0) < fields.size()) fail_too_short(section, words.size());
+        values_.clear();
+        for (std::size_t i = 0; i < std::min(words.size(), fields.size()); ++i)
+            values_.push_back(value_of(words[i], fields[i]));
+        if (words.size() > fields.size() && !table_.may_have_more)
+            fail(in_quotes(words[fields.size()]) + " is left over");
+        const std::string mistake = take_(section, values_);
+        if (!mistake.empty()) fail(mistake);
+    }
+
+    [[noreturn]] void fail_too_short(std::size_t section, std::size_t words) const {
+        const auto& [keyword, fields] = table_.sections[section];
+        if (keyword.empty()) fail("a " + std::string(fields[words].noun) + " is missing");
+        const auto ids =
+            std::count_if(fields.begin(), fields.end(), [](const ListField& f) { return !f.noun.empty(); });
+        const bool more = static_cast<std::size_t>(ids) < fields.size();
+        fail("`" + std::string(keyword) + "` is followed by " + std::to_string(ids) + " ids" +
+             (more ? " and a number" : ""));
+    }
+
+    ListValue value_of(std::string_view word, const ListField& field) const {
+        switch (field.type) {
+            case FieldType::number:
+                if (const auto number = number_of(word)) return *number;
+                fail(in_quotes(word) + " is no number");
+            case FieldType::flag:
+                if (word == "0" || word == "1") return word == "1";
+                fail(in_quotes(word) + " is neither 0 nor 1");
+            case FieldType::word:
+                return word;
+            default:
+                if (const auto id = id_of(word, field.type == FieldType::id_of_body)) return *id;
+                fail(in_quotes(word) + " names no " + std::string(field.noun));
+        }
+    }
+
+    const Source& source_;
+    const RowTable& table_;
+    const TakeRow& take_;
+    const char* line_ = nullptr;
+    std::vector<std::string_view> words_, picked_;
+    std::vector<ListValue> values_;
+};
+
+}  // namespace
+
+void read_txt_rows(const Source& source, const RowTable& table, const TakeRow& take) {
+    RowReader(source, table, take).read_txt();
+}
+void read_csv_rows(const Source& source, const RowTable& table, const TakeRow& take) {
+    RowReader(source, table, take).read_csv();
+}
+
+}  // namespace crumple::io

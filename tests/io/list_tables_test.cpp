@@ -1,0 +1,106 @@
+// Tables of rows and of arrays that no list of results has: the codecs know nothing of what they write and read.
+
+#include <sstream>
+
+#include "files.h"
+#include "io/lists/list_files.h"
+
+namespace crumple::io::test {
+namespace {
+
+/// Birds with a weight, and fish with what they eat.
+RowTable animals() {
+    return {{"animal", "id", "food", "weight", "tame"},
+            {{"bird", {{FieldType::id_of_body, 1, "bird"}, {FieldType::number, 3}, {FieldType::flag, 4, {}, false}}},
+             {"fish",
+              {{FieldType::id, 2, "plant"}, {FieldType::id, 1, "fish"}, {FieldType::number, 3}, {FieldType::flag, 4}}}},
+            true};
+}
+
+std::string written(bool csv) {
+    std::ostringstream out;
+    const RowTable table = animals();
+    {
+        RowWriter writer(out, table, csv);
+        writer.write_heading();
+        writer.add(0, std::vector<ListValue>{ListId{7, 1}, 0.5, true});
+        writer.add(1, std::vector<ListValue>{ListId{3}, ListId{4}, 2.0, false});
+        writer.add(1, std::vector<ListValue>{ListId{3}, ListId{5}});
+    }
+    return out.str();
+}
+
+TEST(ListTables, rows_have_fields_in_text_and_columns_in_csv) {
+    EXPECT_EQ(written(false), "bird 1:7 0.5\nfish 3 4 2 0\nfish 3 5\n");
+    EXPECT_EQ(written(true), "animal,id,food,weight,tame\nbird,1:7,,0.5,1\nfish,4,3,2,0\nfish,5,3,,\n");
+}
+
+/// Rows as words again, or the error.
+std::string read(const std::string& bytes, const std::string& name) {
+    std::istringstream in(bytes);
+    const Source source(in, name);
+    std::string text;
+    const TakeRow take = [&](std::size_t section, std::span<const ListValue> values) -> std::string {
+        text += std::to_string(section) + '/' + std::to_string(values.size()) + ' ';
+        return section == 1 && std::get<ListId>(values[1]).index == 9 ? "nine is no fish" : "";
+    };
+    try {
+        read_list(source, {animals(), take, {}, {}});
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return text;
+}
+
+TEST(ListTables, rows_may_lack_their_last_field) {
+    EXPECT_EQ(read("bird 1:7 0.5\nfish 3 4 2 0\n", "a.txt"), "0/2 1/4 ");
+    EXPECT_EQ(read("animal,id,food,weight\nbird,7,,0.5\nfish,4,3,2,0\n", "a.csv"), "0/2 1/4 ");
+}
+
+TEST(ListTables, rows_that_do_not_fit_are_errors_that_name_the_line) {
+    EXPECT_EQ(read("bird 7\n", "a.txt"), "a.txt, line 1: `bird` is followed by 1 ids and a number");
+    EXPECT_EQ(read("\nfish 3 0:4 2 0\n", "a.txt"), "a.txt, line 2: '0:4' names no fish");
+    EXPECT_EQ(read("fish 3 9 2\n", "a.txt"), "a.txt, line 1: nine is no fish");
+    EXPECT_EQ(read("fish 3 4 2 1 1\n", "a.txt"), "a.txt, line 1: '1' is left over");
+    EXPECT_EQ(read("cat 3\n", "a.txt"), "a.txt, line 1: 'cat' is none of bird and fish");
+    EXPECT_EQ(read("bird,7,8,0.5,1\n", "a.csv"), "a.csv, line 1: '8' is in a column of another kind");
+    EXPECT_EQ(read("bird,7,\n", "a.csv"), "a.csv, line 1: 3 columns in place of 5");
+}
+
+const ListArray points{"points", NumberType::float64, 3}, counts{"counts", NumberType::int64, 1, {"count"}},
+    flags{"flags", NumberType::uint8};
+
+TEST(ListTables, arrays_of_every_type_come_back) {
+    const std::vector<std::array<double, 3>> xyz{{0, 0.5, -1}, {1e300, 2, 3}};
+    const std::vector<std::int64_t> three{0, 7, INT32_MAX};
+    const std::vector<std::uint8_t> one{1};
+    const std::vector<ListMember> members{with_rows(points, std::span(xyz)), with_rows(counts, std::span(three)),
+                                          with_rows(flags, std::span(one)),
+                                          json_member("more", [](Sink& sink) { sink << "{\"points\": []}"; })};
+    for (const char* const name : {"a.json", "a.npz"}) {
+        const Folder folder;
+        write_list(folder / name, {"things", {}, {}, [&] { return members; }}, PairFormat::automatic);
+        const ListArray arrays[] = {points, counts, flags, {"missing"}};
+        NumbersByName found;
+        read_list(Source(folder / name),
+                  {{}, {}, {std::begin(arrays), std::end(arrays)}, [&](const NumbersByName& all) { found = all; }});
+        EXPECT_EQ(found.size(), 3u) << name;
+        EXPECT_EQ(found["points"].numbers, (std::vector<double>{0, 0.5, -1, 1e300, 2, 3})) << name;
+        EXPECT_EQ(found["counts"].ids, (std::vector<std::int32_t>{0, 7, INT32_MAX})) << name;
+        EXPECT_EQ(found["flags"].numbers, std::vector<double>{1}) << name;
+    }
+}
+
+TEST(ListTables, ids_out_of_range_are_errors_that_name_the_row) {
+    const auto error = [](const char* json) {
+        std::istringstream in(json);
+        const Source source(in, "a.json");
+        return std::string(error_of([&] { read_list_json(source, {&counts, 1}); }).what());
+    };
+    EXPECT_EQ(error(R"({"counts": [0, -1]})"), "a.json: row 1 of \"counts\": this is no count");
+    EXPECT_EQ(error(R"({"counts": [2147483648]})"), "a.json: row 0 of \"counts\": this is no count");
+    EXPECT_EQ(error(R"({"counts": [0, [1]]})"), "a.json: row 1 of \"counts\" is no number");
+}
+
+}  // namespace
+}  // namespace crumple::io::test
