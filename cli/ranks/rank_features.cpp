@@ -63,57 +63,31 @@ std::vector<TravellingRow> rows_of(const Answer& found, std::size_t kind) {
     return rows;
 }
 
-/// Rows as an answer of their own, of which each edge is named once.
-template <class Answer>
-void fill(std::span<const TravellingRow> rows, std::size_t kind, Answer& block) {
-    auto& list = block.lists[kind];
-    Pair* pairs = list.pairs.resize_discard(rows.size());
-    double* values = values_of(list).resize_discard(rows.size());
-    std::uint8_t* flags = flags_of(list).resize_discard(rows.size());
-    for (const TravellingRow& row : rows) *pairs++ = row.pair, *values++ = row.value, *flags++ = row.flag;
-    if (kind != edge_edge) return;
-    Edge* edges = block.edges.resize_discard(2 * rows.size());
-    const auto count = static_cast<std::int32_t>(rows.size());
-    for (std::int32_t i = 0; i < count; ++i) {
-        list.pairs[i] = {2 * i, 2 * i + 1};
-        for (const Edge& edge : rows[static_cast<std::size_t>(i)].ends) *edges++ = edge;
-    }
-    block.first_edge.assign(1, 0);
-    block.first_edge.push_back(2 * std::int64_t{count});
-}
-
-// In blocks: rows are text as they are made.
-template <class Answer>
-void write_rows(std::ostream& out, const std::vector<TravellingRow>& rows, std::size_t kind, io::PairFormat format) {
-    constexpr std::size_t most = std::size_t{1} << 14;
-    Answer block;
-    for (std::size_t begin = 0; begin < rows.size(); begin += most) {
-        fill(std::span(rows).subspan(begin, std::min(most, rows.size() - begin)), kind, block);
-        io::write_list_rows(out, io::table_of(block), format);
-    }
-}
-
-/// A section of the text.
-template <class Answer>
-std::function<void(std::ostream&)> section(const OrderedRows& rows, std::size_t kind, io::PairFormat format,
-                                           const io::FeatureWords* heading) {
-    return [&rows = rows[kind], kind, format, heading](std::ostream& out) {
-        if (heading) io::write_list_heading(out, heading->rows(), format);
-        write_rows<Answer>(out, rows, kind, format);
-    };
+io::FeatureRow as_written(const TravellingRow& row, std::size_t kind) {
+    io::FeatureRow written;
+    written.kind = io::kind_of(static_cast<FeatureKind>(kind));
+    written.ids = {row.pair.a, row.pair.b, 0, 0};
+    if (kind == edge_edge) written.ids = {row.ends[0].a, row.ends[0].b, row.ends[1].a, row.ends[1].b};
+    written.value = row.value;
+    written.flag = row.flag != 0;
+    io::put_in_order(written);
+    return written;
 }
 
 template <class Answer>
 void collect_rows(RankLink& link, const OrderedRows& rows, const RankInput& input, Answer& all) {
     for (std::size_t kind = 0; kind < rows.size(); ++kind) {
-        Answer mine;
-        link.agree([&] { fill(std::span(rows[kind]), kind, mine); });
-        auto &from = mine.lists[kind], &to = all.lists[kind];
-        for (std::size_t i = 0; i < rows[kind].size(); ++i) from.pairs[i] = rows[kind][i].pair;
-        gather(link, std::span<const Pair>(from.pairs.span()), to.pairs);
-        gather(link, std::span<const double>(values_of(from).span()), values_of(to));
-        gather(link, std::span<const std::uint8_t>(flags_of(from).span()), flags_of(to));
-        all.count += static_cast<std::int64_t>(to.pairs.size());
+        Array<TravellingRow> gathered;
+        gather(link, std::span<const TravellingRow>(rows[kind]), gathered);
+        link.agree([&] {
+            auto& list = all.lists[kind];
+            for (const TravellingRow& row : gathered) {
+                list.pairs.push_back(row.pair);
+                values_of(list).push_back(row.value);
+                flags_of(list).push_back(row.flag);
+            }
+        });
+        all.count += static_cast<std::int64_t>(gathered.size());
     }
     all.edges = collect_edges(link, input);
     link.agree([&] {
@@ -160,14 +134,15 @@ OrderedRows in_order(RankLink& link, const DistributedImpacts& found) { return o
 OrderedRows in_order(RankLink& link, const DistributedProximities& found) { return ordered(link, found); }
 
 RankText text_of(const RankLink& link, const OrderedRows& rows, io::ListKind of, io::PairFormat format) {
-    const bool impacts = of == io::ListKind::impacts;
     RankText text;
     for (std::size_t kind = 0; kind < rows.size(); ++kind) {
-        const io::FeatureWords* const heading = kind > 0 || !link.is_first() ? nullptr
-                                                : impacts                    ? &io::impact_words
-                                                                             : &io::near_words;
-        text.push_back(impacts ? section<Impacts>(rows, kind, format, heading)
-                               : section<Proximities>(rows, kind, format, heading));
+        const bool heading = kind == 0 && link.is_first();
+        text.push_back([&rows = rows[kind], &words = io::words_of(of), kind, format, heading](std::ostream& out) {
+            const io::RowTable table = words.rows();
+            io::RowWriter writer(out, table, format == io::PairFormat::csv);
+            if (heading) writer.write_heading();
+            for (const TravellingRow& row : rows) words.add(writer, as_written(row, kind), false);
+        });
     }
     return text;
 }

@@ -15,26 +15,6 @@ using distribute::Traffic;
 
 std::size_t place(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-// In blocks: rows are text as they are made, and are never copied as a whole.
-void write_rows(std::ostream& out, const DistributedIntersections& found, bool contacts, io::PairFormat format) {
-    constexpr std::size_t most = std::size_t{1} << 14;
-    Intersections block;
-    for (std::size_t begin = 0; begin < found.pairs.size(); begin += most) {
-        const std::size_t n = std::min(most, found.pairs.size() - begin);
-        std::copy_n(found.pairs.data() + begin, n, block.pairs.resize_discard(n));
-        if (contacts) {
-            const Contacts& all = found.contacts;
-            const std::int64_t first = all.offsets[begin];
-            std::copy_n(all.kinds.data() + begin, n, block.contacts.kinds.resize_discard(n));
-            std::transform(all.offsets.data() + begin, all.offsets.data() + begin + n + 1,
-                           block.contacts.offsets.resize_discard(n + 1), [&](std::int64_t i) { return i - first; });
-            const auto points = static_cast<std::size_t>(block.contacts.offsets[n]);
-            std::copy_n(all.points.data() + first, points, block.contacts.points.resize_discard(points));
-        }
-        io::write_list_rows(out, io::table_of(block), format);
-    }
-}
-
 /// Offsets by first triangle and hit flags, as a detector makes them.
 void index(Intersections& found, std::int64_t triangles) {
     found.offsets.resize_discard(place(triangles + 1));
@@ -84,8 +64,10 @@ std::int64_t count_hits(RankLink& link, const DistributedIntersections& found, i
 
 RankText text_of(const RankLink& link, const DistributedIntersections& found, bool contacts, io::PairFormat format) {
     return {[&found, contacts, format, first = link.is_first()](std::ostream& out) {
-        if (first) io::write_list_heading(out, io::pair_rows(contacts), format);
-        write_rows(out, found, contacts, format);
+        const io::RowTable table = io::pair_rows(contacts);
+        io::RowWriter writer(out, table, format == io::PairFormat::csv);
+        if (first) writer.write_heading();
+        io::add_pairs(writer, found.pairs.span(), found.contacts);
     }};
 }
 

@@ -152,7 +152,7 @@ void write_data(Sink& sink, const std::vector<Side>& sides, const Intersections&
     const std::size_t pairs = has_contacts(collisions) ? collisions.pairs.size() : 0;
     member(sink, ", ", "lines", [&](Base64& out) {
         for (std::size_t i = 0; i < pairs; ++i) {
-            const auto points = points_of_pair(collisions, i);
+            const auto points = points_of_pair(collisions.contacts, i);
             const std::size_t lines = points.size() < 3 ? points.size() - 1 : points.size();  // an area is closed
             for (std::size_t k = 0; k < lines; ++k) {
                 normalised.write(out, points[k]);
@@ -162,7 +162,7 @@ void write_data(Sink& sink, const std::vector<Side>& sides, const Intersections&
     });
     member(sink, ", ", "points", [&](Base64& out) {
         for (std::size_t i = 0; i < pairs; ++i) {
-            const auto points = points_of_pair(collisions, i);
+            const auto points = points_of_pair(collisions.contacts, i);
             if (points.size() == 1) normalised.write(out, points[0]);
         }
     });

@@ -85,14 +85,11 @@ struct FeatureLists {
         return row;
     }
 
-    /// Calls use(section, row) in the order of the result; of candidates value and flag say nothing.
+    /// Calls use(row) in the order of the result; of candidates value and flag say nothing.
     template <class Use>
     void for_each_row(Use use) const {
-        std::size_t section = 0;
-        for (const CandidateKind kind : words.kinds()) {
-            for (std::size_t i = 0; i < (*this)[kind].pairs.size(); ++i) use(section, row(kind, i));
-            ++section;
-        }
+        for (const CandidateKind kind : all_kinds)
+            for (std::size_t i = 0; i < (*this)[kind].pairs.size(); ++i) use(row(kind, i));
     }
 
    private:
@@ -170,22 +167,8 @@ FeatureLists lists_of(const Candidates& candidates) { return lists_of(candidate_
 template <class List>
 List rows_of(const FeatureLists& lists) {
     List list{{}, lists.has_bodies()};
-    lists.for_each_row([&](std::size_t, const FeatureRow& row) { list.rows.push_back(row); });
+    lists.for_each_row([&](const FeatureRow& row) { list.rows.push_back(row); });
     return list;
-}
-
-void add_features(RowWriter& writer, const FeatureLists& lists) {
-    std::vector<ListValue> values;
-    lists.for_each_row([&](std::size_t section, const FeatureRow& row) {
-        values.clear();
-        for (std::size_t k = 0; k < id_count(row.kind); ++k) {
-            ListId id{row.ids[k]};
-            if (lists.has_bodies()) id.body = k < first_ids(row.kind) ? row.bodies.first : row.bodies.second;
-            values.emplace_back(id);
-        }
-        if (lists.words.has_values()) values.insert(values.end(), {ListValue(row.value), ListValue(row.flag)});
-        writer.add(section, values);
-    });
 }
 
 void add_earliest(Sink& sink, const FeatureLists& lists) {
@@ -234,7 +217,10 @@ std::vector<ListMember> members_of_features(const FeatureLists& lists) {
 
 ListTable table_of_lists(FeatureLists lists) {
     const auto own = std::make_shared<const FeatureLists>(std::move(lists));
-    return {own->words.what, own->words.rows(), [own](RowWriter& writer) { add_features(writer, *own); },
+    return {own->words.what, own->words.rows(),
+            [own](RowWriter& writer) {
+                own->for_each_row([&](const FeatureRow& row) { own->words.add(writer, row, own->has_bodies()); });
+            },
             [own] { return members_of_features(*own); }};
 }
 

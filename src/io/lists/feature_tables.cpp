@@ -50,6 +50,28 @@ std::vector<ListArray> FeatureWords::arrays(CandidateKind kind) const {
     return arrays;
 }
 
+void FeatureWords::add(RowWriter& writer, const FeatureRow& row, bool has_bodies) const {
+    std::array<ListValue, 6> values;
+    const std::size_t ids = id_count(row.kind), first = first_ids(row.kind);
+    for (std::size_t k = 0; k < ids; ++k) {
+        ListId id{row.ids[k]};
+        if (has_bodies) id.body = k < first ? row.bodies.first : row.bodies.second;
+        values[k] = id;
+    }
+    if (has_values()) {
+        values[ids] = row.value;
+        values[ids + 1] = row.flag;
+    }
+    const std::size_t section = static_cast<std::size_t>(row.kind) -
+                                (!has_edge_faces && row.kind > CandidateKind::edge_face ? 1 : 0) -
+                                (!has_face_faces && row.kind > CandidateKind::face_face ? 1 : 0);
+    writer.add(section, std::span(values).first(ids + (has_values() ? 2 : 0)));
+}
+
+const FeatureWords& words_of(ListKind kind) {
+    return kind == ListKind::impacts ? impact_words : kind == ListKind::near ? near_words : candidate_words;
+}
+
 ListArray edges_array() { return {"edges", NumberType::int32, 2, {"vertex", "vertex"}}; }
 ListArray first_edge_array() { return {"first_edge", NumberType::int64, 1, {"edge"}}; }
 

@@ -25,6 +25,8 @@ struct FeatureWords {
     std::vector<CandidateKind> kinds() const;
     /// Table of .txt and .csv.
     RowTable rows() const;
+    /// Writes a row of such a table.
+    void add(RowWriter& writer, const FeatureRow& row, bool has_bodies) const;
     /// Arrays of one kind: pairs, their bodies, values and flags.
     std::vector<ListArray> arrays(CandidateKind kind) const;
 };
@@ -32,6 +34,8 @@ inline constexpr FeatureWords impact_words{"impacts", "toi", "start", true, fals
 inline constexpr FeatureWords triangle_pair_words{"pairs of triangles", "toi", "start", true, false, true};
 inline constexpr FeatureWords near_words{"near pairs", "squared_distance", "touching", false, false, false};
 inline constexpr FeatureWords candidate_words{"candidates", "", "", false, true, true};
+
+const FeatureWords& words_of(ListKind kind);
 
 /// Edges that pairs name by their index, and where those of each body begin.
 ListArray edges_array();

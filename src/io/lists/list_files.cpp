@@ -51,32 +51,26 @@ void write_list(std::ostream& out, const ListTable& list, PairFormat format) {
     if (!out.flush()) fail_to_write(list.what);
 }
 
-void write_list_heading(std::ostream& out, const RowTable& rows, PairFormat format) {
-    RowWriter(out, rows, format == PairFormat::csv).write_heading();
-}
-
-void write_list_rows(std::ostream& out, const ListTable& block, PairFormat format) {
-    const FloatEnvironment environment;
-    RowWriter writer(out, block.rows, format == PairFormat::csv);
-    block.add_rows(writer);
-}
-
 ListWriter::ListWriter(std::string_view what, const RowTable& rows, const std::filesystem::path& path,
                        PairFormat format)
     : what_(what),
       format_(block_format(what, format, pair_format_of(extension_of(path)))),
       file_(path),
       out_(&file_->stream()) {
-    write_list_heading(*out_, rows, format_);
+    RowWriter(*out_, rows, format_ == PairFormat::csv).write_heading();
 }
 
 ListWriter::ListWriter(std::string_view what, const RowTable& rows, std::ostream& out, PairFormat format)
     : what_(what), format_(block_format(what, format, PairFormat::txt)), out_(&out) {
-    write_list_heading(*out_, rows, format_);
+    RowWriter(*out_, rows, format_ == PairFormat::csv).write_heading();
 }
 
 void ListWriter::add(const ListTable& block) {
-    write_list_rows(*out_, block, format_);
+    {
+        const FloatEnvironment environment;
+        RowWriter writer(*out_, block.rows, format_ == PairFormat::csv);
+        block.add_rows(writer);
+    }
     if (*out_) return;
     if (file_) file_->complete();  // says why not
     fail_to_write(what_);

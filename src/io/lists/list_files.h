@@ -29,11 +29,7 @@ struct ListTable {
 void write_list(const std::filesystem::path& path, const ListTable& list, PairFormat format);
 void write_list(std::ostream& out, const ListTable& list, PairFormat format);
 
-/// A list in pieces, as .txt or .csv: the heading, then the rows of each block.
-void write_list_heading(std::ostream& out, const RowTable& rows, PairFormat format);
-void write_list_rows(std::ostream& out, const ListTable& block, PairFormat format);
-
-/// Writes such a list to a file, which is there after commit(), or to a stream.
+/// Writes a list block by block as .txt or .csv: to a file, which is there after commit(), or to a stream.
 class ListWriter {
    public:
     ListWriter(std::string_view what, const RowTable& rows, const std::filesystem::path& path, PairFormat format);

@@ -26,26 +26,12 @@ void check_contacts(const Intersections& collisions) {
     if (!consistent) throw Error(ErrorCode::invalid_argument, "the contacts are not those of the pairs");
 }
 
-void add_pairs(RowWriter& writer, const Intersections& collisions) {
-    std::vector<ListValue> values;
-    for (std::size_t i = 0; i < collisions.pairs.size(); ++i) {
-        values.assign({ListId{collisions.pairs[i].a}, ListId{collisions.pairs[i].b}});
-        if (has_contacts(collisions)) {
-            const auto points = points_of_pair(collisions, i);
-            values.emplace_back(name_of(collisions.contacts.kinds[i]));
-            values.emplace_back(ListId{static_cast<std::int32_t>(points.size())});
-            for (const auto& point : points) values.insert(values.end(), point.begin(), point.end());
-        }
-        writer.add(0, values);
-    }
-}
-
 /// An array of objects: {"kind":"segment","points":[[0,0,0],[1,0,0]]}.
 void add_contacts(Sink& sink, const Intersections& collisions) {
     write_json_array(sink, collisions.pairs.size(), [&](std::size_t i) {
         sink << R"({"kind":")" << name_of(collisions.contacts.kinds[i]) << R"(","points":[)";
         bool first = true;
-        for (const auto& [x, y, z] : points_of_pair(collisions, i)) {
+        for (const auto& [x, y, z] : points_of_pair(collisions.contacts, i)) {
             sink << (first ? "[" : ",[") << x << ',' << y << ',' << z << ']';
             first = false;
         }
@@ -112,8 +98,23 @@ RowTable pair_rows(bool contacts) {
 
 ListTable table_of(const Intersections& collisions) {
     check_contacts(collisions);
-    return {"pairs", pair_rows(has_contacts(collisions)), [&](RowWriter& writer) { add_pairs(writer, collisions); },
+    return {"pairs", pair_rows(has_contacts(collisions)),
+            [&](RowWriter& writer) { add_pairs(writer, collisions.pairs.span(), collisions.contacts); },
             [&] { return members_of(collisions); }};
+}
+
+void add_pairs(RowWriter& writer, std::span<const Pair> pairs, const Contacts& contacts) {
+    std::vector<ListValue> values;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        values.assign({ListId{pairs[i].a}, ListId{pairs[i].b}});
+        if (!contacts.offsets.empty()) {
+            const auto points = points_of_pair(contacts, i);
+            values.emplace_back(name_of(contacts.kinds[i]));
+            values.emplace_back(ListId{static_cast<std::int32_t>(points.size())});
+            for (const auto& point : points) values.insert(values.end(), point.begin(), point.end());
+        }
+        writer.add(0, values);
+    }
 }
 
 void write_pairs(std::ostream& out, const Intersections& collisions, PairFormat format) {

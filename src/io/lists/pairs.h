@@ -14,6 +14,8 @@ namespace crumple::io {
 RowTable pair_rows(bool contacts);
 /// Throws Error (invalid_argument) unless the contacts are those of the pairs.
 ListTable table_of(const Intersections& collisions);
+/// Contacts may be empty.
+void add_pairs(RowWriter& writer, std::span<const Pair> pairs, const Contacts& contacts);
 
 inline std::string_view name_of(ContactKind kind) {
     return kind == ContactKind::point ? "point" : kind == ContactKind::segment ? "segment" : "area";
@@ -21,8 +23,7 @@ inline std::string_view name_of(ContactKind kind) {
 
 inline bool has_contacts(const Intersections& collisions) { return !collisions.contacts.offsets.empty(); }
 
-inline std::span<const std::array<double, 3>> points_of_pair(const Intersections& collisions, std::size_t pair) {
-    const Contacts& contacts = collisions.contacts;
+inline std::span<const std::array<double, 3>> points_of_pair(const Contacts& contacts, std::size_t pair) {
     return contacts.points.span().subspan(
         static_cast<std::size_t>(contacts.offsets[pair]),
         static_cast<std::size_t>(contacts.offsets[pair + 1] - contacts.offsets[pair]));

@@ -4,13 +4,6 @@
 #include "io/lists/feature_tables.h"
 
 namespace crumple::io {
-namespace {
-
-const FeatureWords& words_of(ListKind kind) {
-    return kind == ListKind::impacts ? impact_words : kind == ListKind::near ? near_words : candidate_words;
-}
-
-}  // namespace
 
 void write_impacts(std::ostream& out, const Impacts& impacts, PairFormat format) {
     write_list(out, table_of(impacts), format);
