@@ -29,16 +29,29 @@ from . import _distribution, _older_pickles  # noqa: F401, the first refuses two
 from ._candidates import Candidates
 from ._core import Part, Statistics, __version__
 from ._detector import Detector
-from ._device import DeviceArray, DeviceInfo, DeviceList, DeviceResult, Launch, list_devices
+from ._device import DeviceArray as DeviceArray
+from ._device import DeviceInfo as DeviceInfo
+from ._device import DeviceList as DeviceList
+from ._device import DeviceResult, list_devices
+from ._device import Launch as Launch
 from ._distances import Distances
 from ._errors import BackendUnavailable, Error, FileError, FileWarning, InvalidInput, InvalidType, MemoryLimit
-from ._feature_pairs import PairDistances, PairImpacts, pair_distances, pair_impacts
-from ._files import ProceduralScene, make_scene, read_mesh, read_pairs, scenes, write_mesh
+from ._feature_pairs import PairDistances as PairDistances
+from ._feature_pairs import PairImpacts as PairImpacts
+from ._feature_pairs import pair_distances, pair_impacts
+from ._files import ProceduralScene as ProceduralScene
+from ._files import make_scene, read_mesh, read_pairs, scenes, write_mesh
 from ._fuzzy_c_means import FuzzyCMeans
 from ._impacts import FirstImpact, FreeStep, Impacts
 from ._intersections import Intersections
-from ._mesh import FileMesh, Mesh, Polygons, as_mesh
-from ._proximities import EdgeEdgeType, Proximities, VertexEdgeType, VertexFaceType, VertexVertexType
+from ._mesh import FileMesh as FileMesh
+from ._mesh import Mesh, as_mesh
+from ._mesh import Polygons as Polygons
+from ._proximities import EdgeEdgeType as EdgeEdgeType
+from ._proximities import Proximities
+from ._proximities import VertexEdgeType as VertexEdgeType
+from ._proximities import VertexFaceType as VertexFaceType
+from ._proximities import VertexVertexType as VertexVertexType
 from ._queries import (
     CandidateQuery,
     DistanceQuery,
@@ -49,8 +62,10 @@ from ._queries import (
     PairFilter,
     ProximityQuery,
 )
-from ._result import ContactKind, Contacts
-from ._world import Body, Shape, World
+from ._result import ContactKind as ContactKind
+from ._result import Contacts as Contacts
+from ._shape import Shape
+from ._world import Body, World
 from ._world_files import read_poses, read_world
 
 

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import functools
-import inspect
 from collections.abc import Callable, Sequence
-from dataclasses import fields
-from difflib import get_close_matches
-from typing import Any, Literal, TypeVar, overload
+from typing import Any, Literal, overload
 
 from . import _core, _results
 from ._core import Statistics
@@ -15,7 +11,7 @@ from ._device import Launch, stream_of
 from ._errors import InvalidInput, InvalidType
 from ._fuzzy_c_means import FuzzyCMeans, check_fuzzy_c_means
 from ._mesh import is_mesh
-from ._names import suggesting
+from ._names import asks, suggesting
 from ._queries import (
     CandidateQuery,
     DistanceQuery,
@@ -31,37 +27,8 @@ from ._scene import excluded_in, scene_of, with_names
 
 Backend = Literal["automatic", "cpu", "cuda", "reference"]
 Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
-Method = TypeVar("Method", bound=Callable[..., Any])
 _ALL = IntersectionQuery()
 _PLAIN = {query: query() for query in Query.__subclasses__()}
-
-
-def asks(query: type[Query]) -> Callable[[Method], Method]:
-    """For a method whose keywords are its own and, as **options, the members of a query: a signature that has them all,
-    and errors that suggest a name."""
-
-    def with_members(method: Method) -> Method:
-        signature = inspect.signature(method)
-        own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
-        members = [
-            inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=f.default, annotation=f.type)
-            for f in fields(query)  # type: ignore[arg-type]
-        ]
-        known = {parameter.name for parameter in (*own, *members)}
-
-        @functools.wraps(method)
-        def call(*arguments: Any, **named: Any) -> Any:
-            for name in named:
-                if name not in known:
-                    close = get_close_matches(name, known - {"self"}, n=1)
-                    meant = f". Did you mean '{close[0]}'?" if close else ""
-                    raise TypeError(f"{method.__qualname__}() got an unexpected keyword argument '{name}'{meant}")
-            return method(*arguments, **named)
-
-        call.__signature__ = signature.replace(parameters=[*own, *members])  # type: ignore[attr-defined]
-        return call  # type: ignore[return-value]
-
-    return with_members
 
 
 def _query_of(query: type[Query], options: dict[str, Any]) -> Query:

@@ -12,8 +12,8 @@ from ._errors import InvalidInput
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from ._mesh import Mesh
     from ._intersections import Painted
+    from ._mesh import Mesh
 
 #: Red, green, blue of the first and the second mesh's triangles, calm and colliding, and of contacts: as in files.
 CALM = ((178, 178, 178), (150, 168, 188))

@@ -234,7 +234,7 @@ class Intersections(Result):
         bytes a triangle. `height` is in pixels. Raises InvalidInput.
         """
         if self._of_world:
-            raise InvalidInput("to_html shows meshes: save(\"page.html\") shows a world")
+            raise InvalidInput('to_html shows meshes: save("page.html") shows a world')
         self._check("pairs")
         return _core.to_html(*self._meshes(), self._held(), height)
 

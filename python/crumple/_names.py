@@ -1,10 +1,11 @@
-"""Suggestions for misspelt keyword arguments, as Python 3.13 makes them, in every version."""
+"""Keyword arguments: suggestions for misspelt ones, as Python 3.13 makes them, in every version; and those of queries."""
 
 from __future__ import annotations
 
 import functools
 import inspect
 from collections.abc import Callable
+from dataclasses import fields
 from typing import Any, TypeVar
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -34,3 +35,33 @@ def _with_suggestions(sentence: str, function: Callable[..., Any], given: dict[s
         if name not in parameters and close and sentence.endswith(f"unexpected keyword argument '{name}'"):
             sentence += f". Did you mean '{close[0]}'?"
     return sentence
+
+
+def asks(query: type) -> Callable[[Function], Function]:
+    """For a method whose keywords are its own and, as **options, the members of a query: a signature that has them all,
+    and errors that suggest a name."""
+
+    from difflib import get_close_matches
+
+    def with_members(method: Function) -> Function:
+        signature = inspect.signature(method)
+        own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
+        members = [
+            inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=f.default, annotation=f.type)
+            for f in fields(query)
+        ]
+        known = {parameter.name for parameter in (*own, *members)}
+
+        @functools.wraps(method)
+        def call(*arguments: Any, **named: Any) -> Any:
+            for name in named:
+                if name not in known:
+                    close = get_close_matches(name, known - {"self"}, n=1)
+                    meant = f". Did you mean '{close[0]}'?" if close else ""
+                    raise TypeError(f"{method.__qualname__}() got an unexpected keyword argument '{name}'{meant}")
+            return method(*arguments, **named)
+
+        call.__signature__ = signature.replace(parameters=[*own, *members])  # type: ignore[attr-defined]
+        return call  # type: ignore[return-value]
+
+    return with_members

@@ -9,7 +9,8 @@ from typing import Any
 from . import _core
 from ._errors import InvalidInput, InvalidType
 from ._mesh import Mesh, as_mesh, is_mesh, mesh_of
-from ._world import World, name_of_number
+from ._shape import name_of_number
+from ._world import World
 
 #: A scene as the extension module takes it (python/src/scene.h).
 Scene = World | _core.Part | Mesh | tuple[Mesh, Mesh]

@@ -11,7 +11,8 @@ from ._arrays import host_array
 from ._errors import InvalidInput, InvalidType
 
 if TYPE_CHECKING:
-    from ._world import Body, Shape, World
+    from ._shape import Shape
+    from ._world import Body, World
 
 
 def _column(array: Any, name: str, bodies: int | None) -> np.ndarray:

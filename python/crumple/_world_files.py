@@ -11,7 +11,8 @@ from . import _core
 from ._errors import FileWarning, InvalidInput, InvalidType
 from ._mesh import Mesh
 from ._names import suggesting
-from ._world import OwnName, Shape, World
+from ._shape import OwnName, Shape
+from ._world import World
 
 if TYPE_CHECKING:
     import numpy as np

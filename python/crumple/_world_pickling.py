@@ -10,7 +10,8 @@ from . import _arrays
 from ._errors import InvalidType
 from ._mesh import Mesh
 from ._older_pickles import refuse as restore_result  # noqa: F401
-from ._world import OwnName, Shape, World
+from ._shape import OwnName, Shape
+from ._world import World
 
 
 def state_of_shape(shape: Shape, name: Any) -> tuple[Any, ...]:

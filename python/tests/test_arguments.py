@@ -22,10 +22,19 @@ OPTIONS = [
     ({"groups": [0] * 59 + [2**31]}, r"groups: group id 2147483648 at 59 does not fit int32"),
     ({"neighbours": "none"}, r'neighbours must be one of "geometric", "skip", not "none"'),
     ({"kind": "some"}, r'kind must be one of "all", "proper", not "some"'),
-    ({"filter": crumple.PairFilter(groups="neither")}, r'groups must be one of "both", "between", "within", not "neither"'),
-    ({"filter": crumple.PairFilter(excluded_groups=[(1, 2, 3)])}, r"excluded_groups must have shape \(n, 2\), not \(1, 3\)"),
+    (
+        {"filter": crumple.PairFilter(groups="neither")},
+        r'groups must be one of "both", "between", "within", not "neither"',
+    ),
+    (
+        {"filter": crumple.PairFilter(excluded_groups=[(1, 2, 3)])},
+        r"excluded_groups must have shape \(n, 2\), not \(1, 3\)",
+    ),
     ({"filter": crumple.PairFilter(groups="\udc80")}, r"^groups must be text that UTF-8 can hold, not '\\udc80'$"),
-    ({"filter": crumple.PairFilter(excluded_groups=[(1, -(2**31) - 1)])}, r"group id -2147483649 at 0 does not fit int32"),
+    (
+        {"filter": crumple.PairFilter(excluded_groups=[(1, -(2**31) - 1)])},
+        r"group id -2147483649 at 0 does not fit int32",
+    ),
 ]
 
 
@@ -41,7 +50,10 @@ WRONG_TYPES = [
     ({"filter": crumple.PairFilter(groups=["both"])}, 'groups must be one of "both", "between", "within", not list'),
     ({"weld": 1}, "weld must be True or False, not int"),
     ({"weld": None}, "weld must be True or False, not None"),
-    ({"output": None}, 'output must be one of "any", "any_by_world", "body_pairs", "count", "pairs", "contacts", not None'),
+    (
+        {"output": None},
+        'output must be one of "any", "any_by_world", "body_pairs", "count", "pairs", "contacts", not None',
+    ),
     ({"filter": {"groups": "both"}}, "filter must be a crumple.PairFilter, not dict"),
     ({"copy": 0.0}, "copy must be True or False, not float"),
 ]
@@ -120,7 +132,10 @@ def test_other_wrong_types_are_named(detector, tmp_path):
         (lambda: detector.intersections(MESH.vertices), "a mesh must be .*, not numpy.ndarray"),
         (lambda: detector.intersections((1, 2, 3, 4)), "a mesh must be .*, not a tuple of 4"),
         (lambda: detector.intersections(None, MESH), "a mesh must be .*, not NoneType"),
-        (lambda: detector.find(MESH, "pairs"), "query must be one of crumple's, such as crumple.ImpactQuery\\(\\), not str"),
+        (
+            lambda: detector.find(MESH, "pairs"),
+            "query must be one of crumple's, such as crumple.ImpactQuery\\(\\), not str",
+        ),
         (
             lambda: detector.find(MESH, crumple.ImpactQuery),
             "query must be one of crumple's, such as .*, not the type crumple._queries.ImpactQuery itself",
@@ -137,7 +152,10 @@ def test_between_groups_needs_groups(detector):
             call(MESH, between)
         with pytest.raises(crumple.InvalidInput, match="between needs groups, and neither mesh has any"):
             call([MESH, MESH], between)
-    assert len(detector.intersections(MESH, MESH._replace(groups=[1] * 60), filter=crumple.PairFilter(groups="between"))) > 60
+    assert (
+        len(detector.intersections(MESH, MESH._replace(groups=[1] * 60), filter=crumple.PairFilter(groups="between")))
+        > 60
+    )
     assert not detector.intersections((np.zeros((0, 3)), []), groups=[], filter=crumple.PairFilter(groups="between"))
     with pytest.raises(crumple.InvalidInput, match="^second mesh: groups must be one for each of the 60 faces, not 0$"):
         detector.intersections(MESH, MESH._replace(groups=[]))
@@ -146,16 +164,35 @@ def test_between_groups_needs_groups(detector):
 def test_groups_of_every_integer_type(detector):
     mesh = soup(100, size=0.4)
     groups = np.arange(100) % 3
-    expected = detector.intersections(mesh, groups=groups.astype(np.int32), filter=crumple.PairFilter(groups="between")).pairs.tolist()
+    expected = detector.intersections(
+        mesh, groups=groups.astype(np.int32), filter=crumple.PairFilter(groups="between")
+    ).pairs.tolist()
     assert 0 < len(expected) < len(detector.intersections(mesh))
     for dtype in ("i1", "u1", "i2", "u2", "u4", "i8", "u8"):
-        assert detector.intersections(mesh, groups=groups.astype(dtype), filter=crumple.PairFilter(groups="between")).pairs.tolist() == expected
-    assert detector.intersections(mesh, groups=np.repeat(groups, 2)[::2], filter=crumple.PairFilter(groups="between")).pairs.tolist() == expected
-    assert detector.intersections(crumple.Mesh(*mesh[:2], groups), filter=crumple.PairFilter(groups="between")).pairs.tolist() == expected
+        assert (
+            detector.intersections(
+                mesh, groups=groups.astype(dtype), filter=crumple.PairFilter(groups="between")
+            ).pairs.tolist()
+            == expected
+        )
+    assert (
+        detector.intersections(
+            mesh, groups=np.repeat(groups, 2)[::2], filter=crumple.PairFilter(groups="between")
+        ).pairs.tolist()
+        == expected
+    )
+    assert (
+        detector.intersections(
+            crumple.Mesh(*mesh[:2], groups), filter=crumple.PairFilter(groups="between")
+        ).pairs.tolist()
+        == expected
+    )
     between = {frozenset(p) for p in ((0, 1), (0, 2), (1, 2))}
     for excluded in (between, np.array([[1, 0], [2, 0], [2, 1]]), ((0, 1), (0, 2), (1, 2))):
         as_pairs = [tuple(p) for p in excluded] if isinstance(excluded, set) else excluded
-        assert not detector.intersections(mesh, groups=groups, filter=crumple.PairFilter(groups="between", excluded_groups=as_pairs))
+        assert not detector.intersections(
+            mesh, groups=groups, filter=crumple.PairFilter(groups="between", excluded_groups=as_pairs)
+        )
 
 
 def test_pairs_of_groups_from_any_iterable(detector):
@@ -167,9 +204,14 @@ def test_pairs_of_groups_from_any_iterable(detector):
     makers = [set, frozenset, iter, keyed.fromkeys, lambda p: keyed.keys(), lambda p: dict(enumerate(p)).values()]
     makers += [lambda p: zip(*zip(*p)), lambda p: (pair for pair in p), lambda p: memoryview(np.array(p, np.int32))]
     for make in makers:
-        assert detector.intersections(mesh, filter=crumple.PairFilter(excluded_groups=make(pairs))).pairs.tolist() == expected
+        assert (
+            detector.intersections(mesh, filter=crumple.PairFilter(excluded_groups=make(pairs))).pairs.tolist()
+            == expected
+        )
     for none in (set(), iter([]), {}):
-        assert len(detector.intersections(mesh, filter=crumple.PairFilter(excluded_groups=none))) == len(detector.intersections(mesh))
+        assert len(detector.intersections(mesh, filter=crumple.PairFilter(excluded_groups=none))) == len(
+            detector.intersections(mesh)
+        )
 
 
 class Raising:

@@ -232,7 +232,6 @@ def test_masked_values_are_refused(name, in_place, detector):
         "excluded_groups": np.array([[1, 2]] * 6, np.int32),
     }
 
-
     def search(excluded_groups, **mesh):
         return detector.intersections(**mesh, filter=crumple.PairFilter(excluded_groups=excluded_groups))
 

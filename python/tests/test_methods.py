@@ -67,9 +67,10 @@ def test_declared_defaults_are_the_defaults(name, detector):
     for place in list(inspect.signature(method).parameters)[: len(given)]:
         defaults.pop(place, None)
     whole = method(*given, **NEEDED.get(name, {}))
-    assert repr(whole).split(" ms")[0].rpartition(",")[0] == repr(
-        method(*given, **{**defaults, **NEEDED.get(name, {})})
-    ).split(" ms")[0].rpartition(",")[0]
+    assert (
+        repr(whole).split(" ms")[0].rpartition(",")[0]
+        == repr(method(*given, **{**defaults, **NEEDED.get(name, {})})).split(" ms")[0].rpartition(",")[0]
+    )
     assert type(detector.find(scene_of(name), QUERIES[name](**NEEDED.get(name, {})))) is type(whole)
 
 

@@ -99,17 +99,25 @@ def test_features_touch_at_a_distance(min_distance, toi, either):
     end = END.copy()
     end[3:] = START[3:]
     end[3:, 2] -= 0.75
-    assert (not either.any(crumple.Mesh(START, FACES).moving_to(end), crumple.ImpactQuery())) and (not either.any(crumple.Mesh(START, FACES).moving_to(end), crumple.ImpactQuery(min_distance_share=0.125)))
-    assert not (not either.any(crumple.Mesh(START, FACES).moving_to(end), crumple.ImpactQuery(min_distance=0.25))), "at most: equal counts"
+    assert (not either.any(crumple.Mesh(START, FACES).moving_to(end), crumple.ImpactQuery())) and (
+        not either.any(crumple.Mesh(START, FACES).moving_to(end), crumple.ImpactQuery(min_distance_share=0.125))
+    )
+    assert not (not either.any(crumple.Mesh(START, FACES).moving_to(end), crumple.ImpactQuery(min_distance=0.25))), (
+        "at most: equal counts"
+    )
 
 
 def test_a_weld_makes_neighbours(either):
     """The vertices of a hinge, twice: the same at the start and at the end."""
     start = np.array([[0, 0, 0], [0, 1, 0], [1, 0, 0], [0, 0, 0], [0, 1, 0], [-1, 0, 0]], np.float64)
     end = start + np.array([0, 0, 1.0])
-    assert len(either.impacts(start, end, FACES)) and (not either.any(crumple.Mesh(start, FACES).moving_to(end), crumple.ImpactQuery(weld=True)))
+    assert len(either.impacts(start, end, FACES)) and (
+        not either.any(crumple.Mesh(start, FACES).moving_to(end), crumple.ImpactQuery(weld=True))
+    )
     end[3] += 1
-    assert not (not either.any(crumple.Mesh(start, FACES).moving_to(end), crumple.ImpactQuery(weld=True))), "vertices that part are two"
+    assert not (not either.any(crumple.Mesh(start, FACES).moving_to(end), crumple.ImpactQuery(weld=True))), (
+        "vertices that part are two"
+    )
 
 
 QUESTIONS = [
@@ -221,10 +229,18 @@ def test_meshes_come_in_many_forms(detector):
         ((START, END, FACES), {"min_distance_share": 1}, "min_distance_share must be 0 or more, and below 1"),
         ((START, END, FACES), {"weld": 1}, "weld must be True or False, not int"),
         ((START, END, FACES), {"index": None}, "index must be True or False, not None"),
-        ((START, END, FACES), {"filter": crumple.PairFilter(groups="all")}, 'groups must be one of "both", "between", "within", not "all"'),
+        (
+            (START, END, FACES),
+            {"filter": crumple.PairFilter(groups="all")},
+            'groups must be one of "both", "between", "within", not "all"',
+        ),
         ((START, END, FACES), {"output": "all"}, 'output must be one of "any", "any_by_world", "first", "pairs"'),
         ((START, END, FACES), {"groups": [0]}, "groups must be one for each of the 2 faces, not 1"),
-        ((START, END, FACES), {"filter": crumple.PairFilter(excluded_groups=[1])}, r"excluded_groups must have shape \(n, 2\)"),
+        (
+            (START, END, FACES),
+            {"filter": crumple.PairFilter(excluded_groups=[1])},
+            r"excluded_groups must have shape \(n, 2\)",
+        ),
         ((START, END, FACES), {"copy": "yes"}, "copy must be True or False, not str"),
     ],
 )
@@ -281,8 +297,10 @@ def test_triangles_that_are_stuck_or_come_to_touch(either, tmp_path):
     end[3:6, 0] += 0.25
     end[6:, 2] -= 2
     faces = np.arange(9).reshape(3, 3)
-    assert (not either.any(crumple.Mesh(start[:6], faces[:2]).moving_to(end[:6]), crumple.ImpactQuery()))
-    assert not (not either.any(crumple.Mesh(start[:6], faces[:2]).moving_to(end[:6]), crumple.ImpactQuery(triangle_pairs=True)))
+    assert not either.any(crumple.Mesh(start[:6], faces[:2]).moving_to(end[:6]), crumple.ImpactQuery())
+    assert not (
+        not either.any(crumple.Mesh(start[:6], faces[:2]).moving_to(end[:6]), crumple.ImpactQuery(triangle_pairs=True))
+    )
     assert either.free_step(start[:6], end[:6], faces[:2]).share == 1
     assert either.free_step(start[:6], end[:6], faces[:2], triangle_pairs=True).share == 0
     found = either.impacts(start, end, faces, triangle_pairs=True, index=True)
@@ -316,11 +334,15 @@ def test_triangles_of_bodies(either):
     world = crumple.World(
         [plate, blade], [crumple.Body(0, self_collisions=True), crumple.Body(1, self_collisions=True)]
     )
-    assert (not either.any(world, crumple.ImpactQuery())) and not (not either.any(world, crumple.ImpactQuery(triangle_pairs=True)))
+    assert (not either.any(world, crumple.ImpactQuery())) and not (
+        not either.any(world, crumple.ImpactQuery(triangle_pairs=True))
+    )
     found = either.impacts(world, triangle_pairs=True)
     assert found.triangle_pairs.tolist() == [[0, 0]] and found.triangle_pair_bodies.tolist() == [[0, 1]]
     assert found.world_hit.tolist() == [True] and found.world_first == [None]
-    assert either.impacts(world, triangle_pairs=True, filter=crumple.PairFilter(excluded_bodies=[(0, 1)])).triangle_pairs.shape == (0, 2)
+    assert either.impacts(
+        world, triangle_pairs=True, filter=crumple.PairFilter(excluded_bodies=[(0, 1)])
+    ).triangle_pairs.shape == (0, 2)
 
 
 @pytest.mark.parametrize("weld", [False, True])
@@ -328,7 +350,13 @@ def test_brute_force_agrees_about_triangles(weld, detector, reference):
     for seed in range(4):
         scene = moving(seed)
         found, expected = (
-            d.impacts(*scene, groups=np.arange(14) % 3, triangle_pairs=True, weld=weld, filter=crumple.PairFilter(groups="between"))
+            d.impacts(
+                *scene,
+                groups=np.arange(14) % 3,
+                triangle_pairs=True,
+                weld=weld,
+                filter=crumple.PairFilter(groups="between"),
+            )
             for d in (detector, reference)
         )
         assert len(expected.triangle_pairs)
@@ -345,7 +373,7 @@ def test_a_free_step_is_free_as_it_is_rounded(either):
             toi = toi_of(either.first_impact(vertices, end, faces))
             assert 0 < share < toi < 1 and share > 0.9 * toi and positions.flags.writeable
             np.testing.assert_allclose(positions, vertices + share * (end - vertices), rtol=1e-5, atol=1e-6)
-            assert (not either.any(crumple.Mesh(vertices, faces).moving_to(positions), crumple.ImpactQuery()))
+            assert not either.any(crumple.Mesh(vertices, faces).moving_to(positions), crumple.ImpactQuery())
     whole = either.free_step(START, START + 1, FACES)
     assert whole.share == 1 and whole.positions.tolist() == (START + 1).tolist()
     none = either.free_step((START, FACES), END, min_distance=5)
@@ -410,9 +438,9 @@ def test_poses_at_the_end(either):
     ]
     assert_same(either.impacts(crumple.World([shape], bodies)), expected)
     lowered[0, 2, 3] = 0
-    assert (not either.any(world, crumple.ImpactQuery())), "read where they lie"
+    assert not either.any(world, crumple.ImpactQuery()), "read where they lie"
     world.end_poses = None
-    assert (not either.any(world.at(world.poses, None), crumple.ImpactQuery()))
+    assert not either.any(world.at(world.poses, None), crumple.ImpactQuery())
 
 
 def bodies_in_motion(seed, bodies=6, worlds=2):
@@ -429,7 +457,13 @@ def bodies_in_motion(seed, bodies=6, worlds=2):
 
 @pytest.mark.parametrize(
     "question",
-    [{}, {"filter": crumple.PairFilter(bodies="between")}, {"filter": crumple.PairFilter(bodies="within")}, {"filter": crumple.PairFilter(excluded_bodies=[(0, 1), {2}])}, {"min_distance": 0.02}],
+    [
+        {},
+        {"filter": crumple.PairFilter(bodies="between")},
+        {"filter": crumple.PairFilter(bodies="within")},
+        {"filter": crumple.PairFilter(excluded_bodies=[(0, 1), {2}])},
+        {"min_distance": 0.02},
+    ],
     ids=str,
 )
 def test_brute_force_agrees_about_worlds(question, detector, reference):

@@ -82,7 +82,9 @@ def test_the_least_distance_of_each_feature(either):
 def test_without_a_detector():
     assert crumple.proximities(START, FACES, radius=1).vertex_faces.tolist() == [[3, 0]]
     assert crumple.proximities((START, FACES), radius=1, output="any")
-    assert crumple.proximities(crumple.World([(START, FACES)], self_collisions=True), radius=1).vertex_face_bodies.tolist() == [[0, 0]]
+    assert crumple.proximities(
+        crumple.World([(START, FACES)], self_collisions=True), radius=1
+    ).vertex_face_bodies.tolist() == [[0, 0]]
 
 
 QUESTIONS = [
@@ -125,7 +127,9 @@ def test_offsets_by_feature(either):
 
 def test_least_distances_with_groups(either):
     mesh = soup(10, size=0.5)
-    found = either.proximities(mesh, groups=np.arange(10) % 2, radius=0.5, least=True, filter=crumple.PairFilter(groups="between"))
+    found = either.proximities(
+        mesh, groups=np.arange(10) % 2, radius=0.5, least=True, filter=crumple.PairFilter(groups="between")
+    )
     assert found and len(found.vertex_distance) == len(mesh.vertices)
     assert np.flatnonzero(np.isfinite(found.vertex_distance)).tolist() == np.unique(found.vertex_faces[:, 0]).tolist()
 
@@ -155,7 +159,11 @@ def test_least_distances_with_groups(either):
         ((START, FACES), {"closest": 1}, "closest must be True or False, not int"),
         ((START, FACES), {"least": None}, "least must be True or False, not None"),
         ((START, FACES), {"output": "first"}, 'output must be one of "any", "any_by_world", "pairs", not "first"'),
-        ((START, FACES), {"filter": crumple.PairFilter(groups="no")}, 'groups must be one of "both", "between", "within", not "no"'),
+        (
+            (START, FACES),
+            {"filter": crumple.PairFilter(groups="no")},
+            'groups must be one of "both", "between", "within", not "no"',
+        ),
         ((START, FACES + 1), {}, "triangle 1 names vertex 6 of 6"),
         ((np.full_like(START, np.inf), FACES), {}, "vertex 0 is not finite"),
         (
@@ -186,7 +194,9 @@ def test_the_method_tells_what_it_is(detector):
 def test_what_was_not_asked_for_says_how_to_ask(detector):
     nothing = detector.proximities(START, FACES, radius=1, output="any")
     for name in (*LISTS["Proximities"], "count", "edges", "first_edge", "by_second_edge"):
-        with pytest.raises(crumple.InvalidInput, match=re.escape(f'{name} was not asked for: ProximityQuery(output="p')):
+        with pytest.raises(
+            crumple.InvalidInput, match=re.escape(f'{name} was not asked for: ProximityQuery(output="p')
+        ):
             getattr(nothing, name)
     with pytest.raises(crumple.InvalidInput, match=r'world_hit was .* ProximityQuery\(output="any_by_world"\)'):
         _ = nothing.world_hit
@@ -197,7 +207,9 @@ def test_what_was_not_asked_for_says_how_to_ask(detector):
         _ = every.edge_edge_bodies
     for option, names in (("closest", CLOSEST), ("least", LEAST)):
         for name in names:
-            with pytest.raises(crumple.InvalidInput, match=rf"{name} was not asked for: ProximityQuery\({option}=True\)"):
+            with pytest.raises(
+                crumple.InvalidInput, match=rf"{name} was not asked for: ProximityQuery\({option}=True\)"
+            ):
                 getattr(every, name)
     of_world = detector.proximities(crumple.World([(START, FACES)], self_collisions=True), radius=1)
     with pytest.raises(crumple.InvalidInput, match="vertex_distance is made for one mesh alone"):
@@ -219,7 +231,13 @@ def random_world(seed, bodies=6, worlds=2):
 
 @pytest.mark.parametrize(
     "question",
-    [{}, {"filter": crumple.PairFilter(bodies="between")}, {"filter": crumple.PairFilter(bodies="within")}, {"filter": crumple.PairFilter(excluded_bodies=[(0, 1), {2}])}, {"strict": True}],
+    [
+        {},
+        {"filter": crumple.PairFilter(bodies="between")},
+        {"filter": crumple.PairFilter(bodies="within")},
+        {"filter": crumple.PairFilter(excluded_bodies=[(0, 1), {2}])},
+        {"strict": True},
+    ],
     ids=str,
 )
 def test_brute_force_agrees_about_worlds(question, detector, reference):
@@ -317,7 +335,9 @@ def test_shapes_of_worlds_bring_radii_and_where_they_are_at_rest(either):
         with pytest.raises(crumple.InvalidInput, match="radius is not asked for beside radii"):
             either.proximities(world, radius=1)
     with pytest.raises(crumple.InvalidInput, match="^shape 1: the radius of vertex 2 must be finite and 0 or more$"):
-        either.proximities(crumple.World([shape, crumple.Shape(START, FACES, radii=[0, 0, -1, 0, 0, 0])], self_collisions=True))
+        either.proximities(
+            crumple.World([shape, crumple.Shape(START, FACES, radii=[0, 0, -1, 0, 0, 0])], self_collisions=True)
+        )
     with pytest.raises(crumple.InvalidInput, match="radii must be one for each of the 6 vertices, not 2"):
         crumple.Shape(START, FACES, radii=[1.0, 2.0])
     with pytest.raises(crumple.InvalidInput, match="radii and rest are for the vertices of one mesh"):

@@ -76,7 +76,12 @@ def test_configurations_and_names():
     found = crumple.distances(world.configurations(poses))
     assert found.bodies.tolist() == [[0, 3], [1, 3], [2, 3]]
     assert found.distance.tolist() == [1, 2, 0] and found.touching.tolist() == [False, False, True]
-    assert len(crumple.distances(world.configurations(poses), filter=crumple.PairFilter(excluded_bodies=[{"arm", "room"}]))) == 0
+    assert (
+        len(
+            crumple.distances(world.configurations(poses), filter=crumple.PairFilter(excluded_bodies=[{"arm", "room"}]))
+        )
+        == 0
+    )
     assert crumple.distances(world.configurations(poses), radius=1).bodies.tolist() == [[0, 3], [2, 3]]
 
 

@@ -28,7 +28,9 @@ def test_contacts_are_drawn_by_their_kind(detector):
     edges = {tuple(sorted(map(tuple, line))) for line in drawing_of(area._painted()).lines.tolist()}
     corners = [tuple(map(float, v)) for v in vertices[3:]]
     assert edges == {tuple(sorted(e)) for e in zip(corners, corners[1:] + corners[:1])}
-    touch = detector.intersections([*vertices[:3], [1, 1, 0], [1, 1, 5], [2, 1, 5]], [[0, 1, 2], [3, 4, 5]], output="contacts")
+    touch = detector.intersections(
+        [*vertices[:3], [1, 1, 0], [1, 1, 5], [2, 1, 5]], [[0, 1, 2], [3, 4, 5]], output="contacts"
+    )
     assert drawing_of(touch._painted()).points.tolist() == [[1, 1, 0]] and not len(drawing_of(touch._painted()).lines)
 
 

@@ -42,7 +42,12 @@ filters = st.builds(
     excluded_groups=st.lists(st.tuples(st.integers(-2, 2), st.integers(-2, 2)), max_size=3),
 )
 queries = st.fixed_dictionaries(
-    {"neighbours": st.sampled_from(["geometric", "skip"]), "kind": st.sampled_from(["all", "proper"]), "weld": st.booleans(), "filter": filters}
+    {
+        "neighbours": st.sampled_from(["geometric", "skip"]),
+        "kind": st.sampled_from(["all", "proper"]),
+        "weld": st.booleans(),
+        "filter": filters,
+    }
 )
 
 

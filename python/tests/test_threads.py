@@ -64,7 +64,9 @@ def test_many_threads_with_detectors_of_their_own():
 
     def search(i):
         detector = crumple.Detector(threads=1 + i % 3)
-        return all(detector.intersections(meshes[(i + k) % 8]).pairs.tolist() == expected[(i + k) % 8] for k in range(20))
+        return all(
+            detector.intersections(meshes[(i + k) % 8]).pairs.tolist() == expected[(i + k) % 8] for k in range(20)
+        )
 
     with ThreadPoolExecutor(8) as pool:
         assert all(pool.map(search, range(8)))
@@ -125,7 +127,10 @@ def test_searches_for_features_take_turns(detector):
     def search(i):
         for k in range(i, i + 20):
             near, mesh = detector.proximities(meshes[k % 4], radius=0.1), meshes[k % 4]
-            assert near.edge_edges.tolist() == expected[k % 4] and (not detector.any(mesh.moving_to(mesh.vertices), crumple.ImpactQuery())) is True
+            assert (
+                near.edge_edges.tolist() == expected[k % 4]
+                and (not detector.any(mesh.moving_to(mesh.vertices), crumple.ImpactQuery())) is True
+            )
         return True
 
     with ThreadPoolExecutor(4) as pool:

@@ -36,12 +36,7 @@ def scene():
 def expected_hits(detector, meshes):
     """Which of these meshes, one by one and in place, collide."""
     names = list(meshes)
-    return {
-        (a, b)
-        for i, a in enumerate(names)
-        for b in names[i + 1 :]
-        if detector.any([meshes[a], meshes[b]])
-    }
+    return {(a, b) for i, a in enumerate(names) for b in names[i + 1 :] if detector.any([meshes[a], meshes[b]])}
 
 
 def test_a_scene_of_trimesh_is_a_world(detector):
@@ -57,7 +52,9 @@ def test_a_scene_of_trimesh_is_a_world(detector):
     expected = expected_hits(detector, placed)
     found = detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(bodies="between")).names
     assert {frozenset(pair) for pair in found} == {frozenset(pair) for pair in expected} and len(found) == 3
-    less = detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(bodies="between", excluded_bodies=[{"stone", "pebble"}])).names
+    less = detector.intersections(
+        world, output="body_pairs", filter=crumple.PairFilter(bodies="between", excluded_bodies=[{"stone", "pebble"}])
+    ).names
     assert len(less) == 2
     assert repr(world.shapes[0]).startswith("<crumple.Shape: ") and world.shapes[0].name is None
 
@@ -102,8 +99,15 @@ def test_a_scene_comes_through_a_file(extension, tmp_path, detector):
             (tmp_path / name).write_bytes(data)
     world = crumple.read_world(path, precision="float64")
     assert sorted(world.names) == sorted(PLACED) and len(world.shapes) == 2
-    found = {frozenset(pair) for pair in detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(bodies="between")).names}
-    direct = detector.intersections(crumple.World.from_trimesh(given), output="body_pairs", filter=crumple.PairFilter(bodies="between")).names
+    found = {
+        frozenset(pair)
+        for pair in detector.intersections(
+            world, output="body_pairs", filter=crumple.PairFilter(bodies="between")
+        ).names
+    }
+    direct = detector.intersections(
+        crumple.World.from_trimesh(given), output="body_pairs", filter=crumple.PairFilter(bodies="between")
+    ).names
     assert found == {frozenset(pair) for pair in direct} and found
     assert crumple.read_world(path).shapes[0].mesh.vertices.dtype == np.float32
 
@@ -129,7 +133,9 @@ def test_any_mesh_file_is_a_world_of_one_body(tmp_path, detector):
     crumple.write_mesh(tmp_path / "part.ply", mesh)
     world = crumple.read_world(tmp_path / "part.ply")
     assert world.names == ("part",) and len(world) == 1
-    assert detector.intersections(world).pairs.tolist() == [], "a body is not tested against itself unless that is wanted"
+    assert detector.intersections(world).pairs.tolist() == [], (
+        "a body is not tested against itself unless that is wanted"
+    )
     deformable = crumple.World(world.shapes, self_collisions=True)
     assert detector.intersections(deformable).pairs.tolist() == detector.intersections(mesh).pairs.tolist()
     with pytest.raises(crumple.FileError, match="none.glb"):
@@ -210,8 +216,16 @@ def test_results_are_saved_coloured(name, tmp_path, detector):
     if name == "world.glb":
         again = crumple.read_world(tmp_path / name)
         assert again.names == world.names
-        assert {frozenset(p) for p in detector.intersections(again, output="body_pairs", filter=crumple.PairFilter(bodies="between")).names} == {
-            frozenset(p) for p in detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(bodies="between")).names
+        assert {
+            frozenset(p)
+            for p in detector.intersections(
+                again, output="body_pairs", filter=crumple.PairFilter(bodies="between")
+            ).names
+        } == {
+            frozenset(p)
+            for p in detector.intersections(
+                world, output="body_pairs", filter=crumple.PairFilter(bodies="between")
+            ).names
         }
     if name == "world.ply":
         assert len(crumple.read_mesh(tmp_path / name).faces) == len(world.mesh.faces)
@@ -221,7 +235,9 @@ def test_results_are_saved_coloured(name, tmp_path, detector):
 
 def test_whole_bodies_are_coloured_where_only_they_are_known(tmp_path, detector):
     world = crumple.World.from_trimesh(scene())
-    detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(bodies="between")).save(tmp_path / "world.ply")
+    detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(bodies="between")).save(
+        tmp_path / "world.ply"
+    )
     red = red_faces(tmp_path / "world.ply", 252)
     assert red.tolist() == [world.names[body] != "far" for body in world.mesh.groups]
 

@@ -204,7 +204,14 @@ def test_exclusions_in_many_forms(detector):
     every = {(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)}
 
     def colliding(excluded):
-        return set(map(tuple, detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(excluded_bodies=excluded)).bodies.tolist()))
+        return set(
+            map(
+                tuple,
+                detector.intersections(
+                    world, output="body_pairs", filter=crumple.PairFilter(excluded_bodies=excluded)
+                ).bodies.tolist(),
+            )
+        )
 
     assert colliding(None) == colliding([]) == colliding(np.empty((0, 2), int)) == every
     less = every - {(0, 1), (2, 2)}
@@ -233,7 +240,10 @@ def test_exclusions_in_many_forms(detector):
     [
         ({"output": "all"}, 'output must be one of "any", "any_by_world", "body_pairs", "count", "pairs", "contacts"'),
         ({"output": None}, "output must be one of .*, not None"),
-        ({"filter": crumple.PairFilter(bodies="none")}, 'bodies must be one of "both", "between", "within", not "none"'),
+        (
+            {"filter": crumple.PairFilter(bodies="none")},
+            'bodies must be one of "both", "between", "within", not "none"',
+        ),
         ({"filter": crumple.PairFilter(groups=1)}, "groups must be one of .*, not int"),
         ({"index": 1}, "index must be True or False, not int"),
         ({"weld": "no"}, "weld must be True or False, not str"),

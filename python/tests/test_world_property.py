@@ -50,7 +50,12 @@ filters = st.builds(
     excluded_groups=st.lists(st.tuples(st.integers(0, 2), st.integers(0, 2)), max_size=2),
 )
 questions = st.fixed_dictionaries(
-    {"neighbours": st.sampled_from(["geometric", "skip"]), "kind": st.sampled_from(["all", "proper"]), "weld": st.booleans(), "filter": filters}
+    {
+        "neighbours": st.sampled_from(["geometric", "skip"]),
+        "kind": st.sampled_from(["all", "proper"]),
+        "weld": st.booleans(),
+        "filter": filters,
+    }
 )
 
 

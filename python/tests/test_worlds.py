@@ -50,7 +50,9 @@ def test_less_is_the_same_as_all_cut_short(named, detector):
     assert every.world_hit.any()
     assert detector.intersections(world, output="any").any is every.any is bool(every)
     np.testing.assert_array_equal(detector.intersections(world, output="any_by_world").world_hit, every.world_hit)
-    np.testing.assert_array_equal(detector.intersections(world, output="body_pairs").bodies, np.unique(every.bodies, axis=0))
+    np.testing.assert_array_equal(
+        detector.intersections(world, output="body_pairs").bodies, np.unique(every.bodies, axis=0)
+    )
     counted = detector.intersections(world, output="count")
     assert counted.count == every.count == len(every.pairs)
     np.testing.assert_array_equal(counted.world_counts, every.world_counts)
@@ -70,7 +72,9 @@ def test_one_body_in_place_is_a_soup_and_two_are_two_meshes(detector):
     expected = detector.intersections(a, b, output="contacts")
     for found in (
         detector.intersections(both, output="contacts"),
-        detector.intersections(crumple.World([a, b], self_collisions=True), filter=crumple.PairFilter(bodies="between")),
+        detector.intersections(
+            crumple.World([a, b], self_collisions=True), filter=crumple.PairFilter(bodies="between")
+        ),
     ):
         assert found.pairs.tobytes() == expected.pairs.tobytes() and len(expected)
         assert (found.bodies == [0, 1]).all()
@@ -96,7 +100,9 @@ def test_configurations_are_a_loop(named, detector):
     every = detector.intersections(many, index=True, filter=crumple.PairFilter(excluded_bodies=excluded))
     hits = []
     for c, moved in enumerate(poses):
-        one = detector.intersections(base.at(np.concatenate([moved, base.poses[3:]])), filter=crumple.PairFilter(excluded_bodies=excluded))
+        one = detector.intersections(
+            base.at(np.concatenate([moved, base.poses[3:]])), filter=crumple.PairFilter(excluded_bodies=excluded)
+        )
         resting = (one.bodies >= 3).all(axis=1)  # pairs at rest come once, after all configurations
         rows = slice(every.world_offsets[c], every.world_offsets[c + 1])
         np.testing.assert_array_equal(many.originals[every.bodies[rows]], one.bodies[~resting])
@@ -104,7 +110,12 @@ def test_configurations_are_a_loop(named, detector):
         np.testing.assert_array_equal(every.bodies[every.world_offsets[-1] :] - 40 * 3 + 3, one.bodies[resting])
         hits.append(bool(len(one.pairs[~resting])))
     assert 0 < sum(hits) < 40
-    np.testing.assert_array_equal(detector.intersections(many, output="any_by_world", filter=crumple.PairFilter(excluded_bodies=excluded)).world_hit, hits)
+    np.testing.assert_array_equal(
+        detector.intersections(
+            many, output="any_by_world", filter=crumple.PairFilter(excluded_bodies=excluded)
+        ).world_hit,
+        hits,
+    )
     names = {name for pair in every.names for name in pair}
     assert names == {"upper", "lower", "hand", "table", "wall"} and ("upper", "lower") not in every.names
 

@@ -116,7 +116,15 @@ class BroadPhase(ipctk.BroadPhase):
         return self._overlapping(kind) if self.boxes else getattr(self, f"_near_{kind}")()
 
     def _overlapping(self, kind: Any) -> np.ndarray:
-        found = self.detector.candidates(self._start, self._faces, end=self._end, edges=self._edges, points=np.arange(len(self._start)), kinds=kind, inflation=self._within / 2)
+        found = self.detector.candidates(
+            self._start,
+            self._faces,
+            end=self._end,
+            edges=self._edges,
+            points=np.arange(len(self._start)),
+            kinds=kind,
+            inflation=self._within / 2,
+        )
         name = "vertex_vertices" if kind == "vertex_vertex" else f"{kind}s"
         return getattr(found, name).astype(np.int64)
 
