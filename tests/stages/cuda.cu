@@ -111,7 +111,8 @@ class StagesOfPass : public IntersectionPass {
         policy = policy_of(Neighbours::geometric, IntersectionKind::all);
         MemoryMeter meter;
         Answer answer(geometry_, stream_, meter);
-        answer.make_room(scene, plan.hits);
+        Block room(meter);
+        lay_out(room, [&](Cutter& c) { answer.cut(c, scene, plan.hits); });
         Clearing clearing;
         clearing.add(counters->members, sizeof *counters - offsetof(Counters, members));
         clearing.add(&counters->units, sizeof counters->units);

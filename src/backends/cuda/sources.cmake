@@ -1,12 +1,13 @@
 # The cuda backend's sources, for nvcc and, in the tests, for the CPU.
 set(crumple_cuda_sources
     cuda_backend.cu known_answers.cu
+    engine/finder.cu engine/finder_chunks.cu engine/launches.cu
     device/captures.cu device/cuda_device.cu device/gather.cu device/places.cu device/runtime.cu
     input/host_shape.cu input/device_input.cu input/known_mesh.cu input/posed_worlds.cu input/world_names.cu
     input/worlds_side_by_side.cu
     stages/align.cu stages/bounds.cu stages/clearing.cu stages/output.cu stages/pass.cu stages/sort.cu stages/subdivide.cu
-    intersections/result_on_device.cu intersections/search_in_chunks.cu intersections/device_contacts.cu
-    intersections/world_flags.cu intersections/intersection_search.cu intersections/world_finder.cu
+    intersections/result_on_device.cu intersections/intersection_chunks.cu intersections/device_contacts.cu
+    intersections/find_any.cu intersections/intersection_finder.cu intersections/world_finder.cu
     intersections/intersection_narrow.cu intersections/intersection_pass.cu intersections/intersection_stages.cu
     features/device_feature_queries.cu features/feature_finder.cu features/feature_input.cu features/feature_narrow.cu
     features/feature_rows.cu features/feature_pass.cu features/feature_stages.cu

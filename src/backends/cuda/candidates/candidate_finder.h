@@ -1,20 +1,21 @@
 #pragma once
 
-// One scene searched for pairs of features whose grown boxes overlap.
+// One scene searched for pairs of features whose inflated boxes overlap.
 
-#include <optional>
+#include <array>
 
 #include "backends/cuda/candidates/candidate_pass.h"
+#include "backends/cuda/engine/finder.h"
 #include "backends/cuda/features/feature_input.h"
-#include "backends/cuda/features/finder.h"
+#include "backends/cuda/features/shown_features.h"
 #include "queries/candidate_request.h"
 #include "queries/device_answer.h"
 
 namespace crumple::cuda {
 
-struct CandidateSlot : FinderSlot {
-    CandidateSlot(const Device& device, cudaStream_t stream, MemoryMeter& meter, Input& input)
-        : FinderSlot(device, stream, meter, input), values(meter), host(&meter) {}
+/// What a slot has for candidates.
+struct CandidateSlot {
+    explicit CandidateSlot(MemoryMeter& meter) : values(meter), host(&meter) {}
 
     Block values;
     Inflation* widening = nullptr;
@@ -27,46 +28,44 @@ struct CandidateSlot : FinderSlot {
     CandidateAnswer host;                                        ///< the lists, if they were found in chunks
 };
 
-using CandidateKeyOfGraph = FinderKey<AskedOfCandidates, FirstOfCandidates>;
-
 /// Its calls are those of FeatureFinder.
-class CandidateFinder : public Finder<CandidateFinder, CandidatePass, CandidateSlot, CandidateKeyOfGraph> {
-    friend Finder;
-
+class CandidateFinder final : public Finder {
    public:
-    CandidateFinder(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
-                    MemoryMeter& meter, Cancellation& cancellation, Flights& flights,
-                    const std::array<Input*, Flights::slots>& inputs, FeaturesOnDevice& features)
-        : Finder(device, geometry, stream, options, meter, cancellation, flights, inputs), features_(features) {}
+    CandidateFinder(BackendState& state, FeaturesOnDevice& features);
 
     void bring(std::size_t slot, const PreparedScene& scene, const CandidateRequest& query);
     void view(std::size_t slot, const Shape& shape, const CandidateRequest& query, Room room = Room::grows);
-
     void copy_to(CandidateAnswer& answer);
     DeviceAnswer show();
+    DeviceAnswer show_incomplete() const { return incomplete_answer(*slot().counters); }
 
-    void release();
+    void release() override;
 
    private:
-    const FirstOfCandidates& firsts() const { return slot().firsts; }
-    static VertexReader rest() { return {}; }
-    static Extent extent() { return Extent::all; }
-    static bool all_kinds() { return false; }
+    CandidateSlot& own() { return own_[current()]; }
+    const CandidateSlot& own() const { return own_[current()]; }
     void adopt(const CandidateRequest& query, Room room);
-    void look();
-    void plan();
-    void cut_answer(Cutter& cutter);
-    void find_in_chunks(Lists lists);
-    void make_ready();
-    void enqueue(StageEvents* watch);
-    bool accept();
     CandidateHits hits() const;
     void take_hits(Array<RankedCandidate>& found);
     void write_sorted(Array<RankedCandidate>& found);
     void upload();
 
+    void look() override;
+    KernelParameters parameters() const override { return CandidateParameters{own().asked, own().firsts}; }
+    void choose_plan(Plan& plan) const override;
+    void choose_chunks(Plan& plan, std::int64_t bytes) const override;
+    void cut_rows(Cutter& cutter) override;
+    void clear_rows(Clearing& clearing) const override;
+    void make_ready() override;
+    void narrow() override;
+    bool write_rows(Counters* told) override;
+    void count_tests(const Counters& counters, Statistics& statistics) const override;
+    void read_rows(unsigned long long total) override;
+    void find_in_chunks() override;
+
     FeaturesOnDevice& features_;
-    std::int64_t planned_for_ = -1;  ///< triangles
+    CandidatePass pass_;
+    std::array<CandidateSlot, Flights::slots> own_;
 };
 
 }  // namespace crumple::cuda

@@ -18,6 +18,17 @@ struct FirstOfCandidates {
     std::size_t all() const { return base[candidate_kinds]; }
 };
 
+/// Parameters of kernels that a graph is known by (engine/graph_key.h).
+struct CandidateParameters {
+    AskedOfCandidates asked;
+    FirstOfCandidates firsts;
+    friend bool operator==(const CandidateParameters&, const CandidateParameters&) = default;
+    void forget_places() {
+        asked.forget_places();
+        firsts = {};
+    }
+};
+
 struct RankedCandidate {
     std::uint32_t first;  ///< jointly numbered
     std::int32_t second;

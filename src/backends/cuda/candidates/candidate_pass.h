@@ -13,15 +13,15 @@ class CandidatePass : public Pass {
 
     AskedOfCandidates asked;
 
-    void cut(Cutter& c) {
+    void cut(Cutter& c) override {
         Pass::cut(c);
         record_ = c.take<CandidateRecord>(plan.last_members());
         hits_ = c.take<RankedCandidate>(plan.hits);
     }
 
     // One that does not move is where it ends.
-    void sort() { Pass::sort(Widened<2>{primitives.ends, primitives.inflation}, CandidateRows{record_, asked}); }
-    void sweep(const Slice& slice) { Pass::sweep(slice, OverlapAlone{}); }
+    void sort() override { sort_by(Widened<2>{primitives.ends, primitives.inflation}, CandidateRows{record_, asked}); }
+    void sweep(const Slice& slice) override { sweep_by(slice, OverlapAlone{}); }
     void narrow(const CandidateHits& hits) {
         find_candidates(geometry_, stream_, asked, record_, survivors(), hits, counters);
     }

@@ -19,7 +19,7 @@ struct AskedOfCandidates {
     const Normaliser* normaliser = nullptr;
 
     friend bool operator==(const AskedOfCandidates&, const AskedOfCandidates&) = default;
-    /// See FinderKey::shape().
+    /// See GraphKey::shape().
     void forget_places() {
         features = {};
         points.scene = {};

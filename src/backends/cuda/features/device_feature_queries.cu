@@ -11,16 +11,12 @@ Asked asked(const FeatureRequest& query) { return query.motion ? Asked::impacts 
 
 }  // namespace
 
-FeatureCalls::FeatureCalls(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
-                           MemoryMeter& meter, Cancellation& cancellation, Turns& turns,
-                           const std::array<Input*, Flights::slots>& inputs)
-    : device_(device),
-      stream_(stream),
-      turns_(turns),
-      before_(make_event(device)),
-      features_there_(stream, meter, turns.flights),
-      features_(device, geometry, stream, options, meter, cancellation, turns.flights, inputs, features_there_),
-      candidates_(device, geometry, stream, options, meter, cancellation, turns.flights, inputs, features_there_) {}
+FeatureCalls::FeatureCalls(BackendState& state, Launches& launches)
+    : state_(state),
+      launches_(launches),
+      features_there_(state.stream.get(), state.meter, state.flights),
+      features_(state, features_there_),
+      candidates_(state, features_there_) {}
 
 void FeatureCalls::release() {
     features_.release();
@@ -28,10 +24,10 @@ void FeatureCalls::release() {
     features_there_.release();
 }
 
-template <class Finder, class Query, class Answer>
-void FeatureCalls::find_of_scene(Finder& finder, const PreparedScene& scene, const Query& query, Answer& answer) {
-    with_device(device_, [&] {
-        turns_.finish();
+template <class QueryFinder, class Query, class Answer>
+void FeatureCalls::find_of_scene(QueryFinder& finder, const PreparedScene& scene, const Query& query, Answer& answer) {
+    with_device(state_.device, [&] {
+        launches_.finish();
         clear(answer);
         answer.statistics.backend = "cuda";
         if (scene.triangle_count() == 0) return;  // lists have a least size, which no limit need hold for nothing
@@ -54,37 +50,36 @@ void FeatureCalls::find(const PreparedScene& scene, const CandidateRequest& quer
 }
 
 bool FeatureCalls::is_captured(const DeviceShape& mesh) {
-    return with_device(device_, [&] { return capture_of(static_cast<cudaStream_t>(mesh.stream)) != 0; });
-}
-
-// We wait for the stream, which a capture forbids, and would spoil it.
-void FeatureCalls::follow(const DeviceShape& mesh) {
-    const auto stream = static_cast<cudaStream_t>(mesh.stream);
-    if (capture_of(stream) != 0)
-        throw Error(ErrorCode::invalid_argument, "a mesh's stream is being captured, and cannot be waited for");
-    order(before_, stream, stream_);
+    return with_device(state_.device, [&] { return capture_of(static_cast<cudaStream_t>(mesh.stream)) != 0; });
 }
 
 void FeatureCalls::copy_to_host(const DeviceShape& mesh, Copied what, HostShape& host) {
-    with_device(device_, [&] {
-        Places(device_.index()).check(mesh.shape);
-        follow(mesh);
-        cuda::copy_to_host(mesh.shape, what, stream_, host);
+    with_device(state_.device, [&] {
+        Places(state_.device.index()).check(mesh.shape);
+        state_.follow(mesh.stream, "a mesh's");
+        cuda::copy_to_host(mesh.shape, what, state_.stream.get(), host);
     });
 }
 
-template <class Finder, class Query, class Answer>
-bool FeatureCalls::find_of_mesh(Finder& finder, const DeviceShape& mesh, const Query& query, Answer& answer) {
-    return with_device(device_, [&] {
-        turns_.finish();
+// Returns false where the features are others.
+template <class QueryFinder, class Query>
+bool FeatureCalls::find_in_slot(QueryFinder& finder, std::size_t slot, const DeviceShape& mesh, const Query& query) {
+    try {
+        state_.follow(mesh.stream, "a mesh's");
+        finder.view(slot, mesh.shape, query);
+        finder.find();
+        return true;
+    } catch (const MeshChanged&) {
+        return false;
+    }
+}
+
+template <class QueryFinder, class Query, class Answer>
+bool FeatureCalls::find_of_mesh(QueryFinder& finder, const DeviceShape& mesh, const Query& query, Answer& answer) {
+    return with_device(state_.device, [&] {
+        launches_.finish();
         clear(answer);
-        follow(mesh);
-        try {
-            finder.view(finder.current(), mesh.shape, query);
-            finder.find();
-        } catch (const MeshChanged&) {
-            return false;
-        }
+        if (!find_in_slot(finder, finder.current(), mesh, query)) return false;
         finder.copy_to(answer);
         return true;
     });
@@ -96,21 +91,13 @@ bool FeatureCalls::find(const DeviceShape& mesh, const CandidateRequest& query, 
     return find_of_mesh(candidates_, mesh, query, answer);
 }
 
-template <class Finder, class Query>
-std::size_t FeatureCalls::launch_with(Finder& finder, Asked question, const DeviceShape& mesh, const Query& query) {
+template <class QueryFinder, class Query>
+std::size_t FeatureCalls::launch_with(QueryFinder& finder, Asked question, const DeviceShape& mesh,
+                                      const Query& query) {
     const auto stream = static_cast<cudaStream_t>(mesh.stream);
-    with_device(device_, [&] {
-        turns_.refuse_third();
-        if (capture_of(stream) != 0) {
-            turns_.launch_in_capture(question, true, [&] {
-                finder.view(finder.current(), mesh.shape, query, Room::fixed);
-                finder.capture(stream);
-            });
-            return;
-        }
-        turns_.launch(
-            question, stream, finder.alone(), [&](std::size_t slot) { finder.view(slot, mesh.shape, query); },
-            [&] { finder.launch(stream); });
+    with_device(state_.device, [&] {
+        launches_.launch(finder, question, stream, stream,
+                         [&](std::size_t slot, Room room) { finder.view(slot, mesh.shape, query, room); });
     });
     return finder.current();
 }
@@ -121,45 +108,27 @@ std::size_t FeatureCalls::launch(const DeviceShape& mesh, const CandidateRequest
     return launch_with(candidates_, Asked::candidates, mesh, query);
 }
 
-template <class Finder>
-FeatureCalls::Landed FeatureCalls::wait_with(Finder& finder, Asked question) {
-    return with_device(device_, [&]() -> Landed {
-        if (turns_.waits_for_replay(question)) {
-            turns_.begin_replay(question, finder.has_replayed());
-            const bool complete = finder.accept_replay();
-            DeviceAnswer answer = complete ? finder.show() : finder.show_incomplete();
-            turns_.replayed = true;
-            return {finder.current(), std::move(answer)};
-        }
-        turns_.refuse_other(question);
-        turns_.end_state();
-        finder.resume(turns_.flights.land());
-        const std::size_t slot = finder.current();
-        try {
-            if (!finder.accept_launched(features_there_.known().revision)) return {slot, {}};
-        } catch (const MeshChanged&) {
-            return {slot, {}};
-        }
-        turns_.answer(question);
-        return {slot, finder.show()};
+template <class QueryFinder>
+FeatureCalls::Landed FeatureCalls::wait_with(QueryFinder& finder, Asked question) {
+    launches_.check_awaited(question);
+    return with_device(state_.device, [&]() -> Landed {
+        const Launches::Outcome outcome = launches_.wait(finder, question, features_there_.known().revision);
+        if (outcome == Launches::Outcome::lost) return {finder.current(), {}};
+        launches_.answer(question);
+        const bool complete = outcome == Launches::Outcome::complete;
+        return {finder.current(), complete ? finder.show() : finder.show_incomplete()};
     });
 }
 FeatureCalls::Landed FeatureCalls::wait(Asked question) {
     return question == Asked::candidates ? wait_with(candidates_, question) : wait_with(features_, question);
 }
 
-template <class Finder, class Query>
-std::optional<DeviceAnswer> FeatureCalls::again_with(Finder& finder, Asked question, std::size_t slot,
+template <class QueryFinder, class Query>
+std::optional<DeviceAnswer> FeatureCalls::again_with(QueryFinder& finder, Asked question, std::size_t slot,
                                                      const DeviceShape& mesh, const Query& query) {
-    return with_device(device_, [&]() -> std::optional<DeviceAnswer> {
-        try {
-            follow(mesh);
-            finder.view(slot, mesh.shape, query);
-            finder.find();
-        } catch (const MeshChanged&) {
-            return {};
-        }
-        turns_.answer(question);
+    return with_device(state_.device, [&]() -> std::optional<DeviceAnswer> {
+        if (!find_in_slot(finder, slot, mesh, query)) return {};
+        launches_.answer(question);
         return finder.show();
     });
 }

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "backends/cuda/candidates/candidate_finder.h"
-#include "backends/cuda/device/turns.h"
+#include "backends/cuda/engine/launches.h"
 #include "backends/cuda/features/feature_finder.h"
 #include "backends/device_feature_calls.h"
 
@@ -13,9 +13,7 @@ namespace crumple::cuda {
 
 class FeatureCalls final : public DeviceFeatureCalls {
    public:
-    FeatureCalls(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
-                 MemoryMeter& meter, Cancellation& cancellation, Turns& turns,
-                 const std::array<Input*, Flights::slots>& inputs);
+    FeatureCalls(BackendState& state, Launches& launches);
 
     void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer);
     void find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer);
@@ -36,24 +34,22 @@ class FeatureCalls final : public DeviceFeatureCalls {
     void release();
 
    private:
-    /// Work begins after what the caller's stream was given.
-    void follow(const DeviceShape& mesh);
-    template <class Finder, class Query, class Answer>
-    void find_of_scene(Finder& finder, const PreparedScene& scene, const Query& query, Answer& answer);
-    template <class Finder, class Query, class Answer>
-    bool find_of_mesh(Finder& finder, const DeviceShape& mesh, const Query& query, Answer& answer);
-    template <class Finder, class Query>
-    std::size_t launch_with(Finder& finder, Asked question, const DeviceShape& mesh, const Query& query);
-    template <class Finder>
-    Landed wait_with(Finder& finder, Asked question);
-    template <class Finder, class Query>
-    std::optional<DeviceAnswer> again_with(Finder& finder, Asked question, std::size_t slot, const DeviceShape& mesh,
-                                           const Query& query);
+    template <class QueryFinder, class Query, class Answer>
+    void find_of_scene(QueryFinder& finder, const PreparedScene& scene, const Query& query, Answer& answer);
+    template <class QueryFinder, class Query>
+    bool find_in_slot(QueryFinder& finder, std::size_t slot, const DeviceShape& mesh, const Query& query);
+    template <class QueryFinder, class Query, class Answer>
+    bool find_of_mesh(QueryFinder& finder, const DeviceShape& mesh, const Query& query, Answer& answer);
+    template <class QueryFinder, class Query>
+    std::size_t launch_with(QueryFinder& finder, Asked question, const DeviceShape& mesh, const Query& query);
+    template <class QueryFinder>
+    Landed wait_with(QueryFinder& finder, Asked question);
+    template <class QueryFinder, class Query>
+    std::optional<DeviceAnswer> again_with(QueryFinder& finder, Asked question, std::size_t slot,
+                                           const DeviceShape& mesh, const Query& query);
 
-    const Device& device_;
-    cudaStream_t stream_;
-    Turns& turns_;
-    Event before_;
+    BackendState& state_;
+    Launches& launches_;
     FeaturesOnDevice features_there_;
     FeatureFinder features_;
     CandidateFinder candidates_;

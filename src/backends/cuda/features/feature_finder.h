@@ -2,23 +2,25 @@
 
 // One scene searched for pairs of features that touch or are near.
 
+#include <array>
 #include <optional>
 #include <vector>
 
+#include "backends/cuda/engine/finder.h"
 #include "backends/cuda/features/feature_input.h"
 #include "backends/cuda/features/feature_pass.h"
 #include "backends/cuda/features/feature_rows.h"
-#include "backends/cuda/features/finder.h"
+#include "backends/cuda/features/shown_features.h"
 #include "queries/device_answer.h"
 #include "queries/feature_request.h"
 
 namespace crumple::cuda {
 
-struct FeatureSlot : FinderSlot {
-    FeatureSlot(const Device& device, cudaStream_t stream, MemoryMeter& meter, Input& input)
-        : FinderSlot(device, stream, meter, input), features(stream, meter), host(&meter) {}
+/// What a slot has for queries about features.
+struct FeatureSlot {
+    FeatureSlot(cudaStream_t stream, MemoryMeter& meter) : features(stream, meter), host(&meter) {}
 
-    /// Keeps what accepting an answer takes; scene, features and rule are the caller's.
+    /// Keeps what accepting a result takes; scene, features and rule are the caller's.
     void ask(const FeatureRequest& asked);
 
     FeatureInput features;
@@ -33,60 +35,57 @@ struct FeatureSlot : FinderSlot {
     FeatureAnswer host;  ///< the lists, if they were found in chunks
 };
 
-using FeatureKeyOfGraph = FinderKey<AskedOfFeatures, FirstOfKind>;
-
-class FeatureFinder : public Finder<FeatureFinder, FeaturePass, FeatureSlot, FeatureKeyOfGraph> {
-    friend Finder;
-
+class FeatureFinder final : public Finder {
    public:
-    FeatureFinder(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
-                  MemoryMeter& meter, Cancellation& cancellation, Flights& flights,
-                  const std::array<Input*, Flights::slots>& inputs, FeaturesOnDevice& features)
-        : Finder(device, geometry, stream, options, meter, cancellation, flights, inputs), features_(features) {}
+    FeatureFinder(BackendState& state, FeaturesOnDevice& features);
 
-    /// Works on a slot, whose last answer goes, and brings what is asked: of a scene on the host, or of a mesh on the
+    /// Works on a slot, whose last rows go, and brings what is asked: of a scene on the host, or of a mesh on the
     /// device whose counts are those of the features.
     void bring(std::size_t slot, const PreparedScene& scene, const FeatureRequest& query);
     void view(std::size_t slot, const Shape& shape, const FeatureRequest& query, Room room = Room::grows);
     void copy_to(FeatureAnswer& answer);
-    /// Where the answer lies on the device; brings it there if it does not.
+    /// Where the rows lie on the device; brings them there if they do not.
     DeviceAnswer show();
+    /// Result of an incomplete replay.
+    DeviceAnswer show_incomplete() const { return incomplete_answer(*slot().counters); }
 
-    /// Gives back all that is kept between calls.
-    void release();
+    void release() override;
 
    private:
-    /// What the plan was made for. Questions that take turns keep it, and lists suit the longest.
-    struct SceneKind {
-        std::int64_t triangles = -1;
-        bool all_kinds = false;
-        friend bool operator==(const SceneKind&, const SceneKind&) = default;
-    };
-
-    const FeatureRequest& query() const { return *slot().query; }
-    const FirstOfKind& firsts() const { return slot().features.firsts(); }
-    const VertexReader& rest() const { return slot().features.given_rest(); }
-    Extent extent() const { return query().extent; }
-    bool all_kinds() const { return pass_.all_kinds; }
+    FeatureSlot& own() { return own_[current()]; }
+    const FeatureSlot& own() const { return own_[current()]; }
+    const FeatureRequest& query() const { return *own().query; }
+    const FirstOfKind& firsts() const { return own().features.firsts(); }
+    bool wants_all() const { return query().extent == Extent::all; }
+    bool wants_earliest() const { return query().extent != Extent::any && query().motion; }
     void adopt(const FeatureRequest& query);
-    void look();
-    void plan();
-    void cut_answer(Cutter& cutter);
-    void enqueue(StageEvents* watch);
     FeatureHits hits() const;
-    bool accept();
-    std::vector<RankedHit> decide_beyond(std::size_t count);
-    void write_again(const std::vector<RankedHit>& found, unsigned long long before);
-    void read_answer();
     void read_earliest();
     void upload();
-
-    void find_in_chunks(Lists lists);
     bool take_slice(Array<RankedHit>& found);
     void write_sorted(Array<RankedHit>& found);
 
+    void look() override;
+    KernelParameters parameters() const override { return own().features.parameters(query().extent); }
+    bool all_kinds() const override { return own().features.all_kinds(); }
+    bool wants_any() const override { return query().extent == Extent::any; }
+    void choose_plan(Plan& plan) const override;
+    void choose_chunks(Plan& plan, std::int64_t bytes) const override;
+    void cut_rows(Cutter& cutter) override;
+    void clear_rows(Clearing& clearing) const override;
+    void make_ready() override;
+    void narrow() override;
+    bool write_rows(Counters* told) override;
+    void count_tests(const Counters& counters, Statistics& statistics) const override;
+    std::size_t decide_beyond(std::size_t count) override;
+    void append_decided(std::size_t count, unsigned long long before) override;
+    void read_rows(unsigned long long total) override;
+    void find_in_chunks() override;
+
     FeaturesOnDevice& features_;
-    SceneKind planned_for_;
+    FeaturePass pass_;
+    std::array<FeatureSlot, Flights::slots> own_;
+    std::vector<RankedHit> decided_;  ///< by the host
 };
 
 }  // namespace crumple::cuda

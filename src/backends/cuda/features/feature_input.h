@@ -4,6 +4,7 @@
 // at rest, rings of neighbours.
 
 #include "backends/cuda/device/flights.h"
+#include "backends/cuda/device/graph_cache.h"
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/features/feature_narrow.h"
 #include "backends/cuda/input/known_mesh.h"
@@ -41,6 +42,21 @@ class FeaturesOnDevice {
 /// Throws Error if so many features are more than joint numbering has.
 void check_joint_number(std::int64_t features);
 
+/// Parameters of kernels that a graph is known by (engine/graph_key.h).
+struct FeatureParameters {
+    AskedOfFeatures asked;
+    VertexReader rest;  ///< the shape at rest that lies on the device
+    FirstOfKind firsts;
+    Extent extent;
+    bool all_kinds;
+    friend bool operator==(const FeatureParameters&, const FeatureParameters&) = default;
+    void forget_places() {
+        asked.forget_places();
+        forget_place(rest.data);
+        firsts = {};
+    }
+};
+
 /// What may be another in each call.
 class FeatureInput {
    public:
@@ -55,10 +71,9 @@ class FeatureInput {
     void enqueue(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const SceneBox* box,
                  Counters* counters) const;
 
+    FeatureParameters parameters(Extent extent) const { return {asked_, given_rest_, firsts_, extent, all_kinds_}; }
     const AskedOfFeatures& asked() const { return asked_; }
     const FirstOfKind& firsts() const { return firsts_; }
-    /// The shape at rest that view() was given.
-    const VertexReader& given_rest() const { return given_rest_; }
     bool all_kinds() const { return all_kinds_; }
 
     void release();
@@ -70,7 +85,7 @@ class FeatureInput {
     cudaStream_t stream_;
     Block block_;
     Array<double> rest_;       ///< positions at rest, on their way to the device
-    VertexReader given_rest_;  ///< those that lie on the device
+    VertexReader given_rest_;  ///< those that view() was given on the device
     bool viewed_ = false;
     AskedOfFeatures asked_;
     FirstOfKind firsts_;

@@ -65,7 +65,7 @@ struct AskedOfFeatures {
 
     friend bool operator==(const AskedOfFeatures&, const AskedOfFeatures&) = default;
 
-    /// See FinderKey::shape().
+    /// See GraphKey::shape().
     void forget_places() {
         radii = radii ? unknown<double>() : nullptr;
         rest.position = rest.position ? unknown<double>() : nullptr;

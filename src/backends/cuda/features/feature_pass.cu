@@ -17,15 +17,15 @@ void FeaturePass::cut(Cutter& c) {
 
 void FeaturePass::sort() {
     with_moments([&]<int moments>() {
-        Pass::sort(Widened<moments>{primitives.ends, primitives.inflation},
-                   FeatureRows<moments>{records<moments>(), asked.features});
+        sort_by(Widened<moments>{primitives.ends, primitives.inflation},
+                FeatureRows<moments>{records<moments>(), asked.features});
     });
 }
 
 void FeaturePass::sweep(const Slice& slice) {
     with_moments([&]<int moments>() {
-        Pass::sweep(slice, SeparationTest<moments>{records<moments>(), frames(), sorted_.leaf, asked.inflation,
-                                                   asked.triangle_radius, asked.share > 0});
+        sweep_by(slice, SeparationTest<moments>{records<moments>(), frames(), sorted_.leaf, asked.inflation,
+                                                asked.triangle_radius, asked.share > 0});
     });
 }
 

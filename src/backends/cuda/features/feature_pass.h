@@ -14,11 +14,9 @@ class FeaturePass : public Pass {
     AskedOfFeatures asked;
     bool all_kinds = false;  ///< edges and points are listed
 
-    /// Cuts the arrays of all stages but the last; their contents are lost.
-    void cut(Cutter& cutter);
-
-    void sort();
-    void sweep(const Slice& slice);
+    void cut(Cutter& cutter) override;
+    void sort() override;
+    void sweep(const Slice& slice) override;
     void narrow(const FeatureHits& hits);
 
     List<RankedHit> hits() const { return {hits_, &counters->hits, plan.hits}; }

@@ -10,6 +10,13 @@
 
 namespace crumple::cuda {
 
+/// Parameters of kernels that a graph is known by (engine/graph_key.h).
+struct IntersectionParameters {
+    NarrowPolicy policy;
+    friend bool operator==(const IntersectionParameters&, const IntersectionParameters&) = default;
+    void forget_places() {}
+};
+
 /// Where colliding pairs go. Counting: only their number by first triangle. Filling: to the places that prefix sums of
 /// these numbers gave, `second` of them. Any: nowhere, they are only counted, and the first one ends the work. By
 /// world: the same for each world, and expansions are left to those without a hit. Otherwise: to a list, with their

@@ -13,11 +13,9 @@ class IntersectionPass : public Pass {
 
     NarrowPolicy policy;
 
-    /// Cuts the arrays of all stages but the last; their contents are lost.
-    void cut(Cutter& cutter);
-
-    void sort() { Pass::sort(AtRest{}, records_); }
-    void sweep(const Slice& slice) { Pass::sweep(slice, PlaneTest{records_.record, policy}); }
+    void cut(Cutter& cutter) override;
+    void sort() override { sort_by(AtRest{}, records_); }
+    void sweep(const Slice& slice) override { sweep_by(slice, PlaneTest{records_.record, policy}); }
     void narrow(const Hits& hits);
 
     List<Hit> hits() const { return {hits_, &counters->hits, plan.hits}; }

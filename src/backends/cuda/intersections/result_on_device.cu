@@ -33,11 +33,6 @@ void Answer::cut(Cutter& c, const PreparedScene& scene, std::size_t pairs) {
                   c.take<std::int64_t>(worlds), c.take<std::uint8_t>(worlds)};
 }
 
-void Answer::make_room(const PreparedScene& scene, std::size_t pairs, Room room) {
-    lay_out(
-        block_, [&](Cutter& c) { cut(c, scene, pairs); }, room);
-}
-
 std::size_t Answer::bytes(const PreparedScene& scene, std::size_t pairs, bool contacts) {
     MemoryMeter none;
     Cutter cutter;
@@ -161,11 +156,6 @@ void Answer::copy_to(const PreparedScene& scene, bool contacts, Intersections& r
     copy(result.contacts.kinds, contacts_.kinds, pairs);
     copy(result.contacts.offsets, contacts_.offsets, pairs + 1);
     copy(result.contacts.points, contacts_.points, static_cast<std::size_t>(points_));
-}
-
-void Answer::release() {
-    block_.release();
-    contact_block_.release();
 }
 
 }  // namespace crumple::cuda

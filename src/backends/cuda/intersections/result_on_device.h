@@ -1,6 +1,6 @@
 #pragma once
 
-// An answer on the device, from its arrays' room to the host's copy.
+// A result on the device, from its arrays to the host's copy.
 
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/input/world_names.h"
@@ -14,15 +14,15 @@ namespace crumple::cuda {
 class Answer {
    public:
     Answer(const Geometry& geometry, cudaStream_t stream, MemoryMeter& meter)
-        : geometry_(geometry), stream_(stream), meter_(meter), block_(meter), contact_block_(meter) {}
+        : geometry_(geometry), stream_(stream), meter_(meter), contact_block_(meter) {}
 
     OutputArrays output{};
     unsigned long long total = 0;  ///< pairs
-    WorldNames names;              ///< of a scene of worlds that are to be told of; set before make_room()
+    WorldNames names;              ///< of a scene of worlds that are to be told of; set before cut()
 
-    /// Makes room for so many pairs.
-    void make_room(const PreparedScene& scene, std::size_t pairs, Room room = Room::grows);
-    /// What make_room and make_contacts take.
+    /// Cuts the arrays of so many pairs.
+    void cut(Cutter& cutter, const PreparedScene& scene, std::size_t pairs);
+    /// What these and make_contacts take.
     static std::size_t bytes(const PreparedScene& scene, std::size_t pairs, bool contacts);
 
     /// What write() finds cleared, beside the counter of parts: flags, and numbers by first triangle, which are
@@ -38,19 +38,15 @@ class Answer {
     DeviceIntersections show_worlds(bool contacts) const;
     void copy_to(const PreparedScene& scene, bool contacts, Intersections& result);
 
-    void release();
     void release_contacts() { contact_block_.release(); }
-    /// Where the arrays lie: changes when they move.
-    const void* place() const { return block_.data(); }
 
    private:
-    void cut(Cutter& cutter, const PreparedScene& scene, std::size_t pairs);
     void decide_open(const PreparedScene& scene, std::size_t n, std::int32_t second, Cancellation& cancellation);
 
     const Geometry& geometry_;
     cudaStream_t stream_;
     MemoryMeter& meter_;
-    Block block_, contact_block_;
+    Block contact_block_;
     WorldArrays of_worlds_{};
     ContactArrays contacts_{};
     unsigned long long points_ = 0;  ///< of all contacts

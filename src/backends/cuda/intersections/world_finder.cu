@@ -7,7 +7,7 @@
 
 namespace crumple::cuda {
 
-WorldFinder::WorldFinder(Search& search, cudaStream_t stream, MemoryMeter& meter)
+WorldFinder::WorldFinder(IntersectionFinder& search, cudaStream_t stream, MemoryMeter& meter)
     : search_(search), stream_(stream), meter_(meter), found_(metered(&meter)) {}
 
 void WorldFinder::release() {

@@ -6,17 +6,15 @@
 #include <memory>
 
 #include "backends/cuda/input/posed_worlds.h"
-#include "backends/cuda/intersections/intersection_search.h"
+#include "backends/cuda/intersections/intersection_finder.h"
 #include "base/parallel_for.h"
 #include "crumple/world.h"
 
 namespace crumple::cuda {
 
-/// A world's question as that about its scene.
-
 class WorldFinder {
    public:
-    WorldFinder(Search& search, cudaStream_t stream, MemoryMeter& meter);
+    WorldFinder(IntersectionFinder& search, cudaStream_t stream, MemoryMeter& meter);
 
     /// The world's bodies, brought to the device unless they are those of the call before. Null if one scene cannot
     /// hold them. Throws NoRoom if that is fixed and they are not there.
@@ -32,7 +30,7 @@ class WorldFinder {
    private:
     void find_flags(const PosedWorlds& worlds, Output wants, Intersections& result);
 
-    Search& search_;
+    IntersectionFinder& search_;
     cudaStream_t stream_;
     MemoryMeter& meter_;
     std::shared_ptr<const PosedWorlds> known_;

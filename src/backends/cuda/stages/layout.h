@@ -1,7 +1,7 @@
 #pragma once
 
 // The arrays that the stages of the cuda backend hand on, all in device memory. Structs of plain pointers, passed to
-// kernels by value; src/backends/cuda/intersections/intersection_search.h owns the memory.
+// kernels by value; src/backends/cuda/engine/finder.h owns the memory.
 //
 //   bounds      scene            -> Points (a row of four a vertex), balls (one a triangle)
 //   subdivide   balls            -> Levels: a mask an item; Members: leaf after leaf, in no order within

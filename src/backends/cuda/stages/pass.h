@@ -1,7 +1,7 @@
 #pragma once
 
 // One pass over the stages up to `sweep`, [MZ] Algorithm 1, on arrays that are cut from blocks of device memory. What
-// follows depends on the kind of query, which brings its records and its filter.
+// follows depends on the kind of query, which derives a pass that brings its records and its filter.
 
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/stages/bounds.h"
@@ -32,6 +32,7 @@ class Pass {
    public:
     Pass(const Geometry& geometry, cudaStream_t stream, const Options& options)
         : geometry_(geometry), stream_(stream), options_(options) {}
+    virtual ~Pass() = default;
 
     /// What is asked. Pointers are of the device.
     PreparedScene scene;
@@ -43,24 +44,17 @@ class Pass {
     Guides guides{};
     const Branch* beside = nullptr;  ///< where a guided pass makes the next guide; joined by whoever needs it
 
-    /// Cuts the arrays of the stages up to `sort`, and the list that `sweep` fills; their contents are lost.
-    void cut(Cutter& cutter);
+    /// Cuts the arrays of the stages up to `sort`, and the list that `sweep` fills; their contents are lost. A query's
+    /// pass cuts those of all stages but the last.
+    virtual void cut(Cutter& cutter);
 
     void bounds();
     void subdivide_scene();
     /// Leaves of those clusters of the first level that have a bit in `listed`.
     void subdivide_clusters(std::uint64_t listed);
     void align();
-    template <class Primitive, class Records>
-    void sort(const Primitive& primitive, const Records& records) {
-        sort_members(geometry_, stream_, scene, points_, plan.leaves(), members_of(last_level()),
-                     members_[last_level()], frames(), ownership(), sorted_, primitive, records, units(), counters);
-    }
-    template <class Filter>
-    void sweep(const Slice& slice, const Filter& filter) {
-        cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), wanted, filter, survivors(), slice,
-                    counters);
-    }
+    virtual void sort() = 0;
+    virtual void sweep(const Slice& slice) = 0;
 
     /// What the stages find cleared, from subdivide_scene() or subdivide_clusters() on.
     void clear(Clearing& clearing) const;
@@ -75,6 +69,17 @@ class Pass {
     void look_ahead(int i, cudaStream_t stream);
 
    protected:  // tests of the stages look at the arrays, and bring another question
+    template <class Primitive, class Records>
+    void sort_by(const Primitive& primitive, const Records& records) {
+        sort_members(geometry_, stream_, scene, points_, plan.leaves(), members_of(last_level()),
+                     members_[last_level()], frames(), ownership(), sorted_, primitive, records, units(), counters);
+    }
+    template <class Filter>
+    void sweep_by(const Slice& slice, const Filter& filter) {
+        cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), wanted, filter, survivors(), slice,
+                    counters);
+    }
+
     Level level(int i) const;
     Members members(int i) const;
     Fuzziness fuzziness(int i) const;

@@ -8,6 +8,7 @@
 #include "filters/features/length.h"
 #include "geometry/inflation.h"
 #include "geometry/leaf_frame.h"
+#include "scene/prepared_scene.h"
 
 namespace crumple::cuda {
 
@@ -69,6 +70,12 @@ struct Primitives {
     /// Rows of points.
     std::size_t rows(std::int64_t vertices) const { return static_cast<std::size_t>(vertices) * (moving ? 2 : 1); }
 };
+
+/// Those of a query about features, which move if the scene does.
+inline Primitives widened_primitives(const PreparedScene& scene, const Inflation* inflation, bool along_axes) {
+    return {true, scene.moving, scene.moving ? static_cast<std::int32_t>(scene.vertex_count()) : 0, inflation,
+            along_axes};
+}
 
 /// Calls work(primitive) with the one that is searched.
 template <class Work>

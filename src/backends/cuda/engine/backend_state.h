@@ -1,0 +1,44 @@
+#pragma once
+
+// What all queries of one cuda backend share.
+
+#include <array>
+#include <string>
+
+#include "backends/cuda/device/captures.h"
+#include "backends/cuda/device/cuda_device.h"
+#include "backends/cuda/device/flights.h"
+#include "backends/cuda/device/memory.h"
+#include "backends/cuda/input/device_input.h"
+#include "base/cancellation.h"
+#include "crumple/options.h"
+
+namespace crumple::cuda {
+
+struct BackendState {
+    BackendState(const Options& asked, MemoryMeter& m, Cancellation& c) : options(asked), meter(m), cancellation(c) {}
+
+    /// Makes our stream wait for what the caller's was given. Throws Error if that is being captured, since waiting for
+    /// it would spoil the capture; `whose`: "a mesh's".
+    void follow(void* callers_stream, const char* whose) const {
+        const auto callers = static_cast<cudaStream_t>(callers_stream);
+        if (capture_of(callers) != 0)
+            throw Error(ErrorCode::invalid_argument,
+                        std::string(whose) + " stream is being captured, and cannot be waited for");
+        order(before, callers, stream.get());
+    }
+
+    const Options options;
+    MemoryMeter& meter;
+    Cancellation& cancellation;
+    const Device device{options.device};
+    const Geometry geometry = device.geometry();
+    const Stream stream = make_stream(device);  ///< ours
+    const Event before = make_event(device);
+    Flights flights{device};
+    /// By slot, which is of one launch at a time, whatever that asks.
+    std::array<Input, Flights::slots> inputs{Input(device.index(), stream.get(), meter),
+                                             Input(device.index(), stream.get(), meter)};
+};
+
+}  // namespace crumple::cuda

@@ -1,0 +1,296 @@
+#include "backends/cuda/engine/finder.h"
+
+#include <utility>
+
+namespace crumple::cuda {
+
+Finder::Finder(BackendState& state, Pass& stages)
+    : state_(state),
+      options_(state.options),
+      meter_(state.meter),
+      cancellation_(state.cancellation),
+      geometry_(state.geometry),
+      stream_(state.stream.get()),
+      beside_(state.device),
+      slots_{Slot(state.device, state.meter), Slot(state.device, state.meter)},
+      stages_(stages),
+      watch_(state.device),
+      graphs_(state.device, stream_),
+      capture_(state.device, stream_, beside_),
+      guides_(state.meter),
+      work_(state.meter) {}
+
+// ---- A pass: the whole of [MZ] Algorithm 1, given to our stream. Where nobody times the stages, `watch` is null.
+
+void Finder::enqueue(StageEvents* watch) {
+    Counters* const told = slot().counters.get();
+    Clearing clearing;
+    clear_rows(clearing);
+    enqueue_until_sorted(clearing, watch);
+    begin(watch, Stage::sweep);
+    stages_.sweep({});
+    begin(watch, Stage::narrow);
+    narrow();
+    begin(watch, Stage::output);
+    const bool is_told = write_rows(told);
+    if (stages_.plan.guided) beside_.join(stream_);
+    if (watch) watch->end(stream_);
+    if (!is_told)
+        CRUMPLE_CUDA(cudaMemcpyAsync(told, stages_.counters, sizeof(Counters), cudaMemcpyDeviceToHost, stream_));
+}
+
+void Finder::enqueue_until_sorted(Clearing& clearing, StageEvents* watch) {
+    stages_.clear(clearing);
+    input().clear(clearing);
+    clearing.launch(geometry_, stream_);
+    begin(watch, Stage::bounds);
+    input().enqueue(geometry_, stream_, stages_.counters);
+    make_ready();
+    stages_.bounds();
+    begin(watch, Stage::subdivide);
+    stages_.subdivide_scene();
+    stages_.subdivide_clusters(~std::uint64_t{0});
+    begin(watch, Stage::align);
+    stages_.align();
+    begin(watch, Stage::sort);
+    stages_.sort();
+}
+
+void Finder::begin(StageEvents* watch, Stage stage) {
+    if (watch) watch->begin(stage, stream_);
+}
+
+// Returns true if the slot's pass was complete. If not, the plan is another one, unless it has become one since, for
+// another launch.
+bool Finder::accept() {
+    const Counters counters = *slot().counters;
+    input().throw_error(counters);
+    Plan plan = slot().plan;
+    const bool latest = stages_.plan == plan;
+    const bool complete = plan.accepts(counters, scene().triangle_count(), options_, !wants_any());
+    if (latest) stages_.plan = plan;
+    // If one hit is enough, lists may have been too short: each hit is a proof of its own.
+    const bool proven = wants_any() && counters.hits > 0;
+    if (!complete && !proven) return false;
+    unsigned long long total = counters.hits;
+    if (counters.beyond > 0 && !proven) {
+        if (lists_of_ != now_) return false;  // a later pass has written there
+        const std::size_t decided = decide_beyond(static_cast<std::size_t>(counters.beyond));
+        total += decided;
+        if (!wants_any() && decided > 0) {
+            if (!stages_.plan.accepts_hits(total)) {
+                slot().counters->hits = total;  // an incomplete replay reports it
+                return false;
+            }
+            Clearing clearing;
+            clear_rows(clearing);
+            clearing.add(&stages_.counters->parts, sizeof stages_.counters->parts);
+            clearing.launch(geometry_, stream_);
+            append_decided(decided, counters.hits);
+            write_rows(nullptr);
+            CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
+        }
+    }
+    count(counters, plan);
+    if (complete && latest) guide_next();
+    read_rows(total);
+    return true;
+}
+
+void Finder::guide_next() {
+    stages_.plan.cold = false;
+    stages_.plan.guided = true;
+}
+
+Counters Finder::read_counters() {
+    copy_now(stream_, slot().counters.get(), stages_.counters, 1, cudaMemcpyDeviceToHost);
+    return *slot().counters;
+}
+
+void Finder::count(const Counters& c, const Plan& plan) {
+    Statistics& s = statistics_;
+    s.backend = "cuda";
+    s.clusters = plan.children(0);
+    s.leaves = plan.leaves();
+    s.members += static_cast<std::int64_t>(c.members[plan.levels() - 1]);
+    s.interval_tests += static_cast<std::int64_t>(c.interval_tests);
+    s.box_overlaps += static_cast<std::int64_t>(c.box_overlaps);
+    s.rational_tests += static_cast<std::int64_t>(c.beyond);
+    count_tests(c, s);
+}
+
+// ---- Calls: a pass at once, launched, or in a caller's graph.
+
+void Finder::find() {
+    statistics_ = {};
+    state_.flights.settle();  // passes work on the same lists
+    if (slot().frugal || !fits_at_once([&] { find_at_once(); })) {
+        refuse_worlds();
+        in_chunks([&] { find_in_chunks(); });
+    }
+    slot().lost = false;
+}
+
+void Finder::find_at_once() {
+    do {
+        cancellation_.check();
+        prepare_pass();
+        enqueue(&watch_);
+        CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
+    } while (!accept());
+    watch_.read(statistics_);
+}
+
+void Finder::launch(cudaStream_t stream) {
+    const auto pass = [&] { enqueue(nullptr); };
+    slot().lost = !fits_at_once([&] {
+        prepare_pass();
+        if (stages_.plan.guided)
+            graphs_.run(key(), stream, pass);
+        else
+            graphs_.run_once(stream, pass);
+    });
+}
+
+bool Finder::accept_launched(std::uint64_t revision) {
+    if (slot().lost || slot().revision != revision) return false;
+    bool complete = false;
+    return fits_at_once([&] { complete = accept(); }) && complete;
+}
+
+void Finder::capture(cudaStream_t stream) {
+    plan();
+    if (!stages_.plan.guided || laid_out_ != layout()) throw NoRoom{};
+    lay_out_rows(Room::fixed);
+    has_replayed();
+    capture_.add(stream, [&] { enqueue(nullptr); });
+    captured_ = true;
+}
+
+// A pass ends by writing all counters, and none has so many units.
+bool Finder::has_replayed() {
+    constexpr unsigned long long never = ~0ull;
+    return std::exchange(slot().counters->next_unit, never) != never;
+}
+
+bool Finder::accept_replay() {
+    statistics_ = {};
+    bool complete = false;
+    try {
+        complete = accept();
+    } catch (const MeshChanged&) {  // a graph cannot take other features
+    }
+    if (!complete) grown_ = std::exchange(stages_.plan, slot().plan);
+    return complete;
+}
+
+GraphKey Finder::key() const {
+    return {scene(),      stages_.wanted,     stages_.plan,   input().work(),       parameters(),
+            work_.data(), slot().room.data(), guides_.data(), slot().counters.get()};
+}
+
+// ---- Slots, lists and memory.
+
+void Finder::take_slot(std::size_t slot, FunctionRef<void()> bring) {
+    now_ = slot;
+    this->slot().lost = true;
+    captured_ = false;
+    if (fits(bring)) return;
+    free_others();
+    bring();
+}
+
+void Finder::resume(std::size_t slot) {
+    now_ = slot;
+    look();
+}
+
+void Finder::look() {
+    stages_.beside = &beside_;
+    stages_.scene = input().scene();
+    stages_.box = input().box();
+    stages_.worlds = input().worlds().triangles();
+    stages_.wanted = input().wanted();
+    statistics_ = {};
+}
+
+void Finder::plan() {
+    if (grown_) stages_.plan = *std::exchange(grown_, std::nullopt);
+    const SceneKind kind{scene().triangle_count(), scene().between, scene().worlds, all_kinds()};
+    if (planned_for_ != kind) choose_plan(stages_.plan);
+    planned_for_ = kind;
+}
+
+Finder::Layout Finder::layout() const {
+    return {scene().vertices, scene().triangles, scene().float32, scene().moving, stages_.plan};
+}
+
+void Finder::lay_out_lists() {
+    if (laid_out_ == layout()) return;
+    state_.flights.settle();  // passes work on what may move now
+    laid_out_.reset();
+    lists_of_ = nobody;
+    lay_out(guides_, [&](Cutter& c) { stages_.guides.cut(c, stages_.plan); });
+    lay_out(work_, [&](Cutter& c) { stages_.cut(c); });
+    laid_out_ = layout();
+}
+
+void Finder::lay_out_rows(Room room) {
+    lay_out(
+        slot().room, [&](Cutter& c) { cut_rows(c); }, room);
+    slot().on_host = false;
+    slot().plan = stages_.plan;
+    lists_of_ = now_;
+}
+
+// Lists, and room for rows, for a pass that this slot reports.
+void Finder::prepare_pass() {
+    plan();
+    lay_out_lists();
+    lay_out_rows(Room::grows);
+}
+
+bool Finder::fits_at_once(FunctionRef<void()> work) {
+    if (refuses_at_once()) return false;
+    if (fits(work) || (free_others() && fits(work))) return true;
+    refuse_at_once();
+    return false;
+}
+
+bool Finder::free_others() {
+    state_.flights.settle();
+    const std::int64_t before = meter_.used;
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+        if (i == now_) continue;
+        slots_[i].lost = true;
+        release_rows(i);
+        if (!state_.flights.holds(i)) state_.inputs[i].release();
+    }
+    const bool freed = meter_.used < before;
+    alone_ = alone_ || freed;
+    return freed;
+}
+
+void Finder::release_lists() {
+    free_others();
+    laid_out_.reset();
+    lists_of_ = nobody;
+    work_.release();
+}
+
+void Finder::drop_lists() {
+    release_lists();
+    release_rows(now_);
+}
+
+void Finder::release() {
+    drop_lists();
+    guides_.release();
+    graphs_.clear();
+    planned_for_ = {};
+    grown_.reset();
+    too_many_ = std::numeric_limits<std::int64_t>::max();
+    alone_ = false;
+}
+
+}  // namespace crumple::cuda

@@ -1,0 +1,74 @@
+// A search in chunks: cluster by cluster, each in as many slices as the lists demand.
+
+#include "backends/cuda/engine/finder.h"
+
+namespace crumple::cuda {
+
+void Finder::refuse_worlds() const {
+    if (scene().worlds > 1 || input().posed()) throw MemoryMeter::Exceeded{};
+}
+
+void Finder::in_chunks(FunctionRef<void()> work) {
+    const auto with_shortest = [&](bool shortest) {
+        drop_lists();
+        statistics_ = {};
+        planned_for_ = {};
+        choose_chunks(stages_.plan, shortest ? 0 : bytes_for_lists(meter_));
+        work();
+    };
+    if (slot().frugal || !fits([&] { with_shortest(false); })) with_shortest(true);
+}
+
+// The scene's clusters, for which members of one at a time are listed.
+void Finder::lay_out_chunks() {
+    lay_out(guides_, [&](Cutter& c) { stages_.guides.cut(c, stages_.plan); });
+    lay_out(work_, [&](Cutter& c) { stages_.cut(c); });
+    Clearing clearing;
+    stages_.clear(clearing);
+    input().clear(clearing);
+    clearing.launch(geometry_, stream_);
+    input().enqueue(geometry_, stream_, stages_.counters);
+    make_ready();
+    stages_.bounds();
+    input().throw_error(read_counters());
+    stages_.subdivide_scene();
+}
+
+void Finder::over_chunks(FunctionRef<bool()> slice) {
+    bool laid_out = false;
+    for (int k = 0; k < stages_.plan.fan_out[0];) {
+        if (!laid_out) lay_out_chunks();
+        Clearing clearing;
+        stages_.clear(clearing);
+        clearing.launch(geometry_, stream_);
+        stages_.subdivide_clusters(std::uint64_t{1} << k);
+        laid_out = stages_.plan.accepts_chunk(read_counters());
+        if (!laid_out) continue;
+        stages_.align();
+        stages_.sort();
+        const Counters sorted = read_counters();
+        laid_out = stages_.plan.accepts_units(sorted);
+        if (!laid_out) continue;
+        count(sorted, stages_.plan);
+        if (!over_slices(slice)) return;
+        ++k;
+    }
+}
+
+// A slice is halved until its pairs of triangles fit their list; then all lists do.
+bool Finder::over_slices(FunctionRef<bool()> narrow_slice) {
+    for (Slice slice{}; slice.turn < slice.turns;) {
+        cancellation_.check();
+        stages_.clear_counters();
+        stages_.sweep(slice);
+        if (read_counters().survivors > stages_.plan.survivors) {
+            slice = {2 * slice.turn, 2 * slice.turns};
+            continue;
+        }
+        if (!narrow_slice()) return false;
+        ++slice.turn;
+    }
+    return true;
+}
+
+}  // namespace crumple::cuda
