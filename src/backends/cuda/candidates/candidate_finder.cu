@@ -112,9 +112,7 @@ bool CandidateFinder::write_rows(Counters* told) {
 
 void CandidateFinder::count_tests(const Counters& c, Statistics& s) const { count_feature_tests(c, s); }
 
-void CandidateFinder::read_rows(unsigned long long) {
-    copy_ends(stream_, own().output.offsets, own().firsts.base, own().ends);
-}
+void CandidateFinder::read_rows(unsigned long long) { own().ends.read(stream_, own().output); }
 
 void CandidateFinder::copy_to(CandidateAnswer& answer) {
     CandidateSlot& own = this->own();
@@ -123,11 +121,9 @@ void CandidateFinder::copy_to(CandidateAnswer& answer) {
         own.host = CandidateAnswer(&meter_);
         slot().lost = true;
     } else {
-        for (std::size_t k = 0; k < candidate_kinds; ++k) {
-            const auto count = static_cast<std::size_t>(own.ends[k + 1] - own.ends[k]);
-            copy_now(stream_, answer.pairs[k].resize_discard(count), own.output.pairs + own.ends[k], count,
-                     cudaMemcpyDeviceToHost);
-        }
+        for (std::size_t k = 0; k < candidate_kinds; ++k)
+            copy_now(stream_, answer.pairs[k].resize_discard(own.ends.count(k)), own.output.pairs + own.ends.begin(k),
+                     own.ends.count(k), cudaMemcpyDeviceToHost);
     }
     answer.statistics = statistics();
 }
@@ -136,11 +132,10 @@ void CandidateFinder::copy_to(CandidateAnswer& answer) {
 void CandidateFinder::upload() {
     CandidateSlot& own = this->own();
     own.ends = {};
-    for (std::size_t k = 0; k < candidate_kinds; ++k) own.ends[k + 1] = own.ends[k] + own.host.pairs[k].size();
-    lay_out(slot().room,
-            [&](Cutter& c) { own.output.pairs = c.take<Pair>(static_cast<std::size_t>(own.ends[candidate_kinds])); });
+    for (std::size_t k = 0; k < candidate_kinds; ++k) own.ends.append(k, own.host.pairs[k].size());
+    lay_out(slot().room, [&](Cutter& c) { own.output.pairs = c.take<Pair>(own.ends.all()); });
     for (std::size_t k = 0; k < candidate_kinds; ++k)
-        copy_now(stream_, own.output.pairs + own.ends[k], own.host.pairs[k].data(), own.host.pairs[k].size(),
+        copy_now(stream_, own.output.pairs + own.ends.begin(k), own.host.pairs[k].data(), own.host.pairs[k].size(),
                  cudaMemcpyHostToDevice);
     own.host = CandidateAnswer(&meter_);
     slot().on_host = false;
@@ -149,11 +144,11 @@ void CandidateFinder::upload() {
 DeviceAnswer CandidateFinder::show() {
     if (slot().on_host) upload();
     const CandidateSlot& own = this->own();
-    DeviceAnswer shown = shown_answer(features_.known(), own.ends[candidate_kinds], statistics());
+    DeviceAnswer shown = shown_answer(features_.known(), own.ends.all(), statistics());
     shown.any = shown.count > 0;
     for (std::size_t k = 0; k < candidate_kinds; ++k) {
-        const auto count = static_cast<std::int64_t>(own.ends[k + 1] - own.ends[k]);
-        if (count > 0) shown.rows[k] = {count, own.output.pairs + own.ends[k], nullptr, nullptr};
+        const auto count = static_cast<std::int64_t>(own.ends.count(k));
+        if (count > 0) shown.rows[k] = {count, own.output.pairs + own.ends.begin(k), nullptr, nullptr};
     }
     return shown;
 }
@@ -182,18 +177,13 @@ void CandidateFinder::find_in_chunks() {
 void CandidateFinder::take_hits(Array<RankedCandidate>& found) {
     const Counters counters = read_counters();
     count(counters, pass_.plan);
-    const auto listed = static_cast<std::size_t>(counters.hits), before = found.size();
-    found.resize(before + listed);
-    copy_now(stream_, found.data() + before, pass_.hits().data, listed, cudaMemcpyDeviceToHost);
+    download(stream_, pass_.hits(), static_cast<std::size_t>(counters.hits), found);
 }
 
 void CandidateFinder::write_sorted(Array<RankedCandidate>& found) {
-    const auto pair = [](const RankedCandidate& hit) { return std::pair(hit.first, hit.second); };
-    std::sort(found.begin(), found.end(), [&](const auto& a, const auto& b) { return pair(a) < pair(b); });
-    const RankedCandidate* hit = found.begin();
-    for (std::size_t k = 0; k < candidate_kinds; ++k)
-        for (; hit != found.end() && hit->first < own().firsts.base[k + 1]; ++hit)
-            own().host.pairs[k].push_back({static_cast<std::int32_t>(hit->first - own().firsts.base[k]), hit->second});
+    for_each_sorted(found, own().firsts, [&](std::size_t kind, const Pair& pair, const RankedCandidate&) {
+        own().host.pairs[kind].push_back(pair);
+    });
 }
 
 }  // namespace crumple::cuda

@@ -7,7 +7,7 @@
 #include "backends/cuda/candidates/candidate_pass.h"
 #include "backends/cuda/engine/finder.h"
 #include "backends/cuda/features/feature_input.h"
-#include "backends/cuda/features/shown_features.h"
+#include "backends/cuda/features/rows_by_kind.h"
 #include "queries/candidate_request.h"
 #include "queries/device_answer.h"
 
@@ -24,8 +24,8 @@ struct CandidateSlot {
     FirstOfCandidates firsts;
     CandidateOutput output{};
     // What accepting has found:
-    std::array<unsigned long long, candidate_kinds + 1> ends{};  ///< of the lists, among all rows
-    CandidateAnswer host;                                        ///< the lists, if they were found in chunks
+    ListEnds<candidate_kinds> ends;
+    CandidateAnswer host;  ///< the lists, if they were found in chunks
 };
 
 /// Its calls are those of FeatureFinder.

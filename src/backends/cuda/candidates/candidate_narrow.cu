@@ -24,7 +24,7 @@ namespace {
 __device__ void add(const CandidateHits& hits, bool is_hit, CandidateKind kind, const Pair& pair) {
     const unsigned long long place = append(is_hit, hits.list.count);
     if (!is_hit) return;
-    const std::uint32_t first = hits.firsts.base[static_cast<int>(kind)] + static_cast<std::uint32_t>(pair.a);
+    const std::uint32_t first = hits.firsts.joint(kind, pair.a);
     const auto rank = static_cast<std::uint32_t>(atomicAdd(&hits.by_first[first], 1ull));
     atomicAdd(&hits.by_tile[first / offset_tile], 1ull);
     if (place < hits.list.capacity) hits.list.data[place] = {first, pair.b, rank};
@@ -137,19 +137,8 @@ void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedSc
 }
 
 void CandidateOutput::cut(Cutter& c, const FirstOfCandidates& features, std::size_t room) {
-    firsts = features;
-    capacity = room;
-    part_capacity = cuda::part_capacity(room);
-    offsets = c.take<unsigned long long>(firsts.all() + 1);
-    by_tile = c.take<unsigned long long>(offset_tiles(firsts.all()));
-    parts = c.take<RowPart>(part_capacity);
+    RowsByKind::cut(c, features, room);
     second = c.take<Key>(room);
-    pairs = c.take<Pair>(room);
-}
-
-void CandidateOutput::clear(Clearing& clearing) const {
-    clearing.add(offsets, (firsts.all() + 1) * sizeof *offsets);
-    clearing.add(by_tile, offset_tiles(firsts.all()) * sizeof *by_tile);
 }
 
 void write_answer(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,

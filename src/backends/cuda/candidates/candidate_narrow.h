@@ -5,18 +5,12 @@
 
 #include "backends/cuda/candidates/candidate_records.h"
 #include "backends/cuda/device/memory.h"
+#include "backends/cuda/features/rows_by_kind.h"
 #include "backends/cuda/stages/bounds.h"
 #include "backends/cuda/stages/clearing.h"
 #include "backends/cuda/stages/output.h"
 
 namespace crumple::cuda {
-
-struct FirstOfCandidates {
-    std::uint32_t base[candidate_kinds + 1] = {};
-    friend bool operator==(const FirstOfCandidates&, const FirstOfCandidates&) = default;
-
-    std::size_t all() const { return base[candidate_kinds]; }
-};
 
 /// Parameters of kernels that a graph is known by (engine/graph_key.h).
 struct CandidateParameters {
@@ -49,22 +43,14 @@ void find_candidates(const Geometry& geometry, cudaStream_t stream, const AskedO
 void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const WantedPairs& pairs,
                  const AskedOfCandidates& asked, const CandidateHits& hits);
 
-struct CandidateOutput : RowsOfOutput {
+struct CandidateOutput : RowsByKind<candidate_kinds> {
     using Key = std::int32_t;
     Key* second;
-    Pair* pairs;
-    FirstOfCandidates firsts;
 
     void cut(Cutter& cutter, const FirstOfCandidates& features, std::size_t room);
-    void clear(Clearing& clearing) const;
 
-    __device__ void set_flags(std::size_t, Key) const {}
     __device__ void write(unsigned long long place, std::int32_t first, Key b) const {
-        const auto joint = static_cast<std::uint32_t>(first);
-        std::uint32_t base = 0;
-        for (const std::uint32_t begin : firsts.base)
-            if (begin <= joint) base = begin;
-        pairs[place] = {static_cast<std::int32_t>(joint - base), b};
+        pairs[place] = firsts.pair(static_cast<std::uint32_t>(first), b);
     }
 };
 

@@ -135,9 +135,8 @@ std::size_t FeatureFinder::decide_beyond(std::size_t count) {
             FeatureCounts counts;
             const FeatureDecision decision = decide(cases[i], query(), counts);
             if (!decision.hit) continue;
-            const std::uint32_t base = firsts().base[static_cast<std::size_t>(cases[i].kind)];
-            decided_.push_back({base + static_cast<std::uint32_t>(cases[i].pair.a), cases[i].pair.b, 0, decision.flag,
-                                decision.value});
+            decided_.push_back(
+                {firsts().joint(cases[i].kind, cases[i].pair.a), cases[i].pair.b, 0, decision.flag, decision.value});
             if (wants_any()) return decided_.size();
         }
     }
@@ -150,7 +149,7 @@ void FeatureFinder::read_rows(unsigned long long total) {
     slot.first = {};
     slot.ends = {};
     if (wants_earliest() && slot.any) read_earliest();
-    if (wants_all()) copy_ends(stream_, slot.output.offsets, firsts().base, slot.ends);
+    if (wants_all()) slot.ends.read(stream_, slot.output);
 }
 
 void FeatureFinder::read_earliest() {
@@ -159,12 +158,9 @@ void FeatureFinder::read_earliest() {
     const auto joint = static_cast<std::uint32_t>(first.pair >> 32);
     std::size_t kind = 0;
     while (joint >= firsts().base[kind + 1]) ++kind;
-    own().first = {true,
-                   static_cast<FeatureKind>(kind),
-                   {static_cast<std::int32_t>(joint - firsts().base[kind]), static_cast<std::int32_t>(first.pair)},
-                   {},
-                   std::bit_cast<double>(first.value),
-                   first.flag != 0};
+    own().first = {
+        true, static_cast<FeatureKind>(kind),     firsts().pair(joint, static_cast<std::int32_t>(first.pair)),
+        {},   std::bit_cast<double>(first.value), first.flag != 0};
 }
 
 void FeatureFinder::copy_to(FeatureAnswer& answer) {
@@ -175,11 +171,10 @@ void FeatureFinder::copy_to(FeatureAnswer& answer) {
         slot().lost = true;
     } else {
         for (std::size_t k = 0; k < feature_kinds; ++k) {
-            const auto begin = static_cast<std::size_t>(own.ends[k]);
-            const auto count = static_cast<std::size_t>(own.ends[k + 1]) - begin;
             FeatureRows& rows = answer.rows[k];
             const auto copy = [&](auto& array, const auto* device) {
-                copy_now(stream_, array.resize_discard(count), device + begin, count, cudaMemcpyDeviceToHost);
+                copy_now(stream_, array.resize_discard(own.ends.count(k)), device + own.ends.begin(k),
+                         own.ends.count(k), cudaMemcpyDeviceToHost);
             };
             copy(rows.pairs, own.output.pairs);
             copy(rows.value, own.output.value);
@@ -195,18 +190,17 @@ void FeatureFinder::copy_to(FeatureAnswer& answer) {
 void FeatureFinder::upload() {
     FeatureSlot& own = this->own();
     own.ends = {};
-    for (std::size_t k = 0; k < feature_kinds; ++k) own.ends[k + 1] = own.ends[k] + own.host.rows[k].pairs.size();
-    const auto all = static_cast<std::size_t>(own.ends[feature_kinds]);
+    for (std::size_t k = 0; k < feature_kinds; ++k) own.ends.append(k, own.host.rows[k].pairs.size());
     FeatureOutput& output = own.output;
     lay_out(slot().room, [&](Cutter& c) {
-        output.pairs = c.take<Pair>(all);
-        output.value = c.take<double>(all);
-        output.flag = c.take<std::uint8_t>(all);
+        output.pairs = c.take<Pair>(own.ends.all());
+        output.value = c.take<double>(own.ends.all());
+        output.flag = c.take<std::uint8_t>(own.ends.all());
     });
     for (std::size_t k = 0; k < feature_kinds; ++k) {
         const FeatureRows& rows = own.host.rows[k];
         const auto copy = [&](auto* device, const auto& array) {
-            copy_now(stream_, device + own.ends[k], array.data(), array.size(), cudaMemcpyHostToDevice);
+            copy_now(stream_, device + own.ends.begin(k), array.data(), array.size(), cudaMemcpyHostToDevice);
         };
         copy(output.pairs, rows.pairs);
         copy(output.value, rows.value);
@@ -219,14 +213,14 @@ void FeatureFinder::upload() {
 DeviceAnswer FeatureFinder::show() {
     if (slot().on_host) upload();
     const FeatureSlot& own = this->own();
-    DeviceAnswer shown = shown_answer(features_.known(), own.ends[feature_kinds], statistics());
+    DeviceAnswer shown = shown_answer(features_.known(), own.ends.all(), statistics());
     shown.any = own.any;
     shown.first = own.first;
     for (std::size_t k = 0; k < feature_kinds; ++k) {
-        const unsigned long long begin = own.ends[k];
-        const auto count = static_cast<std::int64_t>(own.ends[k + 1] - begin);
+        const std::size_t begin = own.ends.begin(k), count = own.ends.count(k);
         if (count > 0)
-            shown.rows[k] = {count, own.output.pairs + begin, own.output.value + begin, own.output.flag + begin};
+            shown.rows[k] = {static_cast<std::int64_t>(count), own.output.pairs + begin, own.output.value + begin,
+                             own.output.flag + begin};
     }
     return shown;
 }
@@ -249,14 +243,10 @@ bool FeatureFinder::take_slice(Array<RankedHit>& found) {
     narrow();
     const Counters counters = read_counters();
     count(counters, pass_.plan);
-    const auto listed = static_cast<std::size_t>(counters.hits), before = found.size();
     bool& any = own().any;
-    any = any || listed > 0;
+    any = any || counters.hits > 0;
     if (wants_any() && any) return false;
-    if (!wants_any()) {
-        found.resize(before + listed);
-        copy_now(stream_, found.data() + before, pass_.hits().data, listed, cudaMemcpyDeviceToHost);
-    }
+    if (!wants_any()) download(stream_, pass_.hits(), static_cast<std::size_t>(counters.hits), found);
     if (counters.beyond == 0) return true;
     any = decide_beyond(static_cast<std::size_t>(counters.beyond)) > 0 || any;
     if (!wants_any())
@@ -265,24 +255,16 @@ bool FeatureFinder::take_slice(Array<RankedHit>& found) {
 }
 
 void FeatureFinder::write_sorted(Array<RankedHit>& found) {
-    const auto pair = [](const RankedHit& hit) { return std::pair(hit.first, hit.second); };
-    if (wants_any()) return;
-    std::sort(found.begin(), found.end(), [&](const RankedHit& a, const RankedHit& b) { return pair(a) < pair(b); });
-    const RankedHit* hit = found.begin();
-    for (std::size_t k = 0; k < feature_kinds; ++k) {
-        const std::uint32_t base = firsts().base[k];
-        FeatureRows& rows = own().host.rows[k];
-        for (; hit != found.end() && hit->first < firsts().base[k + 1]; ++hit) {
-            const Pair features{static_cast<std::int32_t>(hit->first - base), hit->second};
-            const FirstImpact impact{true, static_cast<FeatureKind>(k), features, {}, hit->value, hit->flag != 0};
-            FirstImpact& first = own().first;
-            if (query().motion && (!first.found || impact.toi < first.toi)) first = impact;
-            if (!wants_all()) continue;
-            rows.pairs.push_back(features);
-            rows.value.push_back(hit->value);
-            rows.flag.push_back(static_cast<std::uint8_t>(hit->flag));
-        }
-    }
+    for_each_sorted(found, firsts(), [&](std::size_t kind, const Pair& pair, const RankedHit& hit) {
+        const FirstImpact impact{true, static_cast<FeatureKind>(kind), pair, {}, hit.value, hit.flag != 0};
+        FirstImpact& first = own().first;
+        if (query().motion && (!first.found || impact.toi < first.toi)) first = impact;
+        if (!wants_all()) return;
+        FeatureRows& rows = own().host.rows[kind];
+        rows.pairs.push_back(pair);
+        rows.value.push_back(hit.value);
+        rows.flag.push_back(static_cast<std::uint8_t>(hit.flag));
+    });
 }
 
 }  // namespace crumple::cuda

@@ -10,7 +10,7 @@
 #include "backends/cuda/features/feature_input.h"
 #include "backends/cuda/features/feature_pass.h"
 #include "backends/cuda/features/feature_rows.h"
-#include "backends/cuda/features/shown_features.h"
+#include "backends/cuda/features/rows_by_kind.h"
 #include "queries/device_answer.h"
 #include "queries/feature_request.h"
 
@@ -29,7 +29,7 @@ struct FeatureSlot {
     FeatureOutput output{};
     Earliest* earliest = nullptr;
     // What accepting has found:
-    std::array<unsigned long long, feature_kinds + 1> ends{};  ///< of the lists, among all rows
+    ListEnds<feature_kinds> ends;
     bool any = false;
     FirstImpact first;
     FeatureAnswer host;  ///< the lists, if they were found in chunks

@@ -168,7 +168,7 @@ __device__ void add(const FeatureHits& hits, bool is_hit, FeatureKind kind, cons
     if (hits.any) return tally(is_hit, hits.list.count);
     std::uint32_t first = 0, rank = 0;
     if (is_hit) {
-        first = hits.firsts.base[static_cast<int>(kind)] + static_cast<std::uint32_t>(pair.a);
+        first = hits.firsts.joint(kind, pair.a);
         rank = static_cast<std::uint32_t>(atomicAdd(&hits.by_first[first], 1ull));
         atomicAdd(&hits.by_tile[first / offset_tile], 1ull);
     }

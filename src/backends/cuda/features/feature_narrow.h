@@ -6,12 +6,10 @@
 //
 //     survivors --list--> tests, by kind --decide--> open, by kind --close--> beyond
 //                                          \-> hits              \-> hits
-//
-// Features are numbered jointly, those that come first in a pair of one kind behind those of the kind before: then one
-// order of pairs is that of all lists, one after the other.
 
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/features/feature_parameters.h"
+#include "backends/cuda/features/rows_by_kind.h"
 #include "backends/cuda/stages/bounds.h"
 #include "backends/cuda/stages/layout.h"
 #include "backends/cuda/stages/primitive.h"
@@ -20,14 +18,6 @@
 #include "scene/prepared_scene.h"
 
 namespace crumple::cuda {
-
-/// Where the first features of each kind begin in joint numbering; and the end.
-struct FirstOfKind {
-    std::uint32_t base[feature_kinds + 1] = {};
-    friend bool operator==(const FirstOfKind&, const FirstOfKind&) = default;
-
-    std::size_t all() const { return base[feature_kinds]; }
-};
 
 /// A pair that is an answer; `rank` among those of the same first feature.
 struct RankedHit {

@@ -45,21 +45,10 @@ template void make_offsets(const Geometry&, cudaStream_t, std::size_t, const Fea
 template void order_buckets(const Geometry&, cudaStream_t, std::size_t, const FeatureOutput&, Counters*, Counters*);
 
 void FeatureOutput::cut(Cutter& c, const FirstOfKind& features, std::size_t room) {
-    firsts = features;
-    capacity = room;
-    part_capacity = cuda::part_capacity(room);
-    offsets = c.take<unsigned long long>(firsts.all() + 1);
-    by_tile = c.take<unsigned long long>(offset_tiles(firsts.all()));
-    parts = c.take<RowPart>(part_capacity);
+    RowsByKind::cut(c, features, room);
     second = c.take<Key>(room);
-    pairs = c.take<Pair>(room);
     value = c.take<double>(room);
     flag = c.take<std::uint8_t>(room);
-}
-
-void FeatureOutput::clear(Clearing& clearing) const {
-    clearing.add(offsets, (firsts.all() + 1) * sizeof *offsets);
-    clearing.add(by_tile, offset_tiles(firsts.all()) * sizeof *by_tile);
 }
 
 void write_answer(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits, const FeatureOutput& output,

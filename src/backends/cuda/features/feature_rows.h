@@ -8,26 +8,18 @@
 
 namespace crumple::cuda {
 
-struct FeatureOutput : RowsOfOutput {
+struct FeatureOutput : RowsByKind<feature_kinds> {
     using Key = std::uint64_t;  ///< the second feature in the upper half, its place in the list of hits in the lower
     Key* second;
-    Pair* pairs;
     double* value;
     std::uint8_t* flag;
     const RankedHit* hits;
-    FirstOfKind firsts;
 
     void cut(Cutter& cutter, const FirstOfKind& features, std::size_t room);
-    void clear(Clearing& clearing) const;
 
-    __device__ void set_flags(std::size_t, Key) const {}
     __device__ void write(unsigned long long place, std::int32_t first, Key key) const {
-        const auto joint = static_cast<std::uint32_t>(first);
-        std::uint32_t base = 0;
-        for (const std::uint32_t begin : firsts.base)
-            if (begin <= joint) base = begin;
         const RankedHit& hit = hits[static_cast<std::uint32_t>(key)];
-        pairs[place] = {static_cast<std::int32_t>(joint - base), static_cast<std::int32_t>(key >> 32)};
+        pairs[place] = firsts.pair(static_cast<std::uint32_t>(first), static_cast<std::int32_t>(key >> 32));
         value[place] = hit.value;
         flag[place] = static_cast<std::uint8_t>(hit.flag);
     }
