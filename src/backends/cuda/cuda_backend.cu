@@ -20,7 +20,7 @@
 #include "backends/cuda/input/device_input.h"
 #include "backends/cuda/input/host_shape.h"
 #include "backends/cuda/intersections/intersection_finder.h"
-#include "backends/cuda/intersections/world_finder.h"
+#include "backends/cuda/intersections/posed_world_calls.h"
 #include "backends/cuda/known_answers.h"
 #include "crumple/error.h"
 #include "partition/levels.h"
@@ -177,7 +177,7 @@ class CudaBackend final : public BackendBase {
                     const bool complete = outcome != Launches::Outcome::incomplete;
                     if (complete) finder_.make_contacts();
                     shown() = complete ? finder_.show() : finder_.show_incomplete();
-                    launches_.answer(asked);
+                    launches_.mark_reported(asked);
                 },
                 worlds ? 2 : 1);
         } catch (const MemoryMeter::Exceeded&) {
@@ -187,7 +187,7 @@ class CudaBackend final : public BackendBase {
         return shown();
     }
     void download(Intersections& result) override {
-        if (!launches_.has_answered(Asked::intersections))
+        if (!launches_.has_reported(Asked::intersections))
             throw Error(ErrorCode::invalid_argument, "download() needs a wait() for meshes before it");
         if (!shown().complete) throw Error(ErrorCode::invalid_argument, "download() needs an answer that is complete");
         on_device([&] {
@@ -294,7 +294,7 @@ class CudaBackend final : public BackendBase {
     BackendState state_;
     Launches launches_{state_};
     IntersectionFinder finder_{state_};
-    WorldFinder worlds_{finder_, state_.stream.get(), state_.meter};
+    PosedWorldCalls worlds_{finder_, state_.stream.get(), state_.meter};
     FeatureCalls features_{state_, launches_};
     std::array<DeviceIntersections, Flights::slots> shown_;  ///< by slot
 };

@@ -7,7 +7,7 @@ set(crumple_cuda_sources
     input/worlds_side_by_side.cu
     stages/align.cu stages/bounds.cu stages/clearing.cu stages/output.cu stages/pass.cu stages/sort.cu stages/subdivide.cu
     intersections/result_on_device.cu intersections/intersection_chunks.cu intersections/device_contacts.cu
-    intersections/find_any.cu intersections/intersection_finder.cu intersections/world_finder.cu
+    intersections/find_any.cu intersections/intersection_finder.cu intersections/posed_world_calls.cu
     intersections/intersection_narrow.cu intersections/intersection_pass.cu intersections/intersection_stages.cu
     features/device_feature_queries.cu features/feature_finder.cu features/feature_input.cu features/feature_narrow.cu
     features/feature_rows.cu features/feature_pass.cu features/feature_stages.cu

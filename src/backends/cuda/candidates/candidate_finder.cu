@@ -42,7 +42,7 @@ void CandidateFinder::bring(std::size_t to, const PreparedScene& scene, const Ca
         features_.bring(query.features, scene.vertex_count());
         adopt(query, Room::grows);
     });
-    look();
+    bind();
 }
 
 void CandidateFinder::view(std::size_t to, const Shape& shape, const CandidateRequest& query, Room room) {
@@ -52,14 +52,14 @@ void CandidateFinder::view(std::size_t to, const Shape& shape, const CandidateRe
         input().want(query.rule, room);
         adopt(query, room);
     });
-    look();
+    bind();
 }
 
 void CandidateFinder::adopt(const CandidateRequest& query, Room room) {
     CandidateSlot& own = this->own();
     const PreparedScene& scene = input().scene();
     slot().revision = query.features.revision();
-    slot().frugal = query.frugal;
+    slot().low_memory = query.frugal;
     own.firsts = firsts_of(query);
     lay_out(
         own.values,
@@ -76,8 +76,8 @@ void CandidateFinder::adopt(const CandidateRequest& query, Room room) {
     own.asked.points = {scene, is_aligned(scene)};
 }
 
-void CandidateFinder::look() {
-    Finder::look();
+void CandidateFinder::bind() {
+    Finder::bind();
     pass_.asked = own().asked;
     pass_.primitives = widened_primitives(scene(), own().widening, true);
 }
@@ -105,8 +105,8 @@ void CandidateFinder::narrow() {
     pass_.search_within(hits());
 }
 
-bool CandidateFinder::write_rows(Counters* told) {
-    write_answer(geometry_, stream_, hits(), own().output, pass_.counters, told);
+bool CandidateFinder::write_rows(Counters* host_counters) {
+    write_answer(geometry_, stream_, hits(), own().output, pass_.counters, host_counters);
     return true;
 }
 
@@ -133,7 +133,7 @@ void CandidateFinder::upload() {
     CandidateSlot& own = this->own();
     own.ends = {};
     for (std::size_t k = 0; k < candidate_kinds; ++k) own.ends.append(k, own.host.pairs[k].size());
-    lay_out(slot().room, [&](Cutter& c) { own.output.pairs = c.take<Pair>(own.ends.all()); });
+    lay_out(slot().rows, [&](Cutter& c) { own.output.pairs = c.take<Pair>(own.ends.all()); });
     for (std::size_t k = 0; k < candidate_kinds; ++k)
         copy_now(stream_, own.output.pairs + own.ends.begin(k), own.host.pairs[k].data(), own.host.pairs[k].size(),
                  cudaMemcpyHostToDevice);
@@ -156,7 +156,7 @@ DeviceAnswer CandidateFinder::show() {
 void CandidateFinder::find_in_chunks() {
     slot().on_host = true;
     clear(own().host);
-    lay_out(slot().room, [&](Cutter& c) { own().output.cut(c, own().firsts, 0); });
+    lay_out(slot().rows, [&](Cutter& c) { own().output.cut(c, own().firsts, 0); });
     Array<RankedCandidate> found(&meter_);
     bool first = true;
     over_chunks([&] {

@@ -13,7 +13,7 @@
 
 namespace crumple::cuda {
 
-/// What a slot has for candidates.
+/// Per-slot state of queries for candidates.
 struct CandidateSlot {
     explicit CandidateSlot(MemoryMeter& meter) : values(meter), host(&meter) {}
 
@@ -50,7 +50,7 @@ class CandidateFinder final : public Finder {
     void write_sorted(Array<RankedCandidate>& found);
     void upload();
 
-    void look() override;
+    void bind() override;
     KernelParameters parameters() const override { return CandidateParameters{own().asked, own().firsts}; }
     void choose_plan(Plan& plan) const override;
     void choose_chunks(Plan& plan, std::int64_t bytes) const override;
@@ -58,7 +58,7 @@ class CandidateFinder final : public Finder {
     void clear_rows(Clearing& clearing) const override;
     void make_ready() override;
     void narrow() override;
-    bool write_rows(Counters* told) override;
+    bool write_rows(Counters* host_counters) override;
     void count_tests(const Counters& counters, Statistics& statistics) const override;
     void read_rows(unsigned long long total) override;
     void find_in_chunks() override;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What all queries of one cuda backend share.
+// State that all queries of one cuda backend share.
 
 #include <array>
 #include <string>
@@ -36,7 +36,7 @@ struct BackendState {
     const Stream stream = make_stream(device);  ///< ours
     const Event before = make_event(device);
     Flights flights{device};
-    /// By slot, which is of one launch at a time, whatever that asks.
+    /// By slot. A slot belongs to one launch at a time, of any query.
     std::array<Input, Flights::slots> inputs{Input(device.index(), stream.get(), meter),
                                              Input(device.index(), stream.get(), meter)};
 };

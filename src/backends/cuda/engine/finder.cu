@@ -11,10 +11,10 @@ Finder::Finder(BackendState& state, Pass& stages)
       cancellation_(state.cancellation),
       geometry_(state.geometry),
       stream_(state.stream.get()),
-      beside_(state.device),
       slots_{Slot(state.device, state.meter), Slot(state.device, state.meter)},
       stages_(stages),
       watch_(state.device),
+      beside_(state.device),
       graphs_(state.device, stream_),
       capture_(state.device, stream_, beside_),
       guides_(state.meter),
@@ -23,7 +23,7 @@ Finder::Finder(BackendState& state, Pass& stages)
 // ---- A pass: the whole of [MZ] Algorithm 1, given to our stream. Where nobody times the stages, `watch` is null.
 
 void Finder::enqueue(StageEvents* watch) {
-    Counters* const told = slot().counters.get();
+    Counters* const host_counters = slot().counters.get();
     Clearing clearing;
     clear_rows(clearing);
     enqueue_until_sorted(clearing, watch);
@@ -32,13 +32,15 @@ void Finder::enqueue(StageEvents* watch) {
     begin(watch, Stage::narrow);
     narrow();
     begin(watch, Stage::output);
-    const bool is_told = write_rows(told);
+    const bool are_copied = write_rows(host_counters);
     if (stages_.plan.guided) beside_.join(stream_);
     if (watch) watch->end(stream_);
-    if (!is_told)
-        CRUMPLE_CUDA(cudaMemcpyAsync(told, stages_.counters, sizeof(Counters), cudaMemcpyDeviceToHost, stream_));
+    if (!are_copied)
+        CRUMPLE_CUDA(
+            cudaMemcpyAsync(host_counters, stages_.counters, sizeof(Counters), cudaMemcpyDeviceToHost, stream_));
 }
 
+// Leaves the work that a guided pass does beside forked, but not joined.
 void Finder::enqueue_until_sorted(Clearing& clearing, StageEvents* watch) {
     stages_.clear(clearing);
     input().clear(clearing);
@@ -60,8 +62,23 @@ void Finder::begin(StageEvents* watch, Stage stage) {
     if (watch) watch->begin(stage, stream_);
 }
 
-// Returns true if the slot's pass was complete. If not, the plan is another one, unless it has become one since, for
-// another launch.
+bool Finder::pass_without_rows(FunctionRef<void()> rounds, Counters& counters) {
+    cancellation_.check();
+    plan();
+    lay_out_lists();
+    lists_of_ = nobody;
+    Clearing clearing;
+    enqueue_until_sorted(clearing, nullptr);
+    rounds();
+    if (stages_.plan.guided) beside_.join(stream_);
+    counters = read_counters();
+    input().throw_error(counters);
+    const bool complete = stages_.plan.accepts(counters, scene().triangle_count(), options_, false);
+    if (complete) guide_next();
+    return complete;
+}
+
+// Returns true if the slot's pass was complete. If not, changes the plan, unless another launch has changed it since.
 bool Finder::accept() {
     const Counters counters = *slot().counters;
     input().throw_error(counters);
@@ -73,30 +90,35 @@ bool Finder::accept() {
     const bool proven = wants_any() && counters.hits > 0;
     if (!complete && !proven) return false;
     unsigned long long total = counters.hits;
-    if (counters.beyond > 0 && !proven) {
-        if (lists_of_ != now_) return false;  // a later pass has written there
-        const std::size_t decided = decide_beyond(static_cast<std::size_t>(counters.beyond));
-        total += decided;
-        if (!wants_any() && decided > 0) {
-            if (!stages_.plan.accepts_hits(total)) {
-                slot().counters->hits = total;  // an incomplete replay reports it
-                return false;
-            }
-            Clearing clearing;
-            clear_rows(clearing);
-            clearing.add(&stages_.counters->parts, sizeof stages_.counters->parts);
-            clearing.launch(geometry_, stream_);
-            append_decided(decided, counters.hits);
-            write_rows(nullptr);
-            CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
-        }
-    }
+    if (counters.beyond > 0 && !proven && !add_beyond(counters, total)) return false;
     count(counters, plan);
     if (complete && latest) guide_next();
     read_rows(total);
     return true;
 }
 
+// Has the host decide what the device could not, and adds the hits to the rows. Returns false if the list has no room
+// for them, or if a later pass has written there.
+bool Finder::add_beyond(const Counters& counters, unsigned long long& total) {
+    if (lists_of_ != now_) return false;
+    const std::size_t decided = decide_beyond(static_cast<std::size_t>(counters.beyond));
+    total += decided;
+    if (wants_any() || decided == 0) return true;
+    if (!stages_.plan.accepts_hits(total)) {
+        slot().counters->hits = total;  // an incomplete replay reports it
+        return false;
+    }
+    Clearing clearing;
+    clear_rows(clearing);
+    clearing.add(&stages_.counters->parts, sizeof stages_.counters->parts);
+    clearing.launch(geometry_, stream_);
+    append_decided(decided, counters.hits);
+    write_rows(nullptr);
+    CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
+    return true;
+}
+
+// Has the next pass begin with what this one, which was complete, has left.
 void Finder::guide_next() {
     stages_.plan.cold = false;
     stages_.plan.guided = true;
@@ -124,7 +146,7 @@ void Finder::count(const Counters& c, const Plan& plan) {
 void Finder::find() {
     statistics_ = {};
     state_.flights.settle();  // passes work on the same lists
-    if (slot().frugal || !fits_at_once([&] { find_at_once(); })) {
+    if (slot().low_memory || !fits_at_once([&] { find_at_once(); })) {
         refuse_worlds();
         in_chunks([&] { find_in_chunks(); });
     }
@@ -186,7 +208,7 @@ bool Finder::accept_replay() {
 
 GraphKey Finder::key() const {
     return {scene(),      stages_.wanted,     stages_.plan,   input().work(),       parameters(),
-            work_.data(), slot().room.data(), guides_.data(), slot().counters.get()};
+            work_.data(), slot().rows.data(), guides_.data(), slot().counters.get()};
 }
 
 // ---- Slots, lists and memory.
@@ -202,10 +224,10 @@ void Finder::take_slot(std::size_t slot, FunctionRef<void()> bring) {
 
 void Finder::resume(std::size_t slot) {
     now_ = slot;
-    look();
+    bind();
 }
 
-void Finder::look() {
+void Finder::bind() {
     stages_.beside = &beside_;
     stages_.scene = input().scene();
     stages_.box = input().box();
@@ -237,7 +259,7 @@ void Finder::lay_out_lists() {
 
 void Finder::lay_out_rows(Room room) {
     lay_out(
-        slot().room, [&](Cutter& c) { cut_rows(c); }, room);
+        slot().rows, [&](Cutter& c) { cut_rows(c); }, room);
     slot().on_host = false;
     slot().plan = stages_.plan;
     lists_of_ = now_;

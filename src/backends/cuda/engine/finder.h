@@ -27,15 +27,15 @@
 
 namespace crumple::cuda {
 
-/// What a launch has for itself, since another one may be in flight.
+/// State of one launch, beside that of another one that may be in flight.
 struct Slot {
-    Slot(const Device& device, MemoryMeter& meter) : counters(device), room(meter) {}
+    Slot(const Device& device, MemoryMeter& meter) : counters(device), rows(meter) {}
 
     Pinned<Counters> counters;
-    Block room;                  ///< of the result's rows
+    Block rows;                  ///< of the result
     Plan plan;                   ///< of its pass
     std::uint64_t revision = 0;  ///< of the features that it was given; 0: it was given none
-    bool frugal = false;         ///< as little memory as can be is used, so that work is done in chunks
+    bool low_memory = false;     ///< as little memory as can be is used, so that work is done in chunks
     bool on_host = false;        ///< the rows are there: they were found in chunks
     bool lost = true;            ///< there is no pass, or its rows had to go
 };
@@ -80,10 +80,10 @@ class Finder {
    protected:
     Finder(BackendState& state, Pass& stages);
 
-    // ---- What a query is to the engine. `told` is pinned memory for a copy of the counters.
+    // ---- The query, as the engine sees it, in the order of use. Pass has its boxes, records and filters.
 
-    /// Has the pass see what the slot holds of scene and query. Overriders call this first.
-    virtual void look();
+    /// Binds the pass to the slot's scene and query. Overriders call this first.
+    virtual void bind();
     virtual KernelParameters parameters() const = 0;
     /// Edges and points are listed as well, which needs other lists.
     virtual bool all_kinds() const { return false; }
@@ -99,8 +99,8 @@ class Finder {
     /// Work between that of the input and `bounds`.
     virtual void make_ready() {}
     virtual void narrow() = 0;
-    /// Stage `output`. Returns true if a kernel fills `told`.
-    virtual bool write_rows(Counters* told) = 0;
+    /// Stage `output`. Returns true if a kernel copies the counters to `host_counters`, which is pinned memory or null.
+    virtual bool write_rows(Counters* host_counters) = 0;
     /// Statistics of the filters.
     virtual void count_tests(const Counters& counters, Statistics& statistics) const = 0;
 
@@ -112,31 +112,29 @@ class Finder {
     virtual void read_rows(unsigned long long total) = 0;
     /// Leaves the rows, found cluster by cluster (over_chunks).
     virtual void find_in_chunks() = 0;
-    /// Rows of a launch that was there before; the next one needs the memory.
-    virtual void release_rows(std::size_t slot) { slots_[slot].room.release(); }
+    /// Gives back the rows of an earlier launch, or of this one.
+    virtual void release_rows(std::size_t slot) { slots_[slot].rows.release(); }
 
-    // ---- What kinds of queries build on.
+    // ---- Tools of the finders that derive.
 
     Slot& slot() { return slots_[now_]; }
     const Slot& slot() const { return slots_[now_]; }
     Input& input() { return state_.inputs[now_]; }
     const Input& input() const { return state_.inputs[now_]; }
 
-    /// Works on a slot, whose last rows go. bring() fills its input, for which all that earlier calls have left may go.
+    /// Works on a slot, whose last rows go. bring() fills its input, which takes priority: results of earlier calls are
+    /// evicted if memory is short.
     void take_slot(std::size_t slot, FunctionRef<void()> bring);
 
-    void plan();
-    void lay_out_lists();
-    void lay_out_rows(Room room);
-    /// All stages up to `sort`. What a guided pass does beside has been forked, and is not joined yet.
-    void enqueue_until_sorted(Clearing& clearing, StageEvents* watch);
     Counters read_counters();
     void count(const Counters& counters, const Plan& plan);
-    /// The lists are those of a pass that was complete, by which the next one is guided.
-    void guide_next();
 
-    /// Returns true if there was memory for a pass over the whole scene, which is not tried again for scenes of that
-    /// size.
+    /// Does one pass that lists no hits, and waits for it. rounds() gives the stages behind `sort` to our stream.
+    /// Returns true if all lists were long enough; if not, the next pass has longer ones.
+    bool pass_without_rows(FunctionRef<void()> rounds, Counters& counters);
+
+    /// Returns true if there was memory for the work, a pass over the whole scene. If not, none is tried again for
+    /// scenes of that size.
     bool fits_at_once(FunctionRef<void()> work);
     void refuse_at_once() { too_many_ = scene().triangle_count(); }
     bool refuses_at_once() const { return scene().triangle_count() >= too_many_; }
@@ -154,22 +152,18 @@ class Finder {
     /// Gives back the memory of lists, but not of rows.
     void release_lists();
 
-    static constexpr std::size_t nobody = Flights::slots;
-
     BackendState& state_;
     const Options& options_;
     MemoryMeter& meter_;
     Cancellation& cancellation_;
     const Geometry& geometry_;
     cudaStream_t stream_;
-    Branch beside_;
     std::array<Slot, Flights::slots> slots_;
     Statistics statistics_;
-    std::size_t lists_of_ = nobody;  ///< slot whose pass the lists are of
-    bool captured_ = false;          ///< a caller's graph works on the lists, which must not move
+    bool captured_ = false;  ///< a caller's graph works on the lists, which must not move
 
    private:
-    /// What a plan is made for. Queries that take turns keep it, and lists suit the longest.
+    /// Kind of scene that a plan is made for. Queries that take turns keep it, and lists suit the longest.
     struct SceneKind {
         std::int64_t triangles = -1;
         bool between = false;
@@ -177,7 +171,7 @@ class Finder {
         bool all_kinds = false;
         friend bool operator==(const SceneKind&, const SceneKind&) = default;
     };
-    /// What sizes and places of all lists follow from.
+    /// Everything that sizes and places of all lists follow from.
     struct Layout {
         std::array<std::int64_t, 2> vertices, triangles;
         bool float32, moving;
@@ -187,21 +181,31 @@ class Finder {
 
     Layout layout() const;
     GraphKey key() const;
-    void prepare_pass();
-    void find_at_once();
     void enqueue(StageEvents* watch);
+    void enqueue_until_sorted(Clearing& clearing, StageEvents* watch);
     void begin(StageEvents* watch, Stage stage);
     bool accept();
+    bool add_beyond(const Counters& counters, unsigned long long& total);
+    void guide_next();
+    void find_at_once();
+    void plan();
+    void lay_out_lists();
+    void lay_out_rows(Room room);
+    void prepare_pass();
     void lay_out_chunks();
     bool over_slices(FunctionRef<bool()> slice);
 
+    static constexpr std::size_t nobody = Flights::slots;
+
     Pass& stages_;
     StageEvents watch_;
+    Branch beside_;
     GraphCache<GraphKey> graphs_;
     CallersCapture capture_;
     Block guides_, work_;
     SceneKind planned_for_;
     std::size_t now_ = 0;             ///< slot that is worked on
+    std::size_t lists_of_ = nobody;   ///< slot whose pass the lists are of
     std::optional<Layout> laid_out_;  ///< what the lists are laid out for
     std::optional<Plan> grown_;       ///< what the last incomplete replay asks for
     bool alone_ = false;

@@ -16,7 +16,7 @@ void Finder::in_chunks(FunctionRef<void()> work) {
         choose_chunks(stages_.plan, shortest ? 0 : bytes_for_lists(meter_));
         work();
     };
-    if (slot().frugal || !fits([&] { with_shortest(false); })) with_shortest(true);
+    if (slot().low_memory || !fits([&] { with_shortest(false); })) with_shortest(true);
 }
 
 // The scene's clusters, for which members of one at a time are listed.

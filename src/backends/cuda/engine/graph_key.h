@@ -1,6 +1,6 @@
 #pragma once
 
-// What the CUDA graph of a pass is known by.
+// Key of the CUDA graph of a pass.
 
 #include <algorithm>
 #include <variant>
@@ -25,7 +25,7 @@ struct GraphKey {
     Plan plan;
     Input::Work input;
     KernelParameters parameters;
-    const void *work = nullptr, *room = nullptr, *guides = nullptr, *counters = nullptr;
+    const void *work = nullptr, *rows = nullptr, *guides = nullptr, *counters = nullptr;
     friend bool operator==(const GraphKey&, const GraphKey&) = default;
 
     /// The same without places and lengths of lists. Which kernels there are follows from it.
@@ -44,7 +44,7 @@ struct GraphKey {
         forget_place(shape.wanted.classes);
         std::visit([](auto& kernels) { kernels.forget_places(); }, shape.parameters);
         shape.input.known = {};
-        shape.input.block = shape.work = shape.room = shape.guides = shape.counters = nullptr;
+        shape.input.block = shape.work = shape.rows = shape.guides = shape.counters = nullptr;
         shape.plan = {};
         shape.plan.worlds = plan.worlds;
         std::ranges::copy(plan.fan_out, shape.plan.fan_out);

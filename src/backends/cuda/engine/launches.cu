@@ -23,20 +23,20 @@ void check_asked(Asked launched, Asked question) {
 }  // namespace
 
 void Launches::launch(Finder& finder, Asked question, cudaStream_t stream, cudaStream_t other,
-                      FunctionRef<void(std::size_t slot, Room room)> bring) {
+                      FunctionRef<void(std::size_t slot, Room room)> bind) {
     if (flights_.full())
         throw Error(ErrorCode::invalid_argument, "two launches are in flight: the next one comes after a wait()");
-    const auto bring_both = [&](std::size_t slot, Room room) {
-        bring(slot, room);
+    const auto bind_both = [&](std::size_t slot, Room room) {
+        bind(slot, room);
         if (other != stream) order(state_.before, other, stream);
     };
     const auto first = capture_of(stream), second = other == stream ? first : capture_of(other);
     if (first || second)
         return launch_in_capture(finder, question, first == second, stream,
-                                 [&] { bring_both(finder.current(), Room::fixed); });
+                                 [&] { bind_both(finder.current(), Room::fixed); });
     end_state();
     const std::size_t slot = finder.alone() && flights_.count() == 0 ? flights_.newest() : flights_.next();
-    bring_both(slot, Room::grows);
+    bind_both(slot, Room::grows);
     flights_.queue(stream);
     finder.launch(stream);
     flights_.add(slot, stream);
@@ -45,7 +45,7 @@ void Launches::launch(Finder& finder, Asked question, cudaStream_t stream, cudaS
 
 // Nothing is allocated, freed, copied or waited for, and NoRoom is thrown where that does not do.
 void Launches::launch_in_capture(Finder& finder, Asked question, bool same_capture, cudaStream_t stream,
-                                 FunctionRef<void()> bring) {
+                                 FunctionRef<void()> bind) {
     if (flights_.count() > 0)
         throw Error(ErrorCode::invalid_argument, "a launch in a capture comes after wait() for the one before");
     if (capture_is_open())
@@ -54,7 +54,7 @@ void Launches::launch_in_capture(Finder& finder, Asked question, bool same_captu
     if (!same_capture)
         throw Error(ErrorCode::invalid_argument, "the streams of two meshes take part in one capture, or in none");
     try {
-        bring();
+        bind();
         finder.capture(stream);
     } catch (const NoRoom&) {
         fail_unprepared_capture(question);
@@ -71,7 +71,7 @@ void Launches::check_awaited(Asked question) const {
 }
 
 Launches::Outcome Launches::wait(Finder& finder, Asked question, std::uint64_t revision) {
-    if (phase_ == Phase::captured) return look_at_replay(finder, question);
+    if (phase_ == Phase::captured) return wait_for_replay(finder, question);
     end_state();
     finder.resume(flights_.land());
     try {
@@ -82,7 +82,7 @@ Launches::Outcome Launches::wait(Finder& finder, Asked question, std::uint64_t r
 }
 
 // The stream that it was on is done, says the caller.
-Launches::Outcome Launches::look_at_replay(Finder& finder, Asked question) {
+Launches::Outcome Launches::wait_for_replay(Finder& finder, Asked question) {
     refuse_open_capture();
     if (!finder.has_replayed()) refuse_wait(question, " needs a replay of the captured launch before it");
     replayed_ = false;
@@ -94,18 +94,18 @@ bool Launches::awaits(Asked question) const {
     return flights_.count() > 0 && asked_[flights_.oldest()] == question;
 }
 
-void Launches::answer(Asked question) {
+void Launches::mark_reported(Asked question) {
     if (phase_ == Phase::captured) {
         replayed_ = true;
     } else {
-        phase_ = Phase::answered;
-        answered_ = question;
+        phase_ = Phase::reported;
+        reported_ = question;
     }
 }
 
-bool Launches::has_answered(Asked question) const {
+bool Launches::has_reported(Asked question) const {
     if (phase_ == Phase::captured) return replayed_ && captured_ == question;
-    return phase_ == Phase::answered && answered_ == question;
+    return phase_ == Phase::reported && reported_ == question;
 }
 
 bool Launches::capture_is_open() const {

@@ -16,10 +16,10 @@ class Launches {
    public:
     explicit Launches(BackendState& state) : state_(state), flights_(state.flights) {}
 
-    /// Gives a pass to `stream`, or puts it into the capture that the stream takes part in. bring(slot, room) has the
+    /// Gives a pass to `stream`, or puts it into the capture that the stream takes part in. bind(slot, room) has the
     /// finder work on a slot and brings what is asked, which is ready on both streams.
     void launch(Finder& finder, Asked question, cudaStream_t stream, cudaStream_t other,
-                FunctionRef<void(std::size_t slot, Room room)> bring);
+                FunctionRef<void(std::size_t slot, Room room)> bind);
 
     enum class Outcome : std::uint8_t {
         complete,    ///< the finder has the result
@@ -35,8 +35,8 @@ class Launches {
     bool awaits(Asked question) const;
 
     /// A wait has reported the launch that asked that, and no call has come after it.
-    void answer(Asked question);
-    bool has_answered(Asked question) const;
+    void mark_reported(Asked question);
+    bool has_reported(Asked question) const;
 
     /// Launches that nobody waited for are over before their memory is used again.
     void finish();
@@ -50,14 +50,14 @@ class Launches {
    private:
     enum class Phase : std::uint8_t {
         idle,
-        answered,  ///< by a wait, and no call came after that
+        reported,  ///< by a wait, and no call came after that
         captured,  ///< a pass is in a caller's graph, and its memory stays
         refused,   ///< a launch in a capture, which nothing may be freed in
     };
 
     void launch_in_capture(Finder& finder, Asked question, bool same_capture, cudaStream_t stream,
-                           FunctionRef<void()> bring);
-    Outcome look_at_replay(Finder& finder, Asked question);
+                           FunctionRef<void()> bind);
+    Outcome wait_for_replay(Finder& finder, Asked question);
     bool capture_is_open() const;
     void refuse_open_capture() const;
     void end_state();
@@ -67,7 +67,7 @@ class Launches {
     Phase phase_ = Phase::idle;
     bool replayed_ = false;                      ///< since the capture: a wait has reported it
     std::array<Asked, Flights::slots> asked_{};  ///< by slot
-    Asked captured_{}, answered_{};
+    Asked captured_{}, reported_{};
 };
 
 }  // namespace crumple::cuda

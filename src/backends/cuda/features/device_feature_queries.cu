@@ -114,7 +114,7 @@ FeatureCalls::Landed FeatureCalls::wait_with(QueryFinder& finder, Asked question
     return with_device(state_.device, [&]() -> Landed {
         const Launches::Outcome outcome = launches_.wait(finder, question, features_there_.known().revision);
         if (outcome == Launches::Outcome::lost) return {finder.current(), {}};
-        launches_.answer(question);
+        launches_.mark_reported(question);
         const bool complete = outcome == Launches::Outcome::complete;
         return {finder.current(), complete ? finder.show() : finder.show_incomplete()};
     });
@@ -128,7 +128,7 @@ std::optional<DeviceAnswer> FeatureCalls::again_with(QueryFinder& finder, Asked 
                                                      const DeviceShape& mesh, const Query& query) {
     return with_device(state_.device, [&]() -> std::optional<DeviceAnswer> {
         if (!find_in_slot(finder, slot, mesh, query)) return {};
-        launches_.answer(question);
+        launches_.mark_reported(question);
         return finder.show();
     });
 }

@@ -55,13 +55,13 @@ void FeatureFinder::view(std::size_t to, const Shape& shape, const FeatureReques
 
 void FeatureFinder::adopt(const FeatureRequest& query) {
     own().ask(query);
-    slot().frugal = query.frugal;
+    slot().low_memory = query.frugal;
     slot().revision = query.features.revision();
-    look();
+    bind();
 }
 
-void FeatureFinder::look() {
-    Finder::look();
+void FeatureFinder::bind() {
+    Finder::bind();
     pass_.asked = own().features.asked();
     pass_.all_kinds = all_kinds();
     pass_.primitives = widened_primitives(scene(), pass_.asked.inflation, false);
@@ -98,10 +98,11 @@ void FeatureFinder::narrow() {
     pass_.narrow(hits());
 }
 
-bool FeatureFinder::write_rows(Counters* told) {
+bool FeatureFinder::write_rows(Counters* host_counters) {
     if (wants_all())
-        write_answer(geometry_, stream_, hits(), own().output, pass_.counters, wants_earliest() ? nullptr : told);
-    if (wants_earliest()) find_earliest(geometry_, stream_, hits(), own().earliest, pass_.counters, told);
+        write_answer(geometry_, stream_, hits(), own().output, pass_.counters,
+                     wants_earliest() ? nullptr : host_counters);
+    if (wants_earliest()) find_earliest(geometry_, stream_, hits(), own().earliest, pass_.counters, host_counters);
     return wants_all() || wants_earliest();
 }
 
@@ -192,7 +193,7 @@ void FeatureFinder::upload() {
     own.ends = {};
     for (std::size_t k = 0; k < feature_kinds; ++k) own.ends.append(k, own.host.rows[k].pairs.size());
     FeatureOutput& output = own.output;
-    lay_out(slot().room, [&](Cutter& c) {
+    lay_out(slot().rows, [&](Cutter& c) {
         output.pairs = c.take<Pair>(own.ends.all());
         output.value = c.take<double>(own.ends.all());
         output.flag = c.take<std::uint8_t>(own.ends.all());
@@ -231,7 +232,7 @@ void FeatureFinder::find_in_chunks() {
     clear(own.host);
     own.any = false;
     own.first = {};
-    lay_out(slot().room, [&](Cutter& c) { own.output.cut(c, firsts(), 0); });
+    lay_out(slot().rows, [&](Cutter& c) { own.output.cut(c, firsts(), 0); });
     Array<RankedHit> found(&meter_);
     over_chunks([&] { return take_slice(found); });
     drop_lists();

@@ -16,7 +16,7 @@
 
 namespace crumple::cuda {
 
-/// What a slot has for queries about features.
+/// Per-slot state of queries about features.
 struct FeatureSlot {
     FeatureSlot(cudaStream_t stream, MemoryMeter& meter) : features(stream, meter), host(&meter) {}
 
@@ -65,7 +65,7 @@ class FeatureFinder final : public Finder {
     bool take_slice(Array<RankedHit>& found);
     void write_sorted(Array<RankedHit>& found);
 
-    void look() override;
+    void bind() override;
     KernelParameters parameters() const override { return own().features.parameters(query().extent); }
     bool all_kinds() const override { return own().features.all_kinds(); }
     bool wants_any() const override { return query().extent == Extent::any; }
@@ -75,7 +75,7 @@ class FeatureFinder final : public Finder {
     void clear_rows(Clearing& clearing) const override;
     void make_ready() override;
     void narrow() override;
-    bool write_rows(Counters* told) override;
+    bool write_rows(Counters* host_counters) override;
     void count_tests(const Counters& counters, Statistics& statistics) const override;
     std::size_t decide_beyond(std::size_t count) override;
     void append_decided(std::size_t count, unsigned long long before) override;

@@ -69,7 +69,7 @@ struct ListEnds {
     std::size_t begin(std::size_t kind) const { return static_cast<std::size_t>(at[kind]); }
     std::size_t count(std::size_t kind) const { return static_cast<std::size_t>(at[kind + 1] - at[kind]); }
 
-    /// Of rows that are complete on the device.
+    /// Reads the ends from rows that are complete on the device.
     void read(cudaStream_t stream, const RowsByKind<kinds>& rows) {
         for (std::size_t k = 0; k <= kinds; ++k)
             CRUMPLE_CUDA(cudaMemcpyAsync(&at[k], rows.offsets + rows.firsts.base[k], sizeof at[k],

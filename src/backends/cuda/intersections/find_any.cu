@@ -26,24 +26,17 @@ void IntersectionFinder::flag_worlds(std::span<std::uint8_t> flags) {
 // of the second round end where they begin; where nothing does, the first one costs three launches. The second goes on
 // with the lists of the first, so it narrows those few once more.
 bool IntersectionFinder::any_at_once() {
-    plan();
-    for (;;) {
-        cancellation_.check();
-        lay_out_lists();
-        lists_of_ = nobody;
-        Clearing clearing;
-        enqueue_until_sorted(clearing, nullptr);
+    const auto rounds = [&] {
         unsigned long long* const found = &pass_.counters->hits;
         for (const Slice& slice : {Slice{0, 16, 1, found}, Slice{1, 16, 15, found}}) {
             pass_.sweep(slice);
-            pass_.narrow(hits(Hits::Mode::any));
+            pass_.narrow({Hits::Mode::any, pass_.hits(), nullptr, nullptr, nullptr});
             fill(stream_, &pass_.counters->next_unit, 0, sizeof pass_.counters->next_unit);
         }
-        if (pass_.plan.guided) beside_.join(stream_);
-        const Counters counters = read_counters();
-        input().throw_error(counters);
-        const bool complete = pass_.plan.accepts(counters, scene().triangle_count(), options_, false);
-        if (complete) guide_next();
+    };
+    for (;;) {
+        Counters counters{};
+        const bool complete = pass_without_rows(rounds, counters);
         if (counters.hits > 0) return true;
         if (complete) return counters.beyond > 0 && decide_beyond(static_cast<std::size_t>(counters.beyond)) > 0;
     }
@@ -53,35 +46,24 @@ bool IntersectionFinder::any_at_once() {
 // the second one all units of those worlds that it has left. Hits stay if a list was too short, for each is a proof of
 // its own, and worlds that have one are not swept again.
 void IntersectionFinder::flag_worlds_at_once(std::span<std::uint8_t> flags) {
-    plan();
-    for (bool complete = false; !complete;) {
-        cancellation_.check();
-        lay_out_lists();
-        lists_of_ = nobody;
-        Clearing clearing;
-        enqueue_until_sorted(clearing, nullptr);
+    const auto rounds = [&] {
         const WorldHits found{input().worlds().found(), static_cast<std::uint32_t>(pass_.plan.leaves_a_world())};
         for (const unsigned long long step : {16ull, 1ull}) {
             Counters* const c = pass_.counters;
             fill(stream_, &c->next_unit, 0, sizeof *c - offsetof(Counters, next_unit));
             pass_.sweep({.step = step, .decided = found});
-            Hits by_world = hits(Hits::Mode::by_world);
-            by_world.worlds = found;
-            pass_.narrow(by_world);
+            pass_.narrow({Hits::Mode::by_world, pass_.hits(), nullptr, nullptr, nullptr, found});
         }
-        if (pass_.plan.guided) beside_.join(stream_);
-        const Counters counters = read_counters();
-        input().throw_error(counters);
-        complete = pass_.plan.accepts(counters, scene().triangle_count(), options_, false);
-        if (!complete) continue;
-        count(counters, pass_.plan);
-        flag_beyond(static_cast<std::size_t>(counters.beyond), flags);
+    };
+    Counters counters{};
+    while (!pass_without_rows(rounds, counters)) {
     }
-    guide_next();
+    count(counters, pass_.plan);
+    flag_beyond(static_cast<std::size_t>(counters.beyond), flags);
     input().worlds().read(stream_, flags);
 }
 
-// What even expansions could not hold, of worlds in which nothing else was found.
+// Flags worlds by pairs that even expansions could not hold, where nothing else was found.
 void IntersectionFinder::flag_beyond(std::size_t n, std::span<std::uint8_t> flags) {
     if (n == 0) return;
     std::vector<Pair> hits(decide_beyond(n));

@@ -11,7 +11,7 @@ void IntersectionFinder::find_in_chunks() {
     Array<unsigned long long> offsets(&meter_);
     copy_now(stream_, offsets.resize_discard(n), answer().output.offsets, n, cudaMemcpyDeviceToHost);
     drop_lists();
-    lay_out(slot().room, [&](Cutter& c) { cut_rows(c, static_cast<std::size_t>(answer().total)); });
+    lay_out(slot().rows, [&](Cutter& c) { cut_rows(c, static_cast<std::size_t>(answer().total)); });
     const OutputArrays& output = answer().output;
     copy_now(stream_, output.offsets, offsets.data(), n, cudaMemcpyHostToDevice);
     copy_now(stream_, output.next, offsets.data(), n, cudaMemcpyHostToDevice);
@@ -28,7 +28,7 @@ void IntersectionFinder::find_in_chunks() {
 }
 
 unsigned long long IntersectionFinder::count_in_chunks() {
-    lay_out(slot().room, [&](Cutter& c) { cut_rows(c, 0); });
+    lay_out(slot().rows, [&](Cutter& c) { cut_rows(c, 0); });
     Clearing clearing;
     clear_rows(clearing);
     clearing.launch(geometry_, stream_);

@@ -40,11 +40,11 @@ void IntersectionFinder::adopt(const IntersectionQuery& query, Room room) {
     queries_[current()] = query;
     queries_[current()].filter = {};
     input().want(query, room);
-    look();
+    bind();
 }
 
-void IntersectionFinder::look() {
-    Finder::look();
+void IntersectionFinder::bind() {
+    Finder::bind();
     pass_.policy = policy_of(query().neighbours, query().kind);
     answer().names = input().names();
 }
@@ -65,8 +65,8 @@ void IntersectionFinder::narrow() {
     pass_.narrow({Hits::Mode::list, pass_.hits(), answer().output.offsets, answer().output.by_tile, nullptr});
 }
 
-bool IntersectionFinder::write_rows(Counters* told) {
-    answer().write(scene(), pass_.hits(), pass_.counters, told);
+bool IntersectionFinder::write_rows(Counters* host_counters) {
+    answer().write(scene(), pass_.hits(), pass_.counters, host_counters);
     return true;
 }
 
@@ -96,7 +96,7 @@ void IntersectionFinder::append_decided(std::size_t count, unsigned long long be
     rank_hits(geometry_, stream_, pass_.hits(), answer().output.offsets, answer().output.by_tile);
 }
 
-// What is made of the result. If there is no room for it, the lists go; if there is none then, the result is found
+// Makes something of the result. If there is no room for it, the lists go; if there is none then, the result is found
 // again in chunks, for one that was found at once has room to spare. `undo` releases what was made.
 template <class Make, class Undo>
 void IntersectionFinder::with_room_for(Make make, Undo undo) {

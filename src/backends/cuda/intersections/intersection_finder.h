@@ -23,7 +23,7 @@ class IntersectionFinder final : public Finder {
     void view(std::size_t slot, const MeshView& a, const MeshView* b, bool weld, Room room = Room::grows);
     void pose(std::size_t slot, const std::shared_ptr<const PosedWorlds>& worlds, const DevicePoses& poses, bool weld,
               bool pairs, Room room = Room::grows);
-    /// What is asked of the input, whichever way it came.
+    /// Takes the query about the input, whichever way that came.
     void adopt(const IntersectionQuery& query, Room room = Room::grows);
 
     /// Returns true if there is a pair: the work ends at the first one, and none is written.
@@ -34,7 +34,7 @@ class IntersectionFinder final : public Finder {
     /// The contacts, if they are wanted; on the device, or with all of the result copied to the host.
     void make_contacts();
     void copy_to(Intersections& result);
-    /// What make_contacts() and find() have left.
+    /// The result that find() and make_contacts() have left.
     DeviceIntersections show() const;
     /// Result of an incomplete replay.
     DeviceIntersections show_incomplete() const;
@@ -46,7 +46,6 @@ class IntersectionFinder final : public Finder {
     Answer& answer() { return answers_[current()]; }
     const Answer& answer() const { return answers_[current()]; }
     const IntersectionQuery& query() const { return queries_[current()]; }
-    Hits hits(Hits::Mode mode) const { return {mode, pass_.hits(), nullptr, nullptr, nullptr}; }
     void cut_rows(Cutter& c, std::size_t pairs) { answer().cut(c, scene(), pairs); }
     template <class Make, class Undo>
     void with_room_for(Make make, Undo undo);
@@ -62,14 +61,14 @@ class IntersectionFinder final : public Finder {
     std::size_t pass_over_chunks(Hits hits);
     void require_room(std::size_t pairs) const;
 
-    void look() override;
+    void bind() override;
     KernelParameters parameters() const override { return IntersectionParameters{pass_.policy}; }
     void choose_plan(Plan& plan) const override;
     void choose_chunks(Plan& plan, std::int64_t bytes) const override;
     void cut_rows(Cutter& c) override { cut_rows(c, static_cast<std::size_t>(pass_.plan.hits)); }
     void clear_rows(Clearing& clearing) const override { answer().clear(clearing, scene()); }
     void narrow() override;
-    bool write_rows(Counters* told) override;
+    bool write_rows(Counters* host_counters) override;
     void count_tests(const Counters& counters, Statistics& statistics) const override;
     std::size_t decide_beyond(std::size_t n) override;
     void append_decided(std::size_t count, unsigned long long before) override;

@@ -22,7 +22,7 @@ class Answer {
 
     /// Cuts the arrays of so many pairs.
     void cut(Cutter& cutter, const PreparedScene& scene, std::size_t pairs);
-    /// What these and make_contacts take.
+    /// Bytes that these and make_contacts take.
     static std::size_t bytes(const PreparedScene& scene, std::size_t pairs, bool contacts);
 
     /// What write() finds cleared, beside the counter of parts: flags, and numbers by first triangle, which are

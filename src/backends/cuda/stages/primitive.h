@@ -71,7 +71,7 @@ struct Primitives {
     std::size_t rows(std::int64_t vertices) const { return static_cast<std::size_t>(vertices) * (moving ? 2 : 1); }
 };
 
-/// Those of a query about features, which move if the scene does.
+/// Primitives of a query about features, which move if the scene does.
 inline Primitives widened_primitives(const PreparedScene& scene, const Inflation* inflation, bool along_axes) {
     return {true, scene.moving, scene.moving ? static_cast<std::int32_t>(scene.vertex_count()) : 0, inflation,
             along_axes};

@@ -1,7 +1,7 @@
 #pragma once
 
-// Questions about worlds whose poses lie on the device: their bodies, which stay there from call to call, and answers
-// for the host.
+// Calls on worlds whose poses lie on the device: uploads their bodies, which stay there from call to call, and makes
+// results for the host.
 
 #include <memory>
 
@@ -12,9 +12,9 @@
 
 namespace crumple::cuda {
 
-class WorldFinder {
+class PosedWorldCalls {
    public:
-    WorldFinder(IntersectionFinder& search, cudaStream_t stream, MemoryMeter& meter);
+    PosedWorldCalls(IntersectionFinder& finder, cudaStream_t stream, MemoryMeter& meter);
 
     /// The world's bodies, brought to the device unless they are those of the call before. Null if one scene cannot
     /// hold them. Throws NoRoom if that is fixed and they are not there.
@@ -30,7 +30,7 @@ class WorldFinder {
    private:
     void find_flags(const PosedWorlds& worlds, Output wants, Intersections& result);
 
-    IntersectionFinder& search_;
+    IntersectionFinder& finder_;
     cudaStream_t stream_;
     MemoryMeter& meter_;
     std::shared_ptr<const PosedWorlds> known_;

@@ -1,4 +1,4 @@
-#include "backends/cuda/intersections/world_finder.h"
+#include "backends/cuda/intersections/posed_world_calls.h"
 
 #include <utility>
 #include <vector>
@@ -7,17 +7,17 @@
 
 namespace crumple::cuda {
 
-WorldFinder::WorldFinder(IntersectionFinder& search, cudaStream_t stream, MemoryMeter& meter)
-    : search_(search), stream_(stream), meter_(meter), found_(metered(&meter)) {}
+PosedWorldCalls::PosedWorldCalls(IntersectionFinder& finder, cudaStream_t stream, MemoryMeter& meter)
+    : finder_(finder), stream_(stream), meter_(meter), found_(metered(&meter)) {}
 
-void WorldFinder::release() {
+void PosedWorldCalls::release() {
     known_.reset();
     found_ = metered(&meter_);
 }
 
 // Launches in flight keep the bodies that they were given.
-std::shared_ptr<const PosedWorlds> WorldFinder::bodies_of(const World& world, const PairFilter& rules,
-                                                          ParallelFor& workers, Room room) {
+std::shared_ptr<const PosedWorlds> PosedWorldCalls::bodies_of(const World& world, const PairFilter& rules,
+                                                              ParallelFor& workers, Room room) {
     if (known_ && known_->resting().is_of(world, rules)) return known_;
     if (room == Room::fixed) throw NoRoom{};
     known_.reset();
@@ -26,35 +26,35 @@ std::shared_ptr<const PosedWorlds> WorldFinder::bodies_of(const World& world, co
     return known_;
 }
 
-bool WorldFinder::find(const World& world, const IntersectionQuery& question, ParallelFor& workers,
-                       Intersections& result) {
+bool PosedWorldCalls::find(const World& world, const IntersectionQuery& question, ParallelFor& workers,
+                           Intersections& result) {
     const std::shared_ptr<const PosedWorlds> worlds = bodies_of(world, question.filter, workers);
     if (!worlds) return false;
     const RestingWorlds& resting = worlds->resting();
     resting.begin(question, result);
-    search_.pose(search_.current(), worlds, world.device_poses, question.weld, false);
-    search_.adopt(question);
+    finder_.pose(finder_.current(), worlds, world.device_poses, question.weld, false);
+    finder_.adopt(question);
     if (question.output <= Output::any_by_world) {
         find_flags(*worlds, question.output, result);
     } else {
-        search_.find();
-        search_.copy_to(found_);
+        finder_.find();
+        finder_.copy_to(found_);
         resting.tell_pairs(found_, question, result);
     }
-    add_pass(search_.statistics(), result.statistics);
+    add_pass(finder_.statistics(), result.statistics);
     resting.finish(question, result);
     return true;
 }
 
-void WorldFinder::find_flags(const PosedWorlds& worlds, Output wants, Intersections& result) {
+void PosedWorldCalls::find_flags(const PosedWorlds& worlds, Output wants, Intersections& result) {
     const auto several = static_cast<std::size_t>(worlds.scene().worlds);
     std::vector<std::uint8_t> flags(worlds.resting().empty() ? 0 : several, 0);
     if (flags.empty()) return;
     if (wants == Output::any || several == 1) {
-        flags[0] = search_.any();
+        flags[0] = finder_.any();
     } else {
         fill(stream_, worlds.found(), 0, several * sizeof *worlds.found());
-        search_.flag_worlds(flags);
+        finder_.flag_worlds(flags);
     }
     worlds.resting().tell_flags(flags, result);
 }
