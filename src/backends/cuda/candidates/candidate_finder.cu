@@ -1,7 +1,5 @@
 #include "backends/cuda/candidates/candidate_finder.h"
 
-#include <limits>
-
 #include "crumple/error.h"
 
 namespace crumple::cuda {

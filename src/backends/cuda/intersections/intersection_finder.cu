@@ -139,8 +139,7 @@ void IntersectionFinder::copy_to(Intersections& result) {
 }
 
 DeviceIntersections IntersectionFinder::show() const {
-    DeviceIntersections shown =
-        input().posed() ? answer().show_worlds(query().contacts()) : answer().show(scene(), query().contacts());
+    DeviceIntersections shown = answer().show(scene(), query().contacts());
     shown.statistics = statistics();
     shown.statistics.triangles = scene().triangle_count();
     shown.statistics.pairs = static_cast<std::int64_t>(answer().total);
@@ -151,7 +150,7 @@ DeviceIntersections IntersectionFinder::show_incomplete() const {
     DeviceIntersections shown;
     shown.complete = false;
     shown.pairs_needed = static_cast<std::int64_t>(slot().counters->hits);
-    shown.of_worlds = input().posed() != nullptr;
+    shown.of_worlds = answer().names.any();
     if (shown.of_worlds) shown.worlds = answer().names.worlds;
     shown.statistics.backend = "cuda";
     shown.statistics.triangles = scene().triangle_count();

@@ -102,33 +102,21 @@ DeviceIntersections Answer::show(const PreparedScene& scene, bool contacts) cons
     DeviceIntersections shown;
     shown.any = total > 0;
     shown.pairs_needed = shown.count = static_cast<std::int64_t>(total);
-    shown.pairs = output.pairs;
-    shown.offsets = reinterpret_cast<const std::int64_t*>(output.offsets);
-    shown.hit = output.hit;
-    shown.hit_second = scene.between ? output.hit_second : nullptr;
-    shown.hit_count = scene.triangles[0];
-    shown.hit_second_count = scene.triangles[1];
-    if (contacts) {
-        shown.contact_kinds = contacts_.kinds;
-        shown.contact_offsets = reinterpret_cast<const std::int64_t*>(contacts_.offsets);
-        shown.contact_points = contacts_.points;
-        shown.contact_point_count = static_cast<std::int64_t>(points_);
-    }
-    return shown;
-}
-
-DeviceIntersections Answer::show_worlds(bool contacts) const {
-    DeviceIntersections shown;
-    shown.of_worlds = true;
-    shown.any = total > 0;
-    shown.pairs_needed = shown.count = static_cast<std::int64_t>(total);
-    shown.worlds = names.worlds;
-    shown.world_hit = of_worlds_.hit;
-    shown.world_counts = of_worlds_.counts;
-    shown.world_offsets = of_worlds_.offsets;
-    if (names.pairs) {
-        shown.bodies = of_worlds_.bodies;
-        shown.pairs = of_worlds_.pairs;
+    shown.of_worlds = names.any();
+    if (shown.of_worlds) {
+        shown.worlds = names.worlds;
+        shown.world_hit = of_worlds_.hit;
+        shown.world_counts = of_worlds_.counts;
+        shown.world_offsets = of_worlds_.offsets;
+        shown.bodies = names.pairs ? of_worlds_.bodies : nullptr;
+        shown.pairs = names.pairs ? of_worlds_.pairs : nullptr;
+    } else {
+        shown.pairs = output.pairs;
+        shown.offsets = reinterpret_cast<const std::int64_t*>(output.offsets);
+        shown.hit = output.hit;
+        shown.hit_second = scene.between ? output.hit_second : nullptr;
+        shown.hit_count = scene.triangles[0];
+        shown.hit_second_count = scene.triangles[1];
     }
     if (contacts) {
         shown.contact_kinds = contacts_.kinds;

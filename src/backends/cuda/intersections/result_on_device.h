@@ -34,8 +34,8 @@ class Answer {
     /// Computes the contacts of the answer and leaves them on the device. Returns how many the host had to round.
     std::int64_t make_contacts(const PreparedScene& scene, Cancellation& cancellation);
 
+    /// The result of a scene, or that of worlds if there are names.
     DeviceIntersections show(const PreparedScene& scene, bool contacts) const;
-    DeviceIntersections show_worlds(bool contacts) const;
     void copy_to(const PreparedScene& scene, bool contacts, Intersections& result);
 
     void release_contacts() { contact_block_.release(); }
