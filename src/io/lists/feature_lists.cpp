@@ -216,7 +216,7 @@ std::vector<ListMember> members_of_features(const FeatureLists& lists) {
 }
 
 ListTable table_of_lists(FeatureLists lists) {
-    const auto own = std::make_shared<const FeatureLists>(std::move(lists));
+    const auto own = std::make_shared<const FeatureLists>(lists);
     return {own->words.what, own->words.rows(),
             [own](RowWriter& writer) {
                 own->for_each_row([&](const FeatureRow& row) { own->words.add(writer, row, own->has_bodies()); });
