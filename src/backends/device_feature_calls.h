@@ -37,7 +37,7 @@ class DeviceFeatureCalls {
     /// Whether the mesh's stream is being captured, so that nobody may wait for it.
     virtual bool is_captured(const DeviceShape& mesh) = 0;
 
-    /// Detector::launch_impacts and its like. Returns the launch's slot, by which wait() names it.
+    /// Detector::launch for queries about features. Returns the launch's slot, by which wait() names it.
     virtual std::size_t launch(const DeviceShape& mesh, const FeatureRequest& query) = 0;
     virtual std::size_t launch(const DeviceShape& mesh, const CandidateRequest& query) = 0;
 
