@@ -133,7 +133,7 @@ def is_mesh(thing: Any) -> bool:
         return True
     if isinstance(thing, tuple):
         return len(thing) in (2, 3) and not _is_row(thing[0])
-    if isinstance(thing, list) or hasattr(thing, "__array_interface__") or hasattr(thing, "__dlpack__"):
+    if isinstance(thing, list) or hasattr(thing, "__dlpack__") or hasattr(thing, "__array_interface__"):
         return False
     return hasattr(thing, "vertices") or hasattr(thing, "points") or hasattr(thing, "vertex")
 

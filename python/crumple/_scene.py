@@ -22,6 +22,8 @@ def scene_of(given: Any, second: Any = None, **attributes: Any) -> Scene:
     One object is a crumple.World, a crumple.Part, a list or tuple of two meshes, or what as_mesh takes.
     """
     attributes = {name: value for name, value in attributes.items() if value is not None}
+    if second is None and not attributes and isinstance(given, Mesh):
+        return given
     if isinstance(given, (World, _core.Part)):
         for name in [*attributes, *([] if second is None else ["a second argument"])]:
             raise InvalidType(f"{name} is for meshes, but this was asked of a crumple.{type(given).__name__}")
@@ -32,7 +34,7 @@ def scene_of(given: Any, second: Any = None, **attributes: Any) -> Scene:
         for name in attributes:
             raise InvalidType(f"{name} is for one mesh, but this was asked of two")
         return as_mesh(given), as_mesh(second)
-    return mesh_of(given, second, **attributes)
+    return mesh_of(given, second, **attributes) if attributes or second is None else Mesh(given, second)
 
 
 def kind_of(scene: Scene) -> str:
