@@ -12,7 +12,15 @@ from ._impacts import FirstImpact, FreeStep, Impacts
 from ._intersections import Intersections
 from ._mesh import Mesh
 from ._proximities import Proximities
-from ._queries import CandidateQuery, FirstImpactQuery, FreeStepQuery, IntersectionQuery, ProximityQuery, Query
+from ._queries import (
+    CandidateQuery,
+    FirstImpactQuery,
+    FreeStepQuery,
+    IntersectionQuery,
+    PairFilter,
+    ProximityQuery,
+    Query,
+)
 from ._result import Asked, Result
 from ._scene import kind_of
 
@@ -74,7 +82,7 @@ def checked_query(scene: Any, query: Any) -> Any:
     if not isinstance(query, Query):
         raise InvalidType(f"query must be one of crumple's, such as crumple.ImpactQuery(), not {_name_of(query)}")
     filters = query.filter  # type: ignore[attr-defined]
-    if type(filters).__name__ != "PairFilter":
+    if not isinstance(filters, PairFilter):
         raise InvalidType(f"filter must be a crumple.PairFilter, not {_name_of(filters)}")
     if isinstance(query, CandidateQuery):
         return replace(query, kinds=_kinds(query.kinds))

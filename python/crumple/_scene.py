@@ -21,10 +21,11 @@ def scene_of(given: Any, second: Any = None, **attributes: Any) -> Scene:
 
     One object is a crumple.World, a crumple.Part, a list or tuple of two meshes, or what as_mesh takes.
     """
-    attributes = {name: value for name, value in attributes.items() if value is not None}
-    if second is None and not attributes and isinstance(given, Mesh):
+    attributes = {name: value for name, value in attributes.items() if value is not None} if attributes else {}
+    is_whole = isinstance(given, (World, _core.Part))
+    if second is None and not attributes and (is_whole or isinstance(given, Mesh)):
         return given
-    if isinstance(given, (World, _core.Part)):
+    if is_whole:
         for name in [*attributes, *([] if second is None else ["a second argument"])]:
             raise InvalidType(f"{name} is for meshes, but this was asked of a crumple.{type(given).__name__}")
         return given
