@@ -145,7 +145,7 @@ class Simulation:
         self.velocity *= 1 - DRAG * seconds
         target = start + seconds * self.velocity
 
-        # What may come nearer than the thickness in this step; what is faster still is left to `impacts`.
+        # Features that may come nearer than the thickness in this step; `impacts` finds those that are faster still.
         fastest = np.linalg.norm(self.velocity, axis=1).max() * seconds
         radius = THICKNESS + min(2 * fastest, THICKNESS)
         near = self.detector.proximities(start, self.faces, radius=radius, closest=True, **self.options)

@@ -88,7 +88,7 @@ nb::object dlpack_capsule(nb::handle detector, std::uintptr_t address, const nb:
                                   nb::device::cuda::value, detector_of(detector).options().first_device()));
 }
 
-// What a wait gives: (complete, rows needed, count, any, first), with `first` None but of impacts.
+// Returns (complete, rows needed, count, any, first) of a result; `first` is None but for impacts.
 template <class Result>
 nb::tuple told(const Result& found, std::int64_t needed, bool any, nb::object first = nb::none()) {
     return nb::make_tuple(found.complete, needed, found.count, any, first);

@@ -240,3 +240,47 @@ def test_what_only_the_library_makes_is_not_made_in_python():
     for duplicate in (copy.copy, copy.deepcopy, pickle.dumps):
         with pytest.raises(TypeError, match="pickle"):
             duplicate(crumple.Detector())
+
+
+PART = crumple.Detector().partition(MESH, count=1)[0]
+SCENES = {
+    "mesh": MESH.moving_to(END),
+    "two meshes": [MESH.moving_to(END), MESH],
+    "world": crumple.World([crumple.Shape(MESH, end=END)], [0, 0]),
+    "part": PART,
+}
+UNSUPPORTED = {
+    ("mesh", "distances"): "distances are those of bodies",
+    ("part", "distances"): "parts know intersections, impacts and proximities",
+    ("part", "candidates"): "parts know intersections, impacts and proximities",
+    ("two meshes", "free_step"): "a free step is that of one mesh",
+    ("world", "free_step"): "a free step is that of one mesh",
+    ("part", "free_step"): "a free step is that of one mesh",
+}
+
+
+@pytest.mark.parametrize("name", QUERIES)
+@pytest.mark.parametrize("scene", SCENES)
+def test_find_refuses_exactly_the_scenes_that_are_not_supported(scene, name):
+    detector = crumple.Detector(backend="cpu", threads=1)
+    query = QUERIES[name](**NEEDED.get(name, {}))
+    why = UNSUPPORTED.get((scene, name))
+    assert detector.supports(SCENES[scene], query) == (why is None)
+    if why:
+        with pytest.raises(crumple.InvalidInput, match=why):
+            detector.find(SCENES[scene], query)
+    elif scene != "part" or name == "intersections":  # parts serve the type of query that they were made for
+        detector.find(SCENES[scene], query)
+
+
+def test_deliveries_that_a_query_has_not_are_refused(detector):
+    for deliver in (detector.any, lambda *given: detector.partition(*given, count=2)):
+        with pytest.raises(crumple.InvalidInput, match="is not for CandidateQuery: docs/supported.md has the table"):
+            deliver(MESH, crumple.CandidateQuery())
+
+
+def test_keywords_that_are_equal_but_of_other_types_are_told_apart(detector):
+    detector.intersections(MESH, weld=True)
+    with pytest.raises(crumple.InvalidType, match="weld must be True or False, not int"):
+        detector.intersections(MESH, weld=1)
+    assert detector.proximities(MESH, radius=0).any == detector.proximities(MESH, radius=0.0).any

@@ -30,7 +30,7 @@ namespace crumple {
 template <class Block>
 class OrderedBlocks {
    public:
-    /// What blocks are. All but `make` and `size` are called by one thread at a time, whichever.
+    /// Operations on blocks. All but `make` and `size` are called by one thread at a time, whichever.
     struct Work {
         std::function<std::unique_ptr<Block>()> make;  ///< an empty one
         std::function<std::size_t(const Block&)> size;
@@ -106,7 +106,7 @@ class OrderedBlocks {
         bool finished = false;
     };
 
-    // Whoever waits looks every now and then whether the call was cancelled.
+    // Waits until ready() or an error, and checks now and then that the call was not cancelled.
     template <class Ready>
     void wait(std::unique_lock<std::mutex>& lock, Ready ready) {
         while (!failed_ && !ready()) {

@@ -64,7 +64,7 @@ void append_rows(Rows& to, Rows& piece, std::size_t begin, std::size_t end) {
     }
 }
 
-// What a block is delivered as: the result with these rows.
+// Delivers a block as a result that has these rows.
 template <class Answer>
 void take_rows(Lists<Answer>& rows, const FeatureBlocks<Answer>& blocks, Answer& answer) {
     std::swap(answer.lists, rows);

@@ -40,7 +40,7 @@ class LeafQuestion {
     virtual void sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first, std::int64_t last,
                        std::size_t builder, std::size_t worker) = 0;
 
-    /// Of a stream: a unit of the work begins, and ends, on a worker. What sweep() finds between is the unit's.
+    /// Begin and end a unit of the work of a stream, on a worker. Rows that sweep() finds between belong to the unit.
     virtual void begin_unit(std::int64_t /*unit*/, std::size_t /*worker*/) {}
     virtual void end_unit(std::size_t /*worker*/) {}
     /// The search ends by an error; may be called several times.
