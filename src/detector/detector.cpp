@@ -1,5 +1,6 @@
-// The front door: a detector's calls on meshes, which it checks and hands to a backend. Those on worlds are in
-// world_calls.cpp, what all have in common in detector_state.h.
+// The front door, where queries, scenes and deliveries meet: finds what a scene is, and has the call on that made.
+// Calls on the triangles of meshes are in mesh_calls.cpp, those on worlds in world_calls.cpp, on features in
+// feature_calls.cpp.
 
 #include "crumple/detector.h"
 
@@ -8,12 +9,9 @@
 #include <utility>
 #include <variant>
 
-#include "base/stopwatch.h"
 #include "detector/free_step.h"
-#include "detector/world_calls.h"
-#include "partition/part_centres.h"
+#include "detector/mesh_calls.h"
 #include "partition/parts_of_scene.h"
-#include "search/pair_stream.h"
 
 namespace crumple {
 
@@ -28,159 +26,9 @@ Overloaded(Functions...) -> Overloaded<Functions...>;
 
 }  // namespace
 
-struct Detector::Implementation : WorldCalls {
-    using WorldCalls::find, WorldCalls::launch, WorldCalls::partition, WorldCalls::stream, WorldCalls::wait,
-        WorldCalls::WorldCalls;
-
-    /// Calls work(world) with one mesh, or two, as bodies.
-    template <class Work>
-    decltype(auto) as_world(const MeshView& a, const MeshView* b, Work work) {
-        require_host(a);
-        if (b) require_host(*b);
-        const Shape shapes[] = {Shape(a), b ? Shape(*b) : Shape()};
-        const Body bodies[] = {{.shape = 0, .self = !b}, {.shape = 1}};
-        const std::size_t n = b ? 2 : 1;
-        return work(World{{shapes, n}, {bodies, n}, {}});
-    }
-
-    /// Runs `work` on the prepared scene, or on_device() where the meshes lie on a device.
-    template <class Work, class OnDevice>
-    void run_on_meshes(const MeshView& a, const MeshView* b, const Part* part, const IntersectionQuery& query,
-                       std::stop_token stop, Work work, OnDevice on_device) {
-        const auto attempt = [&] {
-            cancellation.check();
-            check_query(a, b, query);
-            if (part) {
-                check_part(*part);
-                check(!part->features, "the part was made for a query about features");
-            }
-            if (a.memory == MemorySpace::host)
-                work(prepare_scene(a, b, query.weld, *backend, buffers));
-            else
-                on_device();
-        };
-        run(std::move(stop), attempt, [&](std::int64_t least) { return least <= meter.limit; });
-    }
-
-    /// Pairs of one mesh or two, or those that a part owns.
-    const Intersections& find_pairs(const MeshView& a, const MeshView* b, const Part* part,
-                                    const IntersectionQuery& query, std::stop_token stop) {
-        Stopwatch watch;
-        clear(result);
-        run_on_meshes(
-            a, b, part, query, std::move(stop),
-            [&](const PreparedScene& scene) { backend->find(scene, query, part, result); },
-            [&] { backend->find(a, b, query, result); });
-        if (part) name_globally(*part, result.pairs);
-        result.count = static_cast<std::int64_t>(result.pairs.size());
-        result.any = result.count > 0;
-        result.statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
-        result.statistics.pairs = result.count;
-        result.statistics.peak_memory_bytes = meter.peak;
-        result.statistics.milliseconds = watch.lap();
-        return result;
-    }
-
-    const Intersections& find(const MeshView& a, const MeshView* b, const IntersectionQuery& query,
-                              std::stop_token stop) {
-        if (query.output == Output::pairs || query.output == Output::contacts)
-            return find_pairs(a, b, nullptr, query, std::move(stop));
-        if (query.output == Output::any) {
-            const bool found = any(a, b, query, std::move(stop));
-            clear(result);
-            result.any = found;
-            return result;
-        }
-        return as_world(a, b, [&](const World& world) -> const Intersections& {
-            check_query(a, b, query);
-            return find(world, query, std::move(stop));
-        });
-    }
-
-    bool any(const MeshView& a, const MeshView* b, const IntersectionQuery& query, std::stop_token stop) {
-        bool found = false;
-        run_on_meshes(
-            a, b, nullptr, query, std::move(stop),
-            [&](const PreparedScene& scene) { found = backend->any(scene, query); },
-            [&] { found = backend->any(a, b, query); });
-        return found;
-    }
-
-    Statistics stream(const MeshView& a, const MeshView* b, const IntersectionQuery& query,
-                      Sink<IntersectionQuery> take, std::int64_t block_rows, std::stop_token stop) {
-        Stopwatch watch;
-        check_blocks(block_rows);
-        check_in_blocks(query);
-        if (meter.limit > 0) forget();  // do not retry once a block has been delivered
-        Statistics statistics;
-        std::int64_t pairs = 0;
-        const auto count = [&](const Intersections& block) {
-            pairs += block.count;
-            take(block);
-        };
-        run_on_meshes(
-            a, b, nullptr, query, std::move(stop),
-            [&](const PreparedScene& scene) {
-                stream_pairs(*backend, scene, query, block_rows, meter, cancellation, count, statistics);
-            },
-            [] { check(false, "blocks are made of meshes in host memory"); });
-        statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
-        statistics.pairs = pairs;
-        statistics.peak_memory_bytes = meter.peak;
-        statistics.milliseconds = watch.lap();
-        return statistics;
-    }
-
-    void launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) {
-        cancellation.begin({});
-        kept_before_launch = meter.used;
-        run_launched([&] {
-            check_query(a, b, query);
-            if (a.memory == MemorySpace::host)
-                throw Error(ErrorCode::invalid_argument, "launches take meshes in device memory");
-            backend->launch(a, b, query);
-        });
-    }
-    void launch(const World& world, const IntersectionQuery& question) {
-        cancellation.begin({});
-        kept_before_launch = meter.used;
-        run_launched([&] {
-            check(lies_on_device(world) || world.bodies.empty(),
-                  "launch takes worlds whose poses lie in device memory");
-            check_question(question);
-            check_device_poses(world);
-            check_on_device(question);
-            backend->launch(world, question);
-        });
-    }
-    const DeviceIntersections& wait(const IntersectionQuery*, std::stop_token stop) {
-        const DeviceIntersections* answer = nullptr;
-        cancellation.begin(std::move(stop));
-        run_launched([&] {
-            cancellation.check();
-            answer = &backend->wait();
-        });
-        return *answer;
-    }
-    const Intersections& download() {
-        clear(result);
-        run_launched([&] { backend->download(result); });
-        result.count = static_cast<std::int64_t>(result.pairs.size());
-        result.any = result.count > 0;
-        return result;
-    }
-    std::vector<Part> partition_meshes(const MeshView& a, const MeshView* b, int count, std::stop_token stop) {
-        if (count < 1 || count > max_parts) {
-            forget();
-            throw Error(ErrorCode::invalid_argument, "the number of parts must be 1 to 262144", Element::option);
-        }
-        std::vector<Part> parts;
-        run_on_meshes(
-            a, b, nullptr, {}, std::move(stop),
-            [&](const PreparedScene& scene) { parts = make_parts(scene, count, *backend); },
-            [&] { parts = backend->partition(a, b, count); });
-        return parts;
-    }
+struct Detector::Implementation : MeshCalls {
+    using MeshCalls::any, MeshCalls::find, MeshCalls::launch, MeshCalls::MeshCalls, MeshCalls::partition,
+        MeshCalls::stream, MeshCalls::wait;
 
     /// Why a query cannot be asked of this scene with this backend, in one sentence; else empty.
     template <class Query>
@@ -334,8 +182,8 @@ struct Detector::Implementation : WorldCalls {
         const auto* mesh = std::get_if<MeshView>(&scene.source());
         if constexpr (std::same_as<Query, IntersectionQuery>) {
             const auto* two = std::get_if<TwoMeshes>(&scene.source());
-            if (mesh) return partition_meshes(*mesh, nullptr, count, std::move(stop));
-            if (two) return partition_meshes(two->a, &two->b, count, std::move(stop));
+            if (mesh) return partition(*mesh, nullptr, count, std::move(stop));
+            if (two) return partition(two->a, &two->b, count, std::move(stop));
             refuse("parts are made of one mesh or two");
         } else {
             if (!mesh) refuse("parts for a query about features are made of one mesh");

@@ -1,0 +1,151 @@
+#include "detector/mesh_calls.h"
+
+#include <utility>
+
+#include "base/stopwatch.h"
+#include "partition/part_centres.h"
+#include "partition/parts_of_scene.h"
+#include "search/pair_stream.h"
+
+namespace crumple {
+
+template <class Work, class OnDevice>
+void MeshCalls::run_on_meshes(const MeshView& a, const MeshView* b, const Part* part, const IntersectionQuery& query,
+                              std::stop_token stop, Work work, OnDevice on_device) {
+    const auto attempt = [&] {
+        cancellation.check();
+        check_query(a, b, query);
+        if (part) {
+            check_part(*part);
+            check(!part->features, "the part was made for a query about features");
+        }
+        if (a.memory == MemorySpace::host)
+            work(prepare_scene(a, b, query.weld, *backend, buffers));
+        else
+            on_device();
+    };
+    run(std::move(stop), attempt, [&](std::int64_t least) { return least <= meter.limit; });
+}
+
+const Intersections& MeshCalls::find_pairs(const MeshView& a, const MeshView* b, const Part* part,
+                                           const IntersectionQuery& query, std::stop_token stop) {
+    Stopwatch watch;
+    clear(result);
+    run_on_meshes(
+        a, b, part, query, std::move(stop),
+        [&](const PreparedScene& scene) { backend->find(scene, query, part, result); },
+        [&] { backend->find(a, b, query, result); });
+    if (part) name_globally(*part, result.pairs);
+    result.count = static_cast<std::int64_t>(result.pairs.size());
+    result.any = result.count > 0;
+    result.statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
+    result.statistics.pairs = result.count;
+    result.statistics.peak_memory_bytes = meter.peak;
+    result.statistics.milliseconds = watch.lap();
+    return result;
+}
+
+const Intersections& MeshCalls::find(const MeshView& a, const MeshView* b, const IntersectionQuery& query,
+                                     std::stop_token stop) {
+    if (query.output == Output::pairs || query.output == Output::contacts)
+        return find_pairs(a, b, nullptr, query, std::move(stop));
+    if (query.output == Output::any) {
+        const bool found = any(a, b, query, std::move(stop));
+        clear(result);
+        result.any = found;
+        return result;
+    }
+    return as_world(a, b, [&](const World& world) -> const Intersections& {
+        check_query(a, b, query);
+        return find(world, query, std::move(stop));
+    });
+}
+
+bool MeshCalls::any(const MeshView& a, const MeshView* b, const IntersectionQuery& query, std::stop_token stop) {
+    bool found = false;
+    run_on_meshes(
+        a, b, nullptr, query, std::move(stop), [&](const PreparedScene& scene) { found = backend->any(scene, query); },
+        [&] { found = backend->any(a, b, query); });
+    return found;
+}
+
+Statistics MeshCalls::stream(const MeshView& a, const MeshView* b, const IntersectionQuery& query,
+                             Sink<IntersectionQuery> take, std::int64_t block_rows, std::stop_token stop) {
+    Stopwatch watch;
+    check_blocks(block_rows);
+    check_in_blocks(query);
+    if (meter.limit > 0) forget();  // do not retry once a block has been delivered
+    Statistics statistics;
+    std::int64_t pairs = 0;
+    const auto count = [&](const Intersections& block) {
+        pairs += block.count;
+        take(block);
+    };
+    run_on_meshes(
+        a, b, nullptr, query, std::move(stop),
+        [&](const PreparedScene& scene) {
+            stream_pairs(*backend, scene, query, block_rows, meter, cancellation, count, statistics);
+        },
+        [] { check(false, "blocks are made of meshes in host memory"); });
+    statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
+    statistics.pairs = pairs;
+    statistics.peak_memory_bytes = meter.peak;
+    statistics.milliseconds = watch.lap();
+    return statistics;
+}
+
+void MeshCalls::launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) {
+    cancellation.begin({});
+    kept_before_launch = meter.used;
+    run_launched([&] {
+        check_query(a, b, query);
+        if (a.memory == MemorySpace::host)
+            throw Error(ErrorCode::invalid_argument, "launches take meshes in device memory");
+        backend->launch(a, b, query);
+    });
+}
+
+void MeshCalls::launch(const World& world, const IntersectionQuery& query) {
+    cancellation.begin({});
+    kept_before_launch = meter.used;
+    run_launched([&] {
+        check(lies_on_device(world) || world.bodies.empty(), "launch takes worlds whose poses lie in device memory");
+        check_question(query);
+        check_device_poses(world);
+        check_on_device(query);
+        backend->launch(world, query);
+    });
+}
+
+const DeviceIntersections& MeshCalls::wait(const IntersectionQuery*, std::stop_token stop) {
+    const DeviceIntersections* answer = nullptr;
+    cancellation.begin(std::move(stop));
+    run_launched([&] {
+        cancellation.check();
+        answer = &backend->wait();
+    });
+    return *answer;
+}
+
+const Intersections& MeshCalls::download() {
+    clear(result);
+    run_launched([&] { backend->download(result); });
+    result.count = static_cast<std::int64_t>(result.pairs.size());
+    result.any = result.count > 0;
+    return result;
+}
+
+std::vector<Part> MeshCalls::partition(const MeshView& a, const MeshView* b, int count, std::stop_token stop) {
+    if (count < 1 || count > max_parts) {
+        forget();
+        throw Error(ErrorCode::invalid_argument, "the number of parts must be 1 to 262144", Element::option);
+    }
+    std::vector<Part> parts;
+    run_on_meshes(
+        a, b, nullptr, {}, std::move(stop),
+        [&](const PreparedScene& scene) { parts = make_parts(scene, count, *backend); },
+        [&] { parts = backend->partition(a, b, count); });
+    return parts;
+}
+
+}  // namespace crumple
