@@ -5,6 +5,7 @@
 
 #include <nanobind/stl/string_view.h>
 
+#include "held_binding.h"
 #include "names.h"
 #include "pickling.h"
 #include "views.h"
@@ -15,18 +16,6 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-constexpr auto owner = nb::rv_policy::reference_internal;
-
-nb::typed<nb::dict, nb::str, double> stage_milliseconds(const Statistics& statistics) {
-    nb::typed<nb::dict, nb::str, double> result;
-    for (int i = 0; i < stage_count; ++i) {
-        const auto stage = static_cast<Stage>(i);
-        const std::string_view name = stage_name(stage);
-        result[nb::str(name.data(), name.size())] = statistics[stage];
-    }
-    return result;
-}
-
 void bind_statistics(nb::module_& module) {
     using S = Statistics;
     nb::class_<S> type(
@@ -36,7 +25,7 @@ void bind_statistics(nb::module_& module) {
     type.attr("__hash__") = nb::none();
     type.def_ro("milliseconds", &S::milliseconds, "Wall-clock time of the call inside the library.")
         .def_prop_ro(
-            "stage_milliseconds", stage_milliseconds,
+            "stage_milliseconds", [](const S& s) { return milliseconds_by_name<Stage>(s, stage_count, stage_name); },
             "Milliseconds by stage, summed over threads: bounds, subdivide, align, sort, sweep, narrow, output.")
         .def_ro("triangles", &S::triangles, "Triangles, of both meshes.")
         .def_ro("clusters", &S::clusters, "Clusters of the first level of subdivision.")
@@ -74,27 +63,12 @@ void bind_statistics(nb::module_& module) {
             "__setstate__", [](S& s, nb::handle state) { new (&s) S(statistics_of(state)); }, "state"_a.none());
 }
 
-/// Binds members of a result as read-only arrays and values.
 template <class Result>
-class Binding {
-   public:
-    Binding(nb::module_& module, const char* name, const char* description) : type_(module, name, description) {
-        value("statistics", [](const Result& r) { return Statistics(r.statistics); });
+struct Binding : HeldBinding<Shown<Result>> {
+    Binding(nb::module_& module, const char* name, const char* description)
+        : HeldBinding<Shown<Result>>(module, name, description) {
+        this->value("statistics", [](const Result& r) { return Statistics(r.statistics); });
     }
-    template <class Get>
-    void value(const std::string& name, Get get) {
-        type_.def_prop_ro(name.c_str(), [get](const Shown<Result>& r) { return get(r.found()); });
-    }
-    /// `array_of`: of the result. With as many columns as the elements have.
-    template <class Number, class ArrayOf, class... Columns>
-    void array(const std::string& name, ArrayOf array_of, Columns... columns) {
-        const auto show = [=](const Shown<Result>& r) { return view<Number>(array_of(r.found()), columns...); };
-        type_.def_prop_ro(name.c_str(), show, owner);
-    }
-    nb::class_<Shown<Result>>& type() { return type_; }
-
-   private:
-    nb::class_<Shown<Result>> type_;
 };
 
 void bind_intersections(nb::module_& module) {
@@ -143,11 +117,6 @@ const ListNames feature_lists[feature_kinds] = {
     {"vertex_edges", "vertex_edge_", "vertex_edge_offsets", "edge_vertex_offsets", "by_edge"},
     {"vertex_vertices", "vertex_vertex_", "vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex"},
 };
-
-const Array<double>& values(const ImpactList& list) { return list.toi; }
-const Array<double>& values(const ProximityList& list) { return list.squared_distance; }
-const Array<std::uint8_t>& flags(const ImpactList& list) { return list.start; }
-const Array<std::uint8_t>& flags(const ProximityList& list) { return list.touching; }
 
 // `list_of`: of the result.
 template <class Result, class ListOf>

@@ -7,31 +7,22 @@
 
 #include <nanobind/stl/string_view.h>
 
+#include "held_binding.h"
 #include "names.h"
-#include "views.h"
 
 namespace nb = nanobind;
 
 namespace crumple::python {
 namespace {
 
-nb::typed<nb::dict, nb::str, double> phase_milliseconds(const DistributedStatistics& statistics) {
-    nb::typed<nb::dict, nb::str, double> result;
-    for (int i = 0; i < phase_count; ++i) {
-        const auto phase = static_cast<Phase>(i);
-        const std::string_view name = phase_name(phase);
-        result[nb::str(name.data(), name.size())] = statistics[phase];
-    }
-    return result;
-}
-
 void bind_statistics(nb::module_& module) {
     using S = DistributedStatistics;
     nb::class_<S>(module, "Statistics", "What a call did on this rank. Times are in milliseconds.")
         .def_ro("milliseconds", &S::milliseconds, "Wall-clock time of the call inside the library.")
-        .def_prop_ro("phase_milliseconds", phase_milliseconds,
-                     "Milliseconds by phase, with the communication that follows each: question, input, ids, place,\n"
-                     "members, room, search, rows, output.")
+        .def_prop_ro(
+            "phase_milliseconds", [](const S& s) { return milliseconds_by_name<Phase>(s, phase_count, phase_name); },
+            "Milliseconds by phase, with the communication that follows each: question, input, ids, place,\n"
+            "members, room, search, rows, output.")
         .def_ro("parts", &S::parts, "Parts of the scene that this rank has searched.")
         .def_ro("members", &S::members, "Triangles of these, each counted in each.")
         .def_ro("bytes_sent", &S::bytes_sent, "Bytes to other ranks.")
@@ -53,33 +44,14 @@ void bind_statistics(nb::module_& module) {
         });
 }
 
-constexpr auto owner = nb::rv_policy::reference_internal;
-
-const Array<double>& values(const ImpactList& list) { return list.toi; }
-const Array<double>& values(const ProximityList& list) { return list.squared_distance; }
-const Array<std::uint8_t>& flags(const ImpactList& list) { return list.start; }
-const Array<std::uint8_t>& flags(const ProximityList& list) { return list.touching; }
-
 template <class Result>
-class Binding {
-   public:
-    Binding(nb::module_& module, const char* name, const char* description) : type_(module, name, description) {
-        value("any", [](const Result& r) { return r.any; });
-        value("count", [](const Result& r) { return r.count; });
-        value("statistics", [](const Result& r) { return DistributedStatistics(r.statistics); });
+struct Binding : HeldBinding<RankShown<Result>> {
+    Binding(nb::module_& module, const char* name, const char* description)
+        : HeldBinding<RankShown<Result>>(module, name, description) {
+        this->value("any", [](const Result& r) { return r.any; });
+        this->value("count", [](const Result& r) { return r.count; });
+        this->value("statistics", [](const Result& r) { return DistributedStatistics(r.statistics); });
     }
-    template <class Get>
-    void value(const std::string& name, Get get) {
-        type_.def_prop_ro(name.c_str(), [get](const RankShown<Result>& r) { return get(r.found); });
-    }
-    template <class Number, class ArrayOf, class... Columns>
-    void array(const std::string& name, ArrayOf array_of, Columns... columns) {
-        const auto show = [=](const RankShown<Result>& r) { return view<Number>(array_of(r.found), columns...); };
-        type_.def_prop_ro(name.c_str(), show, owner);
-    }
-
-   private:
-    nb::class_<RankShown<Result>> type_;
 };
 
 void bind_intersections(nb::module_& module) {

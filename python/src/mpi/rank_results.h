@@ -11,7 +11,8 @@ namespace crumple::python {
 /// One rank's result that the class of the same name in crumple.mpi shows. Its arrays hold it.
 template <class Result>
 struct RankShown {
-    Result found;
+    Result result;
+    const Result& found() const { return result; }
 };
 
 void bind_rank_results(nanobind::module_& module);
