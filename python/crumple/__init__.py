@@ -1,5 +1,5 @@
-"""Crumple finds all pairs of triangles that intersect, in one mesh, two, or a world of bodies, exactly and fast; and what
-touches on its way from one frame to the next, what is near, and how far apart bodies are.
+"""Crumple finds all pairs of triangles that intersect, in one mesh, two, or a world of bodies, exactly and fast; and
+what touches on its way from one frame to the next, what is near, and how far apart bodies are.
 
     import crumple
 

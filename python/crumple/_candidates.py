@@ -29,7 +29,7 @@ _KIND_OF = {name: kind for kind, name in LISTS.items()} | {f"{kind}_bodies": kin
 
 
 class Candidates(PairLists):
-    """Which features have boxes that overlap, of the kinds that were asked for: the same bytes wherever it is computed.
+    """Which features have boxes that overlap, of the requested kinds: the same bytes wherever it is computed.
 
     A list for each kind, sorted and unique; of worlds by body before vertex, edge or face. IPC Toolkit's face-vertex,
     edge-face and edge-vertex candidates are `vertex_faces`, `edge_faces` and `vertex_edges` here.
@@ -41,9 +41,9 @@ class Candidates(PairLists):
 
     def _check(self, name: str) -> None:
         kind = _KIND_OF.get(name)
-        if name.endswith("_bodies") and not self._asked.of_bodies:
-            raise InvalidInput(f"{name} are those of a world, but this was asked of one mesh")
-        if kind is not None and kind not in self._asked.kinds:
+        if name.endswith("_bodies") and not self._request.of_bodies:
+            raise InvalidInput(f"{name} are for worlds, but the scene is one mesh")
+        if kind is not None and kind not in self._request.kinds:
             self._refuse(name, f'kinds=["{kind}"]')
 
     @cached_property
@@ -78,15 +78,15 @@ class Candidates(PairLists):
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """What was asked for."""
-        return self._asked.kinds
+        """The requested kinds."""
+        return self._request.kinds
 
     def __bool__(self) -> bool:
-        """Whether anything is listed."""
+        """True if anything is listed."""
         return self._found.count > 0
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the lists that were asked for as .txt, .csv, .json or .npz, by extension (docs/feature_lists.md).
+        """Writes the lists that were requested as .txt, .csv, .json or .npz, by extension (docs/feature_lists.md).
 
         Edges are named by their vertices in .txt and .csv; of worlds ids are body:id there. A file appears when it is
         complete; the old one stays until then. Ctrl-C waits until the file is written. Raises InvalidInput for other

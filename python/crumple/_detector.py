@@ -11,7 +11,7 @@ from ._device import Launch, stream_of
 from ._errors import InvalidInput, InvalidType
 from ._fuzzy_c_means import FuzzyCMeans, check_fuzzy_c_means
 from ._mesh import is_mesh
-from ._names import asks, suggesting
+from ._names import keywords_of, suggesting
 from ._queries import (
     CandidateQuery,
     DistanceQuery,
@@ -62,10 +62,11 @@ class Detector(_core.Detector):
 
     A scene is a mesh, given as one object that as_mesh knows (crumple.Mesh, a tuple, a mesh of trimesh, meshio, Open3D
     or PyVista); two meshes, [a, b], of which pairs across are found; a crumple.World of bodies; or a crumple.Part. A
-    mesh moves that says where to (Mesh.moving_to), a world whose bodies or shapes do. Arrays are read in place: NumPy or anything on the host that speaks DLPack or
-    the buffer protocol, float32 or float64, int32, uint32 or int64, in any order and with any strides. Other integers
-    and Python lists are converted, at the cost of a copy. Inputs are not written to, and must not change until the
-    call returns. The cuda backend also reads arrays in CUDA memory, after the work of their package's current stream.
+    mesh moves that says where to (Mesh.moving_to), a world whose bodies or shapes do. Arrays are read in place: NumPy
+    or anything on the host that speaks DLPack or the buffer protocol, float32 or float64, int32, uint32 or int64, in
+    any order and with any strides. Other integers and Python lists are converted, at the cost of a copy. Inputs are not
+    written to, and must not change until the call returns. The cuda backend also reads arrays in CUDA memory, after the
+    work of their package's current stream.
 
     Calls release the GIL. Different detectors work at the same time; calls of one detector from several threads take
     turns. In the main thread Ctrl-C ends a call within about 50 ms, KeyboardInterrupt is raised, and the detector
@@ -83,10 +84,10 @@ class Detector(_core.Detector):
         fuzzy_c_means: how the centres of clusters are placed, a crumple.FuzzyCMeans.
         simd: instruction set: "automatic" takes the best that the machine has.
         device: number of the device that the cuda backend works on.
-        devices: instead, the numbers of several, which share questions about one mesh on the host; arrays on a device
+        devices: instead, the numbers of several, which share queries about one mesh on the host; arrays on a device
             are on the first, which does alone what the others cannot share (docs/distributed.md).
 
-    No option changes an answer, only its cost. A detector keeps its options: a second __init__ is refused. Raises
+    No option changes a result, only its cost. A detector keeps its options: a second __init__ is refused. Raises
     InvalidInput for options out of range, BackendUnavailable for what this machine or build lacks.
 
     Source: D. Mainzer, G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision", Algorithm 1: clusters by
@@ -135,7 +136,7 @@ class Detector(_core.Detector):
 
     @property
     def backend(self) -> str:
-        """The backend in use, "cpu", "cuda" or "reference": the one asked for, or the one that "automatic" chose."""
+        """The backend in use, "cpu", "cuda" or "reference": the requested one, or the one that "automatic" chose."""
         return super().backend
 
     @property
@@ -146,7 +147,7 @@ class Detector(_core.Detector):
     def cancel(self) -> None:
         """Asks the call that runs at this moment to end: it raises Error, code "cancelled", within some milliseconds.
 
-        To be called from another thread. A call that is nearly done may still return its answer. Does nothing while
+        To be called from another thread. A call that is nearly done may still return its result. Does nothing while
         no call runs; one that waits for its turn goes on waiting. `partition` is not cut short while it clusters.
         """
         super().cancel()
@@ -177,16 +178,16 @@ class Detector(_core.Detector):
         """Finds everything in a scene that a query describes.
 
         Args:
-            scene: a mesh, [a, b] of two meshes, a World or a Part; see Detector. For queries about features and distances
-                two meshes are two bodies.
+            scene: a mesh, [a, b] of two meshes, a World or a Part; see Detector. For queries about features and
+                distances two meshes are two bodies.
             query: the type says what is searched for, and gives the type of the result.
             copy: the result gets writable arrays of its own instead of read-only views.
 
         Of a part the result has the rows that the part owns, with the ids of the mesh; offsets, hit flags and least
         distances count by position in the part.
 
-        Raises InvalidInput, which names the argument, the mesh, the body or the shape, also where the query cannot be
-        asked of such a scene (`supports`); MemoryLimit.
+        Raises InvalidInput, which names the argument, the mesh, the body or the shape, also where the query is not
+        supported for such a scene (`supports`); MemoryLimit.
 
         Cost: a warm call on two threads takes about 0.1 microseconds a triangle on ordinary scenes, more with the
         number of pairs of boxes that overlap; contacts take about a microsecond a pair. A world takes some microseconds
@@ -211,7 +212,7 @@ class Detector(_core.Detector):
 
     @suggesting
     def supports(self, scene: Any, query: Query = _ALL) -> bool:
-        """Whether find takes queries of this type about such a scene: by what it is, where it lies, and the backend.
+        """True if find takes queries of this type about such a scene: by what it is, where it lies, and the backend.
 
         docs/supported.md has the table. Says nothing of options and sizes.
         """
@@ -222,7 +223,7 @@ class Detector(_core.Detector):
 
     @suggesting
     def any(self, scene: Any, query: Query = _ALL) -> bool:
-        """Whether there is anything to find: of intersections, impacts and proximities. Stops at the first pair.
+        """True if there is anything to find: of intersections, impacts and proximities. Stops at the first pair.
 
         A step is free if there is no impact: not detector.any(mesh.moving_to(end), ImpactQuery()). `output` does not
         matter. Arguments and errors as of find.
@@ -264,11 +265,12 @@ class Detector(_core.Detector):
 
         Each part owns rows of the result and is searched anywhere, without the mesh, by find(part, query); the results
         together are the whole result, and no row is in two of them. Parts can be pickled, and depend only on the
-        arguments. Those for impacts and proximities answer for what they were made: no more distance than this query
-        asks for, the same `weld`, radii, rest shape and rings; for intersections the members of the query do not matter.
+        arguments. Those for impacts and proximities serve what they were made for: no more distance than this query
+        asks for, the same `weld`, radii, rest shape and rings; for intersections the members of the query do not
+        matter.
 
-        Raises InvalidInput. Cost: a look at each triangle, and its copies; 230 ms for a million triangles in 64 parts on
-        one thread. Source: Mainzer and Zachmann, sec. 1.1, for parts on several machines, and sec. 4, eqs. 2-4, for
+        Raises InvalidInput. Cost: a look at each triangle, and its copies; 230 ms for a million triangles in 64 parts
+        on one thread. Source: Mainzer and Zachmann, sec. 1.1, for parts on several machines, and sec. 4, eqs. 2-4, for
         their centres.
         """
         scene = scene_of(scene)
@@ -294,7 +296,8 @@ class Detector(_core.Detector):
                 the caller's graph: each replay is a query, after two calls like it outside of the capture. It should be
                 the package's current stream then, for a capture may not wait for streams outside of it.
 
-        The first launch for a mesh about features, and one with other numbers of vertices, faces, edges or points, waits
+        The first launch for a mesh about features, and one with other numbers of vertices, faces, edges or points,
+        waits
         for the stream: the host has to see which edges there are. Raises InvalidInput; bad contents of arrays are
         reported by wait().
         """
@@ -305,7 +308,7 @@ class Detector(_core.Detector):
         self._launches.append(launched)
         return launched
 
-    @asks(IntersectionQuery)
+    @keywords_of(IntersectionQuery)
     def intersections(
         self, vertices: Any, faces: Any = None, *, groups: Any = None, copy: bool = False, **options: Any
     ) -> Intersections:
@@ -318,7 +321,7 @@ class Detector(_core.Detector):
         """
         return self._find(scene_of(vertices, faces, groups=groups), _query_of(IntersectionQuery, options), copy)
 
-    @asks(ImpactQuery)
+    @keywords_of(ImpactQuery)
     def impacts(
         self,
         start: Any,
@@ -340,7 +343,7 @@ class Detector(_core.Detector):
         """
         return self._find(step_of(start, end, faces, groups, edges, points), _query_of(ImpactQuery, options), copy)
 
-    @asks(FirstImpactQuery)
+    @keywords_of(FirstImpactQuery)
     def first_impact(
         self,
         start: Any,
@@ -355,7 +358,7 @@ class Detector(_core.Detector):
         """The first impact of a step; None: the step is free. Find with a FirstImpactQuery; arguments as of impacts."""
         return self._find(step_of(start, end, faces, groups, edges, points), _query_of(FirstImpactQuery, options))
 
-    @asks(FreeStepQuery)
+    @keywords_of(FreeStepQuery)
     def free_step(
         self,
         start: Any,
@@ -367,11 +370,13 @@ class Detector(_core.Detector):
         points: Any = None,
         **options: Any,
     ) -> FreeStep:
-        """A share of a step, and positions there, that nothing touches on the way to. Find with a FreeStepQuery; arguments
-        as of impacts."""
+        """A share of a step, with positions, that nothing touches on the way to. Find with a FreeStepQuery.
+
+        Arguments as of impacts.
+        """
         return self._find(step_of(start, end, faces, groups, edges, points), _query_of(FreeStepQuery, options))
 
-    @asks(ProximityQuery)
+    @keywords_of(ProximityQuery)
     def proximities(
         self,
         vertices: Any,
@@ -393,7 +398,7 @@ class Detector(_core.Detector):
         scene = scene_of(vertices, faces, groups=groups, edges=edges, points=points)
         return self._find(scene, _query_of(ProximityQuery, options), copy)
 
-    @asks(CandidateQuery)
+    @keywords_of(CandidateQuery)
     def candidates(
         self,
         vertices: Any,
@@ -417,7 +422,7 @@ class Detector(_core.Detector):
         scene = scene_of(vertices, faces, end=end, groups=groups, edges=edges, points=points)
         return self._find(scene, _query_of(CandidateQuery, options), copy)
 
-    @asks(DistanceQuery)
+    @keywords_of(DistanceQuery)
     def distances(self, world: Any, second: Any = None, *, copy: bool = False, **options: Any) -> Distances:
         """Distances of the bodies of a world, or of two meshes, each pair of them: find with a DistanceQuery.
 

@@ -64,7 +64,7 @@ class DeviceResult:
     Valid until the second launch after the one that it is for, or the detector's next call that is no launch and no
     wait. Its arrays (DeviceArray) have the names of those of the result on the host, and their bytes; flags are uint8.
     Of intersections of meshes `pairs`, `offsets`, `hit`, `hit_second`; of worlds `world_hit`, `world_counts`,
-    `world_offsets`, and where pairs were asked for `pairs` and `bodies`; with contacts `contact_kinds`,
+    `world_offsets`, and where pairs were requested `pairs` and `bodies`; with contacts `contact_kinds`,
     `contact_offsets` and `contact_points`. Of features the lists, and `edges`.
 
     Attributes:

@@ -37,7 +37,7 @@ class Distances(Result):
         import numpy as np
 
         distance = np.sqrt(self.squared_distance)
-        distance.flags.writeable = self._asked.copy
+        distance.flags.writeable = self._request.copy
         return distance
 
     @cached_property
@@ -59,7 +59,7 @@ class Distances(Result):
 
     @property
     def any(self) -> bool:
-        """Whether there is any row."""
+        """True if there is any row."""
         return len(self) > 0
 
     @property
@@ -68,7 +68,7 @@ class Distances(Result):
         return len(self)
 
     def __bool__(self) -> bool:
-        """Whether there is any row."""
+        """True if there is any row."""
         return len(self) > 0
 
     def __len__(self) -> int:

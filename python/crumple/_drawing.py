@@ -40,7 +40,7 @@ class Drawing(NamedTuple):
 
 
 def _arrays_of(mesh: Mesh, triangles: int):
-    """Vertices and faces as they are now; what was changed after the search may no longer fit its answer."""
+    """Vertices and faces as they are now; what was changed after the search may no longer fit its result."""
     vertices, faces = host_array(mesh.vertices, "vertices"), host_array(mesh.faces, "faces")
     if vertices.size % 3 == 0 and faces.size == 3 * triangles:
         vertices, faces = vertices.astype(np.float64).reshape(-1, 3), faces.astype(np.int64).reshape(-1, 3)

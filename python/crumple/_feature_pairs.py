@@ -83,15 +83,16 @@ def pair_impacts(
     min_distance_share: float = 0.0,
     threads: int = 0,
 ) -> PairImpacts:
-    """Whether and when features of pairs touch while all points go straight from their start to their end: exactly.
+    """True if and when features of pairs touch while all points go straight from their start to their end: exactly.
 
     Each pair is decided as Detector.impacts decides it. Nothing is known of a mesh, so pairs that have a vertex in
     common touch at the start.
 
     Args:
         kind: "vertex_face", "edge_edge", "vertex_edge" or "vertex_vertex".
-        start, end: float64 or float32, on the host. (k, 4, 3): the vertex, then the face's three corners; or the ends of
-            the one edge, then those of the other. (k, 3, 3): the vertex, then the edge's ends. (k, 2, 3): two vertices.
+        start, end: float64 or float32, on the host. (k, 4, 3): the vertex, then the face's three corners; or the ends
+            of the one edge, then those of the other. (k, 3, 3): the vertex, then the edge's ends. (k, 2, 3): two
+            vertices.
         min_distance, min_distance_share: as of ImpactQuery.
         threads: 0: as many as the machine has.
 

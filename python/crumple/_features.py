@@ -40,7 +40,7 @@ class PairLists(Result):
         return self._found.count
 
     def __len__(self) -> int:
-        """How many pairs of features are listed; 0 where they were not asked for."""
+        """How many pairs of features are listed; 0 where they were not requested."""
         return self._found.count
 
     @cached_property
@@ -109,24 +109,24 @@ class FeatureResult(PairLists):
     _from: ClassVar[dict[str, int]]  # what is made from which of `_outputs` on; all else is made for the last
 
     def _check_output(self, name: str) -> None:
-        if name in _NOT_IN_BLOCKS and self._asked.block:
-            raise InvalidInput(f"{name} is told of a whole result, but this is one of its blocks")
+        if name in _NOT_IN_BLOCKS and self._request.block:
+            raise InvalidInput(f"{name} is part of a whole result, but this is one of its blocks")
         least = self._from.get(name, len(self._outputs) - 1)
-        if self._outputs.index(self._asked.output) < least:
+        if self._outputs.index(self._request.output) < least:
             self._refuse(name, f'output="{self._outputs[least]}"')
 
     def _check(self, name: str) -> None:
-        asked = self._asked
-        if name in _OF_THE_WHOLE and asked.scene == "part":
+        request = self._request
+        if name in _OF_THE_WHOLE and request.scene == "part":
             raise InvalidInput(
-                f"{name} is told of a whole mesh, but this was asked of a part, which knows its edge_ids"
+                f"{name} is part of the result of a whole mesh, but the scene is a part, which has edge_ids"
             )
-        if name in _BODIES and not asked.of_bodies:
-            raise InvalidInput(f"{name} are those of a world, but this was asked of one mesh")
-        if name in _INDEX and asked.of_bodies:
-            raise InvalidInput(f"{name} is made for one mesh alone, but this was asked of a world")
+        if name in _BODIES and not request.of_bodies:
+            raise InvalidInput(f"{name} are for worlds, but the scene is one mesh")
+        if name in _INDEX and request.of_bodies:
+            raise InvalidInput(f"{name} is for one mesh, but the scene is a world")
         self._check_output(name)
-        if name in _INDEX and "index" not in asked.options:
+        if name in _INDEX and "index" not in request.options:
             self._refuse(name, "index=True")
 
     @cached_property
@@ -208,13 +208,13 @@ class FeatureResult(PairLists):
         """Writes a file of the kind that its extension names.
 
         - .txt, .csv, .json, .npz: the lists; of worlds ids are body:id in .txt and .csv
-        - .glb: the `mesh` that was asked about, its triangles coloured by time or by distance, the darkest first
+        - .glb: the `mesh` of the scene, its triangles coloured by time or by distance, the darkest first
 
         A file appears when it is complete; the old one stays until then. Ctrl-C waits until the file is written. Raises
         InvalidInput for other extensions, for results that list no pairs, and for a mesh that does not fit; FileError.
         """
         self._check_output("what save writes")
-        if self._asked.scene == "part":
+        if self._request.scene == "part":
             raise InvalidInput("a result of a part is not saved: files name edges by their vertices, all of the mesh")
         name = file_name(path)
         extension = extension_of(name)
@@ -222,16 +222,16 @@ class FeatureResult(PairLists):
             raise InvalidType(f"{name}: a coloured mesh needs the mesh: save(path, mesh)")
         if extension != ".glb" and mesh is not None:
             raise InvalidType(f"mesh is no option of {extension} files")
-        if extension == ".glb" and self._asked.of_bodies:
-            raise InvalidInput(f"{name}: a result about one mesh is saved as .glb, but this was asked of a world")
+        if extension == ".glb" and self._request.of_bodies:
+            raise InvalidInput(f"{name}: a result about one mesh is saved as .glb, but the scene is a world")
         if extension not in (".txt", ".csv", ".json", ".npz", ".glb"):
             raise InvalidInput(f"{name}: a result is saved as .txt, .csv, .json, .npz (lists) or .glb (coloured mesh)")
         type(self)._write(path, self, None if mesh is None else as_mesh(mesh))
 
-    def _told(self, found: str) -> str:
+    def _description(self, found: str) -> str:
         """What __repr__ says."""
         listed = self._found
-        if self._asked.output == self._outputs[-1]:
+        if self._request.output == self._outputs[-1]:
             faces, edges = len(listed.vertex_faces), len(listed.edge_edges)
             found = f"{listed.count} {found}, {faces} of vertex and face, {edges} of edge and edge"
             for pairs, kind in ((listed.vertex_edges, "edge"), (listed.vertex_vertices, "vertex")):

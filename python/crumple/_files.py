@@ -43,9 +43,9 @@ def read_mesh(
             another unit are converted, each coordinate rounded once. None: as the file has it.
 
     Returns a FileMesh of (n, 3) float32 or float64, (m, 3) int32 and, if asked for, (m,) int32; it is a Mesh that also
-    names the polygon of each triangle and the unit. Issues a FileWarning for anything odd about the file. Raises FileError, and
-    InvalidInput that names the file and the line or byte; never returns part of a mesh. Reads hundreds of MB a second;
-    Ctrl-C waits until it is done. docs/input.md tells what the readers accept, warn of and refuse.
+    names the polygon of each triangle and the unit. Issues a FileWarning for anything odd about the file. Raises
+    FileError, and InvalidInput that names the file and the line or byte; never returns part of a mesh. Reads hundreds
+    of MB a second; Ctrl-C waits until it is done. docs/input.md tells what the readers accept, warn of and refuse.
     """
     (vertices, faces, groups, polygons), odd, unit_of_file = _core.read_mesh(
         path, precision, weld, group_property, triangulation, strict, unit

@@ -9,7 +9,7 @@ from ._errors import InvalidType
 
 @dataclasses.dataclass(frozen=True)
 class FuzzyCMeans:
-    """How fuzzy C-means places the centres of clusters: for researchers. No answer depends on it.
+    """How fuzzy C-means places the centres of clusters: for researchers. No result depends on it.
 
     Args:
         fuzziness: t of eq. 2, above 1.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class FirstImpact(NamedTuple):
-    """The first impact of a step: that of least time as rounded, then the first in the order of the answer.
+    """The first impact of a step: that of least time as rounded, then the first in the order of the result.
 
     Attributes:
         kind: "vertex_face", "edge_edge", "vertex_edge" or "vertex_vertex".
@@ -44,7 +44,7 @@ class FreeStep(NamedTuple):
 
 
 class Impacts(FeatureResult):
-    """What touches what on its way, and when, as much as `output` asked for: the same bytes wherever it is computed.
+    """What touches what on its way, and when, as much as `output` requested: the same bytes wherever it is computed.
 
     Two lists, of vertices with faces and of edges with edges, sorted and unique; of worlds by body before vertex, face
     or edge. Where edges or points are listed two more, of what no face and no edge covers: vertices with edges of no
@@ -145,7 +145,7 @@ class Impacts(FeatureResult):
     def _check(self, name: str) -> None:
         if "triangle" in name:
             self._check_output(name)
-            if "triangle_pairs" not in self._asked.options:
+            if "triangle_pairs" not in self._request.options:
                 self._refuse(name, "triangle_pairs=True")
         super()._check(name)
 
@@ -153,7 +153,7 @@ class Impacts(FeatureResult):
         if given is None:
             return None
         first = FirstImpact(*given)
-        return first if self._asked.of_bodies else first._replace(bodies=None)
+        return first if self._request.of_bodies else first._replace(bodies=None)
 
     @property
     def first(self) -> FirstImpact | None:
@@ -168,9 +168,9 @@ class Impacts(FeatureResult):
         return [self._first(first) for first in self._found.world_first]
 
     def __repr__(self) -> str:
-        output, found = self._asked.output, self._found
+        output, found = self._request.output, self._found
         if output in ("any", "any_by_world"):
-            return self._told("something touches" if found.any else "nothing touches")
+            return self._description("something touches" if found.any else "nothing touches")
         if output == "first":
-            return self._told(f"first at {found.first[3]:.6g}" if found.first else "nothing touches")
-        return self._told("impacts" if found.count != 1 else "impact")
+            return self._description(f"first at {found.first[3]:.6g}" if found.first else "nothing touches")
+        return self._description("impacts" if found.count != 1 else "impact")

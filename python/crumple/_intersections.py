@@ -60,30 +60,30 @@ class Intersections(Result):
 
     @property
     def _of_world(self) -> bool:
-        return self._asked.scene == "world"
+        return self._request.scene == "world"
 
     @property
     def _listed(self) -> bool:
-        return self._asked.output in ("pairs", "contacts")
+        return self._request.output in ("pairs", "contacts")
 
     def _check(self, name: str) -> None:
-        asked = self._asked
+        request = self._request
         least = _FROM.get(name, "body_pairs" if name == "bodies" else "pairs" if name not in _OF_WORLDS else "any")
-        if asked.block and name not in ("pairs", "bodies", "count") and not name.startswith("contact"):
-            raise InvalidInput(f"{name} is told of a whole result, but this is one of its blocks")
+        if request.block and name not in ("pairs", "bodies", "count") and not name.startswith("contact"):
+            raise InvalidInput(f"{name} is part of a whole result, but this is one of its blocks")
         if name in _OF_MESHES and self._of_world:
-            raise InvalidInput(f"{name} is told of meshes, but this was asked of a world")
+            raise InvalidInput(f"{name} is for meshes, but the scene is a world")
         if name in _OF_WORLDS and not self._of_world:
-            raise InvalidInput(f"{name} is told of a world, but this was asked of meshes")
-        if name == "bodies" and (asked.output == "count" or not (self._of_world or asked.output == "body_pairs")):
+            raise InvalidInput(f"{name} is for worlds, but the scene is a mesh or two")
+        if name == "bodies" and (request.output == "count" or not (self._of_world or request.output == "body_pairs")):
             self._refuse(name, 'output="body_pairs"') if self._of_world else self._refuse_bodies()
-        if self._of_world and name in _INDEX and "index" not in asked.options:
+        if self._of_world and name in _INDEX and "index" not in request.options:
             self._refuse(name, "index=True" if self._listed else 'output="pairs", index=True')
-        if OUTPUTS.index(asked.output) < OUTPUTS.index(least):
+        if OUTPUTS.index(request.output) < OUTPUTS.index(least):
             self._refuse(name, f'output="{least}"')
 
     def _refuse_bodies(self) -> None:
-        raise InvalidInput("bodies are told of a world, but this was asked of meshes")
+        raise InvalidInput("bodies are for worlds, but the scene is a mesh or two")
 
     @property
     def count(self) -> int:
@@ -98,8 +98,8 @@ class Intersections(Result):
 
     @cached_property
     def contacts(self) -> Contacts | None:
-        """Where the pairs meet, or None if output="contacts" was not asked for."""
-        if self._asked.output != "contacts":
+        """Where the pairs meet, or None if output="contacts" was not requested."""
+        if self._request.output != "contacts":
             return None
         return Contacts(self._array("contact_kinds"), self._array("contact_offsets"), self._array("contact_points"))
 
@@ -161,17 +161,17 @@ class Intersections(Result):
     def world(self) -> World:
         """The world that was searched."""
         if not self._of_world:
-            raise InvalidInput("this was asked of meshes, not of a world")
+            raise InvalidInput("the scene is a mesh or two, not a world")
         return self._scene[0]
 
     def __len__(self) -> int:
-        """How many rows there are; 0 where they were not asked for."""
+        """How many rows there are; 0 where they were not requested."""
         return len(self._found.bodies if self._of_world else self._found.pairs)
 
     def show(self, **options: Any) -> Any:
         """Opens a window, or a picture in a notebook: triangles that intersect coloured, contacts drawn. Needs PyVista.
 
-        `options` go to pyvista.Plotter.show, whose answer is returned. Raises ModuleNotFoundError without PyVista.
+        `options` go to pyvista.Plotter.show, whose result is returned. Raises ModuleNotFoundError without PyVista.
         """
         from ._pictures import plotter
 
@@ -239,7 +239,7 @@ class Intersections(Result):
         return _core.to_html(*self._meshes(), self._held(), height)
 
     def _meshes(self) -> tuple[Mesh, Mesh | None]:
-        if self._asked.block:
+        if self._request.block:
             raise InvalidInput("meshes are shown of a whole result, but this is one of its blocks")
         return self._scene[0], self._scene[1]
 
@@ -257,7 +257,7 @@ class Intersections(Result):
         world, poses = self._scene
         sizes = np.array([shape.triangles for shape in world.shapes], np.int64)[world.bodies]
         first = np.concatenate([[0], np.cumsum(sizes)])
-        if self._asked.output == "body_pairs":
+        if self._request.output == "body_pairs":
             collides = np.zeros(len(world), np.bool_)
             collides[self.bodies.ravel()] = True
             return Painted(world._mesh_at(poses), np.repeat(collides, sizes), None)
@@ -266,13 +266,13 @@ class Intersections(Result):
         return Painted(world._mesh_at(poses), hit, self.contacts)
 
     def __repr__(self) -> str:
-        output, s = self._asked.output, self.statistics
+        output, s = self._request.output, self.statistics
         found = f"{self._found.count} colliding pairs"
         if output in ("any", "any_by_world"):
             found = "something collides" if self._found.any else "nothing collides"
         elif output == "body_pairs":
             found = f"{len(self._found.bodies)} colliding pairs of bodies"
-        if self._asked.block:
+        if self._request.block:
             return f"<crumple.Intersections: a block of {found}>"
         of = f"{len(self._scene[0])} bodies" if self._of_world else f"{s.triangles} triangles"
         return f"<crumple.Intersections: {found} of {of}, {s.milliseconds:.3g} ms>"

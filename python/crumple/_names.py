@@ -1,4 +1,4 @@
-"""Keyword arguments: suggestions for misspelt ones, as Python 3.13 makes them, in every version; and those of queries."""
+"""Keyword arguments: suggestions for misspelt ones, as Python 3.13 makes them; and those of queries."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _with_suggestions(sentence: str, function: Callable[..., Any], given: dict[s
     return sentence
 
 
-def asks(query: type) -> Callable[[Function], Function]:
+def keywords_of(query: type) -> Callable[[Function], Function]:
     """For a method whose keywords are its own and, as **options, the members of a query: a signature that has them all,
     and errors that suggest a name."""
 

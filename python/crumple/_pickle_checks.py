@@ -24,7 +24,7 @@ class _Check:
     """Base of checks that all of a result fits together."""
 
     def __init__(self, result: Result) -> None:
-        self._name, self._found, self._asked = type(result).__name__, result._found, result._asked
+        self._name, self._found, self._request = type(result).__name__, result._found, result._request
         self._scene = result._scene
 
     def _that(self, holds: Any, what: str) -> None:
@@ -47,17 +47,17 @@ def _are_two_ids(ids: tuple[Any, ...]) -> bool:
 class _CheckFeatures(_Check):
     def all(self) -> None:
         found, outputs = self._found, _OUTPUTS[self._name]
-        self._has = self._asked.options.__contains__
-        self._that(self._asked.output in outputs, "output")
-        self._listed = self._asked.output == outputs[-1]
+        self._has = self._request.options.__contains__
+        self._that(self._request.output in outputs, "output")
+        self._listed = self._request.output == outputs[-1]
         rows = sum(len(getattr(found, pairs)) for pairs in _LISTS.values())
         self._that(found.count == rows and (self._listed or not rows), "count")
         triangles = len(found.triangle_pairs) if self._name == "Impacts" else 0
         self._that(not self._listed or found.any == (rows + triangles > 0), "any")
-        self._that(self._asked.output != "any" or not len(found.world_hit), "world_hit")
-        self._that(not self._has("index") or (self._listed and not self._asked.of_bodies), "index")
-        alone = rows and not (self._has("index") or len(found.world_hit) or self._asked.scene == "part")
-        self._that(not self._asked.block or alone, "block")
+        self._that(self._request.output != "any" or not len(found.world_hit), "world_hit")
+        self._that(not self._has("index") or (self._listed and not self._request.of_bodies), "index")
+        alone = rows and not (self._has("index") or len(found.world_hit) or self._request.scene == "part")
+        self._that(not self._request.block or alone, "block")
         self._edges()
         for name, pairs in _LISTS.items():
             self._list(name, pairs)
@@ -76,13 +76,13 @@ class _CheckFeatures(_Check):
 
     def _edges(self) -> None:
         first, edges = self._found.first_edge, self._found.edges
-        if self._asked.scene == "part":
+        if self._request.scene == "part":
             lists = (first, edges, self._found.first_point, self._found.points)
             return self._that(not any(map(len, lists)), "edges")
         self._that(len(first) or not (len(edges) or self._listed), "first_edge")
         if len(first):
             self._that(first[0] == 0 and first[-1] == len(edges) and (np.diff(first) >= 0).all(), "first_edge")
-            self._that(self._asked.of_bodies or len(first) == 2, "first_edge")
+            self._that(self._request.of_bodies or len(first) == 2, "first_edge")
         self._that(((edges >= 0).all(axis=1) & (edges[:, 0] != edges[:, 1])).all(), "edges")
         first_point, points = self._found.first_point, self._found.points
         self._that(len(first_point) == len(first), "first_point")
@@ -100,10 +100,10 @@ class _CheckFeatures(_Check):
         self._that((value >= 0).all() and (self._name == "Proximities" or (value <= 1).all()), f"the values of {array}")
         self._that((value[flag] == 0).all(), f"the flags of {array}")
         self._that((pairs >= 0).all(), array)
-        self._that(len(bodies) == (rows if self._asked.of_bodies else 0), f"{name}_bodies")
-        if self._asked.scene == "part":
+        self._that(len(bodies) == (rows if self._request.of_bodies else 0), f"{name}_bodies")
+        if self._request.scene == "part":
             return
-        if not self._asked.of_bodies:
+        if not self._request.of_bodies:
             bodies = np.zeros((rows, 2), np.int32)
         self._that(((bodies >= 0) & (bodies < max(len(found.first_edge) - 1, 0))).all(), f"{name}_bodies")
         if not rows:
@@ -130,7 +130,7 @@ class _CheckFeatures(_Check):
             return self._that(not (len(first) or len(last) or len(order)), offsets)
         for column, of, name in ((0, first, offsets), (1, last, second)):
             self._that(len(of) and of[0] == 0 and of[-1] == len(pairs) and (np.diff(of) >= 0).all(), name)
-            if self._asked.scene == "part":  # by position in the part
+            if self._request.scene == "part":  # by position in the part
                 continue
             self._that((pairs[:, column] < len(of) - 1).all(), name)
             counts = np.bincount(pairs[:, column], minlength=len(of) - 1)
@@ -140,17 +140,17 @@ class _CheckFeatures(_Check):
     def _first(self) -> None:
         found = self._found
         firsts = [first for first in (found.first, *found.world_first) if first is not None]
-        told = self._asked.output in ("first", "pairs")
+        told = self._request.output in ("first", "pairs")
         self._that(told or not (firsts or found.world_first), "first")
         for first in firsts:
             self._that(isinstance(first, tuple) and [*map(type, first)] == [str, tuple, tuple, float, bool], "first")
             impact = FirstImpact(*first)
             self._that(impact.kind in _LISTS, "the kind of the first impact")
             self._that(_are_two_ids(impact.pair), "the pair of the first impact")
-            fits = _are_two_ids(impact.bodies) and (self._asked.of_bodies or impact.bodies == (0, 0))
+            fits = _are_two_ids(impact.bodies) and (self._request.of_bodies or impact.bodies == (0, 0))
             self._that(fits, "the bodies of the first impact")
             self._that(0 <= impact.toi <= 1, "the time of the first impact")
-        if self._asked.block:
+        if self._request.block:
             self._that(not (firsts or found.world_first), "first")
         elif self._listed:
             self._that((found.first is not None) == (found.count > 0), "first")
@@ -170,26 +170,26 @@ class _CheckFeatures(_Check):
             rows = len(pairs) if self._has("closest") else 0
             self._that(len(types) == len(at) == rows and (types <= most).all(), f"{name}_type")
             self._that(((at >= 0) & (at <= 1)).all(), f"{name}_at")
-        self._that(not (self._has("least") and self._asked.of_bodies), "least")
+        self._that(not (self._has("least") and self._request.of_bodies), "least")
         for name in ("vertex_distance", "face_distance", "edge_distance"):
             least = getattr(found, name)
             self._that((least >= 0).all() and (self._has("least") or not len(least)), name)
-        whole = self._has("least") and not self._asked.scene == "part"
+        whole = self._has("least") and not self._request.scene == "part"
         self._that(not whole or len(found.edge_distance) == len(found.edges), "edge_distance")
 
 
 class _CheckCandidates(_Check):
     def all(self) -> None:
-        found, of_bodies = self._found, self._asked.of_bodies
+        found, of_bodies = self._found, self._request.of_bodies
         first, edges, points = found.first_edge, found.edges, found.points
         fits = len(first) == len(found.first_point) and (len(first) == 2 or (of_bodies and len(first) > 0))
         for offsets, listed in ((first, edges), (found.first_point, points)):
             fits = fits and offsets[0] == 0 and offsets[-1] == len(listed) and bool((np.diff(offsets) >= 0).all())
         self._that(fits and (edges >= 0).all() and (edges[:, 0] != edges[:, 1]).all() and (points >= 0).all(), "edges")
-        self._that(all(kind in [*LISTS] for kind in self._asked.kinds), "kinds")
+        self._that(all(kind in [*LISTS] for kind in self._request.kinds), "kinds")
         for kind, name in LISTS.items():
             pairs, bodies = getattr(found, name), getattr(found, f"{kind}_bodies")
-            self._that((kind in self._asked.kinds or not len(pairs)) and (pairs >= 0).all(), name)
+            self._that((kind in self._request.kinds or not len(pairs)) and (pairs >= 0).all(), name)
             self._that(len(bodies) == (len(pairs) if of_bodies else 0), name)
             self._that(((bodies >= 0) & (bodies < len(first) - 1)).all(), f"{kind}_bodies")
             of = bodies if of_bodies else np.zeros_like(pairs)
@@ -218,23 +218,23 @@ class _CheckIntersections(_Check):
     """Checks of worlds, and of meshes before the extension module checks their pairs."""
 
     def all(self) -> None:
-        found, asked = self._found, self._asked
-        self._that(asked.output in OUTPUTS, "output")
-        least, contacts = OUTPUTS.index(asked.output), len(found.contact_kinds)
+        found, request = self._found, self._request
+        self._that(request.output in OUTPUTS, "output")
+        least, contacts = OUTPUTS.index(request.output), len(found.contact_kinds)
         listed = least >= OUTPUTS.index("pairs")
-        self._that(listed or not asked.block, "block")
+        self._that(listed or not request.block, "block")
         self._that(listed or not len(found.pairs), "pairs")
         self._that(not listed or (found.count == len(found.pairs) and found.any == (found.count > 0)), "count")
-        counted = least >= OUTPUTS.index("count") and not asked.block
+        counted = least >= OUTPUTS.index("count") and not request.block
         self._that(not counted or found.count == found.statistics.pairs, "statistics")
-        self._that(contacts == (len(found.pairs) if asked.output == "contacts" else 0), "contacts")
-        if asked.scene == "world":
+        self._that(contacts == (len(found.pairs) if request.output == "contacts" else 0), "contacts")
+        if request.scene == "world":
             self._world(least)
 
     def _world(self, least: int) -> None:
-        found, asked, world, rows = self._found, self._asked, self._scene[0], len(self._found.bodies)
+        found, request, world, rows = self._found, self._request, self._scene[0], len(self._found.bodies)
         worlds = int(max(world.worlds.max(initial=-1), -1)) + 1
-        if not asked.block:
+        if not request.block:
             self._that(len(found.world_hit) == (worlds if least >= 1 else 0), "world_hit")
             self._that(len(found.world_counts) == (worlds if least >= 3 else 0), "world_counts")
         self._that(len(found.pairs) == (rows if least >= 4 else 0) and (rows == 0 or least in (2, 4, 5)), "pairs")
@@ -245,7 +245,7 @@ class _CheckIntersections(_Check):
         if least == 5:
             self._offsets(found.contact_offsets, rows, len(found.contact_points), "offsets of contacts")
             self._that(np.isfinite(found.contact_points).all(), "points of contacts")
-        if "index" in asked.options and not asked.block:
+        if "index" in request.options and not request.block:
             self._offsets(found.world_offsets, worlds, rows, "world_offsets")
             self._offsets(found.body_offsets, len(world), rows, "body_offsets")
             starts = np.concatenate([[0], np.cumsum(sizes)])

@@ -16,7 +16,7 @@ from ._intersections import Intersections
 from ._mesh import Mesh
 from ._pickle_checks import check_fit
 from ._proximities import Proximities
-from ._result import Asked, Result
+from ._result import Request, Result
 
 _RESULTS: dict[str, type[Result]] = {
     "Intersections": Intersections,
@@ -26,7 +26,7 @@ _RESULTS: dict[str, type[Result]] = {
     "Distances": Distances,
 }
 
-Columns = dict[str, tuple[Any, tuple[int, ...]]]  # type and columns of each array; what was not asked for is empty
+Columns = dict[str, tuple[Any, tuple[int, ...]]]  # type and columns of each array; what was not requested is empty
 
 
 def _all(dtype: Any, names: list[str], columns: tuple[int, ...] = ()) -> Columns:
@@ -117,17 +117,17 @@ def state_of(result: Result) -> tuple[Any, ...]:
     scene: tuple[Any, ...] = ()
     if isinstance(result, Intersections):
         scene = _state_of_scene(result)
-    return kind, tuple(result._asked), _values_of(kind, result._found), *scene
+    return kind, tuple(result._request), _values_of(kind, result._found), *scene
 
 
 def _state_of_scene(result: Intersections) -> tuple[Any, ...]:
-    if result._asked.scene == "world":
+    if result._request.scene == "world":
         from ._world_pickling import poses_of
 
         world, poses = result._scene
         return world, poses_of(poses)
     first, second, ids, ids_second = result._scene
-    found, whole = result._found, result._listed and not result._asked.block
+    found, whole = result._found, result._listed and not result._request.block
     one = "" if second is None else "first mesh: "
     return (
         _mesh_as_arrays(first, one, len(found.hit) if whole else None),
@@ -147,7 +147,7 @@ def _mesh_as_arrays(mesh: Mesh, which: str, triangles: int | None) -> tuple[Any,
     return vertices, faces, None if mesh.groups is None else _arrays.groups(mesh.groups, which)
 
 
-def restore(kind: Any, asked: Any, state: Any, *scene: Any) -> Result:
+def restore(kind: Any, request: Any, state: Any, *scene: Any) -> Result:
     """A result with memory of its own. Raises InvalidType and InvalidInput for what state_of cannot have given."""
     if not isinstance(kind, str) or kind not in _RESULTS:
         raise InvalidType(f"a result must be one of {', '.join(_RESULTS)}, not {kind!r}")
@@ -158,19 +158,19 @@ def restore(kind: Any, asked: Any, state: Any, *scene: Any) -> Result:
         if not isinstance(state[name], wanted) or (wanted is Statistics and not _core.is_filled(state[name])):
             raise InvalidType(f"the state of {kind} needs {name} as {wanted.__name__}")
     made = {name: _array(state[name], f"the state of {kind} needs {name}", *arrays[name]) for name in arrays}
-    asked = _asked(asked, kind)
+    request = _request(request, kind)
     if kind == "Intersections":
-        scene = _scene(asked, scene)
+        scene = _scene(request, scene)
     elif scene:
         raise InvalidType(f"the state of {kind} has no scene")
-    result = _RESULTS[kind](Stored({**state, **made}), asked, *scene)
+    result = _RESULTS[kind](Stored({**state, **made}), request, *scene)
     check_fit(result)
     if isinstance(result, Intersections) and result._listed and not result._of_world:
         first, second, *ids = scene
         names = ("pairs", "offsets", "hit", "hit_second", "contact_kinds", "contact_offsets", "contact_points")
         arrays_of = [made[name].view(np.uint8) if made[name].dtype == np.bool_ else made[name] for name in names]
-        has_contacts = asked.output == "contacts"
-        result._found = _core.restore(*arrays_of, state["statistics"], first, second, has_contacts, asked.block, *ids)
+        has_contacts = request.output == "contacts"
+        result._found = _core.restore(*arrays_of, state["statistics"], first, second, has_contacts, request.block, *ids)
     return result
 
 
@@ -184,24 +184,24 @@ def _array(array: Any, needs: str, dtype: Any, columns: tuple[int, ...]) -> np.n
     return array
 
 
-def _asked(given: Any, kind: str) -> Asked:
+def _request(given: Any, kind: str) -> Request:
     types = {"scene": str, "of_bodies": bool, "output": str, "options": frozenset, "kinds": tuple}
-    if not isinstance(given, tuple) or len(given) != len(Asked._fields):
-        raise InvalidType(f"the state of {kind} needs what was asked for as a tuple of {', '.join(Asked._fields)}")
-    asked = Asked(*given)
-    for name, value in asked._asdict().items():
+    if not isinstance(given, tuple) or len(given) != len(Request._fields):
+        raise InvalidType(f"the state of {kind} needs the request as a tuple of {', '.join(Request._fields)}")
+    request = Request(*given)
+    for name, value in request._asdict().items():
         if not isinstance(value, types.get(name, bool)):
             raise InvalidType(f"the state of {kind} needs {name} as {types.get(name, bool).__name__}")
-    of_bodies = asked.scene == "world" or (asked.scene == "meshes" and kind != "Intersections")
-    if asked.scene not in ("mesh", "meshes", "world", "part") or asked.of_bodies != of_bodies:
+    of_bodies = request.scene == "world" or (request.scene == "meshes" and kind != "Intersections")
+    if request.scene not in ("mesh", "meshes", "world", "part") or request.of_bodies != of_bodies:
         raise InvalidInput(f"the state of {kind} does not fit together: scene")
-    return asked
+    return request
 
 
-def _scene(asked: Asked, given: tuple[Any, ...]) -> tuple[Any, ...]:
+def _scene(request: Request, given: tuple[Any, ...]) -> tuple[Any, ...]:
     from ._world import World
 
-    if asked.scene == "world":
+    if request.scene == "world":
         if len(given) != 2 or not isinstance(given[0], World):
             raise InvalidType("the state of Intersections of a world needs the world and its poses")
         return given

@@ -56,7 +56,7 @@ class VertexEdgeType(IntEnum):
 
 
 class VertexVertexType(IntEnum):
-    """Which parts of two vertices are closest: there is one answer."""
+    """Which parts of two vertices are closest: there is only one."""
 
     P_P = 0
 
@@ -67,7 +67,7 @@ _LEAST = ("vertex_distance", "face_distance", "edge_distance")
 
 
 class Proximities(FeatureResult):
-    """What is near what, and how near, as much as `output` asked for: the same bytes wherever it is computed.
+    """What is near what, and how near, as much as `output` requested: the same bytes wherever it is computed.
 
     Two lists, of vertices with faces and of edges with edges, sorted and unique; of worlds by body before vertex, face
     or edge. A squared distance is the exact one, rounded to the nearest float64: infinite beyond the largest.
@@ -101,11 +101,11 @@ class Proximities(FeatureResult):
         return self._array("edge_edge_touching")
 
     def _check(self, name: str) -> None:
-        if name in _LEAST and self._asked.of_bodies:
-            raise InvalidInput(f"{name} is made for one mesh alone, but this was asked of a world")
+        if name in _LEAST and self._request.of_bodies:
+            raise InvalidInput(f"{name} is for one mesh, but the scene is a world")
         super()._check(name)
         for option, names in (("closest", _CLOSEST), ("least", _LEAST)):
-            if name in names and option not in self._asked.options:
+            if name in names and option not in self._request.options:
                 self._refuse(name, f"{option}=True")
 
     @cached_property
@@ -188,6 +188,6 @@ class Proximities(FeatureResult):
 
     def __repr__(self) -> str:
         found = "pairs" if self._found.count != 1 else "pair"
-        if self._asked.output != "pairs":
+        if self._request.output != "pairs":
             found = "something is near" if self._found.any else "nothing is near"
-        return self._told(found)
+        return self._description(found)

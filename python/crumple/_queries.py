@@ -58,8 +58,8 @@ class IntersectionQuery(Query):
         filter: which pairs.
         index: of worlds, also make offsets by world and by body, and hit flags; those of meshes are always there.
 
-    What an intersection is: docs/contract.md. Source: D. Mainzer, G. Zachmann, "Collision Detection Based on Fuzzy Scene
-    Subdivision", Algorithm 1.
+    What an intersection is: docs/contract.md. Source: D. Mainzer, G. Zachmann, "Collision Detection Based on Fuzzy
+    Scene Subdivision", Algorithm 1.
     """
 
     output: Literal["any", "any_by_world", "body_pairs", "count", "pairs", "contacts"] = "pairs"

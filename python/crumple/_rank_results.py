@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _impacts, _intersections, _proximities
 from ._errors import InvalidInput
-from ._result import Asked
+from ._result import Request
 
 if TYPE_CHECKING:
     import numpy as np
@@ -45,11 +45,11 @@ class Intersections(_OfRank, _intersections.Intersections):
 
     def __repr__(self) -> str:
         found = f"{len(self)} colliding pairs here, {self._found.count} over all ranks"
-        if self._asked.output in ("any", "any_by_world"):
+        if self._request.output in ("any", "any_by_world"):
             found = "something collides" if self._found.any else "nothing collides"
-        elif self._asked.output == "body_pairs":
+        elif self._request.output == "body_pairs":
             found = f"{len(self)} colliding pairs of bodies here"
-        elif self._asked.output == "count":
+        elif self._request.output == "count":
             found = f"{self._found.count} colliding pairs over all ranks"
         return f"<crumple.mpi.Intersections: {found}, {self.statistics.milliseconds:.3g} ms>"
 
@@ -60,8 +60,8 @@ class _Features(_OfRank):
     def _check(self, name: str) -> None:
         if not name.startswith(_ROWS) and name not in ("edges", "edge_ids", "edge_bodies", "count"):
             raise InvalidInput(f"{name} is for one process")
-        if name == "edge_bodies" and not self._asked.of_bodies:  # type: ignore[attr-defined]
-            raise InvalidInput("edge_bodies are those of a world, but this was asked of one mesh")
+        if name == "edge_bodies" and not self._request.of_bodies:  # type: ignore[attr-defined]
+            raise InvalidInput("edge_bodies are for worlds, but the scene is one mesh")
         if name.startswith("edge"):
             self._check_output("edge_edges")  # type: ignore[attr-defined]
         super()._check(name)  # type: ignore[misc]
@@ -83,8 +83,8 @@ class _Features(_OfRank):
         """How many rows this rank has."""
         return len(self._found.vertex_faces) + len(self._found.edge_edges)  # type: ignore[attr-defined]
 
-    def _told(self, found: str) -> str:
-        if self._asked.output == "pairs":  # type: ignore[attr-defined]
+    def _description(self, found: str) -> str:
+        if self._request.output == "pairs":  # type: ignore[attr-defined]
             found = f"{len(self)} {found} here, {self._found.count} over all ranks"  # type: ignore[attr-defined]
         ms = self.statistics.milliseconds  # type: ignore[attr-defined]
         return f"<crumple.mpi.{type(self).__name__}: {found}, {ms:.3g} ms>"
@@ -110,5 +110,5 @@ def show(found: Any, query: Any, of_world: bool) -> Any:
     """The result of a query, of the extension module's."""
     listed = query.output in ("pairs", "contacts")
     options = frozenset({"closest"} if listed and getattr(query, "closest", False) else ())
-    asked = Asked("world" if of_world else "mesh", of_world, query.output, options, (), False, False)
-    return _RESULTS[query._call](found, asked)
+    request = Request("world" if of_world else "mesh", of_world, query.output, options, (), False, False)
+    return _RESULTS[query._call](found, request)

@@ -1,4 +1,4 @@
-"""What ranks of MPI bring: crumple.mpi.MeshShare and WorldShare."""
+"""Shares of ranks of MPI: crumple.mpi.MeshShare and WorldShare."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class MeshShare:
-    """What one rank brings of a mesh: triangles with all vertices that they name.
+    """One rank's share of a mesh: triangles with all vertices that they name.
 
     The calls that take it check it, so that their errors reach all ranks.
 
@@ -38,7 +38,7 @@ class MeshShare:
 
 
 class WorldShare:
-    """What one rank brings of a world: bodies, all in world 0.
+    """One rank's share of a world: bodies, all in world 0.
 
     The calls that take it check it, so that their errors reach all ranks.
 
@@ -66,10 +66,10 @@ class WorldShare:
 def share_of(scene: Any, triangle_ids: Any, vertex_ids: Any, body_ids: Any) -> MeshShare | WorldShare:
     if isinstance(scene, World):
         if triangle_ids is not None or vertex_ids is not None:
-            raise InvalidType("triangle_ids and vertex_ids are for meshes, but this was asked of a crumple.World")
+            raise InvalidType("triangle_ids and vertex_ids are for meshes, but the scene is a crumple.World")
         return WorldShare(scene, body_ids)
     if body_ids is not None:
-        raise InvalidType("body_ids are for a crumple.World, but this was asked of a mesh")
+        raise InvalidType("body_ids are for a crumple.World, but the scene is a mesh")
     if not isinstance(scene, Mesh):
         raise InvalidType(f"each rank brings one mesh or a crumple.World, not {type(scene).__name__}")
     return MeshShare(scene, triangle_ids, vertex_ids)

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".bmp": "BMP", ".tif": "TIFF", ".tiff": "TIFF"}
 
 
-class Asked(NamedTuple):
-    """What a result was asked for.
+class Request(NamedTuple):
+    """The request that a result is for.
 
     Attributes:
         scene: "mesh", "meshes", "world" or "part".
@@ -48,33 +48,33 @@ class Result:
 
     A result outlives its detector, and no later call changes it. Its arrays are read-only views of the library's memory
     that keep that memory alive; once the last of them is gone, the detector's next call uses the memory again. With
-    `copy=True` they are writable arrays of their own. What was not asked for is an InvalidInput that says how to ask.
+    `copy=True` they are writable arrays of their own. What was not requested is an InvalidInput that says how to ask.
 
-    Results can be copied and pickled: copy.copy shares the arrays, copy.deepcopy does not; unpickling checks that all of
-    it fits together, or raises InvalidInput. What was written into the arrays of `copy=True` is not carried.
+    Results can be copied and pickled: copy.copy shares the arrays, copy.deepcopy does not; unpickling checks that all
+    of it fits together, or raises InvalidInput. What was written into the arrays of `copy=True` is not carried.
     """
 
     _query: ClassVar[str]  # the name of the query
 
-    def __init__(self, found: Any, asked: Asked, *scene: Any) -> None:
+    def __init__(self, found: Any, request: Request, *scene: Any) -> None:
         self._found = found  # of the extension module, or _pickles.Stored
-        self._asked = asked
+        self._request = request
         self._scene = scene  # what files and pictures need of it
 
     def _check(self, name: str) -> None:
-        """Raises InvalidInput, which says how to ask, for an array that was not asked for."""
+        """Raises InvalidInput, which says how to ask, for an array that was not requested."""
 
     def _refuse(self, name: str, how: str) -> None:
-        raise InvalidInput(f"{name} was not asked for: {self._query}({how})")
+        raise InvalidInput(f"{name} was not requested: {self._query}({how})")
 
     def _array(self, name: str) -> Any:
         self._check(name)
         array = getattr(self._found, name)
-        return array.copy() if self._asked.copy else array
+        return array.copy() if self._request.copy else array
 
     @property
     def any(self) -> bool:
-        """Whether there is anything at all."""
+        """True if there is anything at all."""
         return self._found.any
 
     @property
@@ -83,7 +83,7 @@ class Result:
         return self._found.statistics
 
     def __bool__(self) -> bool:
-        """Whether there is anything at all."""
+        """True if there is anything at all."""
         return self._found.any
 
     def __reduce__(self) -> Any:
@@ -92,14 +92,14 @@ class Result:
         return restore, state_of(self)
 
     def __copy__(self) -> Self:
-        return type(self)(self._found, self._asked, *self._scene)
+        return type(self)(self._found, self._request, *self._scene)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
         from ._pickles import Stored, stored
 
         deep_copy = getattr(self._found, "deep_copy", None)
         found = deep_copy() if deep_copy else Stored(stored(type(self).__name__, self._found))
-        return type(self)(found, self._asked, *(deepcopy(thing, memo) for thing in self._scene))
+        return type(self)(found, self._request, *(deepcopy(thing, memo) for thing in self._scene))
 
 
 def file_name(path: Any) -> str:

@@ -21,7 +21,7 @@ from ._queries import (
     ProximityQuery,
     Query,
 )
-from ._result import Asked, Result
+from ._result import Request, Result
 from ._scene import kind_of
 
 _RESULTS: dict[str, type[Result]] = {
@@ -43,25 +43,25 @@ def show(found: Any, scene: Any, query: Any, copy: bool, block: bool = False) ->
         return first if first is None or of_bodies else first._replace(bodies=None)
     if isinstance(query, FreeStepQuery):
         return FreeStep(*found)
-    asked = _asked_of(query, kind, of_bodies, copy, block)
-    return _RESULTS[query._call](found, asked, *(_kept(scene, kind) if isinstance(query, IntersectionQuery) else ()))
+    request = _request_of(query, kind, of_bodies, copy, block)
+    return _RESULTS[query._call](found, request, *(_kept(scene, kind) if isinstance(query, IntersectionQuery) else ()))
 
 
-def _asked_of(query: Any, *how: Any) -> Asked:
-    """What a result of this query was asked for; kept with the query, which is asked again and again."""
-    known = query.__dict__.setdefault("_asked", {})
-    asked = known.get(how)
-    if asked is None:
+def _request_of(query: Any, *how: Any) -> Request:
+    """The request of this query; cached by the query, which callers use many times."""
+    known = query.__dict__.setdefault("_request", {})
+    request = known.get(how)
+    if request is None:
         kind, of_bodies, copy, block = how
         output = getattr(query, "output", "pairs")
         listed = output in ("pairs", "contacts")
         options = frozenset(name for name in _OPTIONS if listed and getattr(query, name, False))
-        asked = known[how] = Asked(kind, of_bodies, output, options, getattr(query, "kinds", ()), copy, block)
-    return asked
+        request = known[how] = Request(kind, of_bodies, output, options, getattr(query, "kinds", ()), copy, block)
+    return request
 
 
 def _kept(scene: Any, kind: str) -> tuple[Any, ...]:
-    """What files and pictures of intersections need of the scene: (world, poses), or two meshes and ids of triangles."""
+    """The parts of a scene that files and pictures need: (world, poses), or two meshes and ids of triangles."""
     if kind == "world":
         return scene, scene.poses
     if kind == "part":
@@ -116,4 +116,4 @@ def _check_radius(scene: Any, query: ProximityQuery) -> None:
     if query.radius is None and not radii:
         raise InvalidType("a ProximityQuery needs a radius, or radii of the vertices")
     if query.radius is not None and radii:
-        raise InvalidInput("radius is not asked for beside radii")
+        raise InvalidInput("radius cannot be given together with radii")

@@ -1,4 +1,4 @@
-"""Scenes: what is asked about, of whatever the caller has."""
+"""Scenes, made of what the caller passes."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ def scene_of(given: Any, second: Any = None, **attributes: Any) -> Scene:
         return given
     if is_whole:
         for name in [*attributes, *([] if second is None else ["a second argument"])]:
-            raise InvalidType(f"{name} is for meshes, but this was asked of a crumple.{type(given).__name__}")
+            raise InvalidType(f"{name} is for meshes, but the scene is a crumple.{type(given).__name__}")
         return given
     if second is None and isinstance(given, (list, tuple)) and len(given) == 2 and all(map(is_mesh, given)):
         given, second = given
     if second is not None and is_mesh(second):
         for name in attributes:
-            raise InvalidType(f"{name} is for one mesh, but this was asked of two")
+            raise InvalidType(f"{name} is for one mesh, but the scene is two")
         return as_mesh(given), as_mesh(second)
     return mesh_of(given, second, **attributes) if attributes or second is None else Mesh(given, second)
 

@@ -49,8 +49,8 @@ class World(_core.World):
         poses: (n, 3, 4) or (n, 4, 4) of float64 or float32: affine maps, the latter ending in 0 0 0 1. None: all as
             given. Read by each search where they lie (float64 without gaps, of three rows) or copied by it, so that
             they may be written to between searches. Detector.find with the cuda backend also takes those in CUDA
-            memory, (n, 3, 4) without gaps, by DLPack: bodies and shapes then stay on the device from call to call of Detector.find and launch, and
-            other questions copy the poses.
+            memory, (n, 3, 4) without gaps, by DLPack: bodies and shapes then stay on the device from call to call of
+            Detector.find and launch, and other queries copy the poses.
         groups: (n,) integers that fit int32, or one for all: of the triangles of shapes without groups of their own.
         worlds: (n,) integers, ascending: which world each body is in. Bodies of different worlds never meet; -1: in all
             worlds; such bodies come last. None: all in world 0.

@@ -112,7 +112,7 @@ def pose_of(pose: Any, body: int, name: str = "pose") -> np.ndarray:
     if result.shape not in ((3, 4), (4, 4)) or not sound:
         what = f"{result.shape}" if sound else f"{result.dtype}"
         raise InvalidInput(
-            f"body {body}: its {name} must have shape (3, 4) or (4, 4) and hold float64, float32 or integers, not {what}",
+            f"body {body}: its {name} must have shape (3, 4) or (4, 4), of float64, float32 or integers, not {what}",
             element="body",
             index=body,
         )

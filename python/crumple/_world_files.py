@@ -47,7 +47,8 @@ def read_world(
     an object around it, or `object 7`. Any other mesh file is a world of one body in place. Shapes are read-only arrays
     that detectors remember.
 
-    World.unit is that of the file. Arguments, errors and warnings as of read_mesh; docs/input.md tells what is read, skipped and refused.
+    World.unit is that of the file. Arguments, errors and warnings as of read_mesh; docs/input.md tells what is read,
+    skipped and refused.
     """
     shapes, bodies, names, poses, odd, unit_of_file = _core.read_world(
         path, precision, weld, triangulation, strict, unit

@@ -28,7 +28,7 @@ from typing import Any, TypeVar
 from ._detector import Backend, Simd, step_of
 from ._errors import Error, InvalidInput, InvalidType
 from ._fuzzy_c_means import FuzzyCMeans, check_fuzzy_c_means
-from ._names import asks, suggesting
+from ._names import keywords_of, suggesting
 from ._queries import ImpactQuery, IntersectionQuery, ProximityQuery, Query
 from ._rank_results import Impacts, Intersections, Proximities, show
 from ._rank_shares import MeshShare, WorldShare, excluded_of_ranks, share_of
@@ -73,7 +73,7 @@ def _collective(fail: Callable[..., None]) -> Callable[[Method], Method]:
     **named) tells the others, who would wait for it."""
 
     def decorate(method: Method) -> Method:
-        asked = suggesting(method)
+        suggested = suggesting(method)
         signature = inspect.signature(method)
 
         @functools.wraps(method)
@@ -82,11 +82,11 @@ def _collective(fail: Callable[..., None]) -> Callable[[Method], Method]:
                 signature.bind(self, *arguments, **named)
             except TypeError:
                 try:
-                    return asked(self, *arguments, **named)  # which says what is wrong
+                    return suggested(self, *arguments, **named)  # which says what is wrong
                 except TypeError as error:
                     fail(error, self, *arguments, **named)
                     raise
-            return asked(self, *arguments, **named)
+            return suggested(self, *arguments, **named)
 
         return call  # type: ignore[return-value]
 
@@ -231,11 +231,11 @@ class Detector:
 
     @_in_call
     def any(self, share: MeshShare | WorldShare, query: Query = _ALL) -> bool:
-        """Whether there is anything to find, on any rank. Each rank stops at its first. Collective. As find."""
+        """True if there is anything to find, on any rank. Each rank stops at its first. Collective. As find."""
         return self._call("any", lambda: share, lambda: query)[0]
 
     @_in_call
-    @asks(IntersectionQuery)
+    @keywords_of(IntersectionQuery)
     def intersections(
         self,
         vertices: Any,
@@ -259,7 +259,7 @@ class Detector:
         )
 
     @_in_call
-    @asks(ImpactQuery)
+    @keywords_of(ImpactQuery)
     def impacts(
         self,
         start: Any,
@@ -281,7 +281,7 @@ class Detector:
         return self._find(lambda: share_of(step_of(start, end, faces, groups), *ids), lambda: ImpactQuery(**options))
 
     @_in_call
-    @asks(ProximityQuery)
+    @keywords_of(ProximityQuery)
     def proximities(
         self,
         vertices: Any,
@@ -344,37 +344,39 @@ class Detector:
         return self._ranks
 
     def _find(self, share: Callable[[], Any], query: Callable[[], Any]) -> Any:
-        found, asked, of_world = self._call("find", share, query)
-        return show(found, asked, of_world)
+        found, request, of_world = self._call("find", share, query)
+        return show(found, request, of_world)
 
     def _call(self, call: str, share: Callable[[], Any], query: Callable[[], Any]) -> tuple[Any, Query, bool]:
         """What the call finds, and of what. `share` and `query` make what this rank brings: where that fails it tells
         the others, who wait for it."""
         ranks = self._open()
         try:
-            brought, asked = share(), query()
+            brought, request = share(), query()
             if not isinstance(brought, (MeshShare, WorldShare)):
                 kind = f"{type(brought).__module__}.{type(brought).__qualname__}".removeprefix("builtins.")
                 raise InvalidType(f"share must be a MeshShare or a WorldShare, not {kind}", element="option")
             scene: Any = brought._scene()
-            asked = checked_query(scene, asked)
-            if not isinstance(asked, (IntersectionQuery, ImpactQuery, ProximityQuery)):
-                raise InvalidInput(f"{type(asked).__name__} is not asked on ranks: docs/supported.md has the table")
-            excluded = excluded_of_ranks(asked.filter.excluded_bodies)
-            arguments = brought._borrow(ranks, scene), getattr(_mpi, type(asked).__name__)(asked, excluded)
+            request = checked_query(scene, request)
+            if not isinstance(request, (IntersectionQuery, ImpactQuery, ProximityQuery)):
+                raise InvalidInput(
+                    f"{type(request).__name__} is not supported on ranks: docs/supported.md has the table"
+                )
+            excluded = excluded_of_ranks(request.filter.excluded_bodies)
+            arguments = brought._borrow(ranks, scene), getattr(_mpi, type(request).__name__)(request, excluded)
         except BaseException as error:
             ranks.fail(error)  # which raises what is crumple's on all ranks, for they wait for this one
             raise
-        return getattr(ranks, call)(*arguments), asked, isinstance(brought, WorldShare)
+        return getattr(ranks, call)(*arguments), request, isinstance(brought, WorldShare)
 
 
 def _together(comm: MPI.Intracomm, work: Callable[[], Answered]) -> Answered:
     """What `work` gives, or on all ranks the error of the least rank where it fails."""
-    answer: Answered | None = None
+    result: Answered | None = None
     failed: Error | None = None
     own: BaseException | None = None
     try:
-        answer = work()
+        result = work()
     except Error as error:
         failed = type(error)(
             f"rank {comm.rank}: {error}", code=error.code, element=error.element, index=error.index, rank=comm.rank
@@ -388,4 +390,4 @@ def _together(comm: MPI.Intracomm, work: Callable[[], Answered]) -> Answered:
     for error in all_failed:
         if error is not None:
             raise error
-    return answer  # type: ignore[return-value]
+    return result  # type: ignore[return-value]

@@ -76,10 +76,10 @@ FirstImpact taken_first(nb::handle given) {
     return first;
 }
 
-// True if a result was asked for `item`: as one of its options or kinds.
-bool is_asked(nb::handle result, const char* options, std::string_view item) {
-    const nb::object asked = result.attr("_asked").attr(options);
-    return nb::cast<bool>(asked.attr("__contains__")(nb::str(item.data(), item.size())));
+// True if the request of a result has `item` among its options or kinds.
+bool is_requested(nb::handle result, const char* options, std::string_view item) {
+    const nb::object requested = result.attr("_request").attr(options);
+    return nb::cast<bool>(requested.attr("__contains__")(nb::str(item.data(), item.size())));
 }
 
 // Returns the storage of a crumple.Impacts, crumple.Proximities or crumple.Candidates: the library's result, or one
@@ -104,7 +104,7 @@ std::shared_ptr<const Impacts> impacts_of(nb::handle result) {
         take<std::int32_t>(found, "triangle_pair_bodies", made.triangle_pairs.bodies);
         take<double>(found, "triangle_pair_toi", made.triangle_pairs.toi);
         take<bool>(found, "triangle_pair_start", made.triangle_pairs.start);
-        made.lists_triangle_pairs = is_asked(result, "options", "triangle_pairs");
+        made.lists_triangle_pairs = is_requested(result, "options", "triangle_pairs");
         made.first = taken_first(found.attr("first"));
     });
 }
@@ -124,7 +124,7 @@ std::shared_ptr<const Candidates> candidates_of(nb::handle result) {
             CandidateList& list = made[kind];
             take<std::int32_t>(found, plural_of_kind(name), list.pairs);
             take<std::int32_t>(found, std::string(name) + "_bodies", list.bodies);
-            made.listed[static_cast<std::size_t>(kind)] = is_asked(result, "kinds", name);
+            made.listed[static_cast<std::size_t>(kind)] = is_requested(result, "kinds", name);
         }
     });
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from crumple._result import Asked
+from crumple._result import Request
 
 # A triangle that falls through another one.
 START = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 1], [2, 1, 2], [1, 2, 2]], np.float64)
@@ -46,7 +46,7 @@ def restored(result, **changes):
     of what was asked for, and parts of the scene.
     """
     restore, (kind, asked, state, *given) = result.__reduce__()
-    asked = Asked(*asked)._asdict()
+    asked = Request(*asked)._asdict()
     scene = dict(zip(("first", "second", "ids", "ids_second"), given))
     for name, change in changes.items():
         parts = asked if name in asked else scene if name in scene else state

@@ -36,7 +36,7 @@ OUTPUTS = {"Impacts": ["any", "any_by_world", "first", "pairs"], "Proximities": 
 
 
 def arrays_of(result):
-    """All that it has, what was not asked for included."""
+    """All that it has, what was not requested included."""
     raw = result._found
     names = [*LISTS[type(result).__name__], *BODIES, *INDEX, "edges", "first_edge", "points", "first_point"]
     made = {name: getattr(raw, name).tolist() for name in names}

@@ -101,9 +101,9 @@ def test_what_cannot_be_saved_is_refused(detector, tmp_path):
         result.save(tmp_path / "mesh.glb")
     with pytest.raises(crumple.InvalidType, match=r"mesh is no option of \.csv files"):
         result.save(tmp_path / "list.csv", (START, FACES))
-    with pytest.raises(crumple.InvalidInput, match="but this was asked of a world"):
+    with pytest.raises(crumple.InvalidInput, match="but the scene is a world"):
         RESULTS["near of a world"](detector).save(tmp_path / "mesh.glb", (START, FACES))
-    with pytest.raises(crumple.InvalidInput, match=r'was not asked for: ImpactQuery\(output="pairs"\)'):
+    with pytest.raises(crumple.InvalidInput, match=r'was not requested: ImpactQuery\(output="pairs"\)'):
         detector.impacts(START, END, FACES, output="first").save(tmp_path / "list.csv")
     with pytest.raises(crumple.InvalidType, match="path must be a str, bytes or os.PathLike, not None"):
         result.save(None)

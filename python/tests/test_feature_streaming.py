@@ -119,7 +119,7 @@ def test_a_block_tells_what_it_has_not(detector):
     near = gathered(detector, MESH, crumple.ProximityQuery(radius=0.02), 50)[0]
     for answer, names in ((impacts, ("first", "world_first", "world_hit")), (near, ("world_hit",))):
         for name in names:
-            with pytest.raises(crumple.InvalidInput, match=f"{name} is told of a whole result"):
+            with pytest.raises(crumple.InvalidInput, match=f"{name} is part of a whole result"):
                 getattr(answer, name)
         with pytest.raises(crumple.InvalidInput, match="index"):
             getattr(answer, INDEX[0])

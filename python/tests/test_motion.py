@@ -278,14 +278,14 @@ def test_what_was_not_asked_for_says_how_to_ask(detector):
         + [(name, "first") for name in ("first", "world_first", "edges", "first_edge")]
         + [(name, "pairs") for name in (*LISTS["Impacts"], "count", "vertex_offsets")]
     ):
-        message = f'^{name} was not asked for: ImpactQuery(output="{output}")'
+        message = f'^{name} was not requested: ImpactQuery(output="{output}")'
         with pytest.raises(crumple.InvalidInput, match=re.escape(message).replace("\\^", "^")):
             getattr(nothing, name)
     assert len(nothing) == 0 and nothing
     every = detector.impacts(START, END, FACES)
-    with pytest.raises(crumple.InvalidInput, match=r"by_face was not asked for: ImpactQuery\(index=True\)"):
+    with pytest.raises(crumple.InvalidInput, match=r"by_face was not requested: ImpactQuery\(index=True\)"):
         _ = every.by_face
-    with pytest.raises(crumple.InvalidInput, match="vertex_face_bodies are those of a world"):
+    with pytest.raises(crumple.InvalidInput, match="vertex_face_bodies are for worlds"):
         _ = every.vertex_face_bodies
 
 
@@ -322,9 +322,9 @@ def test_triangles_that_are_stuck_or_come_to_touch(either, tmp_path):
         name = "triangle_pairs" if answer is plain else "triangle_offsets"
         if answer is found:
             answer = either.impacts(start, end, faces, triangle_pairs=True)
-        with pytest.raises(crumple.InvalidInput, match=rf"^{name} was not asked for: ImpactQuery\({hint}\)"):
+        with pytest.raises(crumple.InvalidInput, match=rf"^{name} was not requested: ImpactQuery\({hint}\)"):
             getattr(answer, name)
-    with pytest.raises(crumple.InvalidInput, match="triangle_pair_bodies are those of a world"):
+    with pytest.raises(crumple.InvalidInput, match="triangle_pair_bodies are for worlds"):
         _ = found.triangle_pair_bodies
 
 
@@ -380,7 +380,7 @@ def test_a_free_step_is_free_as_it_is_rounded(either):
     assert none.share == 0 and none.positions.tolist() == START.tolist()
     with pytest.raises(crumple.InvalidInput, match="a free step is that of one mesh"):
         either.free_step(crumple.World([(START, FACES)], self_collisions=True))
-    with pytest.raises(crumple.InvalidType, match="end is for meshes, but this was asked of a crumple.World"):
+    with pytest.raises(crumple.InvalidType, match="end is for meshes, but the scene is a crumple.World"):
         either.free_step(crumple.World([(START, FACES)]), END)
     with pytest.raises(TypeError, match=r"Detector\.free_step.*'wel'\. Did you mean 'weld'\?$"):
         either.free_step(START, END, FACES, wel=True)
@@ -409,7 +409,7 @@ def test_bodies_and_time(either):
         assert not either.any(world, crumple.ImpactQuery(filter=crumple.PairFilter(**rules)))
     assert not either.any(falling_world(worlds=[0, 1]), crumple.ImpactQuery())
     assert either.first_impact(world, filter=crumple.PairFilter(excluded_bodies=[(0, 1)])) is None
-    with pytest.raises(crumple.InvalidInput, match="vertex_offsets is made for one mesh alone"):
+    with pytest.raises(crumple.InvalidInput, match="vertex_offsets is for one mesh"):
         _ = found.vertex_offsets
     with pytest.raises(crumple.InvalidInput, match="offsets by feature are made of a single mesh"):
         either.impacts(world, index=True)

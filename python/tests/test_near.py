@@ -141,7 +141,7 @@ def test_least_distances_with_groups(either):
         ((START, FACES), {"radius": np.nan}, "radius must be finite and 0 or more"),
         ((START, FACES), {"radius": "1"}, "radius must be a number, not str"),
         ((START, FACES), {"radius": None}, "a ProximityQuery needs a radius, or radii of the vertices"),
-        ((START, FACES), {"radii": np.ones(6)}, "radius is not asked for beside radii"),
+        ((START, FACES), {"radii": np.ones(6)}, "radius cannot be given together with radii"),
         ((START, FACES), {"radius": None, "radii": np.ones(5)}, "radii must be one for each of the 6 vertices, not 5"),
         ((START, FACES), {"radius": None, "radii": []}, "radii must be one for each of the 6 vertices, not 0"),
         ((START, FACES), {"radius": None, "radii": 1.0}, r"radii must have shape \(vertices,\), not \(\)"),
@@ -195,24 +195,24 @@ def test_what_was_not_asked_for_says_how_to_ask(detector):
     nothing = detector.proximities(START, FACES, radius=1, output="any")
     for name in (*LISTS["Proximities"], "count", "edges", "first_edge", "by_second_edge"):
         with pytest.raises(
-            crumple.InvalidInput, match=re.escape(f'{name} was not asked for: ProximityQuery(output="p')
+            crumple.InvalidInput, match=re.escape(f'{name} was not requested: ProximityQuery(output="p')
         ):
             getattr(nothing, name)
     with pytest.raises(crumple.InvalidInput, match=r'world_hit was .* ProximityQuery\(output="any_by_world"\)'):
         _ = nothing.world_hit
     every = detector.proximities(START, FACES, radius=1)
-    with pytest.raises(crumple.InvalidInput, match=r"face_offsets was not asked for: ProximityQuery\(index=True\)"):
+    with pytest.raises(crumple.InvalidInput, match=r"face_offsets was not requested: ProximityQuery\(index=True\)"):
         _ = every.face_offsets
-    with pytest.raises(crumple.InvalidInput, match="edge_edge_bodies are those of a world"):
+    with pytest.raises(crumple.InvalidInput, match="edge_edge_bodies are for worlds"):
         _ = every.edge_edge_bodies
     for option, names in (("closest", CLOSEST), ("least", LEAST)):
         for name in names:
             with pytest.raises(
-                crumple.InvalidInput, match=rf"{name} was not asked for: ProximityQuery\({option}=True\)"
+                crumple.InvalidInput, match=rf"{name} was not requested: ProximityQuery\({option}=True\)"
             ):
                 getattr(every, name)
     of_world = detector.proximities(crumple.World([(START, FACES)], self_collisions=True), radius=1)
-    with pytest.raises(crumple.InvalidInput, match="vertex_distance is made for one mesh alone"):
+    with pytest.raises(crumple.InvalidInput, match="vertex_distance is for one mesh"):
         _ = of_world.vertex_distance
 
 
@@ -332,7 +332,7 @@ def test_shapes_of_worlds_bring_radii_and_where_they_are_at_rest(either):
         world = crumple.World([kept], self_collisions=True)
         assert either.proximities(world).vertex_faces.tolist() == [[3, 0]]
         assert not either.proximities(world, rest_radius=1)
-        with pytest.raises(crumple.InvalidInput, match="radius is not asked for beside radii"):
+        with pytest.raises(crumple.InvalidInput, match="radius cannot be given together with radii"):
             either.proximities(world, radius=1)
     with pytest.raises(crumple.InvalidInput, match="^shape 1: the radius of vertex 2 must be finite and 0 or more$"):
         either.proximities(

@@ -80,7 +80,7 @@ def test_less_than_pairs_comes_back(output, detector):
         for found in (pickle.loads(pickle.dumps(result)), copy.copy(result), copy.deepcopy(result)):
             assert repr(found) == repr(result) and found.any is result.any is True and len(found) == 0
             assert found.statistics == result.statistics
-            with pytest.raises(crumple.InvalidInput, match=r'pairs was not asked for: .*output="pairs"'):
+            with pytest.raises(crumple.InvalidInput, match=r'pairs was not requested: .*output="pairs"'):
                 _ = found.pairs
         if output == "count":
             with pytest.raises(crumple.InvalidInput, match=": statistics"):
@@ -267,7 +267,7 @@ def test_blocks_come_back_whole(detector, tmp_path):
             for name, block in (("expected.csv", blocks[1]), ("found.csv", found)):
                 block.save(tmp_path / name)
             assert (tmp_path / "found.csv").read_bytes() == (tmp_path / "expected.csv").read_bytes()
-            with pytest.raises(crumple.InvalidInput, match="offsets is told of a whole result"):
+            with pytest.raises(crumple.InvalidInput, match="offsets is part of a whole result"):
                 _ = found.offsets
         for change in (lambda a: -1 - a, lambda a: a[1:]):
             with pytest.raises(crumple.InvalidInput, match="does not fit together"):

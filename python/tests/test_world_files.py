@@ -250,7 +250,7 @@ def red_faces(path, count):
 
 def test_what_cannot_be_saved_says_why(tmp_path, detector):
     world = crumple.World.from_trimesh(scene())
-    with pytest.raises(crumple.InvalidInput, match="bodies was not asked for"):
+    with pytest.raises(crumple.InvalidInput, match="bodies was not requested"):
         detector.intersections(world, output="any").save(tmp_path / "world.glb")
     result = detector.intersections(world)
     with pytest.raises(crumple.InvalidInput, match="is saved as .ply"):

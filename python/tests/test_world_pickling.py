@@ -50,7 +50,7 @@ QUERIES += [{"index": True}, {"output": "contacts", "index": True, "copy": True}
 
 
 def arrays_of(result):
-    """All that it has, what was not asked for included."""
+    """All that it has, what was not requested included."""
     return {name: getattr(result._found, name).tolist() for name in ARRAYS}
 
 

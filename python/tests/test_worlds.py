@@ -271,7 +271,7 @@ def test_what_was_not_asked_for_says_how_to_ask(detector):
     world = random_columns(11).world()
     nothing = detector.intersections(world, output="any")
     for name in ("count", "bodies", "pairs", "world_hit", "world_counts", "hit", "body_offsets"):
-        with pytest.raises(crumple.InvalidInput, match=rf"{name} was not asked for: IntersectionQuery\(output="):
+        with pytest.raises(crumple.InvalidInput, match=rf"{name} was not requested: IntersectionQuery\(output="):
             getattr(nothing, name)
     assert nothing.contacts is None and len(nothing) == 0
     with pytest.raises(crumple.InvalidInput, match="index=True"):

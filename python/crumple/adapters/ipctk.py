@@ -244,8 +244,8 @@ class NarrowPhaseCCD(ipctk.NarrowPhaseCCD):
     call of Python, some 30 us. compute_collision_free_stepsize, of this module, has neither drawback.
 
     Args:
-        min_distance_share: the share of a pair's own distance at the start that is to be kept, in [0, 1). ipctk's CCDs end
-            where 1 - conservative_rescaling of it is left by their own bound, which is near that, and not the same.
+        min_distance_share: the share of a pair's own distance at the start that is to be kept, in [0, 1). ipctk's CCDs
+            end where 1 - conservative_rescaling of it is left by their own bound, which is near that, and not the same.
 
     Raises InvalidInput while ipctk has more than one thread.
     """
@@ -373,6 +373,6 @@ def is_step_collision_free(
     min_distance_share: float = 0.0,
     threads: int = 0,
 ) -> bool:
-    """Whether no candidate touches on the way, both ends included. Arguments: compute_collision_free_stepsize."""
+    """True if no candidate touches on the way, both ends included. Arguments: compute_collision_free_stepsize."""
     options = {"min_distance": min_distance, "min_distance_share": min_distance_share, "threads": threads}
     return not any(impacts.hit.any() for impacts in _impacts(candidates, mesh, vertices_t0, vertices_t1, options))
