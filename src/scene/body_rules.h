@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "crumple/array.h"
+#include "crumple/query.h"
 #include "crumple/world.h"
 #include "scene/wanted_pairs.h"
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "crumple/intersections.h"
 #include "scene/body_rules.h"
 #include "scene/shape_tree.h"
 #include "scene/world_outline.h"
