@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "crumple/query.h"
 #include "crumple/world.h"
 
 namespace crumple::cli {

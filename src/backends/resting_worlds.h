@@ -15,6 +15,7 @@
 
 #include "base/parallel_for.h"
 #include "crumple/array.h"
+#include "crumple/intersections.h"
 #include "crumple/world.h"
 #include "scene/body_rules.h"
 #include "scene/prepared_scene.h"

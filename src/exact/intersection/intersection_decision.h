@@ -12,7 +12,7 @@
 //   - one plane for both: the same questions in a projection;
 //   - a degenerate triangle: see degenerate_triangles.h.
 
-#include "crumple/options.h"
+#include "crumple/intersections.h"
 #include "exact/intersection/arrangement.h"
 #include "exact/intersection/degenerate_triangles.h"
 #include "exact/intersection/verdict.h"
