@@ -45,7 +45,7 @@ def bodies_are_refused_together():
             for message, share, query in (
                 ("share must be a MeshShare or a WorldShare, not crumple.", world, crumple.IntersectionQuery()),
                 ("query must be one of crumple's, such as", local, "intersections"),
-                ("CandidateQuery is not asked on ranks", local, crumple.CandidateQuery()),
+                ("CandidateQuery is not supported on ranks", local, crumple.CandidateQuery()),
             ):
                 for call in (detector.find, detector.any):
                     error = error_of(call, *((share, query) if failed else (local,)))

@@ -223,7 +223,7 @@ def moving_bodies_have_the_result_of_one_detector():
             found = detector.intersections(world, **ids)
             assert found.statistics.moved
             of_mesh = detector.proximities(np.zeros((0, 3)), np.zeros((0, 3), np.int32), radius=1)
-            assert "asked of one mesh" in str(error_of(getattr, of_mesh, "edge_bodies"))
+            assert "the scene is one mesh" in str(error_of(getattr, of_mesh, "edge_bodies"))
 
 
 def triangles_are_numbered_by_rank_without_ids():

@@ -70,7 +70,7 @@ def test_what_was_not_asked_for_says_how_to_ask():
     assert "1 candidate, 1 face_face" in repr(found) and len(found) == 1
     with pytest.raises(crumple.InvalidInput, match=r'CandidateQuery\(kinds=\["edge_edge"\]\)'):
         _ = found.edge_edges
-    with pytest.raises(crumple.InvalidInput, match="those of a world"):
+    with pytest.raises(crumple.InvalidInput, match="are for worlds"):
         _ = found.face_face_bodies
 
 

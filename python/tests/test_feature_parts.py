@@ -108,7 +108,7 @@ def test_a_result_of_a_part_says_what_it_does_not_know(either, tmp_path):
     result = either.impacts(part, index=True)
     for name in ("edges", "first_edge", "points", "first_point"):
         with pytest.raises(
-            crumple.InvalidInput, match=f"^{name} is told of a whole mesh, but this was asked of a part"
+            crumple.InvalidInput, match=f"^{name} is part of the result of a whole mesh, but the scene is a part"
         ):
             getattr(result, name)
     with pytest.raises(crumple.InvalidInput, match="a result of a part is not saved"):

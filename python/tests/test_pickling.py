@@ -240,8 +240,8 @@ def test_a_state_of_another_form_is_refused():
     for given, message in (
         (("Result", asked, state, *scene), "a result must be one of Intersections, Impacts, .*, not 'Result'"),
         (([], asked, state, *scene), "a result must be one of"),
-        ((kind, None, state, *scene), "needs what was asked for as a tuple of scene, "),
-        ((kind, asked[1:], state, *scene), "needs what was asked for as a tuple of scene, "),
+        ((kind, None, state, *scene), "needs the request as a tuple of scene, "),
+        ((kind, asked[1:], state, *scene), "needs the request as a tuple of scene, "),
         ((kind, asked, [state], *scene), "the state of Intersections must be a dict of any, bodies, "),
         ((kind, asked, {**state, "colour": "red"}, *scene), "must be a dict of any, bodies, "),
         ((kind, asked, {name: state[name] for name in state if name != "hit"}, *scene), "must be a dict of any, "),

@@ -76,7 +76,7 @@ def test_a_wrong_world_is_refused(arguments, message):
     [
         (crumple.Body(MESH), "body 0: its shape must be an index, or one of the world's crumple.Shape, not Mesh"),
         (crumple.Body(crumple.Shape(MESH)), "body 0: its shape must be an index, .*, not another one"),
-        (crumple.Body(0, np.eye(3)), r"body 0: its pose must have shape \(3, 4\) or \(4, 4\) .*not \(3, 3\)"),
+        (crumple.Body(0, np.eye(3)), r"body 0: its pose must have shape \(3, 4\) or \(4, 4\), .*not \(3, 3\)"),
         (
             crumple.Body(0, np.ones((4, 4))),
             r"body 0: the last row of its pose must be 0 0 0 1, not 1\.0 1\.0 1\.0 1\.0",
@@ -84,7 +84,7 @@ def test_a_wrong_world_is_refused(arguments, message):
         (crumple.Body(0, "here"), "body 0: its pose"),
         (
             crumple.Body(0, np.eye(4, dtype=np.float16)),
-            "body 0: its pose must have .* hold float64, float32 or integers, not float16",
+            "body 0: its pose must have .*, of float64, float32 or integers, not float16",
         ),
         (crumple.Body(0, group="a"), "groups must be integers"),
         (crumple.Body(0, name=b"a"), "names must be str, but that of body 0 is bytes"),
