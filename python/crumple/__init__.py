@@ -25,7 +25,7 @@ from __future__ import annotations
 import functools as _functools
 from typing import Any as _Any
 
-from . import _distribution, _older_pickles  # noqa: F401, the first refuses two that overwrite each other
+from . import _versions  # noqa: F401, first: it refuses two distributions that overwrite each other
 from ._candidates import Candidates
 from ._core import Part, Statistics, __version__
 from ._detector import Detector

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from . import _core
 from ._errors import InvalidInput
 from ._features import PairLists
-from ._older_pickles import refuse as _restore  # noqa: F401
 from ._result import extension_of, file_name
+from ._versions import refuse as _restore  # noqa: F401
 
 if TYPE_CHECKING:
     import numpy as np

@@ -9,8 +9,8 @@ import numpy as np
 from . import _arrays
 from ._errors import InvalidType
 from ._mesh import Mesh
-from ._older_pickles import refuse as restore_result  # noqa: F401
 from ._shape import OwnName, Shape
+from ._versions import refuse as restore_result  # noqa: F401
 from ._world import World
 
 

@@ -1,0 +1,64 @@
+"""Other versions of this package: refuses two that are installed over each other, and finds what pickles of earlier ones
+name.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import Any
+
+from ._errors import InvalidInput
+
+
+def refuse_two(folder: str) -> None:
+    """Raises ImportError if `folder`, where packages are installed, has metadata of more than one distribution.
+
+    Those with and without the cuda backend have the same files, of which the last one's are there, or some of each.
+    """
+    try:
+        entries = os.listdir(folder)
+    except OSError:  # imported from elsewhere than a folder
+        return
+    found = {match[1] for entry in entries if (match := re.match(r"(crumple(?:_cuda\d+)?)-[^-]+\.dist-info$", entry))}
+    if len(found) > 1:
+        names = [name.replace("_", "-") for name in sorted(found)]
+        raise ImportError(
+            f"{' and '.join(names)} are both installed in {folder}, and overwrite each other's files: "
+            f"pip uninstall {' '.join(names)}, then install the one that you want"
+        )
+
+
+def refuse(*_: Any) -> Any:
+    """Stands for a function that results of 0.2, which had other classes, were restored by. Raises InvalidInput."""
+    raise InvalidInput(
+        "this was pickled by crumple 0.2, whose results crumple 0.3 does not read: "
+        "unpickle it with crumple 0.2 and save its arrays"
+    )
+
+
+# Functions and classes that pickles name by modules that are gone, and the ones that stand for them now.
+_MOVED = {
+    "_feature_pickling.restore": "_versions.refuse",
+    "_nearest._restore": "_versions.refuse",
+    "_pickling.restore": "_versions.refuse",
+}
+
+
+class _Gone(ModuleType):
+    """A module that is gone."""
+
+    def __getattr__(self, name: str) -> Any:
+        place = _MOVED.get(f"{self.__name__.removeprefix('crumple.')}.{name}")
+        if place is None:
+            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+        module, _, name = place.rpartition(".")
+        return getattr(import_module(f"crumple.{module}"), name)
+
+
+refuse_two(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+for _module in {path.partition(".")[0] for path in _MOVED}:
+    sys.modules[f"crumple.{_module}"] = _Gone(f"crumple.{_module}")
