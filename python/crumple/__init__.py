@@ -41,7 +41,6 @@ from ._feature_pairs import PairImpacts as PairImpacts
 from ._feature_pairs import pair_distances, pair_impacts
 from ._files import ProceduralScene as ProceduralScene
 from ._files import make_scene, read_mesh, read_pairs, scenes, write_mesh
-from ._fuzzy_c_means import FuzzyCMeans
 from ._impacts import FirstImpact, FreeStep, Impacts
 from ._intersections import Intersections
 from ._mesh import FileMesh as FileMesh
@@ -57,6 +56,7 @@ from ._queries import (
     DistanceQuery,
     FirstImpactQuery,
     FreeStepQuery,
+    FuzzyCMeans,
     ImpactQuery,
     IntersectionQuery,
     PairFilter,

@@ -8,19 +8,21 @@ from typing import Any, Literal, overload
 from . import _core, _results
 from ._core import Statistics
 from ._device import Launch, stream_of
-from ._errors import InvalidInput, InvalidType
-from ._fuzzy_c_means import FuzzyCMeans, check_fuzzy_c_means
+from ._errors import InvalidInput, InvalidType, suggesting
 from ._mesh import is_mesh
-from ._names import keywords_of, suggesting
 from ._queries import (
     CandidateQuery,
     DistanceQuery,
     FirstImpactQuery,
     FreeStepQuery,
+    FuzzyCMeans,
     ImpactQuery,
     IntersectionQuery,
     ProximityQuery,
     Query,
+    check_fuzzy_c_means,
+    keywords_of,
+    query_of,
 )
 from ._results import Candidates, Distances, FirstImpact, FreeStep, Impacts, Intersections, Proximities, checked_query
 from ._scene import excluded_in, scene_of, with_names
@@ -28,26 +30,6 @@ from ._scene import excluded_in, scene_of, with_names
 Backend = Literal["automatic", "cpu", "cuda", "reference"]
 Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
 _ALL = IntersectionQuery()
-_PLAIN = {query: query() for query in Query.__subclasses__()}
-
-
-_SIMPLE = frozenset({str, bool, int, float, type(None)})
-_made: dict[tuple[Any, ...], Query] = {}
-
-
-def _query_of(query: type[Query], options: dict[str, Any]) -> Query:
-    """A query with these members; the same object as before for the same words and numbers, which saves microseconds."""
-    if not options:
-        return _PLAIN[query]
-    if not all(type(value) in _SIMPLE for value in options.values()):
-        return query(**options)
-    key = (query, *((name, type(value), value) for name, value in options.items()))  # True is not 1 here
-    made = _made.get(key)
-    if made is None:
-        if len(_made) >= 256:
-            _made.clear()
-        made = _made[key] = query(**options)
-    return made
 
 
 class Detector(_core.Detector):
@@ -319,7 +301,7 @@ class Detector(_core.Detector):
             groups: (m,) integers that fit int32, one a triangle.
             copy: as of find.
         """
-        return self._find(scene_of(vertices, faces, groups=groups), _query_of(IntersectionQuery, options), copy)
+        return self._find(scene_of(vertices, faces, groups=groups), query_of(IntersectionQuery, options), copy)
 
     @keywords_of(ImpactQuery)
     def impacts(
@@ -341,7 +323,7 @@ class Detector(_core.Detector):
             groups, edges, points: as crumple.Mesh has them.
             copy: as of find.
         """
-        return self._find(step_of(start, end, faces, groups, edges, points), _query_of(ImpactQuery, options), copy)
+        return self._find(step_of(start, end, faces, groups, edges, points), query_of(ImpactQuery, options), copy)
 
     @keywords_of(FirstImpactQuery)
     def first_impact(
@@ -356,7 +338,7 @@ class Detector(_core.Detector):
         **options: Any,
     ) -> FirstImpact | None:
         """The first impact of a step; None: the step is free. Find with a FirstImpactQuery; arguments as of impacts."""
-        return self._find(step_of(start, end, faces, groups, edges, points), _query_of(FirstImpactQuery, options))
+        return self._find(step_of(start, end, faces, groups, edges, points), query_of(FirstImpactQuery, options))
 
     @keywords_of(FreeStepQuery)
     def free_step(
@@ -374,7 +356,7 @@ class Detector(_core.Detector):
 
         Arguments as of impacts.
         """
-        return self._find(step_of(start, end, faces, groups, edges, points), _query_of(FreeStepQuery, options))
+        return self._find(step_of(start, end, faces, groups, edges, points), query_of(FreeStepQuery, options))
 
     @keywords_of(ProximityQuery)
     def proximities(
@@ -396,7 +378,7 @@ class Detector(_core.Detector):
             copy: as of find.
         """
         scene = scene_of(vertices, faces, groups=groups, edges=edges, points=points)
-        return self._find(scene, _query_of(ProximityQuery, options), copy)
+        return self._find(scene, query_of(ProximityQuery, options), copy)
 
     @keywords_of(CandidateQuery)
     def candidates(
@@ -420,7 +402,7 @@ class Detector(_core.Detector):
             copy: as of find.
         """
         scene = scene_of(vertices, faces, end=end, groups=groups, edges=edges, points=points)
-        return self._find(scene, _query_of(CandidateQuery, options), copy)
+        return self._find(scene, query_of(CandidateQuery, options), copy)
 
     @keywords_of(DistanceQuery)
     def distances(self, world: Any, second: Any = None, *, copy: bool = False, **options: Any) -> Distances:
@@ -430,7 +412,7 @@ class Detector(_core.Detector):
             world, second: a World; or two meshes.
             copy: as of find.
         """
-        return self._find(scene_of(world, second), _query_of(DistanceQuery, options), copy)
+        return self._find(scene_of(world, second), query_of(DistanceQuery, options), copy)
 
 
 def step_of(start: Any, end: Any, faces: Any, groups: Any = None, edges: Any = None, points: Any = None) -> Any:

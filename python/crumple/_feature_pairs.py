@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from . import _core
-from ._errors import InvalidInput, InvalidType
-from ._names import suggesting
+from ._errors import InvalidInput, InvalidType, suggesting
 
 if TYPE_CHECKING:
     import numpy as np

@@ -7,9 +7,8 @@ import warnings
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from . import _core
-from ._errors import FileWarning
+from ._errors import FileWarning, suggesting
 from ._mesh import FileMesh, Mesh, Polygons, as_mesh
-from ._names import suggesting
 
 if TYPE_CHECKING:
     import numpy as np

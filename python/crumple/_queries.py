@@ -1,15 +1,20 @@
 """Queries: the type says what is searched for, and gives the type of the result.
 
 A query is declared here once. Its members are the keywords of the method of Detector that asks it, and what the
-extension module reads (python/src/queries.cpp).
+extension module reads (python/src/queries.cpp). FuzzyCMeans is an option of detectors.
 """
 
 from __future__ import annotations
 
+import functools
+import inspect
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
 from typing import Any, ClassVar, Literal
+
+from ._errors import Function, InvalidType
 
 Scope = Literal["both", "between", "within"]
 CandidateKind = Literal["vertex_face", "edge_edge", "edge_face", "face_face", "vertex_edge", "vertex_vertex"]
@@ -236,3 +241,84 @@ class DistanceQuery(Query):
     filter: PairFilter = PairFilter()
 
     _call: ClassVar[str] = "distances"
+
+
+_PLAIN = {query: query() for query in Query.__subclasses__()}
+_SIMPLE = frozenset({str, bool, int, float, type(None)})
+_made: dict[tuple[Any, ...], Query] = {}
+
+
+def query_of(query: type[Query], options: dict[str, Any]) -> Query:
+    """A query with these members; the same object for the same words and numbers, which saves microseconds."""
+    if not options:
+        return _PLAIN[query]
+    if not all(type(value) in _SIMPLE for value in options.values()):
+        return query(**options)
+    key = (query, *((name, type(value), value) for name, value in options.items()))  # True is not 1 here
+    made = _made.get(key)
+    if made is None:
+        if len(_made) >= 256:
+            _made.clear()
+        made = _made[key] = query(**options)
+    return made
+
+
+def keywords_of(query: type) -> Callable[[Function], Function]:
+    """For a method whose keywords are its own and, as **options, the members of a query: a signature that has them all,
+    and errors that suggest a name."""
+
+    def with_members(method: Function) -> Function:
+        signature = inspect.signature(method)
+        own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
+        members = [
+            inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=f.default, annotation=f.type)
+            for f in fields(query)
+        ]
+        known = {parameter.name for parameter in (*own, *members)}
+
+        @functools.wraps(method)
+        def call(*arguments: Any, **named: Any) -> Any:
+            for name in named:
+                if name not in known:
+                    close = get_close_matches(name, known - {"self"}, n=1)
+                    meant = f". Did you mean '{close[0]}'?" if close else ""
+                    raise TypeError(f"{method.__qualname__}() got an unexpected keyword argument '{name}'{meant}")
+            return method(*arguments, **named)
+
+        call.__signature__ = signature.replace(parameters=[*own, *members])  # type: ignore[attr-defined]
+        return call  # type: ignore[return-value]
+
+    return with_members
+
+
+@dataclass(frozen=True)
+class FuzzyCMeans:
+    """How fuzzy C-means places the centres of clusters: for researchers. No result depends on it.
+
+    Args:
+        fuzziness: t of eq. 2, above 1.
+        max_iterations: cap on iterations, warm-started from the centres of the call before.
+        first_iterations: the same for a first frame, which has no centres to start from.
+        stop: iteration ends when no centre moves further in any coordinate, in units of the scene's extent rounded up
+            to a power of two.
+        first_stop: the same for a first frame.
+
+    Source: D. Mainzer, G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision", sec. 4, eqs. 2-4.
+    """
+
+    fuzziness: float = 2.0
+    max_iterations: int = 2
+    first_iterations: int = 5
+    stop: float = 1e-2
+    first_stop: float = 1e-4
+
+    def __repr__(self) -> str:
+        given = ", ".join(f"{field.name}={getattr(self, field.name)!r}" for field in fields(self))
+        return f"crumple.FuzzyCMeans({given})"
+
+
+def check_fuzzy_c_means(given: FuzzyCMeans) -> FuzzyCMeans:
+    """Returns what it is given. Raises InvalidType for another type."""
+    if isinstance(given, FuzzyCMeans):
+        return given
+    raise InvalidType(f"fuzzy_c_means must be a crumple.FuzzyCMeans, not {type(given).__name__}", element="option")

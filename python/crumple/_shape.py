@@ -6,9 +6,8 @@ import itertools
 from typing import Any
 
 from . import _core
-from ._errors import Error, InvalidInput, InvalidType
+from ._errors import Error, InvalidInput, InvalidType, suggesting
 from ._mesh import Mesh, as_mesh, mesh_of
-from ._names import suggesting
 
 _FIRST_OWN = 2**63  # numbers of names; those below are for names that are numbers
 _own_numbers = itertools.count(_FIRST_OWN)

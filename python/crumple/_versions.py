@@ -43,6 +43,7 @@ def refuse(*_: Any) -> Any:
 # Functions and classes that pickles name by modules that are gone, and the ones that stand for them now.
 _MOVED = {
     "_feature_pickling.restore": "_versions.refuse",
+    "_fuzzy_c_means.FuzzyCMeans": "_queries.FuzzyCMeans",
     "_nearest._restore": "_versions.refuse",
     "_pickling.restore": "_versions.refuse",
 }

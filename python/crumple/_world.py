@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
-from ._errors import InvalidInput, InvalidType
+from ._errors import InvalidInput, InvalidType, suggesting
 from ._mesh import Mesh
-from ._names import suggesting
 from ._shape import OwnName, Shape, shape_of  # noqa: F401, pickles of 0.2 find OwnName here
 
 if TYPE_CHECKING:
@@ -287,8 +287,6 @@ class World(_core.World):
         try:
             return self._index[name]
         except KeyError:
-            from difflib import get_close_matches
-
             close = get_close_matches(name, list(self._index), n=1)
             meant = f"; did you mean {close[0]!r}?" if close else ""
             raise InvalidInput(f"there is no body {name!r}{meant}", element="body") from None

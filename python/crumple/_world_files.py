@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _core
-from ._errors import FileWarning, InvalidInput, InvalidType
+from ._errors import FileWarning, InvalidInput, InvalidType, suggesting
 from ._mesh import Mesh
-from ._names import suggesting
 from ._shape import OwnName, Shape
 from ._world import World
 

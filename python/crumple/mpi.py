@@ -26,10 +26,16 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from ._detector import Backend, Simd, step_of
-from ._errors import Error, InvalidInput, InvalidType
-from ._fuzzy_c_means import FuzzyCMeans, check_fuzzy_c_means
-from ._names import keywords_of, suggesting
-from ._queries import ImpactQuery, IntersectionQuery, ProximityQuery, Query
+from ._errors import Error, InvalidInput, InvalidType, suggesting
+from ._queries import (
+    FuzzyCMeans,
+    ImpactQuery,
+    IntersectionQuery,
+    ProximityQuery,
+    Query,
+    check_fuzzy_c_means,
+    keywords_of,
+)
 from ._rank_results import Impacts, Intersections, Proximities, show
 from ._rank_shares import MeshShare, WorldShare, excluded_of_ranks, share_of
 from ._results import checked_query
