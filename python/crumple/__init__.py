@@ -40,11 +40,11 @@ from ._feature_pairs import PairDistances as PairDistances
 from ._feature_pairs import PairImpacts as PairImpacts
 from ._feature_pairs import pair_distances, pair_impacts
 from ._files import ProceduralScene as ProceduralScene
-from ._files import make_scene, read_mesh, read_pairs, scenes, write_mesh
+from ._files import make_scene, read_mesh, read_pairs, read_poses, read_world, scenes, write_mesh
 from ._impacts import FirstImpact, FreeStep, Impacts
 from ._intersections import Intersections
 from ._mesh import FileMesh as FileMesh
-from ._mesh import Mesh, as_mesh
+from ._mesh import Mesh, Shape, as_mesh
 from ._mesh import Polygons as Polygons
 from ._proximities import EdgeEdgeType as EdgeEdgeType
 from ._proximities import Proximities
@@ -64,9 +64,7 @@ from ._queries import (
 )
 from ._result import ContactKind as ContactKind
 from ._result import Contacts as Contacts
-from ._shape import Shape
 from ._world import Body, World
-from ._world_files import read_poses, read_world
 
 
 def _of_one_call(method: _Any) -> _Any:

@@ -6,7 +6,7 @@ others: Python lists, byte orders of other machines, narrow and unsigned integer
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -336,3 +336,8 @@ def group_pairs(pairs: Any, which: str) -> np.ndarray:
     if isinstance(pairs, Iterable) and (isinstance(pairs, dict) or not hasattr(pairs, "__getitem__")):
         pairs = list(pairs)  # a set or a generator, which NumPy does not read
     return _int32(_rows(_integers(pairs, name), 2, name), name)
+
+
+def if_given(convert: Callable[[Any, str], np.ndarray], array: Any) -> np.ndarray | None:
+    """What one of these functions makes of an array; None of None."""
+    return None if array is None else convert(array, "")

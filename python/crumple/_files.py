@@ -1,14 +1,16 @@
-"""Mesh files, lists of pairs, and scenes made by formula."""
+"""Files of meshes, worlds, poses and pairs; and scenes made by formula."""
 
 from __future__ import annotations
 
 import os
 import warnings
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from . import _core
-from ._errors import FileWarning, suggesting
-from ._mesh import FileMesh, Mesh, Polygons, as_mesh
+from ._errors import FileWarning, InvalidInput, InvalidType, suggesting
+from ._mesh import FileMesh, Mesh, Polygons, as_mesh, constant_shape
+from ._world import World
 
 if TYPE_CHECKING:
     import numpy as np
@@ -75,6 +77,64 @@ def read_pairs(path: str | os.PathLike[str]) -> NDArray[np.int32]:
     line. Raises FileError, InvalidInput.
     """
     return _core.read_pairs(path)
+
+
+@suggesting
+def read_world(
+    path: str | os.PathLike[str],
+    *,
+    precision: Literal["automatic", "float32", "float64"] = "automatic",
+    weld: Literal["automatic", "yes", "no"] = "automatic",
+    triangulation: Literal["ears", "fan"] = "ears",
+    strict: bool = False,
+    unit: Literal["um", "mm", "cm", "in", "ft", "m"] | None = None,
+) -> World:
+    """Reads glTF 2.0 (.glb, .gltf) as a World: each node of the default scene that has a mesh is a body.
+
+    Bodies come in the order of the file's nodes, with their names and their transforms from the root. Names that are
+    missing are those of the meshes, or node7; the second of a name becomes NAME_2. Meshes over the same data are one
+    shape. Of 3MF each mesh that the build names, itself or by components, is a body, with the object's name, or that of
+    an object around it, or `object 7`. Any other mesh file is a world of one body in place. Shapes are read-only arrays
+    that detectors remember.
+
+    World.unit is that of the file. Arguments, errors and warnings as of read_mesh; docs/input.md tells what is read,
+    skipped and refused.
+    """
+    shapes, bodies, names, poses, odd, unit_of_file = _core.read_world(
+        path, precision, weld, triangulation, strict, unit
+    )
+    for message in odd:
+        warnings.warn(message, FileWarning, stacklevel=3)  # points at the caller, beyond `suggesting`
+    made = [constant_shape(Mesh(*shape[:3]), f"shape {i}: ") for i, shape in enumerate(shapes)]
+    world = World(made, bodies, poses=poses, names=names)
+    world.unit = unit_of_file
+    return world
+
+
+def read_poses(path: str | os.PathLike[str], bodies: World | int | Sequence[str] = 1) -> NDArray[np.float64]:
+    """(k, n, 3, 4) float64: the poses of a file, n a configuration.
+
+    Args:
+        path: .npy of float32 or float64, of a shape that ends with 12 or 3, 4 (16 or 4, 4); any other file is text, a
+            row of 12 (or 16) numbers a line, with commas or blanks between. Rows are those of each body in turn,
+            configuration after configuration.
+        bodies: how many one configuration has, or their names; of a World, those that are not at rest (-1).
+
+    Raises FileError, and InvalidInput that names the row and its body.
+    """
+    if isinstance(bodies, World):
+        names = [name or f"body {i}" for i, name in enumerate(bodies.names)]
+        names = [name for name, world in zip(names, bodies.worlds.tolist()) if world != -1]
+    elif isinstance(bodies, (str, bytes, bool)) or not hasattr(bodies, "__index__"):
+        if isinstance(bodies, (str, bytes, bool)) or not all(isinstance(name, str) for name in bodies):
+            raise InvalidType(f"bodies must be a World, a number or names, not {type(bodies).__name__}")
+        names = list(bodies)
+    else:
+        names = [f"body {i}" for i in range(bodies.__index__())]
+    if not names:
+        raise InvalidInput("bodies must be at least one: nothing else can be posed")
+    poses: Any = _core.read_poses(path, names)
+    return poses.reshape(-1, len(names), 3, 4)
 
 
 class ProceduralScene(NamedTuple):

@@ -17,6 +17,7 @@ from ._mesh import Mesh
 from ._pickle_checks import check_fit
 from ._proximities import Proximities
 from ._result import Request, Result
+from ._world import World
 
 _RESULTS: dict[str, type[Result]] = {
     "Intersections": Intersections,
@@ -122,10 +123,8 @@ def state_of(result: Result) -> tuple[Any, ...]:
 
 def _state_of_scene(result: Intersections) -> tuple[Any, ...]:
     if result._request.scene == "world":
-        from ._world_pickling import poses_of
-
         world, poses = result._scene
-        return world, poses_of(poses)
+        return world, _arrays.if_given(_arrays.poses, poses)
     first, second, ids, ids_second = result._scene
     found, whole = result._found, result._listed and not result._request.block
     one = "" if second is None else "first mesh: "
@@ -199,8 +198,6 @@ def _request(given: Any, kind: str) -> Request:
 
 
 def _scene(request: Request, given: tuple[Any, ...]) -> tuple[Any, ...]:
-    from ._world import World
-
     if request.scene == "world":
         if len(given) != 2 or not isinstance(given[0], World):
             raise InvalidType("the state of Intersections of a world needs the world and its poses")

@@ -8,8 +8,7 @@ from typing import Any
 
 from . import _core
 from ._errors import InvalidInput, InvalidType
-from ._mesh import Mesh, as_mesh, is_mesh, mesh_of
-from ._shape import name_of_number
+from ._mesh import Mesh, as_mesh, is_mesh, mesh_of, name_of_number
 from ._world import World
 
 #: A scene as the extension module takes it (python/src/scene.h).
@@ -55,7 +54,7 @@ def excluded_in(scene: Scene, excluded: Any) -> Any:
         raise InvalidInput("excluded_bodies are bodies of a crumple.World")
     from ._world_arrays import excluded_pairs
 
-    return excluded_pairs(scene, excluded)
+    return excluded_pairs(excluded, scene.distinct, scene.index)
 
 
 def with_names(scene: Scene, call: Callable[..., Any], *given: Any) -> Any:

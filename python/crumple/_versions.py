@@ -1,6 +1,4 @@
-"""Other versions of this package: refuses two that are installed over each other, and finds what pickles of earlier ones
-name.
-"""
+"""Other versions of this package: refuses two that are installed over each other, and finds what older pickles name."""
 
 from __future__ import annotations
 
@@ -46,6 +44,11 @@ _MOVED = {
     "_fuzzy_c_means.FuzzyCMeans": "_queries.FuzzyCMeans",
     "_nearest._restore": "_versions.refuse",
     "_pickling.restore": "_versions.refuse",
+    "_shape.OwnName": "_mesh.OwnName",
+    "_world_pickling.restore_configurations": "_world.restore_configurations",
+    "_world_pickling.restore_result": "_versions.refuse",
+    "_world_pickling.restore_shape": "_mesh.restore_shape",
+    "_world_pickling.restore_world": "_world.restore_world",
 }
 
 

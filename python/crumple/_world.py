@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
 from ._errors import InvalidInput, InvalidType, suggesting
-from ._mesh import Mesh
-from ._shape import OwnName, Shape, shape_of  # noqa: F401, pickles of 0.2 find OwnName here
+from ._mesh import Mesh, OwnName, Shape, constant_shape, shape_of  # noqa: F401, pickles of 0.2 find OwnName here
 
 if TYPE_CHECKING:
     import numpy as np
@@ -96,7 +95,8 @@ class World(_core.World):
             given = (poses, groups, worlds, names, end_poses)
             if any(column is not None for column in given) or self_collisions is not False:
                 raise InvalidInput("poses, groups, worlds, self_collisions and names are those of each crumple.Body")
-            poses, groups, worlds, self_collisions, names, end_poses = columns.of_bodies(bodies)
+            bodies, poses, groups, worlds, self_collisions, names, end_poses = zip(*bodies)
+            poses, end_poses = columns.stacked(poses, end_poses)
             bodies = columns.shapes_of(made, bodies)
         of = columns.ids(np.arange(len(made)) if bodies is None else bodies, "bodies")
         n = len(of)
@@ -124,9 +124,27 @@ class World(_core.World):
         Geometry that several nodes share is one shape. Paths and points are left out. Vertices and faces are copied,
         so that detectors can remember them: make a world once, and set its poses. Raises InvalidInput, InvalidType.
         """
-        from ._world_files import from_trimesh
+        import numpy as np
 
-        return from_trimesh(scene)
+        if not all(hasattr(scene, name) for name in ("graph", "geometry")):
+            kind = type(scene)
+            raise InvalidType(f"a scene of trimesh is wanted, not {kind.__module__}.{kind.__qualname__}")
+        shapes: list[Shape] = []
+        places: dict[str, int] = {}
+        names, of, poses = [], [], []
+        for node in scene.graph.nodes_geometry:
+            transform, geometry = scene.graph[node]
+            mesh = scene.geometry[geometry]
+            if not hasattr(mesh, "faces"):  # paths and points, which bound nothing
+                continue
+            if geometry not in places:
+                places[geometry] = len(shapes)
+                copied = Mesh(np.array(mesh.vertices), np.array(mesh.faces))
+                shapes.append(constant_shape(copied, f"geometry {geometry!r}: "))
+            names.append(str(node))
+            of.append(places[geometry])
+            poses.append(np.asarray(transform, np.float64))
+        return World(shapes, of, poses=np.array(poses).reshape(-1, 4, 4), names=names)
 
     def configurations(self, poses: Any, end_poses: Any = None) -> World:
         """A world of many configurations of this one's bodies, each in a world of its own, against those at rest.
@@ -292,23 +310,45 @@ class World(_core.World):
             raise InvalidInput(f"there is no body {name!r}{meant}", element="body") from None
 
     def __reduce__(self) -> Any:
-        from ._world_pickling import poses_of, restore_configurations, restore_world
+        from ._arrays import if_given, poses
 
+        own_poses, end_poses = (if_given(poses, given) for given in (self.poses, self.end_poses))
         if self._base is not None:
             import numpy as np
 
             # Those at rest stay where they were when the configurations were made.
             base, moving = self._base.__reduce__(), np.tile(np.eye(3, 4), (self._moving, 1, 1))
-            poses = np.concatenate([moving, self._poses_at_rest])
-            base_world = restore_world(*base[1][:-2], poses)
-            arguments = (base_world, poses_of(self.poses), poses_of(self.end_poses))
+            base_world = restore_world(*base[1][:-2], np.concatenate([moving, self._poses_at_rest]))
+            arguments = (base_world, own_poses, end_poses)
             return restore_configurations, arguments, {"unit": self.unit} if self.unit else None
         names = ("bodies", "groups", "worlds", "self_collisions")
         columns = (self._columns[name] for name in names)
-        arguments = (self._shapes, *columns, self._names, poses_of(self.poses), poses_of(self.end_poses))
+        arguments = (self._shapes, *columns, self._names, own_poses, end_poses)
         return restore_world, arguments, {"unit": self.unit} if self.unit else None
 
     def __repr__(self) -> str:
         if self._base is None:
             return f"<crumple.World: {len(self)} bodies of {len(self._shapes)} shapes>"
         return f"<crumple.World: {self._count} configurations of {self._moving} bodies, {len(self)} in all>"
+
+
+def restore_world(
+    shapes: Any,
+    bodies: Any,
+    groups: Any,
+    worlds: Any,
+    self_collisions: Any,
+    names: Any,
+    poses: Any,
+    end_poses: Any = None,
+) -> World:
+    """The world of a pickle."""
+    columns = {"groups": groups, "worlds": worlds, "self_collisions": self_collisions, "names": names}
+    return World(shapes, bodies, poses=poses, end_poses=end_poses, **columns)
+
+
+def restore_configurations(base: Any, poses: Any, end_poses: Any = None) -> World:
+    """The world of configurations of a pickle."""
+    if not isinstance(base, World):
+        raise InvalidType("the state of a world of configurations needs a World")
+    return base.configurations(poses, end_poses)

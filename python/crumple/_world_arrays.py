@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
 from ._arrays import host_array
 from ._errors import InvalidInput, InvalidType
-
-if TYPE_CHECKING:
-    from ._shape import Shape
-    from ._world import Body, World
 
 
 def _column(array: Any, name: str, bodies: int | None) -> np.ndarray:
@@ -124,34 +120,23 @@ def pose_of(pose: Any, body: int, name: str = "pose") -> np.ndarray:
     return result[:3].astype(np.float64)
 
 
-def of_bodies(bodies: Sequence[Body]) -> tuple[Any, list[int], list[int], list[bool], list[str], Any]:
-    """Poses, groups, worlds, self_collisions, names and end poses; no poses where no body has one."""
-    poses = end_poses = None
-    if any(body.pose is not None for body in bodies):
-        poses = np.stack([pose_of(body.pose, i) for i, body in enumerate(bodies)])
-    if any(body.end_pose is not None for body in bodies):
-        end_poses = np.stack(
-            [
-                pose_of(body.pose, i) if body.end_pose is None else pose_of(body.end_pose, i, "end pose")
-                for i, body in enumerate(bodies)
-            ]
-        )
-    return (
-        poses,
-        [body.group for body in bodies],
-        [body.world for body in bodies],
-        [body.self_collisions for body in bodies],
-        [body.name for body in bodies],
-        end_poses,
-    )
+def stacked(poses: Sequence[Any], end_poses: Sequence[Any]) -> tuple[Any, Any]:
+    """Poses and end poses of each crumple.Body, as arrays; None where no body has one."""
+    started = ended = None
+    if any(pose is not None for pose in poses):
+        started = np.stack([pose_of(pose, i) for i, pose in enumerate(poses)])
+    if any(pose is not None for pose in end_poses):
+        pairs = enumerate(zip(poses, end_poses))
+        ended = np.stack([pose_of(pose, i) if end is None else pose_of(end, i, "end pose") for i, (pose, end) in pairs])
+    return started, ended
 
 
-def shapes_of(shapes: Sequence[Shape], bodies: Sequence[Body]) -> list[int]:
+def shapes_of(shapes: Sequence[Any], given: Sequence[Any]) -> list[int]:
     """The index of each body's shape, which may be given as the shape itself."""
     places = {id(shape): i for i, shape in enumerate(shapes)}
     result = []
-    for i, body in enumerate(bodies):
-        place = places.get(id(body.shape), body.shape)
+    for i, shape in enumerate(given):
+        place = places.get(id(shape), shape)
         if isinstance(place, (bool, np.bool_)) or not isinstance(place, (int, np.integer)):
             raise InvalidType(
                 f"body {i}: its shape must be an index, or one of the world's crumple.Shape, not "
@@ -163,8 +148,8 @@ def shapes_of(shapes: Sequence[Shape], bodies: Sequence[Body]) -> list[int]:
     return result
 
 
-def excluded_pairs(world: World, excluded: Any) -> np.ndarray:
-    """(k, 2) int32 of pairs of bodies, given by index or by name."""
+def excluded_pairs(excluded: Any, bodies: int, index: Callable[[str], int]) -> np.ndarray:
+    """(k, 2) int32 of pairs of bodies, given by index, less than `bodies`, or by name, of which there is an `index`."""
     # The fast way: whether indices are in range is looked at where they are read.
     if type(excluded) is np.ndarray and excluded.dtype == np.int32 and excluded.shape[1:] == (2,):
         return excluded
@@ -179,15 +164,15 @@ def excluded_pairs(world: World, excluded: Any) -> np.ndarray:
             raise InvalidInput(f"excluded must have shape (k, 2), not {pairs.shape}")
         if pairs.dtype.kind not in "iu":
             raise InvalidInput(f"excluded must be integers, not {pairs.dtype}")
-        outside = np.argwhere((pairs < 0) | (pairs >= world.distinct))
+        outside = np.argwhere((pairs < 0) | (pairs >= bodies))
         if len(outside):
-            _refuse_index(world, int(pairs[tuple(outside[0])]))
+            _refuse_index(int(pairs[tuple(outside[0])]), bodies)
         return np.ascontiguousarray(pairs, np.int32)
-    rows = [_pair(world, pair) for pair in excluded]
+    rows = [[_body(one, bodies, index) for one in _pair(pair)] for pair in excluded]
     return np.array(rows, np.int32).reshape(-1, 2)
 
 
-def _pair(world: World, pair: Any) -> tuple[int, int]:
+def _pair(pair: Any) -> Any:
     # A set of one is a body and itself.
     given = sorted(pair, key=str) if isinstance(pair, (set, frozenset)) else pair
     if isinstance(given, (str, bytes)) or not isinstance(given, Sequence | np.ndarray):
@@ -196,23 +181,21 @@ def _pair(world: World, pair: Any) -> tuple[int, int]:
         given = [given[0], given[0]]
     if len(given) != 2:
         raise InvalidInput(f"excluded must be pairs of bodies, such as {{'arm', 'hand'}}, but {pair!r} is none")
-    return _body(world, given[0]), _body(world, given[1])
+    return given
 
 
-def _body(world: World, given: Any) -> int:
+def _body(given: Any, bodies: int, index: Callable[[str], int]) -> int:
     if isinstance(given, str):
         try:
-            return world.index(given)
+            return index(given)
         except InvalidInput as error:
             raise InvalidInput(f"excluded: {error}", element="body") from None
     if isinstance(given, (bool, np.bool_)) or not isinstance(given, (int, np.integer)):
         raise InvalidType(f"excluded must name bodies by str or int, not {type(given).__name__}")
-    if not 0 <= given < world.distinct:
-        _refuse_index(world, int(given))
+    if not 0 <= given < bodies:
+        _refuse_index(int(given), bodies)
     return int(given)
 
 
-def _refuse_index(world: World, body: int) -> None:
-    raise InvalidInput(
-        f"excluded names body {body} of {world.distinct}", code="index_out_of_range", element="body", index=body
-    )
+def _refuse_index(body: int, bodies: int) -> None:
+    raise InvalidInput(f"excluded names body {body} of {bodies}", code="index_out_of_range", element="body", index=body)
