@@ -26,7 +26,6 @@ import functools as _functools
 from typing import Any as _Any
 
 from . import _versions  # noqa: F401, first: it refuses two distributions that overwrite each other
-from ._candidates import Candidates
 from ._core import Part, Statistics, __version__
 from ._detector import Detector
 from ._device import DeviceArray as DeviceArray
@@ -34,23 +33,21 @@ from ._device import DeviceInfo as DeviceInfo
 from ._device import DeviceList as DeviceList
 from ._device import DeviceResult, list_devices
 from ._device import Launch as Launch
-from ._distances import Distances
 from ._errors import BackendUnavailable, Error, FileError, FileWarning, InvalidInput, InvalidType, MemoryLimit
+from ._feature_pairs import Candidates, pair_distances, pair_impacts
 from ._feature_pairs import PairDistances as PairDistances
 from ._feature_pairs import PairImpacts as PairImpacts
-from ._feature_pairs import pair_distances, pair_impacts
+from ._features import EdgeEdgeType as EdgeEdgeType
+from ._features import FirstImpact, FreeStep, Impacts, Proximities
+from ._features import VertexEdgeType as VertexEdgeType
+from ._features import VertexFaceType as VertexFaceType
+from ._features import VertexVertexType as VertexVertexType
 from ._files import ProceduralScene as ProceduralScene
 from ._files import make_scene, read_mesh, read_pairs, read_poses, read_world, scenes, write_mesh
-from ._impacts import FirstImpact, FreeStep, Impacts
 from ._intersections import Intersections
 from ._mesh import FileMesh as FileMesh
 from ._mesh import Mesh, Shape, as_mesh
 from ._mesh import Polygons as Polygons
-from ._proximities import EdgeEdgeType as EdgeEdgeType
-from ._proximities import Proximities
-from ._proximities import VertexEdgeType as VertexEdgeType
-from ._proximities import VertexFaceType as VertexFaceType
-from ._proximities import VertexVertexType as VertexVertexType
 from ._queries import (
     CandidateQuery,
     DistanceQuery,
@@ -62,8 +59,9 @@ from ._queries import (
     PairFilter,
     ProximityQuery,
 )
-from ._result import ContactKind as ContactKind
-from ._result import Contacts as Contacts
+from ._results import ContactKind as ContactKind
+from ._results import Contacts as Contacts
+from ._results import Distances
 from ._world import Body, World
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Literal, overload
 
-from . import _core, _results
+from . import _core
 from ._core import Statistics
 from ._device import Launch, stream_of
 from ._errors import InvalidInput, InvalidType, suggesting
-from ._mesh import is_mesh
+from ._feature_pairs import Candidates
+from ._features import FirstImpact, FreeStep, Impacts, Proximities
+from ._intersections import Intersections
 from ._queries import (
     CandidateQuery,
     DistanceQuery,
@@ -24,8 +26,8 @@ from ._queries import (
     keywords_of,
     query_of,
 )
-from ._results import Candidates, Distances, FirstImpact, FreeStep, Impacts, Intersections, Proximities, checked_query
-from ._scene import excluded_in, scene_of, with_names
+from ._results import Distances
+from ._scene import checked_copy, checked_query, excluded_in, scene_of, show, step_of, with_names
 
 Backend = Literal["automatic", "cpu", "cuda", "reference"]
 Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
@@ -180,7 +182,7 @@ class Detector(_core.Detector):
     def _find(self, scene: Any, query: Any, copy: Any = False) -> Any:
         query = checked_query(scene, query)
         found = self._call("find", scene, query)
-        return _results.show(found, scene, query, _results.checked_copy(copy))
+        return show(found, scene, query, checked_copy(copy))
 
     def _call(self, delivery: str, scene: Any, query: Query, *more: Any, before: tuple[Any, ...] = ()) -> Any:
         """Has the extension module do it, unless queries of this type are not delivered so."""
@@ -238,7 +240,7 @@ class Detector(_core.Detector):
             scene,
             query,
             block_rows,
-            before=(lambda found: take(_results.show(found, scene, query, False, block=True)),),
+            before=(lambda found: take(show(found, scene, query, False, block=True)),),
         )
 
     @suggesting
@@ -413,10 +415,3 @@ class Detector(_core.Detector):
             copy: as of find.
         """
         return self._find(scene_of(world, second), query_of(DistanceQuery, options), copy)
-
-
-def step_of(start: Any, end: Any, faces: Any, groups: Any = None, edges: Any = None, points: Any = None) -> Any:
-    """The scene of (start, end, faces), (mesh, end), or one that moves by itself."""
-    if end is not None and faces is None and is_mesh(end):
-        return scene_of(start, end, groups=groups, edges=edges, points=points)
-    return scene_of(start, faces, end=end, groups=groups, edges=edges, points=points)

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from . import _core
 from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
+from ._features import FirstImpact
 
 if TYPE_CHECKING:
     from ._detector import Detector
-    from ._results import FirstImpact
 
 _AGAIN = "a call outside of the capture makes longer lists, or other features; capture it again"
 
@@ -77,8 +77,6 @@ class DeviceResult:
     """
 
     def __init__(self, detector: Detector, values: Any, arrays: dict[str, Any], statistics: Statistics) -> None:
-        from ._results import FirstImpact
-
         self.complete, self.needed, self.count, self.any, first = values
         self.first: FirstImpact | None = None if first is None else FirstImpact(*first)._replace(bodies=None)
         self.statistics = statistics

@@ -1,24 +1,31 @@
-"""What a picture of a result shows, as plain arrays for PyVista."""
+"""Pictures of results: plain arrays of what they show, and PyVista, which is imported only here."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._arrays import host_array
 from ._errors import InvalidInput
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from ._intersections import Painted
-    from ._mesh import Mesh
+from ._mesh import Mesh
+from ._results import Contacts
 
 #: Red, green, blue of the first and the second mesh's triangles, calm and colliding, and of contacts: as in files.
 CALM = ((178, 178, 178), (150, 168, 188))
 COLLIDING = ((213, 94, 0), (213, 94, 0))
 CONTACT = (20, 20, 20)
+
+
+class Painted(NamedTuple):
+    """What a picture needs of a result: meshes, the triangles that collide, and contacts."""
+
+    first: Mesh
+    hit: NDArray[np.bool_]
+    contacts: Contacts | None
+    second: Mesh | None = None
+    hit_second: NDArray[np.bool_] | None = None
 
 
 class Drawing(NamedTuple):
@@ -81,3 +88,46 @@ def drawing_of(result: Painted) -> Drawing:
         vertices = np.concatenate([vertices, more_vertices])
         colours = np.concatenate([colours, more_colours])
     return Drawing(vertices, faces, colours, *_contact_lines(result))
+
+
+def _in_front(actor: Any) -> None:
+    """Draws contacts a little nearer to the eye: the surfaces that they lie in would hide half of each line."""
+    mapper = actor.mapper
+    mapper.SetResolveCoincidentTopologyToPolygonOffset()
+    mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -300.0)
+    mapper.SetRelativeCoincidentTopologyPointOffsetParameter(-300.0)
+
+
+def plotter(result: Painted, off_screen: bool | None) -> Any:
+    """A pyvista.Plotter that shows the result. Raises a ModuleNotFoundError that says what to install."""
+    try:
+        import pyvista
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError("pictures need PyVista: pip install pyvista", name="pyvista") from error
+    drawing = drawing_of(result)
+    scene = pyvista.Plotter(off_screen=off_screen)
+    scene.set_background("white")
+    if len(drawing.faces):
+        mesh = pyvista.PolyData.from_regular_faces(drawing.vertices, drawing.faces)
+        mesh.cell_data["colour"] = drawing.colours
+        scene.add_mesh(mesh, scalars="colour", rgb=True, show_edges=len(drawing.faces) <= 5_000, edge_color="#8a9199")
+    if len(drawing.lines):
+        lines = pyvista.line_segments_from_points(drawing.lines.reshape(-1, 3))
+        _in_front(scene.add_mesh(lines, color=CONTACT, line_width=4))
+    if len(drawing.points):
+        points = pyvista.PolyData(np.ascontiguousarray(drawing.points))
+        _in_front(scene.add_mesh(points, color=CONTACT, point_size=10, render_points_as_spheres=True))
+    scene.camera_position = "iso"
+    return scene
+
+
+def image(result: Painted, **options: Any) -> Any:
+    """A PIL.Image, without opening a window."""
+    scene = plotter(result, off_screen=True)
+    try:
+        pixels = scene.screenshot(**{**options, "filename": None, "return_img": True})
+    finally:
+        scene.close()
+    from PIL import Image  # PyVista needs it, too
+
+    return Image.fromarray(pixels)

@@ -1,15 +1,72 @@
-"""Exact decisions about pairs of features that are given, for those who have a broad phase of their own."""
+"""Parts of a search: candidates, for a narrow phase of your own, and exact decisions, for a broad phase of your own."""
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from . import _core
 from ._errors import InvalidInput, InvalidType, suggesting
+from ._features import LISTS, PairLists
+from ._results import extension_of, file_name, int32
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+_KIND_OF = {name: kind for kind, name in LISTS.items()} | {f"{kind}_bodies": kind for kind in LISTS}
+
+
+class Candidates(PairLists):
+    """Which features have boxes that overlap, of the requested kinds: the same bytes wherever it is computed.
+
+    A list for each kind, sorted and unique; of worlds by body before vertex, edge or face. IPC Toolkit's face-vertex,
+    edge-face and edge-vertex candidates are `vertex_faces`, `edge_faces` and `vertex_edges` here.
+
+    It is true if it lists anything; `len(candidates)` is the number of all.
+    """
+
+    _query = "CandidateQuery"
+
+    def _check(self, name: str) -> None:
+        kind = _KIND_OF.get(name)
+        if name.endswith("_bodies") and not self._request.of_bodies:
+            raise InvalidInput(f"{name} are for worlds, but the scene is one mesh")
+        if kind is not None and kind not in self._request.kinds:
+            self._refuse(name, f'kinds=["{kind}"]')
+
+    edge_faces = int32("(k, 2) int32: each one of `edges` and a face without a common vertex.", (2,))
+    face_faces = int32("(k, 2) int32: each two faces without a common vertex, the lower first.", (2,))
+    vertex_edges = int32("(k, 2) int32: each a vertex and one of `edges` that does not name it.", (2,))
+    vertex_vertices = int32("(k, 2) int32: each two vertices, the lower first.", (2,))
+    edge_face_bodies = int32("(k, 2) int32, of a world: the edge's body and the face's.", (2,))
+    face_face_bodies = int32("(k, 2) int32, of a world: the body of each of the two faces.", (2,))
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The requested kinds."""
+        return self._request.kinds
+
+    def __bool__(self) -> bool:
+        """True if anything is listed."""
+        return self._found.count > 0
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the lists that were requested as .txt, .csv, .json or .npz, by extension (docs/feature_lists.md).
+
+        Edges are named by their vertices in .txt and .csv; of worlds ids are body:id there. A file appears when it is
+        complete; the old one stays until then. Ctrl-C waits until the file is written. Raises InvalidInput for other
+        extensions; FileError.
+        """
+        name = file_name(path)
+        if extension_of(name) not in (".txt", ".csv", ".json", ".npz"):
+            raise InvalidInput(f"{name}: candidates are saved as .txt, .csv, .json or .npz")
+        _core.write_candidates(path, self)
+
+    def __repr__(self) -> str:
+        of = ", ".join(f"{len(getattr(self._found, LISTS[kind]))} {kind}" for kind in self.kinds)
+        found = "candidates" if self.count != 1 else "candidate"
+        return f"<crumple.Candidates: {self.count} {found}, {of}, {self.statistics.milliseconds:.3g} ms>"
 
 
 class PairImpacts(NamedTuple):

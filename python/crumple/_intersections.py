@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 from . import _core
 from ._errors import InvalidInput, InvalidType
-from ._result import PICTURES, Contacts, Result, extension_of, file_name
+from ._mesh import Mesh
+from ._results import Contacts, Result, bools, extension_of, file_name, float64, int32, int64, uint8
+from ._world import World
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from ._drawing import Painted
 
-    from ._mesh import Mesh
-    from ._world import World
-
+_PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".bmp": "BMP", ".tif": "TIFF", ".tiff": "TIFF"}
 _PAIR_FILES = {".txt", ".csv", ".json", ".npz"}
 _MESH_FILES = {".ply", ".obj", ".glb", ".3mf", ".html"}
 OUTPUTS = ("any", "any_by_world", "body_pairs", "count", "pairs", "contacts")
@@ -26,20 +25,6 @@ _FROM = {"world_hit": "any_by_world", "count": "count", "world_counts": "count",
 _OF_MESHES = ("offsets", "hit_second")
 _OF_WORLDS = ("world_hit", "world_counts", "world_offsets", "body_offsets", "first_triangle")
 _INDEX = ("world_offsets", "body_offsets", "first_triangle", "hit")
-
-
-class Painted:
-    """What a picture needs of a result: meshes, the triangles that collide, and contacts."""
-
-    def __init__(
-        self,
-        first: Mesh,
-        hit: NDArray[np.bool_],
-        contacts: Contacts | None,
-        second: Mesh | None = None,
-        hit_second: NDArray[np.bool_] | None = None,
-    ) -> None:
-        self.first, self.hit, self.contacts, self.second, self.hit_second = first, hit, contacts, second, hit_second
 
 
 class Intersections(Result):
@@ -91,65 +76,40 @@ class Intersections(Result):
         self._check("count")
         return self._found.count
 
-    @cached_property
-    def pairs(self) -> NDArray[np.int32]:
-        """(k, 2) int32: the triangles of each pair. From output="pairs" on."""
-        return self._array("pairs")
+    pairs = int32('(k, 2) int32: the triangles of each pair. From output="pairs" on.', (2,))
+
+    _contact_kinds = uint8("Contacts.kinds.")
+    _contact_offsets = int64("Contacts.offsets.")
+    _contact_points = float64("Contacts.points.", (3,))
 
     @cached_property
     def contacts(self) -> Contacts | None:
         """Where the pairs meet, or None if output="contacts" was not requested."""
         if self._request.output != "contacts":
             return None
-        return Contacts(self._array("contact_kinds"), self._array("contact_offsets"), self._array("contact_points"))
+        return Contacts(self._contact_kinds, self._contact_offsets, self._contact_points)
 
-    @cached_property
-    def bodies(self) -> NDArray[np.int32]:
-        """(k, 2) int32, of a world: the bodies of each pair; of output="body_pairs" those that intersect, each once."""
-        return self._array("bodies")
-
-    @cached_property
-    def offsets(self) -> NDArray[np.int64]:
-        """(m + 1,) int64, of meshes: pairs whose first triangle is i are pairs[offsets[i]:offsets[i + 1]]."""
-        return self._array("offsets")
-
-    @cached_property
-    def hit(self) -> NDArray[np.bool_]:
-        """(m,) bool: which triangles (of the first mesh; with `index` of all bodies of a world) are in some pair."""
-        return self._array("hit")
-
-    @cached_property
-    def hit_second(self) -> NDArray[np.bool_]:
-        """(m of the second mesh,) bool: the same for the second mesh; empty for one mesh."""
-        return self._array("hit_second")
-
-    @cached_property
-    def world_hit(self) -> NDArray[np.bool_]:
-        """(worlds,) bool: in which worlds, or configurations, something intersects. From output="any_by_world" on."""
-        return self._array("world_hit")
-
-    @cached_property
-    def world_counts(self) -> NDArray[np.int64]:
-        """(worlds,) int64: how many pairs of triangles each world has. From output="count" on."""
-        return self._array("world_counts")
-
-    @cached_property
-    def world_offsets(self) -> NDArray[np.int64]:
-        """(worlds + 1,) int64, with `index`: the rows of world w are [world_offsets[w]:world_offsets[w + 1]].
-
-        The rows after these are of bodies that are in all worlds.
-        """
-        return self._array("world_offsets")
-
-    @cached_property
-    def body_offsets(self) -> NDArray[np.int64]:
-        """(n + 1,) int64, with `index`: the rows whose first body is b are [body_offsets[b]:body_offsets[b + 1]]."""
-        return self._array("body_offsets")
-
-    @cached_property
-    def first_triangle(self) -> NDArray[np.int64]:
-        """(n + 1,) int64, with `index`: where each body's triangles begin in `hit`."""
-        return self._array("first_triangle")
+    bodies = int32(
+        '(k, 2) int32, of a world: the bodies of each pair; of output="body_pairs" those that intersect, each once.',
+        (2,),
+    )
+    offsets = int64("(m + 1,) int64, of meshes: pairs whose first triangle is i are pairs[offsets[i]:offsets[i + 1]].")
+    hit = bools(
+        "(m,) bool: which triangles (of the first mesh; with `index` of all bodies of a world) are in some pair."
+    )
+    hit_second = bools("(m of the second mesh,) bool: the same for the second mesh; empty for one mesh.")
+    world_hit = bools(
+        '(worlds,) bool: in which worlds, or configurations, something intersects. From output="any_by_world" on.'
+    )
+    world_counts = int64('(worlds,) int64: how many pairs of triangles each world has. From output="count" on.')
+    world_offsets = int64(
+        "(worlds + 1,) int64, with `index`: the rows of world w are [world_offsets[w]:world_offsets[w + 1]]. The "
+        "rows after these are of bodies that are in all worlds."
+    )
+    body_offsets = int64(
+        "(n + 1,) int64, with `index`: the rows whose first body is b are [body_offsets[b]:body_offsets[b + 1]]."
+    )
+    first_triangle = int64("(n + 1,) int64, with `index`: where each body's triangles begin in `hit`.")
 
     @property
     def names(self) -> list[tuple[str, str]]:
@@ -173,7 +133,7 @@ class Intersections(Result):
 
         `options` go to pyvista.Plotter.show, whose result is returned. Raises ModuleNotFoundError without PyVista.
         """
-        from ._pictures import plotter
+        from ._drawing import plotter
 
         return plotter(self._painted(), off_screen=None).show(**options)
 
@@ -200,11 +160,11 @@ class Intersections(Result):
         for option in options:
             if extension in lists | _MESH_FILES and (self._of_world or (extension, option) != (".html", "height")):
                 raise InvalidType(f"{option} is no option of {extension} files")
-        if extension in PICTURES:
-            from ._pictures import image
+        if extension in _PICTURES:
+            from ._drawing import image
 
             picture = io.BytesIO()
-            image(self._painted(), **options).save(picture, format=PICTURES[extension])
+            image(self._painted(), **options).save(picture, format=_PICTURES[extension])
             _core.write_bytes(path, picture.getvalue())
         elif extension in lists:
             self._check("pairs")
@@ -248,6 +208,8 @@ class Intersections(Result):
         return self._found
 
     def _painted(self) -> Painted:
+        from ._drawing import Painted
+
         if not self._of_world:
             self._check("pairs")
             first, second = self._meshes()

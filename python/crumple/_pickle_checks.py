@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ._candidates import LISTS
 from ._errors import InvalidInput
-from ._impacts import FirstImpact, Impacts
+from ._features import (
+    LISTS,
+    EdgeEdgeType,
+    FirstImpact,
+    Impacts,
+    Proximities,
+    VertexEdgeType,
+    VertexFaceType,
+    VertexVertexType,
+)
 from ._intersections import OUTPUTS
-from ._proximities import EdgeEdgeType, Proximities, VertexEdgeType, VertexFaceType, VertexVertexType
-
-if TYPE_CHECKING:
-    from ._result import Result
+from ._results import Result
 
 _OUTPUTS = {"Impacts": Impacts._outputs, "Proximities": Proximities._outputs}
 _VALUES = {"Impacts": ("toi", "start"), "Proximities": ("squared_distance", "touching")}

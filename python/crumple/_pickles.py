@@ -7,16 +7,14 @@ from typing import Any
 import numpy as np
 
 from . import _arrays, _core
-from ._candidates import LISTS, Candidates
 from ._core import Statistics
-from ._distances import Distances
 from ._errors import InvalidInput, InvalidType
-from ._impacts import Impacts
+from ._feature_pairs import Candidates
+from ._features import Impacts, Proximities
 from ._intersections import Intersections
 from ._mesh import Mesh
 from ._pickle_checks import check_fit
-from ._proximities import Proximities
-from ._result import Request, Result
+from ._results import Array, Distances, Request, Result
 from ._world import World
 
 _RESULTS: dict[str, type[Result]] = {
@@ -27,61 +25,15 @@ _RESULTS: dict[str, type[Result]] = {
     "Distances": Distances,
 }
 
-Columns = dict[str, tuple[Any, tuple[int, ...]]]  # type and columns of each array; what was not requested is empty
-
-
-def _all(dtype: Any, names: list[str], columns: tuple[int, ...] = ()) -> Columns:
-    return {name: (dtype, columns) for name in names}
-
-
-_KINDS = ("vertex_face", "edge_edge", "vertex_edge", "vertex_vertex")
-_OF_FEATURES: Columns = {
-    **_all(np.int32, ["edges"], (2,)),
-    **_all(np.int32, ["points"]),
-    **_all(np.int64, ["first_edge", "first_point"]),
-}
-_OF_LISTS: Columns = {
-    **_OF_FEATURES,
-    **_all(np.bool_, ["world_hit"]),
-    **_all(np.int32, [name for kind in _KINDS for name in (LISTS[kind], f"{kind}_bodies")], (2,)),
-    **_all(np.int64, ["vertex_offsets", "face_offsets", "by_face", "edge_offsets", "second_edge_offsets"]),
-    **_all(np.int64, ["by_second_edge", "vertex_edge_offsets", "edge_vertex_offsets", "by_edge"]),
-    **_all(np.int64, ["vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex"]),
-}
-_ARRAYS: dict[str, Columns] = {
-    "Intersections": {
-        **_all(np.int32, ["pairs", "bodies"], (2,)),
-        **_all(np.int64, ["offsets", "world_counts", "world_offsets", "body_offsets", "first_triangle"]),
-        **_all(np.bool_, ["hit", "hit_second", "world_hit"]),
-        **_all(np.uint8, ["contact_kinds"]),
-        **_all(np.int64, ["contact_offsets"]),
-        **_all(np.float64, ["contact_points"], (3,)),
-    },
-    "Impacts": {
-        **_OF_LISTS,
-        **_all(np.int32, ["triangle_pairs", "triangle_pair_bodies"], (2,)),
-        **_all(np.float64, [f"{kind}_toi" for kind in (*_KINDS, "triangle_pair")]),
-        **_all(np.bool_, [f"{kind}_start" for kind in (*_KINDS, "triangle_pair")]),
-        **_all(np.int64, ["triangle_offsets", "second_triangle_offsets", "by_second_triangle"]),
-    },
-    "Proximities": {
-        **_OF_LISTS,
-        **_all(np.float64, [f"{kind}_squared_distance" for kind in _KINDS]),
-        **_all(np.bool_, [f"{kind}_touching" for kind in _KINDS]),
-        **_all(np.uint8, [f"{kind}_type" for kind in _KINDS]),
-        **_all(np.float64, [f"{kind}_at" for kind in _KINDS], (2,)),
-        **_all(np.float64, ["vertex_distance", "face_distance", "edge_distance"]),
-    },
-    "Candidates": {
-        **_OF_FEATURES,
-        **_all(np.int32, [name for kind in LISTS for name in (LISTS[kind], f"{kind}_bodies")], (2,)),
-    },
-    "Distances": {
-        **_all(np.int32, ["bodies", "triangles"], (2,)),
-        **_all(np.float64, ["squared_distance"]),
-        **_all(np.bool_, ["touching"]),
-        **_all(np.float64, ["points"], (2, 3)),
-    },
+# The arrays that each result's class declares; those that were not requested are empty.
+_ARRAYS = {
+    kind: {
+        array.found: array
+        for base in reversed(made.__mro__)
+        for array in vars(base).values()
+        if isinstance(array, Array)
+    }
+    for kind, made in _RESULTS.items()
 }
 _VALUES: dict[str, dict[str, type]] = {
     "Intersections": {"any": bool, "count": int, "statistics": Statistics},
@@ -156,7 +108,7 @@ def restore(kind: Any, request: Any, state: Any, *scene: Any) -> Result:
     for name, wanted in values.items():
         if not isinstance(state[name], wanted) or (wanted is Statistics and not _core.is_filled(state[name])):
             raise InvalidType(f"the state of {kind} needs {name} as {wanted.__name__}")
-    made = {name: _array(state[name], f"the state of {kind} needs {name}", *arrays[name]) for name in arrays}
+    made = {name: _array(state[name], f"the state of {kind} needs {name}", arrays[name]) for name in arrays}
     request = _request(request, kind)
     if kind == "Intersections":
         scene = _scene(request, scene)
@@ -173,7 +125,8 @@ def restore(kind: Any, request: Any, state: Any, *scene: Any) -> Result:
     return result
 
 
-def _array(array: Any, needs: str, dtype: Any, columns: tuple[int, ...]) -> np.ndarray:
+def _array(array: Any, needs: str, wanted: Array) -> np.ndarray:
+    dtype, columns = wanted.dtype, wanted.columns
     fits = isinstance(array, np.ndarray) and array.dtype.newbyteorder("=") == dtype
     if not fits or array.ndim != 1 + len(columns) or array.shape[1:] != columns:
         shape = ", ".join(["n", *map(str, columns)])

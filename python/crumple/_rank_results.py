@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from . import _impacts, _intersections, _proximities
+from . import _features, _intersections
 from ._errors import InvalidInput
-from ._result import Request
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+from ._results import Request, int32
 
 _ROWS = ("vertex_face", "edge_edge")
 
@@ -66,18 +61,11 @@ class _Features(_OfRank):
             self._check_output("edge_edges")  # type: ignore[attr-defined]
         super()._check(name)  # type: ignore[misc]
 
-    @cached_property
-    def edge_ids(self) -> NDArray[np.int32]:
-        """(n,) int32: the numbers of the edges that these rows name, ascending: those of one process.
-
-        The vertices of edges e are edges[numpy.searchsorted(edge_ids, e)].
-        """
-        return self._array("edge_ids")  # type: ignore[attr-defined]
-
-    @cached_property
-    def edge_bodies(self) -> NDArray[np.int32]:
-        """(n,) int32: of a world, the bodies of `edge_ids`, ascending; numbers ascend within each."""
-        return self._array("edge_bodies")  # type: ignore[attr-defined]
+    edge_ids = int32(
+        "(n,) int32: the numbers of the edges that these rows name, ascending: those of one process. The vertices of "
+        "edges e are edges[numpy.searchsorted(edge_ids, e)]."
+    )
+    edge_bodies = int32("(n,) int32: of a world, the bodies of `edge_ids`, ascending; numbers ascend within each.")
 
     def __len__(self) -> int:
         """How many rows this rank has."""
@@ -90,14 +78,14 @@ class _Features(_OfRank):
         return f"<crumple.mpi.{type(self).__name__}: {found}, {ms:.3g} ms>"
 
 
-class Impacts(_Features, _impacts.Impacts):
+class Impacts(_Features, _features.Impacts):
     """This rank's share of the impacts of a step: those whose first feature is its own, in order.
 
     An edge of `first` has a number that only the rank whose rows name it can tell vertices for.
     """
 
 
-class Proximities(_Features, _proximities.Proximities):
+class Proximities(_Features, _features.Proximities):
     """This rank's share of what is near: those pairs whose first feature is its own, in order."""
 
 

@@ -1,119 +1,261 @@
-"""Results: each query's, made of what the extension module found."""
+"""The base of all results, and the results that need little more: contacts, and distances of bodies."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
+import os
+from collections.abc import Iterator
+from copy import deepcopy
+from enum import IntEnum
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from ._candidates import Candidates
-from ._distances import Distances
 from ._errors import InvalidInput, InvalidType
-from ._impacts import FirstImpact, FreeStep, Impacts
-from ._intersections import Intersections
-from ._mesh import Mesh
-from ._proximities import Proximities
-from ._queries import (
-    CandidateQuery,
-    FirstImpactQuery,
-    FreeStepQuery,
-    IntersectionQuery,
-    PairFilter,
-    ProximityQuery,
-    Query,
-)
-from ._result import Request, Result
-from ._scene import kind_of
 
-_RESULTS: dict[str, type[Result]] = {
-    "intersections": Intersections,
-    "impacts": Impacts,
-    "proximities": Proximities,
-    "candidates": Candidates,
-    "distances": Distances,
-}
-_OPTIONS = ("index", "triangle_pairs", "closest", "least")
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+    from typing_extensions import Self
+
+    from ._core import Statistics
 
 
-def show(found: Any, scene: Any, query: Any, copy: bool, block: bool = False) -> Any:
-    """The result of a query, of the extension module's."""
-    kind = kind_of(scene)
-    of_bodies = kind == "world" or (kind == "meshes" and not isinstance(query, IntersectionQuery))
-    if isinstance(query, FirstImpactQuery):
-        first = None if found is None else FirstImpact(*found)
-        return first if first is None or of_bodies else first._replace(bodies=None)
-    if isinstance(query, FreeStepQuery):
-        return FreeStep(*found)
-    request = _request_of(query, kind, of_bodies, copy, block)
-    return _RESULTS[query._call](found, request, *(_kept(scene, kind) if isinstance(query, IntersectionQuery) else ()))
+class Request(NamedTuple):
+    """The request that a result is for.
+
+    Attributes:
+        scene: "mesh", "meshes", "world" or "part".
+        of_bodies: whether rows have bodies.
+        output: as the query has it.
+        options: members of the query that are true, such as "index".
+        kinds: of candidates.
+        copy: arrays are writable copies.
+        block: a block of a stream, which has rows and nothing else.
+    """
+
+    scene: str
+    of_bodies: bool
+    output: str
+    options: frozenset[str]
+    kinds: tuple[str, ...]
+    copy: bool
+    block: bool
 
 
-def _request_of(query: Any, *how: Any) -> Request:
-    """The request of this query; cached by the query, which callers use many times."""
-    known = query.__dict__.setdefault("_request", {})
-    request = known.get(how)
-    if request is None:
-        kind, of_bodies, copy, block = how
-        output = getattr(query, "output", "pairs")
-        listed = output in ("pairs", "contacts")
-        options = frozenset(name for name in _OPTIONS if listed and getattr(query, name, False))
-        request = known[how] = Request(kind, of_bodies, output, options, getattr(query, "kinds", ()), copy, block)
-    return request
+class Array(cached_property[Any]):
+    """An array of a result, which its pickles have, too.
+
+    Attributes:
+        dtype: of its elements.
+        columns: of each row.
+    """
+
+    def __init__(self, dtype: str, about: str, columns: tuple[int, ...]) -> None:
+        super().__init__(lambda result: result._array(self.found))
+        self.dtype, self.columns, self.__doc__ = dtype, columns, about
+
+    @property
+    def found(self) -> str:
+        """The name that the extension module has for it: a private one begins with an underscore here."""
+        return self.attrname.removeprefix("_")
 
 
-def _kept(scene: Any, kind: str) -> tuple[Any, ...]:
-    """The parts of a scene that files and pictures need: (world, poses), or two meshes and ids of triangles."""
-    if kind == "world":
-        return scene, scene.poses
-    if kind == "part":
-        second = None if scene.second is None else Mesh(*scene.second)
-        return Mesh(*scene.mesh), second, scene.triangles, None if second is None else scene.triangles_second
-    first, second = (scene, None) if kind == "mesh" else scene
-    return first, second, None, None
+def uint8(about: str, columns: tuple[int, ...] = ()) -> cached_property[NDArray[np.uint8]]:
+    return Array("uint8", about, columns)
 
 
-def checked_copy(copy: Any) -> bool:
-    if isinstance(copy, bool) or type(copy).__name__ in ("bool_", "bool"):
-        return bool(copy)
-    raise InvalidType(f"copy must be True or False, not {type(copy).__name__}")
+def int32(about: str, columns: tuple[int, ...] = ()) -> cached_property[NDArray[np.int32]]:
+    return Array("int32", about, columns)
 
 
-def checked_query(scene: Any, query: Any) -> Any:
-    """The query, with its kinds as a tuple, and a radius that fits the scene."""
-    if not isinstance(query, Query):
-        raise InvalidType(f"query must be one of crumple's, such as crumple.ImpactQuery(), not {_name_of(query)}")
-    filters = query.filter  # type: ignore[attr-defined]
-    if not isinstance(filters, PairFilter):
-        raise InvalidType(f"filter must be a crumple.PairFilter, not {_name_of(filters)}")
-    if isinstance(query, CandidateQuery):
-        return replace(query, kinds=_kinds(query.kinds))
-    if isinstance(query, ProximityQuery):
-        _check_radius(scene, query)
-    return query
+def int64(about: str, columns: tuple[int, ...] = ()) -> cached_property[NDArray[np.int64]]:
+    return Array("int64", about, columns)
 
 
-def _name_of(thing: Any) -> str:
-    kind = thing if isinstance(thing, type) else type(thing)
-    name = f"{kind.__module__}.{kind.__qualname__}".removeprefix("builtins.")
-    return f"the type {name} itself" if isinstance(thing, type) else name
+def float64(about: str, columns: tuple[int, ...] = ()) -> cached_property[NDArray[np.float64]]:
+    return Array("float64", about, columns)
 
 
-def _kinds(kinds: Any) -> tuple[Any, ...]:
-    if isinstance(kinds, str):
-        return (kinds,)
+def bools(about: str, columns: tuple[int, ...] = ()) -> cached_property[NDArray[np.bool_]]:
+    return Array("bool", about, columns)
+
+
+class Result:
+    """Base of all results: NumPy views of what the library found.
+
+    A result outlives its detector, and no later call changes it. Its arrays are read-only views of the library's memory
+    that keep that memory alive; once the last of them is gone, the detector's next call uses the memory again. With
+    `copy=True` they are writable arrays of their own. What was not requested is an InvalidInput that says how to ask.
+
+    Results can be copied and pickled: copy.copy shares the arrays, copy.deepcopy does not; unpickling checks that all
+    of it fits together, or raises InvalidInput. What was written into the arrays of `copy=True` is not carried.
+    """
+
+    _query: ClassVar[str]  # the name of the query
+
+    def __init__(self, found: Any, request: Request, *scene: Any) -> None:
+        self._found = found  # of the extension module, or _pickles.Stored
+        self._request = request
+        self._scene = scene  # what files and pictures need of it
+
+    def _check(self, name: str) -> None:
+        """Raises InvalidInput, which says how to ask, for an array that was not requested."""
+
+    def _refuse(self, name: str, how: str) -> None:
+        raise InvalidInput(f"{name} was not requested: {self._query}({how})")
+
+    def _array(self, name: str) -> Any:
+        self._check(name)
+        array = getattr(self._found, name)
+        return array.copy() if self._request.copy else array
+
+    @property
+    def any(self) -> bool:
+        """True if there is anything at all."""
+        return self._found.any
+
+    @property
+    def statistics(self) -> Statistics:
+        """Counts and times of the stages."""
+        return self._found.statistics
+
+    def __bool__(self) -> bool:
+        """True if there is anything at all."""
+        return self._found.any
+
+    def __reduce__(self) -> Any:
+        from ._pickles import restore, state_of
+
+        return restore, state_of(self)
+
+    def __copy__(self) -> Self:
+        return type(self)(self._found, self._request, *self._scene)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        from ._pickles import Stored, stored
+
+        deep_copy = getattr(self._found, "deep_copy", None)
+        found = deep_copy() if deep_copy else Stored(stored(type(self).__name__, self._found))
+        return type(self)(found, self._request, *(deepcopy(thing, memo) for thing in self._scene))
+
+
+def file_name(path: Any) -> str:
     try:
-        return tuple(kinds)
+        name = os.fsdecode(path)
+        if b"\0" not in os.fsencode(name):
+            return name
     except TypeError:
-        raise InvalidType(f"kinds must be an iterable of str, not {type(kinds).__name__}") from None
+        kind = "None" if path is None else type(path).__name__
+        raise InvalidType(f"path must be a str, bytes or os.PathLike, not {kind}") from None
+    except UnicodeError:
+        pass
+    raise InvalidInput("path cannot be the name of a file")
 
 
-def _check_radius(scene: Any, query: ProximityQuery) -> None:
-    kind = kind_of(scene)
-    radii = query.radii is not None
-    if kind == "world":
-        radii = radii or any(shape.radii is not None for shape in scene.shapes)
-    elif kind == "part":
-        radii = radii or scene.has_radii
-    if query.radius is None and not radii:
-        raise InvalidType("a ProximityQuery needs a radius, or radii of the vertices")
-    if query.radius is not None and radii:
-        raise InvalidInput("radius cannot be given together with radii")
+def extension_of(name: str) -> str:
+    """In lower case; .csv for pairs.csv.gz, whose contents are compressed."""
+    path = Path(name)
+    return (path.with_suffix("") if path.suffix.lower() == ".gz" else path).suffix.lower()
+
+
+class ContactKind(IntEnum):
+    """What two triangles have in common: 1, 2 or 3 to 6 extreme points."""
+
+    POINT = 1
+    SEGMENT = 2
+    AREA = 3
+
+
+class Contacts:
+    """Where the pairs of a result meet: the whole intersection of each pair by its extreme points.
+
+    Each coordinate is the exact one, rounded to the nearest float64. The lexicographically smallest exact point comes
+    first; areas run counter-clockwise about the first triangle's normal.
+
+    Attributes:
+        kinds: (pairs,) uint8, a ContactKind each.
+        offsets: (pairs + 1,) int64; the points of pair i are points[offsets[i]:offsets[i + 1]], or contacts[i].
+        points: (k, 3) float64; 1, 2 or 3 to 6 a pair.
+    """
+
+    kinds: NDArray[np.uint8]
+    offsets: NDArray[np.int64]
+    points: NDArray[np.float64]
+
+    def __init__(self, kinds: NDArray[np.uint8], offsets: NDArray[np.int64], points: NDArray[np.float64]) -> None:
+        self.kinds = kinds
+        self.offsets = offsets
+        self.points = points
+
+    def __len__(self) -> int:
+        """How many pairs."""
+        return len(self.kinds)
+
+    def __getitem__(self, pair: int) -> NDArray[np.float64]:
+        """(1 to 6, 3) float64: the points of a pair, a view. Raises IndexError."""
+        if not -len(self) <= pair < len(self):
+            raise IndexError(f"there are {len(self)} contacts, none of number {pair}")
+        pair %= len(self)
+        return self.points[self.offsets[pair] : self.offsets[pair + 1]]
+
+    def __iter__(self) -> Iterator[NDArray[np.float64]]:
+        """The points of one pair after the other, as contacts[i]."""
+        return (self[pair] for pair in range(len(self)))
+
+    def __repr__(self) -> str:
+        return f"<crumple.Contacts: {len(self)} pairs, {len(self.points)} points>"
+
+
+class Distances(Result):
+    """How far apart bodies are: a row for each pair of them, the same bytes wherever it is computed.
+
+    Rows are in the order of first body, second body, the first the lower one. So worlds follow each other, and pairs
+    among bodies that are in all worlds, which come once, are last. `len(distances)` is the number of rows.
+    """
+
+    _query = "DistanceQuery"
+
+    bodies = int32("(k, 2) int32: the two bodies, the lower one first.", (2,))
+    squared_distance = float64(
+        "(k,) float64: their exact squared distance, rounded to the nearest number; 0 where triangles intersect."
+    )
+
+    @cached_property
+    def distance(self) -> NDArray[np.float64]:
+        """(k,) float64: the square root of `squared_distance`."""
+        import numpy as np
+
+        distance = np.sqrt(self.squared_distance)
+        distance.flags.writeable = self._request.copy
+        return distance
+
+    touching = bools("(k,) bool: whether the distance is 0 exactly. A squared distance may also be rounded to 0.")
+    triangles = int32("(k, 2) int32: which triangle of each body, the first of those that are at that distance.", (2,))
+    points = float64(
+        "(k, 2, 3) float64: where these triangles are closest, a point of each body's, rounded; of such as intersect "
+        "one point of both, twice.",
+        (2, 3),
+    )
+
+    @property
+    def any(self) -> bool:
+        """True if there is any row."""
+        return len(self) > 0
+
+    @property
+    def count(self) -> int:
+        """How many pairs of bodies are listed."""
+        return len(self)
+
+    def __bool__(self) -> bool:
+        """True if there is any row."""
+        return len(self) > 0
+
+    def __len__(self) -> int:
+        """How many pairs of bodies are listed."""
+        return len(self._found.bodies)
+
+    def __repr__(self) -> str:
+        pairs = "pair" if len(self) == 1 else "pairs"
+        told = f"{len(self)} {pairs} of bodies, {int(self._found.touching.sum())} touching"
+        return f"<crumple.Distances: {told}, {self.statistics.milliseconds:.3g} ms>"

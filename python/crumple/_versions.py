@@ -40,10 +40,19 @@ def refuse(*_: Any) -> Any:
 
 # Functions and classes that pickles name by modules that are gone, and the ones that stand for them now.
 _MOVED = {
+    "_candidates._restore": "_versions.refuse",
     "_feature_pickling.restore": "_versions.refuse",
     "_fuzzy_c_means.FuzzyCMeans": "_queries.FuzzyCMeans",
+    "_impacts.FirstImpact": "_features.FirstImpact",
+    "_impacts.FreeStep": "_features.FreeStep",
     "_nearest._restore": "_versions.refuse",
     "_pickling.restore": "_versions.refuse",
+    "_proximities.EdgeEdgeType": "_features.EdgeEdgeType",
+    "_proximities.VertexEdgeType": "_features.VertexEdgeType",
+    "_proximities.VertexFaceType": "_features.VertexFaceType",
+    "_proximities.VertexVertexType": "_features.VertexVertexType",
+    "_result.ContactKind": "_results.ContactKind",
+    "_result.Contacts": "_results.Contacts",
     "_shape.OwnName": "_mesh.OwnName",
     "_world_pickling.restore_configurations": "_world.restore_configurations",
     "_world_pickling.restore_result": "_versions.refuse",

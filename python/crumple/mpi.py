@@ -25,7 +25,7 @@ import inspect
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from ._detector import Backend, Simd, step_of
+from ._detector import Backend, Simd
 from ._errors import Error, InvalidInput, InvalidType, suggesting
 from ._queries import (
     FuzzyCMeans,
@@ -38,8 +38,7 @@ from ._queries import (
 )
 from ._rank_results import Impacts, Intersections, Proximities, show
 from ._rank_shares import MeshShare, WorldShare, excluded_of_ranks, share_of
-from ._results import checked_query
-from ._scene import scene_of
+from ._scene import checked_query, scene_of, step_of
 
 if importlib.util.find_spec("crumple._mpi") is None:
     raise ImportError(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from crumple._result import Request
+from crumple._results import Request
 
 # A triangle that falls through another one.
 START = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 1], [2, 1, 2], [1, 2, 2]], np.float64)

@@ -91,7 +91,7 @@ def test_copies_and_pickles():
     for other in (copy.copy(found), copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
         assert_same(other, found)
     restore, (kind, asked, state) = found.__reduce__()
-    of = crumple._result.Request(*asked)
+    of = crumple._results.Request(*asked)
     for name, wrong, error in (
         ("count", 3, crumple.InvalidInput),
         ("edges", state["edges"][:1], crumple.InvalidInput),
