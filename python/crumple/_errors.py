@@ -97,6 +97,11 @@ def _restore_file_error(message, errno, code, element, index, rank=-1):
     return FileError(message, errno=errno, code=code, element=element, index=index, rank=rank)
 
 
+def name_of_type(kind: type) -> str:
+    """The name for messages, with the module of all but Python's own."""
+    return f"{kind.__module__}.{kind.__qualname__}".removeprefix("builtins.")
+
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 

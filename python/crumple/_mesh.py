@@ -6,7 +6,7 @@ import itertools
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
-from ._errors import Error, InvalidInput, InvalidType, suggesting
+from ._errors import Error, InvalidInput, InvalidType, name_of_type, suggesting
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -124,7 +124,7 @@ def as_mesh(mesh: Any) -> Mesh:
         )
     raise InvalidType(
         "a mesh must be crumple.Mesh, a tuple (vertices, faces) or (vertices, faces, groups), or of trimesh, meshio, "
-        f"Open3D or PyVista, not {f'a tuple of {len(mesh)}' if isinstance(mesh, tuple) else _name_of_type(mesh)}"
+        f"Open3D or PyVista, not {f'a tuple of {len(mesh)}' if isinstance(mesh, tuple) else name_of_type(type(mesh))}"
     )
 
 
@@ -155,10 +155,6 @@ def mesh_of(vertices: Any, faces: Any = None, **attributes: Any) -> Mesh:
     return mesh._with(**given) if given else mesh
 
 
-def _name_of_type(thing: Any) -> str:
-    return f"{type(thing).__module__}.{type(thing).__qualname__}".removeprefix("builtins.")
-
-
 def _from_open3d(mesh: Any) -> Mesh:
     import numpy as np
 
@@ -176,7 +172,7 @@ def _from_open3d_tensors(mesh: Any) -> Mesh:
 def _from_pyvista(mesh: Any) -> Mesh:
     if not hasattr(type(mesh), "is_all_triangles"):
         raise InvalidType(
-            f"a mesh of PyVista must be PolyData, not {_name_of_type(mesh)}: "
+            f"a mesh of PyVista must be PolyData, not {name_of_type(type(mesh))}: "
             "call .extract_surface().triangulate() first"
         )
     if not len(mesh.faces) and not mesh.n_strips:  # empty, or vertices and lines, which bound nothing

@@ -9,31 +9,18 @@ import numpy as np
 from . import _arrays, _core
 from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
-from ._feature_pairs import Candidates
-from ._features import Impacts, Proximities
 from ._intersections import Intersections
 from ._mesh import Mesh
 from ._pickle_checks import check_fit
-from ._results import Array, Distances, Request, Result
+from ._results import Array, Request, Result
+from ._scene import RESULTS
 from ._world import World
 
-_RESULTS: dict[str, type[Result]] = {
-    "Intersections": Intersections,
-    "Impacts": Impacts,
-    "Proximities": Proximities,
-    "Candidates": Candidates,
-    "Distances": Distances,
-}
-
+_RESULTS = {kind.__name__: kind for kind in RESULTS.values()}
 # The arrays that each result's class declares; those that were not requested are empty.
 _ARRAYS = {
-    kind: {
-        array.found: array
-        for base in reversed(made.__mro__)
-        for array in vars(base).values()
-        if isinstance(array, Array)
-    }
-    for kind, made in _RESULTS.items()
+    name: {array.found: array for base in kind.__mro__ for array in vars(base).values() if isinstance(array, Array)}
+    for name, kind in _RESULTS.items()
 }
 _VALUES: dict[str, dict[str, type]] = {
     "Intersections": {"any": bool, "count": int, "statistics": Statistics},

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from . import _core
-from ._errors import InvalidInput, InvalidType
+from ._errors import InvalidInput, InvalidType, name_of_type
 from ._feature_pairs import Candidates
 from ._features import FirstImpact, FreeStep, Impacts, Proximities
 from ._intersections import Intersections
@@ -109,7 +109,54 @@ def _named(world: World, message: str) -> str:
     return f"body {body} ({' '.join(told)}): {message[found.end() :]}" if told else message
 
 
-_RESULTS: dict[str, type[Result]] = {
+def checked_copy(copy: Any) -> bool:
+    if isinstance(copy, bool) or type(copy).__name__ in ("bool_", "bool"):
+        return bool(copy)
+    raise InvalidType(f"copy must be True or False, not {type(copy).__name__}")
+
+
+def checked_query(scene: Any, query: Any) -> Any:
+    """The query, with its kinds as a tuple, and a radius that fits the scene."""
+    if not isinstance(query, Query):
+        raise InvalidType(f"query must be one of crumple's, such as crumple.ImpactQuery(), not {_name_of(query)}")
+    filters = query.filter  # type: ignore[attr-defined]
+    if not isinstance(filters, PairFilter):
+        raise InvalidType(f"filter must be a crumple.PairFilter, not {_name_of(filters)}")
+    if isinstance(query, CandidateQuery):
+        return replace(query, kinds=_kinds(query.kinds))
+    if isinstance(query, ProximityQuery):
+        _check_radius(scene, query)
+    return query
+
+
+def _name_of(thing: Any) -> str:
+    return f"the type {name_of_type(thing)} itself" if isinstance(thing, type) else name_of_type(type(thing))
+
+
+def _kinds(kinds: Any) -> tuple[Any, ...]:
+    if isinstance(kinds, str):
+        return (kinds,)
+    try:
+        return tuple(kinds)
+    except TypeError:
+        raise InvalidType(f"kinds must be an iterable of str, not {type(kinds).__name__}") from None
+
+
+def _check_radius(scene: Any, query: ProximityQuery) -> None:
+    kind = kind_of(scene)
+    radii = query.radii is not None
+    if kind == "world":
+        radii = radii or any(shape.radii is not None for shape in scene.shapes)
+    elif kind == "part":
+        radii = radii or scene.has_radii
+    if query.radius is None and not radii:
+        raise InvalidType("a ProximityQuery needs a radius, or radii of the vertices")
+    if query.radius is not None and radii:
+        raise InvalidInput("radius cannot be given together with radii")
+
+
+#: The type of the result, by the name of the call.
+RESULTS: dict[str, type[Result]] = {
     "intersections": Intersections,
     "impacts": Impacts,
     "proximities": Proximities,
@@ -129,7 +176,7 @@ def show(found: Any, scene: Any, query: Any, copy: bool, block: bool = False) ->
     if isinstance(query, FreeStepQuery):
         return FreeStep(*found)
     request = _request_of(query, kind, of_bodies, copy, block)
-    return _RESULTS[query._call](found, request, *(_kept(scene, kind) if isinstance(query, IntersectionQuery) else ()))
+    return RESULTS[query._call](found, request, *(_kept(scene, kind) if isinstance(query, IntersectionQuery) else ()))
 
 
 def _request_of(query: Any, *how: Any) -> Request:
@@ -154,51 +201,3 @@ def _kept(scene: Any, kind: str) -> tuple[Any, ...]:
         return Mesh(*scene.mesh), second, scene.triangles, None if second is None else scene.triangles_second
     first, second = (scene, None) if kind == "mesh" else scene
     return first, second, None, None
-
-
-def checked_copy(copy: Any) -> bool:
-    if isinstance(copy, bool) or type(copy).__name__ in ("bool_", "bool"):
-        return bool(copy)
-    raise InvalidType(f"copy must be True or False, not {type(copy).__name__}")
-
-
-def checked_query(scene: Any, query: Any) -> Any:
-    """The query, with its kinds as a tuple, and a radius that fits the scene."""
-    if not isinstance(query, Query):
-        raise InvalidType(f"query must be one of crumple's, such as crumple.ImpactQuery(), not {_name_of(query)}")
-    filters = query.filter  # type: ignore[attr-defined]
-    if not isinstance(filters, PairFilter):
-        raise InvalidType(f"filter must be a crumple.PairFilter, not {_name_of(filters)}")
-    if isinstance(query, CandidateQuery):
-        return replace(query, kinds=_kinds(query.kinds))
-    if isinstance(query, ProximityQuery):
-        _check_radius(scene, query)
-    return query
-
-
-def _name_of(thing: Any) -> str:
-    kind = thing if isinstance(thing, type) else type(thing)
-    name = f"{kind.__module__}.{kind.__qualname__}".removeprefix("builtins.")
-    return f"the type {name} itself" if isinstance(thing, type) else name
-
-
-def _kinds(kinds: Any) -> tuple[Any, ...]:
-    if isinstance(kinds, str):
-        return (kinds,)
-    try:
-        return tuple(kinds)
-    except TypeError:
-        raise InvalidType(f"kinds must be an iterable of str, not {type(kinds).__name__}") from None
-
-
-def _check_radius(scene: Any, query: ProximityQuery) -> None:
-    kind = kind_of(scene)
-    radii = query.radii is not None
-    if kind == "world":
-        radii = radii or any(shape.radii is not None for shape in scene.shapes)
-    elif kind == "part":
-        radii = radii or scene.has_radii
-    if query.radius is None and not radii:
-        raise InvalidType("a ProximityQuery needs a radius, or radii of the vertices")
-    if query.radius is not None and radii:
-        raise InvalidInput("radius cannot be given together with radii")

@@ -26,7 +26,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from ._detector import Backend, Simd
-from ._errors import Error, InvalidInput, InvalidType, suggesting
+from ._errors import Error, InvalidInput, InvalidType, name_of_type, suggesting
 from ._queries import (
     FuzzyCMeans,
     ImpactQuery,
@@ -36,8 +36,6 @@ from ._queries import (
     check_fuzzy_c_means,
     keywords_of,
 )
-from ._rank_results import Impacts, Intersections, Proximities, show
-from ._rank_shares import MeshShare, WorldShare, excluded_of_ranks, share_of
 from ._scene import checked_query, scene_of, step_of
 
 if importlib.util.find_spec("crumple._mpi") is None:
@@ -51,6 +49,7 @@ except ModuleNotFoundError as error:
     raise ImportError(f"crumple.mpi needs mpi4py: {error}") from error
 
 from . import _mpi  # after mpi4py, which chooses how MPI is loaded
+from ._ranks import Impacts, Intersections, MeshShare, Proximities, WorldShare, excluded_of_ranks, share_of, show
 
 Statistics = _mpi.Statistics
 Answered = TypeVar("Answered")
@@ -178,7 +177,7 @@ class Detector:
             "device": device,
         }
         if not isinstance(comm, MPI.Comm):
-            kind = f"{type(comm).__module__}.{type(comm).__qualname__}".removeprefix("builtins.")
+            kind = name_of_type(type(comm))
             raise InvalidType(f"comm must be an intracommunicator of mpi4py, not {kind}", element="option")
         if comm == MPI.COMM_NULL or not isinstance(comm, MPI.Intracomm):
             what = "MPI.COMM_NULL" if comm == MPI.COMM_NULL else "an intercommunicator"
@@ -359,7 +358,7 @@ class Detector:
         try:
             brought, request = share(), query()
             if not isinstance(brought, (MeshShare, WorldShare)):
-                kind = f"{type(brought).__module__}.{type(brought).__qualname__}".removeprefix("builtins.")
+                kind = name_of_type(type(brought))
                 raise InvalidType(f"share must be a MeshShare or a WorldShare, not {kind}", element="option")
             scene: Any = brought._scene()
             request = checked_query(scene, request)
