@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
-"""Checks the layers of src/ (ARCHITECTURE.md, Folders) and the names of files.
+"""Checks the layers of src/ (ARCHITECTURE.md, Folders), the order of the Python package's modules, and the names of files.
 
-Includes go from a layer to itself and to those before it; backends do not include each other. No base name stands for two
-things. Folders hold at most 40 files. Prints each breach; exit status 1 if there are any.
+Includes go from a layer to itself and to those before it; backends do not include each other. Imports, those within
+functions and for types, too, go to modules before. No base name stands for two things. Folders hold at most 40 files. Prints
+each breach; exit status 1 if there are any.
 """
+
+import ast
 
 import re
 import sys
@@ -14,6 +17,12 @@ LAYERS = "base geometry exact scene partition queries filters results backends s
 BACKENDS = "reference cpu cuda".split()
 NAMED = "include src cli scenes".split()  # folders whose base names differ
 MOST_FILES = 40
+MODULES = """__main__ _core _mpi _errors _versions _arrays _queries _mesh _world_arrays _world _results _drawing _intersections
+    _features _feature_pairs _scene _pickle_checks _pickles _device _detector _files _ranks mpi __init__""".split()
+UPWARDS = {
+    ("_results", "_pickles"),  # in the functions that pickle calls: all results are known there, and NumPy is loaded
+    ("_device", "_detector"),  # for types
+}
 SUFFIXES = {".h", ".cpp", ".cu"}
 
 root = Path(__file__).resolve().parent.parent
@@ -41,6 +50,22 @@ def breach_of_layers(file, included):
     return None
 
 
+def breaches_of_modules():
+    """Yields imports of python/crumple/*.py that do not go to a module before."""
+    package = root / "python" / "crumple"
+    for path in sorted(package.glob("*.py")):
+        if path.stem not in MODULES:
+            yield f"python/crumple/{path.name} is not in the order of modules in scripts/check_layers.py"
+            continue
+        before = MODULES[: MODULES.index(path.stem)]
+        for node in ast.walk(ast.parse(path.read_text())):
+            if not isinstance(node, ast.ImportFrom) or not node.level:
+                continue
+            for module in [node.module] if node.module else [alias.name for alias in node.names]:
+                if module not in before and (path.stem, module) not in UPWARDS:
+                    yield f"python/crumple/{path.name}:{node.lineno} imports {module}, which does not come before"
+
+
 def thing(path):
     """Returns what tells files of one base name apart: the same step of two backends is one thing."""
     parts = path.relative_to(root / "src").parts if path.is_relative_to(root / "src") else path.parts
@@ -66,7 +91,7 @@ def breaches_of_size():
 
 def main():
     breaches = [breach for file, included in includes() if (breach := breach_of_layers(file, included))]
-    breaches += [*breaches_of_names(), *breaches_of_size()]
+    breaches += [*breaches_of_modules(), *breaches_of_names(), *breaches_of_size()]
     print("\n".join(breaches), end="\n" if breaches else "")
     return 1 if breaches else 0
 
