@@ -48,16 +48,16 @@ class Array(cached_property[Any]):
     Attributes:
         dtype: of its elements.
         columns: of each row.
+        found: the name that the extension module has for it: that of the attribute, without a leading underscore.
     """
 
     def __init__(self, dtype: str, about: str, columns: tuple[int, ...]) -> None:
         super().__init__(lambda result: result._array(self.found))
         self.dtype, self.columns, self.__doc__ = dtype, columns, about
 
-    @property
-    def found(self) -> str:
-        """The name that the extension module has for it: a private one begins with an underscore here."""
-        return self.attrname.removeprefix("_")
+    def __set_name__(self, owner: type, name: str) -> None:
+        super().__set_name__(owner, name)
+        self.found = name.removeprefix("_")
 
 
 def uint8(about: str, columns: tuple[int, ...] = ()) -> cached_property[NDArray[np.uint8]]:

@@ -293,6 +293,27 @@ for function in sys.argv[1:]:
     assert len(lines) == 5 and all(line.startswith(refusal) for line in lines)
 
 
+def test_classes_that_older_pickles_name_are_found():
+    """By the modules that they were in."""
+    for path, kind in (
+        ("_fuzzy_c_means.FuzzyCMeans", crumple.FuzzyCMeans),
+        ("_impacts.FirstImpact", crumple.FirstImpact),
+        ("_impacts.FreeStep", crumple.FreeStep),
+        ("_proximities.EdgeEdgeType", crumple.EdgeEdgeType),
+        ("_proximities.VertexEdgeType", crumple.VertexEdgeType),
+        ("_proximities.VertexFaceType", crumple.VertexFaceType),
+        ("_proximities.VertexVertexType", crumple.VertexVertexType),
+        ("_result.ContactKind", crumple.ContactKind),
+        ("_result.Contacts", crumple.Contacts),
+    ):
+        module, name = path.split(".")
+        assert pickle.loads(f"ccrumple.{module}\n{name}\n.".encode()) is kind
+    own, other = (pickle.loads(f"ccrumple.{module}\nOwnName\n.".encode()) for module in ("_shape", "_world"))
+    assert own is other
+    with pytest.raises(AttributeError, match="Block"):
+        pickle.loads(b"ccrumple._result\nBlock\n.")
+
+
 def test_arrays_with_wrong_bytes_do_not_crash(tmp_path):
     """Whatever comes back fits together, but for the meshes, which writers check."""
     buffers = []
