@@ -81,7 +81,7 @@ io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std:
     const BorrowedPoses at = poses.is_none() ? BorrowedPoses() : BorrowedPoses(poses, *bodies);
     std::vector<Pose> buffer;
     const std::span<const Pose> placed = at.read(*bodies, buffer);
-    if (names.size() != bodies->bodies.size()) throw std::logic_error("crumple/_world_result.py gave too few names");
+    if (names.size() != bodies->bodies.size()) throw std::logic_error("crumple/_world.py gave too few names");
     io::WorldMesh result;
     result.shapes.reserve(bodies->shapes.size());
     for (const Shape& shape : bodies->shapes)
