@@ -339,5 +339,5 @@ def group_pairs(pairs: Any, which: str) -> np.ndarray:
 
 
 def if_given(convert: Callable[[Any, str], np.ndarray], array: Any) -> np.ndarray | None:
-    """What one of these functions makes of an array; None of None."""
+    """Converts an array by one of these functions, without a name for messages. None stays None."""
     return None if array is None else convert(array, "")

@@ -60,6 +60,9 @@ class Array(cached_property[Any]):
         self.found = name.removeprefix("_")
 
 
+# Declare an array by the type of its elements; `about` is what help() shows of it.
+
+
 def uint8(about: str, columns: tuple[int, ...] = ()) -> cached_property[NDArray[np.uint8]]:
     return Array("uint8", about, columns)
 
