@@ -26,6 +26,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <sstream>
 #include <stdexcept>
@@ -83,22 +84,26 @@ class Simulation {
     const MeshView& view() const { return view_; }
 
     /// Milliseconds between the stream's word that it begins and its word that the frame is done. On an idle stream the
-    /// host's launch is in them, some 10 us; not on one that was kept busy until then. `answer` is the detector's.
-    double frame(Detector& detector, const DeviceIntersections*& answer, bool busy) {
+    /// host's launch is in them, some 10 us; not on one that was kept busy until then.
+    double frame(Detector& detector, bool busy) {
         if (busy) keep_busy(stream_);
         check(cudaEventRecord(begin_, stream_));
-        detector.launch(view_);
+        launched_ = detector.launch(view_);
         check(cudaEventRecord(end_, stream_));
-        answer = &detector.wait();
+        launched_->wait();
         check(cudaEventSynchronize(end_));
         float milliseconds = 0;
         check(cudaEventElapsedTime(&milliseconds, begin_, end_));
         return static_cast<double>(milliseconds);
     }
 
+    /// Result of the last frame, on the host.
+    const Intersections& download() const { return launched_->download(); }
+
    private:
     DeviceArray vertices_, triangles_;
     MeshView view_;
+    std::optional<LaunchTicket<IntersectionQuery>> launched_;
     cudaStream_t stream_ = nullptr;
     cudaEvent_t begin_ = nullptr, end_ = nullptr;
 };
@@ -174,15 +179,14 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
     Simulation simulation(workload.a);
     Detector detector(settings.options()), other(settings.options()), cpu({.backend = Backend::cpu});
 
-    const DeviceIntersections* answer = nullptr;
-    const double first = milliseconds_of([&] { simulation.frame(detector, answer, false); });
-    for (int i = 0; i < 5; ++i) simulation.frame(detector, answer, true);
+    const double first = milliseconds_of([&] { simulation.frame(detector, false); });
+    for (int i = 0; i < 5; ++i) simulation.frame(detector, true);
     std::vector<double> device, idle, clock;
     for (int i = 0; i < settings.frames; ++i) {
-        device.push_back(simulation.frame(detector, answer, true));
-        clock.push_back(milliseconds_of([&] { idle.push_back(simulation.frame(detector, answer, false)); }));
+        device.push_back(simulation.frame(detector, true));
+        clock.push_back(milliseconds_of([&] { idle.push_back(simulation.frame(detector, false)); }));
     }
-    std::string wrong = difference(detector.download(), cpu.find(host));
+    std::string wrong = difference(simulation.download(), cpu.find(host));
 
     const std::array<Summary, stage_count> by_stage = stages(settings, other, simulation.view());
     nlohmann::json of_stages;
@@ -281,7 +285,7 @@ void serve(const Settings& settings) {
     Simulation simulation(workload.a);
     Detector detector(settings.options());
     const DeviceIntersections* answer = nullptr;
-    const Contestant contestant{"crumple", "", "", [&] { simulation.frame(detector, answer, false); }, nullptr};
+    const Contestant contestant{"crumple", "", "", [&] { simulation.frame(detector, false); }, nullptr};
     for (std::string line; std::getline(std::cin, line);) {
         std::istringstream words(line);
         std::string request, folder;

@@ -44,14 +44,14 @@ class StepThere {
     const MeshView& view() const { return view_; }
     const VertexView& end() const { return end_view_; }
 
-    /// Milliseconds of what launch() gives to the stream, which was busy until then; wait() ends it.
-    template <class Launch, class Wait>
-    double milliseconds(Launch launch, Wait wait) const {
+    /// Milliseconds of what launch() gives to the stream, which was busy until then; the wait() for it ends it.
+    template <class Launch>
+    double milliseconds(Launch launch) const {
         keep_busy(stream_);
         check(cudaEventRecord(begin_event_, stream_));
-        launch();
+        const auto launched = launch();
         check(cudaEventRecord(end_event_, stream_));
-        wait();
+        launched.wait();
         check(cudaEventSynchronize(end_event_));
         float milliseconds = 0;
         check(cudaEventElapsedTime(&milliseconds, begin_event_, end_event_));
@@ -104,18 +104,19 @@ void measure_step(const std::string& name, const Options& options, int frames, T
     const VertexView end_here = step.end_view();
     const StepThere there(step);
     Detector cpu({.backend = Backend::cpu});
-    const auto measure = [&](const char* question, auto launch, auto wait, auto find) {
+    const auto measure = [&](const char* question, const Scene& on_device, const Scene& on_host, const auto& query) {
         Detector detector(options);
-        const auto frame = [&] { return there.milliseconds([&] { launch(detector); }, [&] { wait(detector); }); };
+        const auto launch = [&] { return detector.launch(on_device, query); };
+        const auto find = [&]() -> const auto& { return cpu.find(on_host, query); };
+        const auto frame = [&] { return there.milliseconds(launch); };
         const double first = milliseconds_of(frame);
         for (int warm_up = 0; warm_up < 5; ++warm_up) frame();
         std::vector<double> device;
         for (int i = 0; i < frames; ++i) device.push_back(frame());
         const Summary by_events = summarise(std::move(device));
-        const Summary clock = repeated(frames, [&] { launch(detector), wait(detector); });
+        const Summary clock = repeated(frames, [&] { launch().wait(); });
         const Summary on_cpu = repeated(std::max(1, frames / 20), [&] { find(); });
-        launch(detector);
-        const auto& found = wait(detector);
+        const auto& found = launch().wait();
         const std::string wrong = difference(found, find());
         table.row({name, question, std::to_string(here.triangles.rows), std::to_string(found.count),
                    number(by_events.median), range(by_events), number(clock.median), number(on_cpu.median),
@@ -133,21 +134,11 @@ void measure_step(const std::string& name, const Options& options, int frames, T
     };
     const ImpactQuery earliest{.output = Output::first};
     const ProximityQuery near{.radius = step.radius};
-    const auto impacts = [](Detector& d) -> const DeviceImpacts& { return d.wait<ImpactQuery>(); };
-    measure(
-        "impacts", [&](Detector& d) { d.launch(there.view().moving_to(there.end()), ImpactQuery()); }, impacts,
-        [&]() -> const Impacts& { return cpu.find(here.moving_to(end_here), ImpactQuery()); });
-    measure(
-        "first impact", [&](Detector& d) { d.launch(there.view().moving_to(there.end()), earliest); }, impacts,
-        [&]() -> const Impacts& { return cpu.find(here.moving_to(end_here), earliest); });
-    measure(
-        "near", [&](Detector& d) { d.launch(there.view(), near); },
-        [](Detector& d) -> const DeviceProximities& { return d.wait<ProximityQuery>(); },
-        [&]() -> const Proximities& { return cpu.find(here, near); });
-    measure(
-        "candidates", [&](Detector& d) { d.launch(there.view().moving_to(there.end()), CandidateQuery()); },
-        [](Detector& d) -> const DeviceCandidates& { return d.wait<CandidateQuery>(); },
-        [&]() -> const Candidates& { return cpu.find(here.moving_to(end_here), CandidateQuery()); });
+    const MeshView moving = there.view().moving_to(there.end()), moving_here = here.moving_to(end_here);
+    measure("impacts", moving, moving_here, ImpactQuery());
+    measure("first impact", moving, moving_here, earliest);
+    measure("near", there.view(), here, near);
+    measure("candidates", moving, moving_here, CandidateQuery());
 }
 
 }  // namespace crumple::benchmark

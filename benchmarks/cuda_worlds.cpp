@@ -23,10 +23,7 @@ Summary steps_on_device(const Options& options, int frames, const World& world, 
     there.poses = {};
     there.device_poses = {static_cast<const Pose*>(poses.data()), static_cast<std::int64_t>(world.poses.size())};
     Detector detector(options);
-    const auto step = [&] {
-        detector.launch(there, question);
-        differs |= detector.wait().any != expected.any;
-    };
+    const auto step = [&] { differs |= detector.launch(there, question).wait().any != expected.any; };
     for (int warm_up = 0; warm_up < 4; ++warm_up) step();
     return repeated(frames, step);
 }

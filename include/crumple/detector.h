@@ -36,6 +36,9 @@ concept RowQuery = PairQuery<Query> || OneOf<Query, CandidateQuery>;
 template <class Query>
 concept AnyQuery = RowQuery<Query> || OneOf<Query, DistanceQuery, FirstImpactQuery, FreeStepQuery>;
 
+template <RowQuery Query>
+class LaunchTicket;
+
 /// Searches scenes, exactly and completely. The type of a query says what is searched for, and gives the type of the
 /// result: IntersectionQuery, ImpactQuery, FirstImpactQuery, FreeStepQuery, ProximityQuery, CandidateQuery,
 /// DistanceQuery; without a type it is about intersections. Keeps buffers and cluster centres between calls, so a
@@ -139,24 +142,28 @@ class CRUMPLE_API Detector {
     /// languages whose signals must be looked at in the calling thread. Empty: none.
     void set_poll(std::function<void()> poll);
 
-    /// Starts a query on arrays in device memory and returns at once; wait() gives its result. Of intersections of
-    /// meshes and of worlds whose poses lie there (World::device_poses), and of impacts, proximities and candidates of
-    /// one mesh. Only with the cuda backend. On the stream of the mesh (of the first), or of the poses, which all
-    /// arrays, also those of the query, have to be ready on. Consecutive frames of one shape run as one CUDA graph
-    /// each, and the host reads one struct of counters after it. The arrays must stay as they are until the wait() for
-    /// it returns; shapes and bodies of a world until this returns.
+    /// Starts a query on arrays in device memory and returns at once; wait() of the ticket gives the result:
     ///
-    /// Two launches of any kind may be in flight before a wait(), on one stream or two; each wait() is for the oldest.
-    /// A third throws Error (invalid_argument), and leaves them. Passes share their lists, so that they run one after
-    /// the other. Any call but launches, wait() and download() forgets what is in flight, after it has waited for it.
+    ///     auto launched = detector.launch(mesh.moving_to(end), ImpactQuery());
+    ///     const DeviceImpacts& impacts = launched.wait();
+    ///
+    /// Of intersections of meshes and of worlds whose poses lie there (World::device_poses), and of impacts,
+    /// proximities and candidates of one mesh. Only with the cuda backend. On the stream of the mesh (of the first), or
+    /// of the poses, which all arrays, also those of the query, have to be ready on. Consecutive frames of one shape
+    /// run as one CUDA graph each, and the host reads one struct of counters after it. The arrays must stay as they are
+    /// until the wait() for it returns; shapes and bodies of a world until this returns.
+    ///
+    /// Two launches of any kind may be in flight before a wait(), on one stream or two; they are waited for in their
+    /// order. A third throws Error (invalid_argument), and leaves them. Passes share their lists, so that they run one
+    /// after the other. Any call but launches, and those of tickets, forgets what is in flight, after it has waited
+    /// for it.
     ///
     /// On a stream that is being captured, the query becomes part of the caller's graph, and each replay of that is a
     /// query, of what the arrays then hold. Two calls before it, outside of the capture, with meshes of the same shape
     /// or the same bodies, and the same query, make the lists; without them it throws Error (invalid_argument), and the
     /// capture goes on. Lists cannot grow in a replay: wait() then says that the result is not complete. The graph may
-    /// be replayed until the next call of any member but wait() and download(), which may move or free what it works
-    /// on; and no call may be made while a replay runs. One launch to a capture and detector; the streams of two meshes
-    /// both take part.
+    /// be replayed until the next call but those of the ticket, which may move or free what it works on; and no call
+    /// may be made while a replay runs. One launch to a capture and detector; the streams of two meshes both take part.
     ///
     /// Features: the first launch for a mesh, and one whose mesh has other numbers of vertices, triangles, listed edges
     /// or points than the one before, waits for the stream: the host has to see which edges there are. So does a wait
@@ -172,25 +179,7 @@ class CRUMPLE_API Detector {
     /// for `index`. Cost: that of a mesh of the triangles of all worlds together, whatever the output; the host
     /// compares bodies, some nanoseconds each.
     template <RowQuery Query = IntersectionQuery>
-    void launch(const Scene& scene, const Query& query = {});
-
-    /// Waits for the oldest launch, which must be of this type of query, and returns where its result lies on the
-    /// device. Reports bad input, which names its body; makes room and runs again where a list was too short, and does
-    /// what only the host can: the result is complete. Valid until the second launch after the one that it is for, or
-    /// the next call of any member but launches, wait() and download(). (Where memory, or Options::memory_limit, does
-    /// not hold two results: until the next launch or wait().) Bad input of one launch leaves another in flight. Where
-    /// memory does not hold all worlds at once: Error (memory_limit or device).
-    ///
-    /// After a launch in a capture: returns the result of the last replay, whose stream the caller has waited for;
-    /// valid until the next replay. It does not run again what did not fit (`complete`): a call outside of a capture
-    /// makes longer lists, for a new one. After bad input the graph may go on. Throws Error (invalid_argument) if there
-    /// was no replay since the capture, or since the last wait().
-    template <RowQuery Query = IntersectionQuery>
-    const typename Query::DeviceResult& wait(std::stop_token stop = {});
-
-    /// Copies the intersections of meshes that the last wait() gave to the host; an error once another call has come
-    /// after that. Valid as any result.
-    const Intersections& download();
+    LaunchTicket<Query> launch(const Scene& scene, const Query& query = {});
 
     const Options& options() const;
 
@@ -202,8 +191,43 @@ class CRUMPLE_API Detector {
     std::string_view fallback() const;
 
    private:
+    template <RowQuery Query>
+    friend class LaunchTicket;
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
+};
+
+/// Ticket of a launch, as Detector::launch returns it: a value that is cheap to copy. Its calls are calls of the
+/// detector, which must be alive; the detector may be moved in the meantime.
+template <RowQuery Query>
+class CRUMPLE_API LaunchTicket {
+   public:
+    /// Waits for the launch and returns where its result lies on the device. Reports bad input, which names its body;
+    /// makes room and runs again where a list was too short, and does what only the host can: the result is complete.
+    /// Valid until the second launch after this one, or the detector's next call that is neither a launch nor one of a
+    /// ticket. (Where memory, or Options::memory_limit, does not hold two results: until the next launch or wait().)
+    /// Where memory does not hold all worlds at once: Error (memory_limit or device).
+    ///
+    /// After a launch in a capture: returns the result of the last replay, whose stream the caller has waited for;
+    /// valid until the next replay. It does not run again what did not fit (`complete`): a call outside of a capture
+    /// makes longer lists, for a new one. May be called again after each replay, also after bad input.
+    ///
+    /// Throws Error (invalid_argument), and leaves what is in flight, if an older launch is in flight; if the launch
+    /// was waited for before, even if that failed; if another call has come after the launch and ended it; and in a
+    /// capture without a replay since then, or since the last wait(). Bad input of one launch leaves another in flight;
+    /// an Error (memory_limit or device) ends both.
+    const typename Query::DeviceResult& wait(std::stop_token stop = {}) const;
+
+    /// Copies the intersections of meshes that wait() has returned to the host. Valid as any result of the detector.
+    /// Throws Error (invalid_argument) if another call, or a launch, has come after that wait().
+    const Intersections& download() const requires std::same_as<Query, IntersectionQuery>;
+
+   private:
+    friend class Detector;
+    LaunchTicket(Detector::Implementation& detector, std::uint64_t number) : detector_(&detector), number_(number) {}
+
+    Detector::Implementation* detector_;
+    std::uint64_t number_;
 };
 
 }  // namespace crumple

@@ -79,7 +79,7 @@ class Detector(_core.Detector):
     boxes that overlap; here that test is exact. docs/README.md names the page of each stage.
     """
 
-    __slots__ = ("__weakref__", "_launches", "_options")
+    __slots__ = ("__weakref__", "_options")
 
     @suggesting
     def __init__(
@@ -108,7 +108,6 @@ class Detector(_core.Detector):
         }
         super().__init__(options)
         self._options = options
-        self._launches: list[Launch] = []
 
     @property
     def options(self) -> dict[str, Any]:
@@ -189,8 +188,6 @@ class Detector(_core.Detector):
         name = type(query)._call
         if delivery not in type(query)._deliveries:
             raise InvalidInput(f"{delivery} is not for {type(query).__name__}: docs/supported.md has the table")
-        if delivery != "launch":
-            self._launches = []
         excluded = excluded_in(scene, query.filter.excluded_bodies)  # type: ignore[attr-defined]
         return with_names(scene, getattr(self, f"_{delivery}_{name}"), *before, scene, query, excluded, *more)
 
@@ -281,16 +278,12 @@ class Detector(_core.Detector):
                 the package's current stream then, for a capture may not wait for streams outside of it.
 
         The first launch for a mesh about features, and one with other numbers of vertices, faces, edges or points,
-        waits
-        for the stream: the host has to see which edges there are. Raises InvalidInput; bad contents of arrays are
+        waits for the stream: the host has to see which edges there are. Raises InvalidInput; bad contents of arrays are
         reported by wait().
         """
         scene = scene_of(scene)
         query = checked_query(scene, query)
-        self._call("launch", scene, query, stream_of(stream))
-        launched = Launch(self, query._call)
-        self._launches.append(launched)
-        return launched
+        return Launch(self, self._call("launch", scene, query, stream_of(stream)))
 
     @keywords_of(IntersectionQuery)
     def intersections(

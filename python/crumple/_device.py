@@ -104,9 +104,8 @@ class DeviceResult:
 class Launch:
     """A query that Detector.launch has started."""
 
-    def __init__(self, detector: Detector, call: str) -> None:
-        self._detector, self._call = detector, call
-        self._waited_for = False
+    def __init__(self, detector: Detector, ticket: Any) -> None:
+        self._detector, self._ticket = detector, ticket
 
     def wait(self) -> DeviceResult:
         """Waits, and returns where the result lies on the device. The oldest launch comes first.
@@ -117,15 +116,7 @@ class Launch:
 
         Raises InvalidInput if the arrays are not what a scene can be, or there is nothing to wait for; MemoryLimit.
         """
-        launches = self._detector._launches
-        while len(launches) > 1 and launches[0]._waited_for:
-            launches.pop(0)  # only the newest has replays
-        if self not in launches:
-            raise InvalidInput("there is nothing to wait for: another call has come after this launch")
-        if launches[0] is not self:
-            raise InvalidInput("an older launch is in flight: launches are waited for in their order")
-        self._waited_for = True
-        return DeviceResult(self._detector, *getattr(self._detector, f"_wait_{self._call}")())
+        return DeviceResult(self._detector, *self._ticket.wait(self._detector))
 
 
 def stream_of(given: Any) -> int | None:

@@ -41,14 +41,16 @@ struct Launched {
 };
 
 template <class Query>
-void launch(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded, nb::handle stream) {
+LaunchTicket<Query> launch(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded,
+                           nb::handle stream) {
     SharedDetector& detector = detector_of(self);
     auto launched = std::make_shared<Launched<Query>>(detector, scene, query, excluded, stream_of(stream));
     const SharedDetector::Turn turn(detector);
     const Scene view = launched->given.view(detector);
-    const auto start = [&](Detector& by, std::stop_token) { by.launch(view, launched->asked.query); };
-    without_gil([&] { detector.call(start); }, detector.stop());
+    const auto start = [&](Detector& by, std::stop_token) { return by.launch(view, launched->asked.query); };
+    const auto ticket = without_gil([&] { return detector.call(start); }, detector.stop());
     detector.keep(std::move(launched));
+    return ticket;
 }
 
 // Arrays of the device: of each its address, shape, and type as NumPy writes it.
@@ -154,13 +156,13 @@ nb::tuple put(const DeviceCandidates& found, ArraysThere& there) {
     return told(found, found.rows_needed, found.count > 0);
 }
 
-// Waits for the oldest launch: (values, arrays, statistics).
+// Waits for a launch of this detector: (values, arrays, statistics).
 template <class Query>
-nb::tuple wait(nb::handle self) {
-    SharedDetector& detector = detector_of(self);
+nb::tuple wait(const LaunchTicket<Query>& ticket, nb::handle of) {
+    SharedDetector& detector = detector_of(of);
     const SharedDetector::Turn turn(detector);
-    const auto wait_there = [](Detector& by, std::stop_token stop) {
-        return typename Query::DeviceResult(by.wait<Query>(std::move(stop)));
+    const auto wait_there = [&](Detector&, std::stop_token stop) {
+        return typename Query::DeviceResult(ticket.wait(std::move(stop)));
     };
     const auto found = without_gil([&] { return detector.call(wait_there); }, detector.stop());
     ArraysThere there;
@@ -170,9 +172,9 @@ nb::tuple wait(nb::handle self) {
 
 template <class Query>
 void bind(nb::class_<SharedDetector>& detector, const std::string& name) {
+    nb::class_<LaunchTicket<Query>>(detector, ("_ticket_" + name).c_str()).def("wait", wait<Query>, "detector"_a);
     detector.def(("_launch_" + name).c_str(), launch<Query>, "scene"_a, "query"_a, "excluded"_a.none(),
                  "stream"_a.none());
-    detector.def(("_wait_" + name).c_str(), wait<Query>);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
 
-// Launches, whose results stay in device memory, and the waits for them: _launch_impacts, _wait_impacts and so on.
+// Launches, whose results stay in device memory: _launch_impacts and so on, each of which returns a ticket.
 
 #include <nanobind/nanobind.h>
 

@@ -23,12 +23,12 @@ namespace {
 
 }  // namespace
 
-void fail_unprepared_capture(Asked question) {
-    throw Error(ErrorCode::invalid_argument,
-                std::string("a launch in a capture needs two calls before it, outside of the capture, with ") +
-                    (question == Asked::worlds ? "the same bodies and the same question"
-                                               : "meshes of the same shape and the same query") +
-                    ": they make its lists");
+void fail_unprepared_capture(bool of_worlds) {
+    throw Error(
+        ErrorCode::invalid_argument,
+        std::string("a launch in a capture needs two calls before it, outside of the capture, with ") +
+            (of_worlds ? "the same bodies and the same question" : "meshes of the same shape and the same query") +
+            ": they make its lists");
 }
 
 void BackendBase::stream(const PreparedScene&, const IntersectionQuery&, PairStream&, Statistics&) { refuse_blocks(); }
@@ -55,12 +55,12 @@ void BackendBase::visit(const PreparedScene& scene, const IntersectionQuery& que
 void BackendBase::find(const MeshView&, const MeshView*, const IntersectionQuery&, Intersections&) { refuse(); }
 bool BackendBase::any(const MeshView&, const MeshView*, const IntersectionQuery&) { refuse(); }
 std::vector<Part> BackendBase::partition(const MeshView&, const MeshView*, int) { refuse(); }
-void BackendBase::launch(const MeshView&, const MeshView*, const IntersectionQuery&) { refuse(); }
-const DeviceIntersections& BackendBase::wait() { refuse(); }
-void BackendBase::download(Intersections&) { refuse(); }
+LaunchNumber BackendBase::launch(const MeshView&, const MeshView*, const IntersectionQuery&) { refuse(); }
+const DeviceIntersections& BackendBase::wait(LaunchNumber) { refuse(); }
+void BackendBase::download(LaunchNumber, Intersections&) { refuse(); }
 DeviceFeatureCalls& BackendBase::features_there() { refuse(); }
 bool BackendBase::find(const World&, const IntersectionQuery&, Intersections&) { refuse_worlds(); }
 std::vector<Pose> BackendBase::poses_of(const DevicePoses&) { refuse_worlds(); }
-void BackendBase::launch(const World&, const IntersectionQuery&) { refuse_worlds(); }
+LaunchNumber BackendBase::launch(const World&, const IntersectionQuery&) { refuse_worlds(); }
 
 }  // namespace crumple

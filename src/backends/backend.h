@@ -74,17 +74,17 @@ class BackendBase : public ParallelFor {
     virtual void find(const MeshView& a, const MeshView* b, const IntersectionQuery& query, Intersections& result);
     virtual bool any(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
     virtual std::vector<Part> partition(const MeshView& a, const MeshView* b, int count);
-    /// Detector::launch, wait and download.
-    virtual void launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
-    virtual const DeviceIntersections& wait();
-    virtual void download(Intersections& result);
+    /// Detector::launch, and wait and download of its ticket; of worlds, too.
+    virtual LaunchNumber launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
+    virtual const DeviceIntersections& wait(LaunchNumber launch);
+    virtual void download(LaunchNumber launch, Intersections& result);
     /// The same for questions about features.
     virtual DeviceFeatureCalls& features_there();
     /// The same for worlds whose poses lie in device memory. find: false if it cannot take all worlds at once; it
     /// throws MemoryMeter::Exceeded if memory does not hold them. Then the host asks about what poses_of() gives.
     virtual bool find(const World& world, const IntersectionQuery& question, Intersections& result);
     virtual std::vector<Pose> poses_of(const DevicePoses& poses);
-    virtual void launch(const World& world, const IntersectionQuery& question);
+    virtual LaunchNumber launch(const World& world, const IntersectionQuery& question);
     /// Whether what is kept between calls outlives the error that one of these has thrown: a caller's graph needs it.
     virtual bool keeps_after(const Error&) const { return false; }
 

@@ -17,11 +17,14 @@
 
 namespace crumple {
 
-/// What a launch asks; each has a wait of its own.
-enum class Asked : std::uint8_t { intersections, worlds, impacts, near, candidates };
+/// Number of a launch of a detector, of any query: 1, 2, ... What was refused has none.
+using LaunchNumber = std::uint64_t;
 
-/// Throws Error: a launch in a capture finds nothing that earlier ones have made.
-[[noreturn]] void fail_unprepared_capture(Asked question);
+/// Launches that may be in flight. Their numbers are consecutive, so they differ modulo this.
+inline constexpr std::size_t most_in_flight = 2;
+
+/// Throws Error: a launch in a capture finds nothing that earlier ones have made, `of_worlds` or of meshes.
+[[noreturn]] void fail_unprepared_capture(bool of_worlds);
 
 class DeviceFeatureCalls {
    public:
@@ -37,20 +40,16 @@ class DeviceFeatureCalls {
     /// Whether the mesh's stream is being captured, so that nobody may wait for it.
     virtual bool is_captured(const DeviceShape& mesh) = 0;
 
-    /// Detector::launch for queries about features. Returns the launch's slot, by which wait() names it.
-    virtual std::size_t launch(const DeviceShape& mesh, const FeatureRequest& query) = 0;
-    virtual std::size_t launch(const DeviceShape& mesh, const CandidateRequest& query) = 0;
-
-    struct Landed {
-        std::size_t slot;
-        std::optional<DeviceAnswer> answer;  ///< none: it has to be found again
-    };
-    /// Waits for the oldest launch, which has to ask that; or looks at what a replay has left.
-    virtual Landed wait(Asked question) = 0;
-    /// Finds the answer of a launch that has landed again; none where the features are others.
-    virtual std::optional<DeviceAnswer> find_again(std::size_t slot, const DeviceShape& mesh,
+    /// Detector::launch for queries about features.
+    virtual LaunchNumber launch(const DeviceShape& mesh, const FeatureRequest& query) = 0;
+    virtual LaunchNumber launch(const DeviceShape& mesh, const CandidateRequest& query) = 0;
+    /// Waits for a launch, or looks at what its last replay has left. `of_candidates`: which request it was given.
+    /// Returns nothing if the result has to be found again.
+    virtual std::optional<DeviceAnswer> wait(LaunchNumber launch, bool of_candidates) = 0;
+    /// Finds the result of that launch again; nothing where the features are others.
+    virtual std::optional<DeviceAnswer> find_again(LaunchNumber launch, const DeviceShape& mesh,
                                                    const FeatureRequest& query) = 0;
-    virtual std::optional<DeviceAnswer> find_again(std::size_t slot, const DeviceShape& mesh,
+    virtual std::optional<DeviceAnswer> find_again(LaunchNumber launch, const DeviceShape& mesh,
                                                    const CandidateRequest& query) = 0;
 };
 

@@ -57,17 +57,19 @@ class ForwardingBackend : public BackendBase {
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) override {
         return to_->partition(a, b, count);
     }
-    void launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) override {
-        to_->launch(a, b, query);
+    LaunchNumber launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) override {
+        return to_->launch(a, b, query);
     }
-    const DeviceIntersections& wait() override { return to_->wait(); }
-    void download(Intersections& result) override { to_->download(result); }
+    const DeviceIntersections& wait(LaunchNumber launch) override { return to_->wait(launch); }
+    void download(LaunchNumber launch, Intersections& result) override { to_->download(launch, result); }
     DeviceFeatureCalls& features_there() override { return to_->features_there(); }
     bool find(const World& world, const IntersectionQuery& question, Intersections& result) override {
         return to_->find(world, question, result);
     }
     std::vector<Pose> poses_of(const DevicePoses& poses) override { return to_->poses_of(poses); }
-    void launch(const World& world, const IntersectionQuery& question) override { to_->launch(world, question); }
+    LaunchNumber launch(const World& world, const IntersectionQuery& question) override {
+        return to_->launch(world, question);
+    }
     bool keeps_after(const Error& error) const override { return to_->keeps_after(error); }
     void swap_memory(std::unique_ptr<SceneMemory>& memory) override { to_->swap_memory(memory); }
     void release() override { to_->release(); }

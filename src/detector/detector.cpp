@@ -192,7 +192,7 @@ struct Detector::Implementation : MeshCalls {
     }
 
     template <class Query>
-    void launch(const Scene& scene, const Query& query) {
+    LaunchNumber launch(const Scene& scene, const Query& query) {
         const auto* mesh = std::get_if<MeshView>(&scene.source());
         if constexpr (std::same_as<Query, IntersectionQuery>) {
             const auto* two = std::get_if<TwoMeshes>(&scene.source());
@@ -203,7 +203,7 @@ struct Detector::Implementation : MeshCalls {
             refuse("parts are not launched");
         } else {
             if (!mesh) refuse("launches about features take one mesh in device memory");
-            launch(*mesh, query);
+            return launch(*mesh, query);
         }
     }
 
@@ -245,12 +245,16 @@ std::vector<Part> Detector::partition(const Scene& scene, const Query& query, in
     return implementation_->partition(scene, query, count, std::move(stop));
 }
 template <RowQuery Query>
-void Detector::launch(const Scene& scene, const Query& query) {
-    implementation_->launch(scene, query);
+LaunchTicket<Query> Detector::launch(const Scene& scene, const Query& query) {
+    return {*implementation_, implementation_->launch(scene, query)};
 }
 template <RowQuery Query>
-const typename Query::DeviceResult& Detector::wait(std::stop_token stop) {
-    return implementation_->wait(static_cast<const Query*>(nullptr), std::move(stop));
+const typename Query::DeviceResult& LaunchTicket<Query>::wait(std::stop_token stop) const {
+    return detector_->wait(static_cast<const Query*>(nullptr), number_, std::move(stop));
+}
+template <RowQuery Query>
+const Intersections& LaunchTicket<Query>::download() const requires std::same_as<Query, IntersectionQuery> {
+    return detector_->download(number_);
 }
 
 // Which query has which delivery:
@@ -263,9 +267,9 @@ const typename Query::DeviceResult& Detector::wait(std::stop_token stop) {
         const Scene&, const Query&, FunctionRef<void(const Query::Result&)>, std::int64_t, std::stop_token);
 #define CRUMPLE_PARTITION(Query) \
     template CRUMPLE_API std::vector<Part> Detector::partition(const Scene&, const Query&, int, std::stop_token);
-#define CRUMPLE_LAUNCH(Query)                                               \
-    template CRUMPLE_API void Detector::launch(const Scene&, const Query&); \
-    template CRUMPLE_API const Query::DeviceResult& Detector::wait<Query>(std::stop_token);
+#define CRUMPLE_LAUNCH(Query)                                                              \
+    template CRUMPLE_API LaunchTicket<Query> Detector::launch(const Scene&, const Query&); \
+    template CRUMPLE_API const Query::DeviceResult& LaunchTicket<Query>::wait(std::stop_token) const;
 #define CRUMPLE_FOR_EACH_LISTED(Delivery) Delivery(IntersectionQuery) Delivery(ImpactQuery) Delivery(ProximityQuery)
 
 CRUMPLE_FOR_EACH_LISTED(CRUMPLE_FIND)
@@ -280,7 +284,7 @@ CRUMPLE_FOR_EACH_LISTED(CRUMPLE_PARTITION)
 CRUMPLE_FOR_EACH_LISTED(CRUMPLE_LAUNCH)
 CRUMPLE_LAUNCH(CandidateQuery)
 
-const Intersections& Detector::download() { return implementation_->download(); }
+template CRUMPLE_API const Intersections& LaunchTicket<IntersectionQuery>::download() const;
 
 template <>
 void Detector::swap_result(Intersections& other) {

@@ -113,7 +113,24 @@ struct DetectorState {
         run_above(meter.used, attempt, again, [](const Error&) { return false; });
     }
 
-    /// Guards a launch, or the wait for one. Keeps what a caller's graph works on.
+    /// Guards a launch, and the wait for one.
+    template <class Work>
+    LaunchNumber run_launch(Work work) {
+        LaunchNumber launched = 0;
+        cancellation.begin({});
+        kept_before_launch = meter.used;
+        run_launched([&] { launched = work(); });
+        return launched;
+    }
+    template <class Work>
+    void run_wait(std::stop_token stop, Work work) {
+        cancellation.begin(std::move(stop));
+        run_launched([&] {
+            cancellation.check();
+            work();
+        });
+    }
+    /// Guards a call about a launch. Keeps what a caller's graph works on.
     template <class Work>
     void run_launched(Work work) {
         run_above(

@@ -16,6 +16,8 @@ template <class Answer>
 void tell(const DeviceAnswer& found, Answer& answer) {
     static_cast<DeviceFeatures&>(answer) = found;
     for (std::size_t k = 0; k < answer.lists.size(); ++k) tell(found.rows[k], answer.lists[k]);
+    if constexpr (requires { answer.any; }) answer.any = found.any;
+    if constexpr (requires { answer.first; }) answer.first = found.first;
 }
 
 constexpr Body whole{.self = true};
@@ -113,43 +115,21 @@ void WorldCalls::copy_to_host(const MeshView& mesh, HostShape& copy) {
 }
 
 template <FeatureQuery Query>
-void WorldCalls::launch(const MeshView& mesh, const Query& query) {
+LaunchNumber WorldCalls::launch(const MeshView& mesh, const Query& query) {
     const DeviceShape there{shape_of(mesh, query), mesh.stream};
-    cancellation.begin({});
-    kept_before_launch = meter.used;
-    run_launched([&] {
+    return run_launch([&] {
         check_question(query, false);
         check_groups(query.filter, mesh.triangles.rows, !mesh.groups.empty());
         check(mesh.memory != MemorySpace::host, "launches take meshes in device memory");
-        features.launch(*backend, there, query);
+        return features.launch(*backend, there, query);
     });
 }
 
-DeviceAnswer WorldCalls::wait_for(Asked asked, std::stop_token stop) {
-    DeviceAnswer answer;
-    cancellation.begin(std::move(stop));
-    run_launched([&] {
-        cancellation.check();
-        answer = features.wait(*backend, asked);
-    });
-    return answer;
-}
-const DeviceImpacts& WorldCalls::wait(const ImpactQuery*, std::stop_token stop) {
-    const DeviceAnswer answer = wait_for(Asked::impacts, std::move(stop));
-    tell(answer, impacts_there_);
-    impacts_there_.any = answer.any;
-    impacts_there_.first = answer.first;
-    return impacts_there_;
-}
-const DeviceProximities& WorldCalls::wait(const ProximityQuery*, std::stop_token stop) {
-    const DeviceAnswer answer = wait_for(Asked::near, std::move(stop));
-    tell(answer, nearby_there_);
-    nearby_there_.any = answer.any;
-    return nearby_there_;
-}
-const DeviceCandidates& WorldCalls::wait(const CandidateQuery*, std::stop_token stop) {
-    tell(wait_for(Asked::candidates, std::move(stop)), candidates_there_);
-    return candidates_there_;
+template <FeatureQuery Query>
+const typename Query::DeviceResult& WorldCalls::wait(const Query*, LaunchNumber launch, std::stop_token stop) {
+    auto& result = std::get<typename Query::DeviceResult>(launched_[launch % most_in_flight]);
+    run_wait(std::move(stop), [&] { tell(features.wait(*backend, launch), result); });
+    return result;
 }
 
 template const Impacts& WorldCalls::find(const MeshView&, const ImpactQuery&, std::stop_token);
@@ -165,8 +145,11 @@ template Statistics WorldCalls::stream(const MeshView&, const CandidateQuery&, S
                                        std::stop_token);
 template std::vector<Part> WorldCalls::partition(const MeshView&, const ImpactQuery&, int, std::stop_token);
 template std::vector<Part> WorldCalls::partition(const MeshView&, const ProximityQuery&, int, std::stop_token);
-template void WorldCalls::launch(const MeshView&, const ImpactQuery&);
-template void WorldCalls::launch(const MeshView&, const ProximityQuery&);
-template void WorldCalls::launch(const MeshView&, const CandidateQuery&);
+template LaunchNumber WorldCalls::launch(const MeshView&, const ImpactQuery&);
+template LaunchNumber WorldCalls::launch(const MeshView&, const ProximityQuery&);
+template LaunchNumber WorldCalls::launch(const MeshView&, const CandidateQuery&);
+template const DeviceImpacts& WorldCalls::wait(const ImpactQuery*, LaunchNumber, std::stop_token);
+template const DeviceProximities& WorldCalls::wait(const ProximityQuery*, LaunchNumber, std::stop_token);
+template const DeviceCandidates& WorldCalls::wait(const CandidateQuery*, LaunchNumber, std::stop_token);
 
 }  // namespace crumple

@@ -94,42 +94,34 @@ Statistics MeshCalls::stream(const MeshView& a, const MeshView* b, const Interse
     return statistics;
 }
 
-void MeshCalls::launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) {
-    cancellation.begin({});
-    kept_before_launch = meter.used;
-    run_launched([&] {
+LaunchNumber MeshCalls::launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) {
+    return run_launch([&] {
         check_query(a, b, query);
         if (a.memory == MemorySpace::host)
             throw Error(ErrorCode::invalid_argument, "launches take meshes in device memory");
-        backend->launch(a, b, query);
+        return backend->launch(a, b, query);
     });
 }
 
-void MeshCalls::launch(const World& world, const IntersectionQuery& query) {
-    cancellation.begin({});
-    kept_before_launch = meter.used;
-    run_launched([&] {
+LaunchNumber MeshCalls::launch(const World& world, const IntersectionQuery& query) {
+    return run_launch([&] {
         check(lies_on_device(world) || world.bodies.empty(), "launch takes worlds whose poses lie in device memory");
         check_question(query);
         check_device_poses(world);
         check_on_device(query);
-        backend->launch(world, query);
+        return backend->launch(world, query);
     });
 }
 
-const DeviceIntersections& MeshCalls::wait(const IntersectionQuery*, std::stop_token stop) {
-    const DeviceIntersections* answer = nullptr;
-    cancellation.begin(std::move(stop));
-    run_launched([&] {
-        cancellation.check();
-        answer = &backend->wait();
-    });
-    return *answer;
+const DeviceIntersections& MeshCalls::wait(const IntersectionQuery*, LaunchNumber launch, std::stop_token stop) {
+    const DeviceIntersections* found = nullptr;
+    run_wait(std::move(stop), [&] { found = &backend->wait(launch); });
+    return *found;
 }
 
-const Intersections& MeshCalls::download() {
+const Intersections& MeshCalls::download(LaunchNumber launch) {
     clear(result);
-    run_launched([&] { backend->download(result); });
+    run_launched([&] { backend->download(launch, result); });
     result.count = static_cast<std::int64_t>(result.pairs.size());
     result.any = result.count > 0;
     return result;

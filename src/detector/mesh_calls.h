@@ -25,10 +25,10 @@ struct MeshCalls : WorldCalls {
                       Sink<IntersectionQuery> take, std::int64_t block_rows, std::stop_token stop);
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count, std::stop_token stop);
 
-    void launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
-    void launch(const World& world, const IntersectionQuery& query);
-    const DeviceIntersections& wait(const IntersectionQuery*, std::stop_token stop);
-    const Intersections& download();
+    LaunchNumber launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
+    LaunchNumber launch(const World& world, const IntersectionQuery& query);
+    const DeviceIntersections& wait(const IntersectionQuery*, LaunchNumber launch, std::stop_token stop);
+    const Intersections& download(LaunchNumber launch);
 
     /// Calls work(world) with one mesh, or two, as bodies.
     template <class Work>

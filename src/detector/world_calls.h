@@ -2,7 +2,11 @@
 
 // A detector's calls on worlds of bodies, and on features. A mesh whose features are searched is a world of one body.
 
+#include <concepts>
+#include <stop_token>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "base/stopwatch.h"
 #include "crumple/detector.h"
@@ -46,10 +50,9 @@ struct WorldCalls : DetectorState {
     template <FeatureQuery Query>
     std::vector<Part> partition(const MeshView& mesh, const Query& query, int count, std::stop_token stop);
     template <FeatureQuery Query>
-    void launch(const MeshView& mesh, const Query& query);
-    const DeviceImpacts& wait(const ImpactQuery*, std::stop_token stop);
-    const DeviceProximities& wait(const ProximityQuery*, std::stop_token stop);
-    const DeviceCandidates& wait(const CandidateQuery*, std::stop_token stop);
+    LaunchNumber launch(const MeshView& mesh, const Query& query);
+    template <FeatureQuery Query>
+    const typename Query::DeviceResult& wait(const Query*, LaunchNumber launch, std::stop_token stop);
     void copy_to_host(const MeshView& mesh, HostShape& copy);
 
     template <FeatureQuery Query>
@@ -86,7 +89,6 @@ struct WorldCalls : DetectorState {
     template <class Query>
     const typename Query::Result& find_there(const DeviceShape& mesh, const Query& query, std::stop_token stop);
     void copy_to_host(const DeviceShape& mesh, HostShape& copy);
-    DeviceAnswer wait_for(Asked asked, std::stop_token stop);
 
     /// A mesh with all that a query reads of it. An Error, if a query about motion has no end, or there are too many
     /// vertices.
@@ -94,9 +96,8 @@ struct WorldCalls : DetectorState {
     Shape shape_of(const MeshView& mesh, const ProximityQuery& query);
     Shape shape_of(const MeshView& mesh, const CandidateQuery& query);
 
-    DeviceImpacts impacts_there_;
-    DeviceProximities nearby_there_;
-    DeviceCandidates candidates_there_;
+    /// Results of the last launches, by number.
+    std::tuple<DeviceImpacts, DeviceProximities, DeviceCandidates> launched_[most_in_flight];
 };
 
 }  // namespace crumple

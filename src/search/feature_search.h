@@ -68,8 +68,8 @@ class FeatureSearch {
     void find_there(BackendBase& backend, const DeviceShape& mesh, const Question& question, bool frugal,
                     Answer& answer);
     template <class Question>
-    void launch(BackendBase& backend, const DeviceShape& mesh, const Question& question);
-    DeviceAnswer wait(BackendBase& backend, Asked asked);
+    LaunchNumber launch(BackendBase& backend, const DeviceShape& mesh, const Question& question);
+    DeviceAnswer wait(BackendBase& backend, LaunchNumber launch);
 
     /// Gives all memory back.
     void release();
@@ -154,12 +154,12 @@ class FeatureSearch {
     // Of each body that was added to the scene; and how many there are:
     Array<std::int64_t> first_edge_, first_point_;
 
-    /// What a launch was given, by its slot: it may have to be answered again.
+    /// Input of a launch, which may have to be found again: of the last launches, by number.
     struct Launched {
         DeviceShape mesh;
         std::variant<ImpactQuery, ProximityQuery, CandidateQuery> question;
     };
-    std::array<Launched, 2> launched_;
+    std::array<Launched, most_in_flight> launched_;
 };
 
 // The first of the bodies that were added are those whose own world this is.

@@ -2,7 +2,9 @@
 // the mesh's triangles, which it sees once; the device compares them with those of each call, and where they are others
 // the host looks again. All else stays on the device.
 
+#include <optional>
 #include <type_traits>
+#include <variant>
 
 #include "crumple/error.h"
 #include "queries/feature_requests.h"
@@ -107,32 +109,32 @@ void FeatureSearch::look_there(BackendBase& backend, const DeviceShape& mesh, co
 }
 
 template <class Question>
-void FeatureSearch::launch(BackendBase& backend, const DeviceShape& mesh, const Question& question) {
+LaunchNumber FeatureSearch::launch(BackendBase& backend, const DeviceShape& mesh, const Question& question) {
     DeviceFeatureCalls& there = backend.features_there();
     refuse_what_is_not_there(mesh.shape, question);
     look_there(backend, mesh, question);
-    if (there.is_captured(mesh) && !features_.has_counts_of(mesh.shape)) fail_unprepared_capture(Asked::impacts);
-    const auto slot =
-        ask_there(backend, mesh, question, [&](const auto& query) { return std::optional(there.launch(mesh, query)); });
-    launched_[*slot] = {mesh, question};
+    if (there.is_captured(mesh) && !features_.has_counts_of(mesh.shape)) fail_unprepared_capture(false);
+    const LaunchNumber launched =
+        ask_there(backend, mesh, question, [&](const auto& query) { return there.launch(mesh, query); });
+    launched_[launched % most_in_flight] = {mesh, question};
+    return launched;
 }
 
-DeviceAnswer FeatureSearch::wait(BackendBase& backend, Asked asked) {
+DeviceAnswer FeatureSearch::wait(BackendBase& backend, LaunchNumber launch) {
     DeviceFeatureCalls& there = backend.features_there();
-    DeviceFeatureCalls::Landed landed = there.wait(asked);
-    const Launched& launched = launched_[landed.slot];
-    if (!landed.answer)
-        landed.answer = std::visit(
-            [&](const auto& question) {
-                look_there(backend, launched.mesh, question);
-                return ask_there(backend, launched.mesh, question, [&](const auto& query) {
-                    return there.find_again(landed.slot, launched.mesh, query);
-                });
+    const auto& [mesh, question] = launched_[launch % most_in_flight];
+    std::optional<DeviceAnswer> answer = there.wait(launch, std::holds_alternative<CandidateQuery>(question));
+    if (!answer)
+        answer = std::visit(
+            [&](const auto& of) {
+                look_there(backend, mesh, of);
+                return ask_there(backend, mesh, of,
+                                 [&](const auto& query) { return there.find_again(launch, mesh, query); });
             },
-            launched.question);
-    landed.answer->statistics.triangles = launched.mesh.shape.triangles.rows;
-    landed.answer->statistics.pairs = landed.answer->count;
-    return *landed.answer;
+            question);
+    answer->statistics.triangles = mesh.shape.triangles.rows;
+    answer->statistics.pairs = answer->count;
+    return *answer;
 }
 
 template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const ImpactQuery&, bool, Impacts&);
@@ -141,8 +143,8 @@ template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const 
 template void FeatureSearch::answer_there(BackendBase&, const ImpactQuery&);
 template void FeatureSearch::answer_there(BackendBase&, const ProximityQuery&);
 template void FeatureSearch::answer_there(BackendBase&, const CandidateQuery&);
-template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const ImpactQuery&);
-template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const ProximityQuery&);
-template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const CandidateQuery&);
+template LaunchNumber FeatureSearch::launch(BackendBase&, const DeviceShape&, const ImpactQuery&);
+template LaunchNumber FeatureSearch::launch(BackendBase&, const DeviceShape&, const ProximityQuery&);
+template LaunchNumber FeatureSearch::launch(BackendBase&, const DeviceShape&, const CandidateQuery&);
 
 }  // namespace crumple

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "candidates/compare_candidates.h"
 #include "crumple/error.h"
 #include "cuda/cloth.h"
@@ -29,26 +31,31 @@ class CudaBetweenLaunches : public testing::Test {
         EXPECT_TRUE(same_candidates(cuda_.find(start_.view().moving_to(end), CandidateQuery()),
                                     cpu_.find(start_.view().moving_to(end), CandidateQuery())));
     }
-    void expect_answer() { EXPECT_TRUE(shows(cuda_.wait(), device_.view(), nullptr, cpu_.find(start_.view()))); }
+    void expect_answer(const LaunchTicket<IntersectionQuery>& launched) {
+        EXPECT_TRUE(shows(launched.wait(), device_.view(), nullptr, cpu_.find(start_.view())));
+    }
+    void expect_nothing(const LaunchTicket<IntersectionQuery>& launched) {
+        EXPECT_STREQ(error_of([&] { launched.wait(); }).what(),
+                     "there is nothing to wait for: another call has come after this launch");
+    }
 };
 
 TEST_F(CudaBetweenLaunches, features_end_what_is_in_flight) {
     for (int round = 0; round < 3; ++round) {
-        cuda_.launch(device_.view());
-        if (round > 0) cuda_.launch(device_.view());
+        std::vector launched{cuda_.launch(device_.view())};
+        if (round > 0) launched.push_back(cuda_.launch(device_.view()));
         expect_features();
-        EXPECT_STREQ(error_of([&] { cuda_.wait(); }).what(), "wait() for intersections needs a launch before it");
+        for (const auto& each : launched) expect_nothing(each);
     }
-    cuda_.launch(device_.view());
-    expect_answer();
+    expect_answer(cuda_.launch(device_.view()));
 }
 
 TEST_F(CudaBetweenLaunches, features_come_after_an_answer) {
     for (int round = 0; round < 3; ++round) {
-        cuda_.launch(device_.view());
-        expect_answer();
+        const auto launched = cuda_.launch(device_.view());
+        expect_answer(launched);
         expect_features();
-        EXPECT_STREQ(error_of([&] { cuda_.download(); }).what(), "download() needs a wait() for meshes before it");
+        EXPECT_STREQ(error_of([&] { launched.download(); }).what(), "download() needs a wait() for meshes before it");
     }
 }
 
@@ -57,21 +64,17 @@ TEST_F(CudaBetweenLaunches, features_end_a_captured_launch) {
     check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
     MeshView view = device_.view();
     view.stream = stream;
-    for (int call = 0; call < 2; ++call) {
-        cuda_.launch(view);
-        cuda_.wait();
-    }
+    for (int call = 0; call < 2; ++call) cuda_.launch(view).wait();
     check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
-    cuda_.launch(view);
+    const auto captured = cuda_.launch(view);
     EXPECT_EQ(error_of([&] { cuda_.find(start_.view(), ProximityQuery()); }).code, ErrorCode::invalid_argument)
         << "the capture has not ended";
     cudaGraph_t graph = nullptr;
     check(cudaStreamEndCapture(stream, &graph));
     check(cudaGraphDestroy(graph));
     expect_features();
-    EXPECT_STREQ(error_of([&] { cuda_.wait(); }).what(), "wait() for intersections needs a launch before it");
-    cuda_.launch(view);
-    expect_answer();
+    expect_nothing(captured);
+    expect_answer(cuda_.launch(view));
     check(cudaStreamDestroy(stream));
 }
 

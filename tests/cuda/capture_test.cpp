@@ -23,18 +23,15 @@ namespace crumple::test {
 namespace {
 
 void warm_up(Detector& cuda, const MeshView& mesh, const IntersectionQuery& query = {}) {
-    for (int call = 0; call < 2; ++call) {
-        cuda.launch(mesh, query);
-        cuda.wait();
-    }
+    for (int call = 0; call < 2; ++call) cuda.launch(mesh, query).wait();
 }
 
 /// Replays until the answer is complete: centres may move on, and triangles at one place change sides together, so that
 /// even a scene at rest can take a second replay.
-const DeviceIntersections& answer_of(const Recorder& recorder, Detector& cuda) {
+const DeviceIntersections& answer_of(const Recorder& recorder, const LaunchTicket<IntersectionQuery>& launched) {
     for (int replay = 0;; ++replay) {
         recorder.replay();
-        const DeviceIntersections& found = cuda.wait();
+        const DeviceIntersections& found = launched.wait();
         if (found.complete || replay == 4) return found;
     }
 }
@@ -52,20 +49,20 @@ TEST(CudaCapture, answers_each_replay) {
             const MeshView view = recorder.on(device.view());
             warm_up(cuda, view, query);
             recorder.begin();
-            cuda.launch(view, query);
+            const auto launched = cuda.launch(view, query);
             recorder.end();
             int complete = 0;
             for (int frame = 70; frame < 94; frame += 3) {
                 const io::TriangleMesh mesh = cloth(600, frame);
                 device.set_vertices(mesh.view());
                 recorder.replay();
-                const DeviceIntersections& found = cuda.wait();
+                const DeviceIntersections& found = launched.wait();
                 if (!found.complete) continue;
                 ++complete;
                 const Intersections& expected = cpu.find(mesh.view(), query);
                 EXPECT_TRUE(shows(found, view, nullptr, expected)) << "frame " << frame;
                 EXPECT_EQ(found.pairs_needed, found.count);
-                EXPECT_TRUE(same_answer(cuda.download(), expected)) << "frame " << frame;
+                EXPECT_TRUE(same_answer(launched.download(), expected)) << "frame " << frame;
             }
             EXPECT_GE(complete, 4) << "of 8 frames that look like the ones before";
         }
@@ -80,10 +77,10 @@ TEST(CudaCapture, tells_of_the_last_of_many_replays) {
     const MeshView view = recorder.on(device.view());
     for (int call = 0; call < 2; ++call) cuda.find(device.view());  // any call that lists pairs warms up
     recorder.begin();
-    cuda.launch(view);
+    const auto launched = cuda.launch(view);
     recorder.end();
     for (int replay = 0; replay < 3; ++replay) recorder.replay();
-    EXPECT_TRUE(shows(cuda.wait(), view, nullptr, cpu.find(mesh.view())));
+    EXPECT_TRUE(shows(launched.wait(), view, nullptr, cpu.find(mesh.view())));
 }
 
 // What expansions cannot hold, and contacts in one plane, are the host's, in wait().
@@ -99,10 +96,10 @@ TEST(CudaCapture, has_the_host_decide_what_only_it_can) {
         const MeshView view = recorder.on(device.view());
         warm_up(cuda, view, query);
         recorder.begin();
-        cuda.launch(view, query);
+        const auto launched = cuda.launch(view, query);
         recorder.end();
         for (int replay = 0; replay < 2; ++replay) {
-            const DeviceIntersections& found = answer_of(recorder, cuda);
+            const DeviceIntersections& found = answer_of(recorder, launched);
             EXPECT_TRUE(shows(found, view, nullptr, expected));
             rational += found.statistics.rational_contacts;
             beyond += found.statistics.rational_tests;
@@ -122,8 +119,7 @@ TEST(CudaCapture, answers_between_two_meshes_whose_streams_it_joins) {
     cudaEvent_t fork;
     check(cudaEventCreateWithFlags(&fork, cudaEventDisableTiming));
     for (int call = 0; call < 2; ++call) {
-        cuda.launch({first, second});
-        cuda.wait();
+        cuda.launch({first, second}).wait();
     }
     recorder.begin();
     EXPECT_EQ(message_of([&] {
@@ -132,9 +128,9 @@ TEST(CudaCapture, answers_between_two_meshes_whose_streams_it_joins) {
               "the streams of two meshes take part in one capture, or in none");
     check(cudaEventRecord(fork, recorder.stream()));
     check(cudaStreamWaitEvent(other.stream(), fork, 0));
-    cuda.launch({first, second});
+    const auto launched = cuda.launch({first, second});
     recorder.end();
-    EXPECT_TRUE(shows(answer_of(recorder, cuda), half.a, &half.b, cpu.find({half.a, half.b})));
+    EXPECT_TRUE(shows(answer_of(recorder, launched), half.a, &half.b, cpu.find({half.a, half.b})));
     check(cudaEventDestroy(fork));
 }
 
@@ -166,10 +162,7 @@ TEST(CudaCapture, goes_on_when_a_detector_ends) {
     const DeviceMesh device(cloth(300, 93).view());
     const DeviceBytes bytes(std::vector<std::byte>(1));
     std::optional<Detector> cuda(std::in_place, Options{.backend = Backend::cuda});
-    for (int call = 0; call < 3; ++call) {
-        cuda->launch(device.view());
-        cuda->wait();
-    }
+    for (int call = 0; call < 3; ++call) cuda->launch(device.view()).wait();
     cuda->launch(device.view());  // the detector's end waits for it
     Recorder recorder;
     recorder.begin();
@@ -192,30 +185,31 @@ TEST(CudaCapture, says_what_a_replay_lacks) {
     const MeshView view = recorder.on(device.view());
     warm_up(cuda, view);
     recorder.begin();
-    cuda.launch(view);
+    const auto launched = cuda.launch(view);
     recorder.end();
     device.set_vertices(dense.view());
     for (int replay = 0; replay < 2; ++replay) {
         recorder.replay();
-        const DeviceIntersections found = cuda.wait();
+        const DeviceIntersections found = launched.wait();
         EXPECT_FALSE(found.complete);
         EXPECT_GT(found.pairs_needed, 0);
         EXPECT_LE(found.pairs_needed, pairs);
         EXPECT_EQ(found.count, 0);
         EXPECT_EQ(found.pairs, nullptr);
-        EXPECT_EQ(message_of([&] { cuda.download(); }), "download() needs an answer that is complete");
+        EXPECT_EQ(message_of([&] { launched.download(); }), "download() needs an answer that is complete");
     }
     // The graph still answers what fits: a jump spoils one replay, and what it has left guides the next ones.
     device.set_vertices(sparse.view());
-    EXPECT_TRUE(shows(answer_of(recorder, cuda), view, nullptr, cpu.find(sparse.view())));
+    EXPECT_TRUE(shows(answer_of(recorder, launched), view, nullptr, cpu.find(sparse.view())));
     device.set_vertices(dense.view());
     warm_up(cuda, view);
-    EXPECT_EQ(message_of([&] { cuda.download(), cuda.wait(); }), "wait() for intersections needs a launch before it");
+    EXPECT_EQ(message_of([&] { launched.wait(); }),
+              "there is nothing to wait for: another call has come after this launch");
     warm_up(cuda, view);
     recorder.begin();
-    cuda.launch(view);
+    const auto again = cuda.launch(view);
     recorder.end();
-    EXPECT_TRUE(shows(answer_of(recorder, cuda), view, nullptr, cpu.find(dense.view())));
+    EXPECT_TRUE(shows(answer_of(recorder, again), view, nullptr, cpu.find(dense.view())));
 }
 
 TEST(CudaCapture, reports_bad_input_and_goes_on) {
@@ -228,15 +222,15 @@ TEST(CudaCapture, reports_bad_input_and_goes_on) {
     const MeshView view = recorder.on(device.view());
     warm_up(cuda, view);
     recorder.begin();
-    cuda.launch(view);
+    const auto launched = cuda.launch(view);
     recorder.end();
     for (int turn = 0; turn < 3; ++turn) {
         device.set_vertices(bad.view());
         recorder.replay();
-        EXPECT_EQ(message_of([&] { cuda.wait(); }), "vertex 17 is not finite");
+        EXPECT_EQ(message_of([&] { launched.wait(); }), "vertex 17 is not finite");
         device.set_vertices(good.view());
-        ASSERT_TRUE(answer_of(recorder, cuda).complete);
-        EXPECT_TRUE(same_answer(cuda.download(), cpu.find(good.view())));
+        ASSERT_TRUE(answer_of(recorder, launched).complete);
+        EXPECT_TRUE(same_answer(launched.download(), cpu.find(good.view())));
     }
 }
 
@@ -262,8 +256,7 @@ TEST(CudaCapture, refuses_what_has_no_lists_and_spoils_nothing) {
         EXPECT_EQ(to_host(static_cast<const unsigned char*>(bytes.data()), 2), (std::vector<unsigned char>{9, 7}));
     };
     expect_refused(view, {});
-    cuda.launch(view);
-    cuda.wait();
+    cuda.launch(view).wait();
     expect_refused(view, {});
     warm_up(cuda, view);
     expect_refused(view, {.weld = true});
@@ -273,10 +266,10 @@ TEST(CudaCapture, refuses_what_has_no_lists_and_spoils_nothing) {
     expect_refused(recorder.on(other.view()), {});
     warm_up(cuda, view);
     recorder.begin();
-    cuda.launch(view);
+    const auto launched = cuda.launch(view);
     recorder.end();
     recorder.replay();
-    EXPECT_TRUE(shows(cuda.wait(), view, nullptr, cpu.find(mesh.view())));
+    EXPECT_TRUE(shows(launched.wait(), view, nullptr, cpu.find(mesh.view())));
 }
 
 TEST(CudaCapture, tells_when_it_is_asked_out_of_turn) {
@@ -287,29 +280,30 @@ TEST(CudaCapture, tells_when_it_is_asked_out_of_turn) {
     const MeshView view = recorder.on(device.view());
     const Intersections expected = cpu.find(mesh.view());
     warm_up(cuda, view);
-    cuda.launch(view);
+    const auto before = cuda.launch(view);
     recorder.begin();
     EXPECT_EQ(message_of([&] { cuda.launch(view); }), "a launch in a capture comes after wait() for the one before");
     recorder.end();
-    cuda.wait();
+    before.wait();
     recorder.begin();
-    cuda.launch(view);
+    const auto launched = cuda.launch(view);
     EXPECT_EQ(message_of([&] { cuda.launch(view); }), "a detector's launches in a capture are one at most");
-    EXPECT_EQ(message_of([&] { cuda.wait(); }), "the capture that a launch was put into has not ended");
+    EXPECT_EQ(message_of([&] { launched.wait(); }), "the capture that a launch was put into has not ended");
     recorder.end();
-    EXPECT_EQ(message_of([&] { cuda.wait(); }),
-              "wait() for intersections needs a replay of the captured launch before it");
-    EXPECT_EQ(message_of([&] { cuda.download(); }), "download() needs a wait() for meshes before it");
+    EXPECT_EQ(message_of([&] { before.wait(); }),
+              "there is nothing to wait for: another call has come after this launch");
+    EXPECT_EQ(message_of([&] { launched.wait(); }), "wait() needs a replay of the captured launch before it");
+    EXPECT_EQ(message_of([&] { launched.download(); }), "download() needs a wait() for meshes before it");
     recorder.replay();
-    EXPECT_TRUE(shows(cuda.wait(), view, nullptr, expected));
-    EXPECT_EQ(message_of([&] { cuda.wait(); }),
-              "wait() for intersections needs a replay of the captured launch before it");
+    EXPECT_TRUE(shows(launched.wait(), view, nullptr, expected));
+    EXPECT_EQ(message_of([&] { launched.wait(); }), "wait() needs a replay of the captured launch before it");
     recorder.replay();
-    EXPECT_TRUE(shows(cuda.wait(), view, nullptr, expected));
-    EXPECT_TRUE(same_answer(cuda.download(), expected));
+    EXPECT_TRUE(shows(launched.wait(), view, nullptr, expected));
+    EXPECT_TRUE(same_answer(launched.download(), expected));
     // Another call may move its lists, so it is over.
     EXPECT_TRUE(same_answer(cuda.find(mesh.view()), expected));
-    EXPECT_EQ(message_of([&] { cuda.wait(); }), "wait() for intersections needs a launch before it");
+    EXPECT_EQ(message_of([&] { launched.wait(); }),
+              "there is nothing to wait for: another call has come after this launch");
 }
 
 }  // namespace

@@ -76,18 +76,15 @@ TYPED_TEST(CudaDeviceFeatures, stay_on_the_device) {
         const MeshView view = there.view(stream);
         for (const Output wants : {Output::pairs, Output::first, Output::any}) {
             const ImpactQuery asked{.output = wants};
-            this->cuda_.launch(view.moving_to(there.end()), asked);
-            EXPECT_TRUE(shows(this->cuda_.template wait<ImpactQuery>(),
+            EXPECT_TRUE(shows(this->cuda_.launch(view.moving_to(there.end()), asked).wait(),
                               this->cpu_.find(soup.view().moving_to(soup.end_view()), asked)));
         }
         if (unit <= 1e300) {
             const ProximityQuery asked{.radius = unit / 2};
-            this->cuda_.launch(view, asked);
-            EXPECT_TRUE(shows(this->cuda_.template wait<ProximityQuery>(), this->cpu_.find(soup.view(), asked)));
+            EXPECT_TRUE(shows(this->cuda_.launch(view, asked).wait(), this->cpu_.find(soup.view(), asked)));
         }
         const CandidateQuery asked{.kinds = all_candidate_kinds()};
-        this->cuda_.launch(view.moving_to(there.end()), asked);
-        EXPECT_TRUE(shows(this->cuda_.template wait<CandidateQuery>(),
+        EXPECT_TRUE(shows(this->cuda_.launch(view.moving_to(there.end()), asked).wait(),
                           this->cpu_.find(soup.view().moving_to(soup.end_view()), asked)));
         if (this->HasFailure()) return;
     }
@@ -109,8 +106,7 @@ TEST(CudaDeviceFeatures, have_radii_and_a_shape_at_rest) {
     ASSERT_GT(expected.count, 0);
     EXPECT_TRUE(same_features(cuda.find(there.view(), asked_there), expected));
     for (int frame = 0; frame < 4; ++frame) {
-        cuda.launch(there.view(), asked_there);
-        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), expected)) << "frame " << frame;
+        EXPECT_TRUE(shows(cuda.launch(there.view(), asked_there).wait(), expected)) << "frame " << frame;
     }
     asked.closest = asked_there.closest = true;
     EXPECT_TRUE(same_features(cuda.find(there.view(), asked_there), cpu.find(soup.view(), asked)));
@@ -138,8 +134,7 @@ TEST(CudaDeviceFeatures, are_those_of_the_arrays_that_are_given) {
         asked_there.rest.data = rest[r].span().data();
         const Proximities& expected = cpu.find(soup.view(), asked);
         near += expected.count;
-        cuda.launch(there.view(), asked_there);
-        ASSERT_TRUE(shows(cuda.wait<ProximityQuery>(), expected)) << "frame " << frame;
+        ASSERT_TRUE(shows(cuda.launch(there.view(), asked_there).wait(), expected)) << "frame " << frame;
     }
     EXPECT_GT(near, 0);
 }
@@ -184,8 +179,7 @@ TEST(CudaDeviceFeatures, are_read_as_they_lie) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const Impacts& expected = cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery());
     EXPECT_TRUE(same_features(cuda.find(view.moving_to(to), ImpactQuery()), expected));
-    cuda.launch(view.moving_to(to), ImpactQuery());
-    EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), expected));
+    EXPECT_TRUE(shows(cuda.launch(view.moving_to(to), ImpactQuery()).wait(), expected));
     EXPECT_TRUE(same_features(cuda.find(view.moving_to(to), ImpactQuery{.weld = true}),
                               cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.weld = true})));
 }
@@ -202,35 +196,38 @@ TEST(CudaDeviceFeatures, know_groups) {
         const Proximities& expected = cpu.find(soup.view(), asked);
         ASSERT_GT(expected.count, 0);
         EXPECT_TRUE(same_features(cuda.find(there.view(), asked), expected));
-        cuda.launch(there.view(), asked);
-        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), expected));
+        EXPECT_TRUE(shows(cuda.launch(there.view(), asked).wait(), expected));
     }
 }
 
-// Two in flight, of any kinds; each wait is for the oldest.
+constexpr const char* not_the_oldest = "an older launch is in flight: launches are waited for in their order";
+
+// Two in flight, of any kinds, are waited for in their order.
 TEST(CudaDeviceFeatures, take_turns_with_other_launches) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const MovingSoup<float> first = falling(300, 85), second = falling(500, 88);
     const DeviceStep<float> a(first), b(second);
     const ProximityQuery near{.radius = 0.03};
     for (int round = 0; round < 3; ++round) {
-        cuda.launch(a.view().moving_to(a.end()), ImpactQuery());
-        cuda.launch(b.view(), near);
+        const auto impacts = cuda.launch(a.view().moving_to(a.end()), ImpactQuery());
+        const auto proximities = cuda.launch(b.view(), near);
         EXPECT_STREQ(error_of([&] { cuda.launch(a.view()); }).what(),
                      "two launches are in flight: the next one comes after a wait()");
-        EXPECT_STREQ(error_of([&] { cuda.wait<ProximityQuery>(); }).what(), "the oldest launch is one of impacts");
-        EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), cpu.find(first.view().moving_to(first.end_view()), ImpactQuery())));
-        cuda.launch(b.view());
-        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), cpu.find(second.view(), near)));
-        cuda.launch(b.view().moving_to(b.end()), CandidateQuery());
-        EXPECT_STREQ(error_of([&] { cuda.wait<ImpactQuery>(); }).what(), "the oldest launch is one of intersections");
-        EXPECT_TRUE(shows(cuda.wait(), b.view(), nullptr, cpu.find(second.view())));
-        EXPECT_TRUE(same_answer(cuda.download(), cpu.find(second.view())));
-        EXPECT_TRUE(
-            shows(cuda.wait<CandidateQuery>(), cpu.find(second.view().moving_to(second.end_view()), CandidateQuery())));
-        EXPECT_STREQ(error_of([&] { cuda.download(); }).what(), "download() needs a wait() for meshes before it");
-        EXPECT_STREQ(error_of([&] { cuda.wait<CandidateQuery>(); }).what(),
-                     "wait() for candidates needs a launch before it");
+        EXPECT_STREQ(error_of([&] { proximities.wait(); }).what(), not_the_oldest);
+        EXPECT_TRUE(shows(impacts.wait(), cpu.find(first.view().moving_to(first.end_view()), ImpactQuery())));
+        const auto intersections = cuda.launch(b.view());
+        EXPECT_TRUE(shows(proximities.wait(), cpu.find(second.view(), near)));
+        const auto candidates = cuda.launch(b.view().moving_to(b.end()), CandidateQuery());
+        EXPECT_STREQ(error_of([&] { candidates.wait(); }).what(), not_the_oldest);
+        EXPECT_TRUE(shows(intersections.wait(), b.view(), nullptr, cpu.find(second.view())));
+        EXPECT_TRUE(same_answer(intersections.download(), cpu.find(second.view())));
+        EXPECT_TRUE(shows(candidates.wait(), cpu.find(second.view().moving_to(second.end_view()), CandidateQuery())));
+        EXPECT_STREQ(error_of([&] { intersections.download(); }).what(),
+                     "download() needs a wait() for meshes before it");
+        EXPECT_STREQ(error_of([&] { candidates.wait(); }).what(),
+                     "wait() needs a launch before it: this one has been waited for");
+        EXPECT_STREQ(error_of([&] { impacts.wait(); }).what(),
+                     "there is nothing to wait for: another call has come after this launch");
     }
 }
 
@@ -239,17 +236,20 @@ TEST(CudaDeviceFeatures, of_two_launches_are_both_right) {
     std::vector<MovingSoup<float>> frames;
     std::vector<DeviceStep<float>> there;
     for (int frame = 80; frame < 94; frame += 2) there.emplace_back(frames.emplace_back(falling(600, frame)));
-    cuda.launch(there[0].view().moving_to(there[0].end()), ImpactQuery());
+    const auto expect_right = [&](const DeviceImpacts& found, std::size_t i) {
+        EXPECT_TRUE(shows(found, cpu.find(frames[i].view().moving_to(frames[i].end_view()), ImpactQuery()))) << i;
+    };
+    std::vector launched{cuda.launch(there[0].view().moving_to(there[0].end()), ImpactQuery())};
     std::int64_t impacts = 0;
     for (std::size_t i = 1; i < there.size(); ++i) {
-        cuda.launch(there[i].view().moving_to(there[i].end()), ImpactQuery());
-        const DeviceImpacts found = cuda.wait<ImpactQuery>();
+        launched.push_back(cuda.launch(there[i].view().moving_to(there[i].end()), ImpactQuery()));
+        const DeviceImpacts& found = launched[i - 1].wait();
         impacts += found.count;
-        EXPECT_TRUE(shows(found, cpu.find((frames[i - 1].view()).moving_to(frames[i - 1].end_view()), ImpactQuery())))
-            << i;
+        expect_right(found, i - 1);
+        if (i + 1 < there.size()) continue;
+        expect_right(launched[i].wait(), i);
+        expect_right(found, i - 1);  // it is valid until the second launch after its own
     }
-    EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(),
-                      cpu.find(frames.back().view().moving_to(frames.back().end_view()), ImpactQuery())));
     EXPECT_GT(impacts, 0);
 }
 
@@ -266,21 +266,18 @@ TEST(CudaDeviceFeatures, follow_a_mesh_that_tears) {
     for (int round = 0; round < 2; ++round) {
         EXPECT_TRUE(same_features(cuda.find(whole.view(), near), before));
         EXPECT_TRUE(same_features(cuda.find(there.view(), near), after));
-        cuda.launch(whole.view(), near);
-        cuda.launch(there.view(), near);
-        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), before));
-        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), after));
+        const auto older = cuda.launch(whole.view(), near), newer = cuda.launch(there.view(), near);
+        EXPECT_TRUE(shows(older.wait(), before));
+        EXPECT_TRUE(shows(newer.wait(), after));
         // Other numbers of triangles, and lists.
         MovingSoup<float> fewer = soup;
         fewer.triangles.resize(200);
         fewer.edges = edges_of(MovingSoup<>{{}, {}, soup.triangles, {}});
         const DeviceStep<float> few(fewer);
-        cuda.launch(few.view(), near);
-        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), cpu.find(fewer.view(), near)));
+        EXPECT_TRUE(shows(cuda.launch(few.view(), near).wait(), cpu.find(fewer.view(), near)));
         std::swap(fewer.edges->front(), fewer.edges->back());
         const DeviceStep<float> swapped(fewer);
-        cuda.launch(swapped.view(), near);
-        EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), cpu.find(fewer.view(), near)));
+        EXPECT_TRUE(shows(cuda.launch(swapped.view(), near).wait(), cpu.find(fewer.view(), near)));
     }
 }
 
@@ -344,15 +341,21 @@ TEST(CudaDeviceFeatures, report_bad_input_as_the_host_does) {
                    : (void)cuda.find(there.view(), near_there);
         }));
         // After a launch that was fine, which is answered.
-        cuda.launch(fine.view().moving_to(fine.end()), ImpactQuery());
+        const auto older = cuda.launch(fine.view().moving_to(fine.end()), ImpactQuery());
+        bool launched = false;
+        const auto wait_for_both = [&](const auto& newer) {
+            launched = true;
+            EXPECT_TRUE(shows(older.wait(), fine_impacts));
+            newer.wait();
+        };
         same(error_of([&] {
-            moving ? cuda.launch(there.view().moving_to(there.end()), ImpactQuery())
-                   : cuda.launch(there.view(), near_there);
-            EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), fine_impacts));
-            moving ? (void)cuda.wait<ImpactQuery>() : (void)cuda.wait<ProximityQuery>();
+            moving ? wait_for_both(cuda.launch(there.view().moving_to(there.end()), ImpactQuery()))
+                   : wait_for_both(cuda.launch(there.view(), near_there));
         }));
-        cuda.launch(fine.view().moving_to(fine.end()), ImpactQuery());
-        EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), fine_impacts));
+        if (!launched) {
+            EXPECT_TRUE(shows(older.wait(), fine_impacts));
+        }
+        EXPECT_TRUE(shows(cuda.launch(fine.view().moving_to(fine.end()), ImpactQuery()).wait(), fine_impacts));
     }
 }
 
@@ -380,8 +383,6 @@ TEST(CudaDeviceFeatures, refuse_what_launches_do_not) {
         EXPECT_TRUE(refused([&] { cuda.find(wrong.moving_to(there.end()), ImpactQuery{.weld = copied}); }));
     }
     EXPECT_TRUE(refused([&] { cuda.find(wrong.moving_to(there.end()), FreeStepQuery()); }));
-    EXPECT_TRUE(refused([&] { cpu.wait<ProximityQuery>(); }));
-    EXPECT_TRUE(refused([&] { cuda.wait<ProximityQuery>(); }));
 }
 
 // What does not fit is found in chunks, on the host, and brought back.
@@ -396,20 +397,17 @@ TEST(CudaDeviceFeatures, fit_a_memory_limit) {
     for (const std::int64_t limit : {40'000'000, 17'000'000}) {
         Detector cuda({.backend = Backend::cuda, .memory_limit = limit});
         for (int call = 0; call < 2; ++call) {
-            cuda.launch(there.view().moving_to(there.end()), asked);
-            cuda.launch(there.view().moving_to(there.end()), asked);
-            EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), impacts)) << limit;
-            EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), impacts)) << limit;
+            const auto older = cuda.launch(there.view().moving_to(there.end()), asked),
+                       newer = cuda.launch(there.view().moving_to(there.end()), asked);
+            EXPECT_TRUE(shows(older.wait(), impacts)) << limit;
+            EXPECT_TRUE(shows(newer.wait(), impacts)) << limit;
             EXPECT_TRUE(same_features(cuda.find(there.view().moving_to(there.end()), asked), impacts));
         }
-        cuda.launch(there.view().moving_to(there.end()), CandidateQuery());
-        EXPECT_TRUE(shows(cuda.wait<CandidateQuery>(), candidates)) << limit;
+        EXPECT_TRUE(shows(cuda.launch(there.view().moving_to(there.end()), CandidateQuery()).wait(), candidates))
+            << limit;
     }
     Detector cuda({.backend = Backend::cuda, .memory_limit = 100'000});
-    const Error error = error_of([&] {
-        cuda.launch(there.view().moving_to(there.end()), asked);
-        cuda.wait<ImpactQuery>();
-    });
+    const Error error = error_of([&] { cuda.launch(there.view().moving_to(there.end()), asked).wait(); });
     EXPECT_EQ(error.code, ErrorCode::memory_limit);
     EXPECT_GT(error.bytes_needed, 100'000);
 }
@@ -423,8 +421,7 @@ TEST(CudaDeviceFeatures, work_on_several_threads_at_once) {
             Detector cpu({.backend = Backend::cpu, .threads = 1}), cuda({.backend = Backend::cuda});
             const Impacts& expected = cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery());
             for (int frame = 0; frame < 3; ++frame) {
-                cuda.launch(there.view().moving_to(there.end()), ImpactQuery());
-                EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), expected));
+                EXPECT_TRUE(shows(cuda.launch(there.view().moving_to(there.end()), ImpactQuery()).wait(), expected));
             }
         });
     for (std::thread& thread : threads) thread.join();

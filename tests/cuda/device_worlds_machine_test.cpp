@@ -46,15 +46,13 @@ TEST_F(CudaMachineDeviceWorlds, are_a_graph_of_few_nodes) {
     for (const Output wants : {Output::any_by_world, Output::pairs}) {
         Detector cuda({.backend = Backend::cuda});
         for (int frame = 0; frame < 5; ++frame) {
-            cuda.launch(device.view(), {.output = wants});
-            cuda.wait();
+            cuda.launch(device.view(), {.output = wants}).wait();
         }
         EXPECT_EQ(cuda_on_cpu::graph_count().chain, 15u);
         EXPECT_EQ(cuda_on_cpu::graph_count().nodes, 17u);
         // No kernel beside the graph, and no memory.
         settings().launches_before_failure = settings().allocations_before_failure = 0;
-        cuda.launch(device.view(), {.output = wants});
-        EXPECT_TRUE(cuda.wait().complete);
+        EXPECT_TRUE(cuda.launch(device.view(), {.output = wants}).wait().complete);
         settings().launches_before_failure = settings().allocations_before_failure = -1;
     }
 }
@@ -102,8 +100,7 @@ TEST_F(CudaMachineDeviceWorlds, say_what_limit_a_launch_needs) {
     const DeviceWorld device(world());
     const Intersections expected = Detector({.backend = Backend::cpu}).find(world());
     const auto answer = [&](Detector& detector) {
-        detector.launch(device.view());
-        return shows_world(detector.wait(), expected);
+        return shows_world(detector.launch(device.view()).wait(), expected);
     };
     std::int64_t limit = 1 << 24;
     int answers = 0;
@@ -129,15 +126,13 @@ TEST_F(CudaMachineDeviceWorlds, are_told_when_the_device_lacks_memory) {
     for (int before = 0; before < 6; ++before) {
         settings().allocations_before_failure = before;
         try {
-            cuda.launch(device.view());
-            EXPECT_TRUE(shows_world(cuda.wait(), expected)) << before;
+            EXPECT_TRUE(shows_world(cuda.launch(device.view()).wait(), expected)) << before;
         } catch (const Error& error) {
             EXPECT_EQ(error.code, ErrorCode::device) << error.what();
         }
         settings().allocations_before_failure = -1;
     }
-    cuda.launch(device.view());
-    EXPECT_TRUE(shows_world(cuda.wait(), expected));
+    EXPECT_TRUE(shows_world(cuda.launch(device.view()).wait(), expected));
 }
 
 TEST_F(CudaMachineDeviceWorlds, may_be_more_than_a_scene_holds) {

@@ -79,8 +79,7 @@ TEST(CudaDeviceWorlds, may_have_poses_in_float32) {
     const Intersections& expected = cpu.find(world->view());
     ASSERT_GT(expected.count, 0);
     EXPECT_TRUE(same_world_answer(cuda.find(device.view()), expected));
-    cuda.launch(device.view());
-    EXPECT_TRUE(shows_world(cuda.wait(), expected));
+    EXPECT_TRUE(shows_world(cuda.launch(device.view()).wait(), expected));
 }
 
 TEST(CudaDeviceWorlds, leave_their_answers_on_the_device) {
@@ -100,8 +99,7 @@ TEST(CudaDeviceWorlds, leave_their_answers_on_the_device) {
                 const auto poses = moved(world->poses, static_cast<unsigned>(frame / 2));
                 device.set_poses(poses);
                 question.output = wants;
-                cuda.launch(device.view(stream), question);
-                const DeviceIntersections& found = cuda.wait();
+                const DeviceIntersections& found = cuda.launch(device.view(stream), question).wait();
                 EXPECT_EQ(found.pairs != nullptr, wants >= Output::pairs);
                 EXPECT_EQ(found.contact_kinds != nullptr, wants == Output::contacts);
                 question.output = std::max(wants, Output::pairs);
@@ -126,18 +124,18 @@ TEST(CudaDeviceWorlds, may_be_launched_twice_before_a_wait) {
     const DeviceMesh device(mesh.view());
     for (int turn = 0; turn < 4; ++turn) {
         SCOPED_TRACE(turn);
-        cuda.launch(first.view());
-        cuda.launch(second.view());
+        const auto one_launched = cuda.launch(first.view()), two_launched = cuda.launch(second.view());
         EXPECT_STREQ(error_of([&] { cuda.launch(first.view()); }).what(),
                      "two launches are in flight: the next one comes after a wait()");
-        EXPECT_TRUE(shows_world(cuda.wait(), of_one));
-        cuda.launch(first.view());
-        EXPECT_TRUE(shows_world(cuda.wait(), of_two));
-        if (turn == 2) cuda.launch(device.view());
-        EXPECT_TRUE(shows_world(cuda.wait(), of_one));
-        if (turn != 2) continue;
+        EXPECT_TRUE(shows_world(one_launched.wait(), of_one));
+        const auto again = cuda.launch(first.view());
+        EXPECT_TRUE(shows_world(two_launched.wait(), of_two));
+        std::optional<LaunchTicket<IntersectionQuery>> mesh_launched;
+        if (turn == 2) mesh_launched = cuda.launch(device.view());
+        EXPECT_TRUE(shows_world(again.wait(), of_one));
+        if (!mesh_launched) continue;
         const Intersections& of_mesh = cpu.find(mesh.view());
-        EXPECT_TRUE(shows(cuda.wait(), mesh.view(), nullptr, of_mesh));
+        EXPECT_TRUE(shows(mesh_launched->wait(), mesh.view(), nullptr, of_mesh));
     }
 }
 
@@ -148,14 +146,12 @@ TEST(CudaDeviceWorlds, take_turns_with_meshes) {
     const DeviceMesh there(mesh.view());
     Detector cuda({.backend = Backend::cuda});
     const auto message_of = [](auto call) { return std::string(error_of(call).what()); };
-    EXPECT_EQ(message_of([&] { cuda.wait(); }), "wait() for intersections needs a launch before it");
-    cuda.launch(device.view());
-    cuda.launch(there.view());
-    EXPECT_EQ(cuda.wait().worlds, 3);
-    EXPECT_EQ(message_of([&] { cuda.download(); }), "download() needs a wait() for meshes before it");
-    cuda.launch(device.view());
-    EXPECT_EQ(cuda.wait().hit_count, 90);
-    EXPECT_EQ(cuda.wait().worlds, 3);
+    const auto older = cuda.launch(device.view()), of_mesh = cuda.launch(there.view());
+    EXPECT_EQ(older.wait().worlds, 3);
+    EXPECT_EQ(message_of([&] { older.download(); }), "download() needs a wait() for meshes before it");
+    const auto newer = cuda.launch(device.view());
+    EXPECT_EQ(of_mesh.wait().hit_count, 90);
+    EXPECT_EQ(newer.wait().worlds, 3);
 }
 
 TEST(CudaDeviceWorlds, may_change_between_calls) {
@@ -165,8 +161,7 @@ TEST(CudaDeviceWorlds, may_change_between_calls) {
         const DeviceWorld device(world->view());
         const Intersections& expected = cpu.find(world->view(), question);
         EXPECT_TRUE(same_world_answer(cuda.find(device.view(), question), expected));
-        cuda.launch(device.view(), question);
-        EXPECT_TRUE(shows_world(cuda.wait(), expected));
+        EXPECT_TRUE(shows_world(cuda.launch(device.view(), question).wait(), expected));
         return expected.count;
     };
     const std::int64_t before = compare();
@@ -232,16 +227,16 @@ TEST(CudaDeviceWorlds, name_the_body_of_a_bad_pose) {
         expect_bad([&] { cuda.find(device.view(), {.output = wants}); });
         EXPECT_EQ(cuda.find(device.view(), {.output = wants}).any, expected.any);
     }
-    expect_bad([&] { cuda.launch(device.view()), cuda.wait(); });
+    expect_bad([&] { cuda.launch(device.view()).wait(); });
     Recorder recorder;
-    for (int call = 0; call < 2; ++call) cuda.launch(device.view(recorder.stream())), cuda.wait();
+    for (int call = 0; call < 2; ++call) cuda.launch(device.view(recorder.stream())).wait();
     recorder.begin();
-    cuda.launch(device.view(recorder.stream()));
+    const auto launched = cuda.launch(device.view(recorder.stream()));
     recorder.end();
     for (int turn = 0; turn < 2; ++turn) {
-        expect_bad([&] { recorder.replay(), cuda.wait(); });
+        expect_bad([&] { recorder.replay(), launched.wait(); });
         recorder.replay();
-        EXPECT_TRUE(shows_world(cuda.wait(), expected));
+        EXPECT_TRUE(shows_world(launched.wait(), expected));
     }
 }
 
@@ -259,16 +254,16 @@ TEST(CudaDeviceWorlds, are_part_of_a_callers_graph) {
         EXPECT_EQ(std::string(error_of([&] { cuda.launch(view, question); }).what()).substr(0, 97),
                   "a launch in a capture needs two calls before it, outside of the capture, with the same bodies and");
         recorder.end();
-        for (int call = 0; call < 3; ++call) cuda.launch(view, question), cuda.wait();
+        for (int call = 0; call < 3; ++call) cuda.launch(view, question).wait();
         recorder.begin();
-        cuda.launch(view, question);
+        const auto launched = cuda.launch(view, question);
         recorder.end();
         int complete = 0;
         for (unsigned frame = 0; frame < 6; ++frame) {
             const auto poses = moved(world->poses, frame / 2, 1.5);
             device.set_poses(poses);
             recorder.replay();
-            const DeviceIntersections& found = cuda.wait();
+            const DeviceIntersections& found = launched.wait();
             if (!found.complete) {
                 EXPECT_EQ(found.world_hit, nullptr);
                 continue;
@@ -352,7 +347,7 @@ TEST(CudaDeviceWorlds, refuse_what_they_cannot) {
         wrong = device.view();
         wrong.device_poses.data = world->poses.data();
         for (const bool launched : {false, true})
-            EXPECT_EQ(message_of([&] { launched ? cuda.launch(wrong) : void(cuda.find(wrong)); }),
+            EXPECT_EQ(message_of([&] { launched ? void(cuda.launch(wrong)) : void(cuda.find(wrong)); }),
                       "poses lie in host memory, which CUDA device 0 cannot read");
     }
     EXPECT_TRUE(same_world_answer(cuda.find(device.view()), cpu.find(world->view())));

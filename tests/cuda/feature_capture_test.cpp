@@ -15,11 +15,11 @@ namespace crumple::test {
 namespace {
 
 /// Replays until the answer is complete: see CudaCapture.
-template <class Wait>
-auto answer_of(const Recorder& recorder, Wait wait) {
+template <class Query>
+auto answer_of(const Recorder& recorder, const LaunchTicket<Query>& launched) {
     for (int replay = 0;; ++replay) {
         recorder.replay();
-        auto found = wait();
+        typename Query::DeviceResult found = launched.wait();
         if (found.complete || replay == 4) return found;
     }
 }
@@ -30,22 +30,20 @@ TEST(CudaFeatureCapture, answers_each_replay) {
     Recorder recorder;
     const MeshView view = there.view(recorder.stream());
     const ImpactQuery asked{.min_distance = 0.01};
-    for (int call = 0; call < 2; ++call) {
-        cuda.launch(view.moving_to(there.end()), asked);
-        cuda.wait<ImpactQuery>();
-    }
+    cuda.launch(view.moving_to(there.end()), asked).wait();
+    const auto before = cuda.launch(view.moving_to(there.end()), asked);
+    before.wait();
     recorder.begin();
-    cuda.launch(view.moving_to(there.end()), asked);
+    const auto launched = cuda.launch(view.moving_to(there.end()), asked);
     recorder.end();
-    EXPECT_STREQ(error_of([&] { cuda.wait<ImpactQuery>(); }).what(),
-                 "wait() for impacts needs a replay of the captured launch before it");
+    EXPECT_STREQ(error_of([&] { launched.wait(); }).what(), "wait() needs a replay of the captured launch before it");
     int complete = 0;
     for (int frame = 70; frame < 94; frame += 4) {
         const MovingSoup<float> soup = falling(500, frame);
         there.move(soup);
         recorder.replay();
-        EXPECT_EQ(error_of([&] { cuda.wait<ProximityQuery>(); }).code, ErrorCode::invalid_argument);
-        const DeviceImpacts& found = cuda.wait<ImpactQuery>();
+        EXPECT_EQ(error_of([&] { before.wait(); }).code, ErrorCode::invalid_argument);
+        const DeviceImpacts& found = launched.wait();
         if (!found.complete) continue;
         ++complete;
         EXPECT_TRUE(shows(found, cpu.find(soup.view().moving_to(soup.end_view()), asked))) << "frame " << frame;
@@ -59,22 +57,19 @@ TEST(CudaFeatureCapture, answers_every_question) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     Recorder recorder;
     const MeshView view = there.view(recorder.stream());
-    const auto record = [&](auto launch, auto wait) {
-        for (int call = 0; call < 2; ++call) launch(), wait();
+    const auto record = [&](const MeshView& mesh, const auto& query) {
+        for (int call = 0; call < 2; ++call) cuda.launch(mesh, query).wait();
         recorder.begin();
-        launch();
+        const auto launched = cuda.launch(mesh, query);
         recorder.end();
-        return answer_of(recorder, wait);
+        return answer_of(recorder, launched);
     };
     for (const Output wants : {Output::pairs, Output::first, Output::any})
-        EXPECT_TRUE(shows(record([&] { cuda.launch(view.moving_to(there.end()), ImpactQuery{.output = wants}); },
-                                 [&] { return cuda.wait<ImpactQuery>(); }),
+        EXPECT_TRUE(shows(record(view.moving_to(there.end()), ImpactQuery{.output = wants}),
                           cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.output = wants})));
     const ProximityQuery near{.radius = 0.02, .rings = 1};
-    EXPECT_TRUE(shows(record([&] { cuda.launch(view, near); }, [&] { return cuda.wait<ProximityQuery>(); }),
-                      cpu.find(soup.view(), near)));
-    EXPECT_TRUE(shows(record([&] { cuda.launch(view.moving_to(there.end()), CandidateQuery()); },
-                             [&] { return cuda.wait<CandidateQuery>(); }),
+    EXPECT_TRUE(shows(record(view, near), cpu.find(soup.view(), near)));
+    EXPECT_TRUE(shows(record(view.moving_to(there.end()), CandidateQuery()),
                       cpu.find(soup.view().moving_to(soup.end_view()), CandidateQuery())));
 }
 
@@ -90,26 +85,25 @@ TEST(CudaFeatureCapture, says_when_the_mesh_is_another) {
     view.triangles = rows_of_three(triangles.span()[0].data(), host.triangles.rows);
     const ProximityQuery near{.radius = 0.5};
     const Proximities before = cpu.find(soup.view(), near);
-    for (int call = 0; call < 2; ++call) cuda.launch(view, near), cuda.wait<ProximityQuery>();
+    for (int call = 0; call < 2; ++call) cuda.launch(view, near).wait();
     recorder.begin();
-    cuda.launch(view, near);
+    const auto launched = cuda.launch(view, near);
     recorder.end();
-    EXPECT_TRUE(shows(answer_of(recorder, [&] { return cuda.wait<ProximityQuery>(); }), before));
+    EXPECT_TRUE(shows(answer_of(recorder, launched), before));
     std::swap(soup.triangles[3], soup.triangles[90]);
     triangles.set(soup.triangles);
     for (int replay = 0; replay < 2; ++replay) {
         recorder.replay();
-        const DeviceProximities found = cuda.wait<ProximityQuery>();
+        const DeviceProximities found = launched.wait();
         EXPECT_FALSE(found.complete);
         EXPECT_EQ(found.count, 0);
     }
     std::swap(soup.triangles[3], soup.triangles[90]);
     triangles.set(soup.triangles);
-    EXPECT_TRUE(shows(answer_of(recorder, [&] { return cuda.wait<ProximityQuery>(); }), before));
+    EXPECT_TRUE(shows(answer_of(recorder, launched), before));
     std::swap(soup.triangles[3], soup.triangles[90]);
     triangles.set(soup.triangles);
-    cuda.launch(view, near);
-    EXPECT_TRUE(shows(cuda.wait<ProximityQuery>(), cpu.find(soup.view(), near)));
+    EXPECT_TRUE(shows(cuda.launch(view, near).wait(), cpu.find(soup.view(), near)));
 }
 
 TEST(CudaFeatureCapture, needs_calls_before_it) {
@@ -125,18 +119,17 @@ TEST(CudaFeatureCapture, needs_calls_before_it) {
         return error.code == ErrorCode::invalid_argument;
     };
     EXPECT_TRUE(refused()) << "nothing came before";
-    cuda.launch(view, ProximityQuery{.radius = 0.01});
-    cuda.wait<ProximityQuery>();
+    cuda.launch(view, ProximityQuery{.radius = 0.01}).wait();
     EXPECT_TRUE(refused()) << "another question";
     for (int call = 0; call < 2; ++call)
-        cuda.launch(another.view(recorder.stream()).moving_to(another.end()), ImpactQuery()), cuda.wait<ImpactQuery>();
+        cuda.launch(another.view(recorder.stream()).moving_to(another.end()), ImpactQuery()).wait();
     EXPECT_TRUE(refused()) << "another mesh";
     recorder.begin();
     EXPECT_EQ(error_of([&] { cuda.find(view.moving_to(there.end()), ImpactQuery()); }).code,
               ErrorCode::invalid_argument);
     recorder.end();
-    cuda.launch(view.moving_to(there.end()), ImpactQuery());
-    EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery())));
+    EXPECT_TRUE(shows(cuda.launch(view.moving_to(there.end()), ImpactQuery()).wait(),
+                      cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery())));
 }
 
 }  // namespace

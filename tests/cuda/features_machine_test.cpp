@@ -25,8 +25,7 @@ class CudaMachineFeatures : public testing::Test {
         settings().multiprocessors = 1;
     }
     void ask(Detector& cuda, const DeviceStep<float>& there) const {
-        cuda.launch(there.view().moving_to(there.end()), ImpactQuery());
-        EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), expected_));
+        EXPECT_TRUE(shows(cuda.launch(there.view().moving_to(there.end()), ImpactQuery()).wait(), expected_));
     }
 
     const MovingSoup<float> soup_ = falling(200, 90);
@@ -44,18 +43,15 @@ TEST_F(CudaMachineFeatures, are_graphs_of_few_nodes) {
         std::size_t chain, nodes;
     };
     const auto impacts = [&](Output wants) {
-        return [&view, &end, wants](Detector& d) {
-            d.launch(view.moving_to(end), ImpactQuery{.output = wants}), d.wait<ImpactQuery>();
-        };
+        return
+            [&view, &end, wants](Detector& d) { d.launch(view.moving_to(end), ImpactQuery{.output = wants}).wait(); };
     };
     for (const auto& [name, ask, chain, nodes] :
          {Case{"impacts", impacts(Output::pairs), 20, 26},
           {"first", impacts(Output::first), 16, 22},
           {"any", impacts(Output::any), 14, 20},
-          {"near", [&](Detector& d) { d.launch(view, ProximityQuery{.radius = 0.01}), d.wait<ProximityQuery>(); }, 17,
-           23},
-          {"candidates",
-           [&](Detector& d) { d.launch(view.moving_to(end), CandidateQuery()), d.wait<CandidateQuery>(); }, 15, 21}}) {
+          {"near", [&](Detector& d) { d.launch(view, ProximityQuery{.radius = 0.01}).wait(); }, 17, 23},
+          {"candidates", [&](Detector& d) { d.launch(view.moving_to(end), CandidateQuery()).wait(); }, 15, 21}}) {
         SCOPED_TRACE(name);
         Detector cuda({.backend = Backend::cuda, .clusters = 3});
         for (int frame = 0; frame < 5; ++frame) ask(cuda);
@@ -87,9 +83,10 @@ TEST_F(CudaMachineFeatures, may_run_out_of_memory_at_any_allocation_or_launch) {
             failure = before;
             try {
                 EXPECT_TRUE(same_features(cuda.find(there_.view().moving_to(there_.end()), ImpactQuery()), expected_));
-                cuda.launch(there_.view().moving_to(there_.end()), ImpactQuery());
-                cuda.launch(there_.view().moving_to(there_.end()), ImpactQuery());
-                for (int launch = 0; launch < 2; ++launch) EXPECT_TRUE(shows(cuda.wait<ImpactQuery>(), expected_));
+                const auto older = cuda.launch(there_.view().moving_to(there_.end()), ImpactQuery()),
+                           newer = cuda.launch(there_.view().moving_to(there_.end()), ImpactQuery());
+                EXPECT_TRUE(shows(older.wait(), expected_));
+                EXPECT_TRUE(shows(newer.wait(), expected_));
             } catch (const Error& error) {
                 EXPECT_EQ(error.code, ErrorCode::device) << error.what();
             }

@@ -9,6 +9,8 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <stop_token>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -45,12 +47,12 @@ TEST(CudaLaunch, answers_frames_of_a_simulation) {
             MeshView view = device->view();
             view.stream = stream;
             const IntersectionQuery query{.output = frame % 24 == 0 ? Output::contacts : Output::pairs};
-            cuda.launch(view, query);
-            const DeviceIntersections& found = cuda.wait();
+            const auto launched = cuda.launch(view, query);
+            const DeviceIntersections& found = launched.wait();
             const Intersections& expected = cpu.find(mesh.view(), query);
             pairs += found.count;
             ASSERT_TRUE(shows(found, view, nullptr, expected)) << "frame " << frame;
-            ASSERT_TRUE(same_answer(cuda.download(), expected)) << "frame " << frame;
+            ASSERT_TRUE(same_answer(launched.download(), expected)) << "frame " << frame;
         }
     }
     EXPECT_GT(pairs, 100);
@@ -93,7 +95,7 @@ TEST(CudaLaunch, answers_when_the_scene_jumps) {
     for (const int leaf_size : {40, 5}) {
         Detector cuda({.backend = Backend::cuda, .leaf_size = leaf_size});
         DeviceMesh device(first.view());
-        bool waiting = false;
+        std::optional<LaunchTicket<IntersectionQuery>> older;
         for (std::size_t frame = 0; frame < 2 * frames.size(); ++frame) {
             SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", frame " << frame);
             Soup<float> host = first;
@@ -102,15 +104,19 @@ TEST(CudaLaunch, answers_when_the_scene_jumps) {
                 !std::ranges::all_of(host.vertices, [&](const auto& p) { return p[1] < inf && p[2] < inf; });
             device.set_vertices(host.view());
             for (int repeat = 0; repeat < (frame % 3 == 0 ? 4 : 1); ++repeat) {
-                cuda.launch(device.view());
-                if (std::exchange(waiting, bad && frame % 2)) {
-                    EXPECT_THROW(cuda.wait(), Error);
+                const auto launched = cuda.launch(device.view());
+                if (older) {
+                    EXPECT_THROW(older->wait(), Error);
                 }
-                if (waiting) break;  // while the next frame is launched
+                older.reset();
+                if (bad && frame % 2) {
+                    older = launched;
+                    break;  // it is waited for when the next frame has been launched
+                }
                 if (bad)
-                    EXPECT_THROW(cuda.wait(), Error);
+                    EXPECT_THROW(launched.wait(), Error);
                 else
-                    EXPECT_TRUE(shows(cuda.wait(), host.view(), nullptr, cpu.find(host.view())));
+                    EXPECT_TRUE(shows(launched.wait(), host.view(), nullptr, cpu.find(host.view())));
             }
             if (!bad) {
                 EXPECT_EQ(cuda.any(device.view()), !cpu.find(host.view()).pairs.empty());
@@ -141,8 +147,7 @@ TEST(CudaLaunch, puts_long_rows_in_order) {
     const Intersections& expected = cpu.find(soup.view());
     for (std::size_t k = 0; k < 5; ++k) ASSERT_EQ(expected.offsets[k + 1] - expected.offsets[k], counts[k]);
     const DeviceMesh device(soup.view());
-    cuda.launch(device.view());
-    EXPECT_TRUE(shows(cuda.wait(), soup.view(), nullptr, expected));
+    EXPECT_TRUE(shows(cuda.launch(device.view()).wait(), soup.view(), nullptr, expected));
     Detector chunked({.backend = Backend::cuda, .memory_limit = 2'000'000});
     EXPECT_TRUE(same_answer(chunked.find(device.view()), expected));
 }
@@ -187,9 +192,9 @@ TEST(CudaLaunch, answers_from_two_buffers_in_turn) {
     const DeviceMesh buffers[2] = {DeviceMesh(meshes[0].view()), DeviceMesh(meshes[1].view())};
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     for (int frame = 0; frame < 6; ++frame) {
-        cuda.launch(buffers[frame % 2].view());
+        const auto launched = cuda.launch(buffers[frame % 2].view());
         const MeshView mesh = meshes[frame % 2].view();
-        EXPECT_TRUE(shows(cuda.wait(), mesh, nullptr, cpu.find(mesh))) << "frame " << frame;
+        EXPECT_TRUE(shows(launched.wait(), mesh, nullptr, cpu.find(mesh))) << "frame " << frame;
     }
 }
 
@@ -207,8 +212,8 @@ TEST(CudaLaunch, obeys_the_excluded_groups_of_each_query) {
         const IntersectionQuery query{.filter = {.excluded_groups = {excluded.begin(), excluded.end()}}};
         const Intersections& expected = cpu.find(mesh.view(), query);
         counts.push_back(expected.pairs.size());
-        cuda.launch(device.view(), query);
-        EXPECT_TRUE(shows(cuda.wait(), mesh.view(), nullptr, expected)) << "list " << counts.size();
+        EXPECT_TRUE(shows(cuda.launch(device.view(), query).wait(), mesh.view(), nullptr, expected))
+            << "list " << counts.size();
         const Part part = cpu.partition(mesh.view(), {}, 2)[0];
         EXPECT_TRUE(same_answer(cuda.find(part, query), cpu.find(part, query)));
     }
@@ -229,14 +234,14 @@ TEST(CudaLaunch, downloads_only_what_wait_has_found) {
         [&] { EXPECT_THROW(cuda.partition(mesh.view(), {}, 0), Error); },
         [&] { cuda.launch(device.view()); },
     };
-    EXPECT_THROW(cuda.download(), Error);
     for (const auto& call : later_calls) {
-        cuda.launch(device.view());
-        cuda.wait();
-        EXPECT_TRUE(same_answer(cuda.download(), cpu.find(mesh.view())));
-        EXPECT_TRUE(same_answer(cuda.download(), cpu.find(mesh.view())));
+        const auto launched = cuda.launch(device.view());
+        EXPECT_THROW(launched.download(), Error) << "nobody has waited for it";
+        launched.wait();
+        EXPECT_TRUE(same_answer(launched.download(), cpu.find(mesh.view())));
+        EXPECT_TRUE(same_answer(launched.download(), cpu.find(mesh.view())));
         call();
-        EXPECT_THROW(cuda.download(), Error);
+        EXPECT_THROW(launched.download(), Error);
     }
 }
 
@@ -246,8 +251,7 @@ TEST(CudaLaunch, answers_between_two_meshes) {
     const DeviceMesh a(half.a), b(half.b);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     for (int repeat = 0; repeat < 3; ++repeat) {
-        cuda.launch({a.view(), b.view()});
-        EXPECT_TRUE(shows(cuda.wait(), half.a, &half.b, cpu.find({half.a, half.b})));
+        EXPECT_TRUE(shows(cuda.launch({a.view(), b.view()}).wait(), half.a, &half.b, cpu.find({half.a, half.b})));
     }
 }
 
@@ -255,12 +259,11 @@ TEST(CudaLaunch, forgets_launches_that_nobody_waited_for) {
     const io::TriangleMesh first = cloth(300), second = cloth(500);
     const DeviceMesh device_first(first.view()), device_second(second.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    cuda.launch(device_first.view());
-    cuda.launch(device_first.view());
+    const auto older = cuda.launch(device_first.view()), newer = cuda.launch(device_first.view());
     EXPECT_TRUE(same_answer(cuda.find(second.view()), cpu.find(second.view())));
-    EXPECT_THROW(cuda.wait(), Error);
-    cuda.launch(device_second.view());
-    EXPECT_TRUE(shows(cuda.wait(), second.view(), nullptr, cpu.find(second.view())));
+    EXPECT_THROW(older.wait(), Error);
+    EXPECT_THROW(newer.wait(), Error);
+    EXPECT_TRUE(shows(cuda.launch(device_second.view()).wait(), second.view(), nullptr, cpu.find(second.view())));
     cuda.launch(device_first.view());
 }
 
@@ -296,17 +299,17 @@ TEST(CudaLaunch, answers_two_frames_in_flight) {
                     const Intersections& expected = cpu.find(meshes[frame].view(), query);
                     EXPECT_TRUE(shows(found, views[frame], nullptr, expected)) << "frame " << frame;
                 };
-                cuda.launch(views[0], query);
+                std::vector launched{cuda.launch(views[0], query)};
                 for (std::size_t frame = 1; frame < 8; ++frame) {
-                    cuda.launch(views[frame], query);
-                    const DeviceIntersections& found = cuda.wait();
+                    launched.push_back(cuda.launch(views[frame], query));
+                    const DeviceIntersections& found = launched[frame - 1].wait();
                     expect_right(found, frame - 1);
-                    EXPECT_TRUE(same_answer(cuda.download(), cpu.find(meshes[frame - 1].view(), query)));
+                    EXPECT_TRUE(same_answer(launched[frame - 1].download(), cpu.find(meshes[frame - 1].view(), query)));
                 }
-                const DeviceIntersections& last = cuda.wait();
-                cuda.launch(views[0], query);
+                const DeviceIntersections& last = launched[7].wait();
+                const auto next = cuda.launch(views[0], query);
                 expect_right(last, 7);
-                cuda.wait();
+                next.wait();
                 expect_right(last, 7);
             }
         }
@@ -327,16 +330,16 @@ TEST(CudaLaunch, answers_two_frames_in_flight_of_which_any_is_hard) {
             if (sanitized && other != (i + 1) % scenes.size()) continue;  // which are slow
             SCOPED_TRACE(scenes[i].name + " and " + scenes[other].name);
             const DeviceMesh first(scenes[i].mesh.view()), second(scenes[other].mesh.view());
-            cuda.launch(stream[0].on(first.view()), query);
-            cuda.launch(stream[1].on(second.view()), {.weld = true});
-            const DeviceIntersections found = cuda.wait();
+            const auto older = cuda.launch(stream[0].on(first.view()), query);
+            const auto newer = cuda.launch(stream[1].on(second.view()), {.weld = true});
+            const DeviceIntersections found = older.wait();
             if (found.statistics.rational_tests > 0) {
                 ++again;
                 EXPECT_EQ(cudaStreamQuery(stream[1].stream), cudaSuccess) << "it ran again while its lists were in use";
             }
             EXPECT_TRUE(shows(found, first.view(), nullptr, cpu.find(scenes[i].mesh.view(), query)));
             EXPECT_TRUE(
-                shows(cuda.wait(), second.view(), nullptr, cpu.find(scenes[other].mesh.view(), {.weld = true})));
+                shows(newer.wait(), second.view(), nullptr, cpu.find(scenes[other].mesh.view(), {.weld = true})));
         }
     }
     EXPECT_GT(again, 0);
@@ -353,13 +356,15 @@ TEST(CudaLaunch, grows_lists_with_two_frames_in_flight) {
     for (const Soup<float>& soup : soups) expected.push_back(cpu.find(soup.view()));
     ASSERT_GT(expected[1].pairs.size(), 3u * n);
     ASSERT_GT(expected[2].pairs.size(), expected[1].pairs.size() * 5 / 4);
+    std::vector<LaunchTicket<IntersectionQuery>> launched;
     for (std::size_t frame = 0; frame < std::size(frames); ++frame) {
-        cuda.launch(devices[static_cast<std::size_t>(frames[frame])].view());
+        launched.push_back(cuda.launch(devices[static_cast<std::size_t>(frames[frame])].view()));
         if (frame == 0) continue;
         const auto before = static_cast<std::size_t>(frames[frame - 1]);
-        EXPECT_TRUE(shows(cuda.wait(), soups[before].view(), nullptr, expected[before])) << "frame " << frame - 1;
+        EXPECT_TRUE(shows(launched[frame - 1].wait(), soups[before].view(), nullptr, expected[before]))
+            << "frame " << frame - 1;
     }
-    EXPECT_TRUE(shows(cuda.wait(), soups[0].view(), nullptr, expected[0]));
+    EXPECT_TRUE(shows(launched.back().wait(), soups[0].view(), nullptr, expected[0]));
 }
 
 // Lists are shared: a pass begins when those before are over, on whatever stream they are, and so does what moves lists
@@ -373,24 +378,22 @@ TEST(CudaLaunch, runs_passes_of_all_streams_one_after_the_other) {
     Detector cuda({.backend = Backend::cuda});
     const auto is_done = [&](int i) { return cudaStreamQuery(stream[i].stream) == cudaSuccess; };
     for (int frame = 0; frame < 6; ++frame) {
-        cuda.launch(stream[0].on(first.view()));
-        cuda.launch(stream[1].on(second.view()));
+        const auto older = cuda.launch(stream[0].on(first.view())), newer = cuda.launch(stream[1].on(second.view()));
         check(cudaStreamSynchronize(stream[1].stream));
         EXPECT_TRUE(is_done(0)) << "frame " << frame;
-        cuda.wait();
-        cuda.wait();
+        older.wait();
+        newer.wait();
     }
     first.set_vertices(dense.view());
-    cuda.launch(stream[0].on(first.view()));
-    cuda.launch(stream[1].on(second.view()));
-    EXPECT_GT(cuda.wait().count, n);
+    auto older = cuda.launch(stream[0].on(first.view())), newer = cuda.launch(stream[1].on(second.view()));
+    EXPECT_GT(older.wait().count, n);
     EXPECT_TRUE(is_done(1)) << "when lists of the first grow";
-    cuda.wait();
-    cuda.launch(stream[0].on(first.view()));
-    cuda.launch(stream[1].on(larger.view()));
+    newer.wait();
+    older = cuda.launch(stream[0].on(first.view()));
+    newer = cuda.launch(stream[1].on(larger.view()));
     EXPECT_TRUE(is_done(0)) << "when lists are laid out for another scene";
-    cuda.wait();
-    cuda.wait();
+    older.wait();
+    newer.wait();
 }
 
 TEST(CudaLaunch, refuses_a_third_launch_and_keeps_the_others) {
@@ -398,14 +401,66 @@ TEST(CudaLaunch, refuses_a_third_launch_and_keeps_the_others) {
     const DeviceMesh first(meshes[0].view()), second(meshes[1].view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     for (int turn = 0; turn < 3; ++turn) {
-        cuda.launch(first.view());
-        cuda.launch(second.view());
+        const auto older = cuda.launch(first.view()), newer = cuda.launch(second.view());
         EXPECT_STREQ(error_of([&] { cuda.launch(first.view()); }).what(),
                      "two launches are in flight: the next one comes after a wait()");
         EXPECT_THROW(cuda.launch(meshes[0].view()), Error);
-        EXPECT_TRUE(shows(cuda.wait(), first.view(), nullptr, cpu.find(meshes[0].view())));
-        EXPECT_TRUE(shows(cuda.wait(), second.view(), nullptr, cpu.find(meshes[1].view())));
+        EXPECT_TRUE(shows(older.wait(), first.view(), nullptr, cpu.find(meshes[0].view())));
+        EXPECT_TRUE(shows(newer.wait(), second.view(), nullptr, cpu.find(meshes[1].view())));
     }
+}
+
+constexpr const char* nothing_to_wait_for = "there is nothing to wait for: another call has come after this launch";
+
+TEST(CudaLaunch, is_waited_for_once_and_in_order) {
+    const io::TriangleMesh meshes[2] = {cloth(300, 93), cloth(500, 93)};
+    const DeviceMesh first(meshes[0].view()), second(meshes[1].view());
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    const auto message_of = [](const LaunchTicket<IntersectionQuery>& ticket) {
+        const Error error = error_of([&] { ticket.wait(); });
+        EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+        return std::string(error.what());
+    };
+    for (int turn = 0; turn < 2; ++turn) {
+        const auto older = cuda.launch(first.view()), newer = cuda.launch(second.view()), copy = newer;
+        EXPECT_EQ(message_of(newer), "an older launch is in flight: launches are waited for in their order");
+        EXPECT_TRUE(shows(older.wait(), first.view(), nullptr, cpu.find(meshes[0].view())));
+        EXPECT_TRUE(same_answer(older.download(), cpu.find(meshes[0].view())));
+        EXPECT_THROW(newer.download(), Error) << "nobody has waited for it";
+        EXPECT_EQ(message_of(older), nothing_to_wait_for);
+        EXPECT_TRUE(shows(copy.wait(), second.view(), nullptr, cpu.find(meshes[1].view())));
+        EXPECT_EQ(message_of(newer), "wait() needs a launch before it: this one has been waited for");
+        EXPECT_THROW(older.download(), Error) << "another call has come";
+    }
+    for (const bool refused : {false, true}) {
+        const auto launched = cuda.launch(first.view());
+        if (refused)
+            EXPECT_THROW(cuda.find(Part{}), Error);
+        else
+            cuda.find(second.view());
+        EXPECT_EQ(message_of(launched), nothing_to_wait_for);
+    }
+}
+
+TEST(CudaLaunch, may_be_waited_for_after_a_stop_that_came_too_early) {
+    const io::TriangleMesh mesh = cloth(300, 93);
+    const DeviceMesh device(mesh.view());
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    const auto launched = cuda.launch(device.view());
+    std::stop_source stop;
+    stop.request_stop();
+    EXPECT_EQ(error_of([&] { launched.wait(stop.get_token()); }).code, ErrorCode::cancelled);
+    EXPECT_TRUE(shows(launched.wait(), mesh.view(), nullptr, cpu.find(mesh.view())));
+}
+
+TEST(CudaLaunch, may_be_waited_for_when_the_detector_was_moved) {
+    const io::TriangleMesh mesh = cloth(300, 93);
+    const DeviceMesh device(mesh.view());
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    const auto launched = cuda.launch(device.view());
+    const Detector moved = std::move(cuda);
+    EXPECT_TRUE(shows(launched.wait(), mesh.view(), nullptr, cpu.find(mesh.view())));
+    EXPECT_TRUE(same_answer(launched.download(), cpu.find(mesh.view())));
 }
 
 // Bad input of the one is not the other's.
@@ -417,17 +472,20 @@ TEST(CudaLaunch, reports_bad_input_of_each_frame_in_flight) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const Intersections& expected = cpu.find(good.view());
     const int frames[] = {0, 0, 0, 1, 0, 1, 1, 0, 0, 0};
-    const auto expect_answer = [&](int which) {
-        if (which)
-            EXPECT_STREQ(error_of([&] { cuda.wait(); }).what(), "vertex 17 is not finite");
+    std::vector<LaunchTicket<IntersectionQuery>> launched;
+    const auto expect_answer = [&](std::size_t frame) {
+        if (frames[frame])
+            EXPECT_STREQ(error_of([&] { launched[frame].wait(); }).what(), "vertex 17 is not finite");
         else
-            EXPECT_TRUE(shows(cuda.wait(), good.view(), nullptr, expected));
+            EXPECT_TRUE(shows(launched[frame].wait(), good.view(), nullptr, expected));
     };
     for (std::size_t frame = 0; frame < std::size(frames); ++frame) {
-        cuda.launch(device[frames[frame]].view());
-        if (frame > 0) expect_answer(frames[frame - 1]);
+        launched.push_back(cuda.launch(device[frames[frame]].view()));
+        if (frame == 0) continue;
+        expect_answer(frame - 1);
+        EXPECT_STREQ(error_of([&] { launched[frame - 1].wait(); }).what(), nothing_to_wait_for);
     }
-    expect_answer(0);
+    expect_answer(std::size(frames) - 1);
 }
 
 TEST(CudaLaunch, answers_two_frames_in_flight_under_a_memory_limit) {
@@ -441,13 +499,15 @@ TEST(CudaLaunch, answers_two_frames_in_flight_under_a_memory_limit) {
     const auto answers = [&](std::int64_t limit, std::size_t ahead) {
         SCOPED_TRACE(testing::Message() << limit << " bytes");
         Detector cuda({.backend = Backend::cuda, .memory_limit = limit});
+        std::vector<LaunchTicket<IntersectionQuery>> launched;
         std::size_t answered = 0;
         try {
             for (std::size_t frame = 0; frame < 6; ++frame) {
-                cuda.launch(devices[frame % 2].view());
+                launched.push_back(cuda.launch(devices[frame % 2].view()));
                 if (frame < ahead) continue;
                 const std::size_t asked = answered % 2;
-                EXPECT_TRUE(shows(cuda.wait(), meshes[asked].view(), nullptr, expected[asked])) << answered;
+                EXPECT_TRUE(shows(launched[answered].wait(), meshes[asked].view(), nullptr, expected[asked]))
+                    << answered;
                 ++answered;
             }
         } catch (const Error& error) {
@@ -470,18 +530,15 @@ TEST(CudaLaunch, answers_for_empty_meshes) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const DeviceMesh nothing{MeshView()}, something(mesh.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    for (int repeat = 0; repeat < 3; ++repeat) {
-        cuda.launch(nothing.view());
-        EXPECT_TRUE(shows(cuda.wait(), MeshView(), nullptr, cpu.find(MeshView())));
-    }
+    for (int repeat = 0; repeat < 3; ++repeat)
+        EXPECT_TRUE(shows(cuda.launch(nothing.view()).wait(), MeshView(), nullptr, cpu.find(MeshView())));
     const MeshView host_of[2] = {MeshView(), mesh.view()};
     const MeshView device_of[2] = {nothing.view(), something.view()};
     for (const int first : {0, 1}) {
         for (int repeat = 0; repeat < 3; ++repeat) {
             const IntersectionQuery query{.output = Output::contacts, .weld = repeat > 0};
-            cuda.launch({device_of[first], device_of[1 - first]}, query);
-            EXPECT_TRUE(shows(cuda.wait(), host_of[first], &host_of[1 - first],
-                              cpu.find({host_of[first], host_of[1 - first]}, query)));
+            EXPECT_TRUE(shows(cuda.launch({device_of[first], device_of[1 - first]}, query).wait(), host_of[first],
+                              &host_of[1 - first], cpu.find({host_of[first], host_of[1 - first]}, query)));
         }
     }
 }
@@ -499,10 +556,10 @@ TEST(CudaLaunch, leaves_the_capture_of_another_thread_alone) {
         Detector cuda({.backend = Backend::cuda});
         EXPECT_TRUE(same_answer(cuda.find(mesh.view()), expected));
         for (int frame = 0; frame < 4; ++frame) {
-            cuda.launch(device.view());
-            EXPECT_EQ(cuda.wait().count, static_cast<std::int64_t>(expected.pairs.size()));
+            const auto launched = cuda.launch(device.view());
+            EXPECT_EQ(launched.wait().count, static_cast<std::int64_t>(expected.pairs.size()));
+            EXPECT_TRUE(same_answer(launched.download(), expected));
         }
-        EXPECT_TRUE(same_answer(cuda.download(), expected));
         cuda.launch(device.view());  // the detector's end waits for it
     }).join();
     cudaGraph_t graph = nullptr;
@@ -525,10 +582,8 @@ TEST(CudaLaunch, works_on_default_streams_while_another_thread_captures) {
                 view.stream = stream;
                 Detector cuda({.backend = Backend::cuda});
                 EXPECT_TRUE(same_answer(cuda.find(view), expected));
-                for (int frame = 0; frame < 3; ++frame) {
-                    cuda.launch(view);
-                    EXPECT_TRUE(shows(cuda.wait(), view, nullptr, expected));
-                }
+                for (int frame = 0; frame < 3; ++frame)
+                    EXPECT_TRUE(shows(cuda.launch(view).wait(), view, nullptr, expected));
             }).join();
             if (!captures) continue;
             cudaGraph_t graph = nullptr;
@@ -556,8 +611,7 @@ TEST(CudaLaunch, does_not_join_the_capture_of_a_meshs_stream) {
     cudaGraph_t graph = nullptr;
     EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
     if (graph) check(cudaGraphDestroy(graph));
-    cuda.launch(view);
-    EXPECT_GT(cuda.wait().count, 0);
+    EXPECT_GT(cuda.launch(view).wait().count, 0);
     check(cudaStreamDestroy(stream));
 }
 
@@ -566,12 +620,12 @@ TEST(CudaLaunch, reports_bad_input_when_waited_for) {
     mesh.triangles[5] = 1'000'000;
     const DeviceMesh bad(mesh.view());
     Detector cuda({.backend = Backend::cuda});
-    cuda.launch(bad.view());
-    EXPECT_THROW(cuda.wait(), Error);
+    const auto launched = cuda.launch(bad.view());
+    EXPECT_THROW(launched.wait(), Error);
     const io::TriangleMesh good = cloth(300);
     const DeviceMesh device(good.view());
-    cuda.launch(device.view());
-    EXPECT_EQ(cuda.wait().count, static_cast<std::int64_t>(Detector().find(good.view()).pairs.size()));
+    EXPECT_EQ(cuda.launch(device.view()).wait().count,
+              static_cast<std::int64_t>(Detector().find(good.view()).pairs.size()));
 }
 
 TEST(CudaLaunch, answers_under_any_memory_limit_or_names_what_is_needed_at_least) {
@@ -581,9 +635,9 @@ TEST(CudaLaunch, answers_under_any_memory_limit_or_names_what_is_needed_at_least
     Detector cpu({.backend = Backend::cpu});
     const Intersections& expected = cpu.find(mesh.view(), query);
     const auto shows_all = [&](Detector& cuda) {
-        cuda.launch(device.view(), query);
-        EXPECT_TRUE(shows(cuda.wait(), mesh.view(), nullptr, expected));
-        EXPECT_TRUE(same_answer(cuda.download(), expected));
+        const auto launched = cuda.launch(device.view(), query);
+        EXPECT_TRUE(shows(launched.wait(), mesh.view(), nullptr, expected));
+        EXPECT_TRUE(same_answer(launched.download(), expected));
     };
     Detector unlimited({.backend = Backend::cuda});
     shows_all(unlimited);
@@ -613,10 +667,7 @@ TEST(CudaLaunch, stops_counting_when_the_pairs_alone_exceed_the_limit) {
     ASSERT_GT(pairs, 50'000);
     const std::int64_t limit = 12 * pairs / 2, all = 12 * pairs;
     Detector cuda({.backend = Backend::cuda, .memory_limit = limit});
-    const Error error = error_of([&] {
-        cuda.launch(device.view());
-        cuda.wait();
-    });
+    const Error error = error_of([&] { cuda.launch(device.view()).wait(); });
     EXPECT_GT(error.bytes_needed, limit);
     EXPECT_LT(error.bytes_needed, all) << "it was counted on";
 }

@@ -117,10 +117,7 @@ TEST_F(CudaMachine, makes_a_graph_of_what_it_is_asked_for_again) {
     Detector cuda({.backend = Backend::cuda});
     const auto frames = [&](const DeviceMesh& device, int count) {
         const std::size_t before = cuda_on_cpu::graph_count().instantiated;
-        for (int frame = 0; frame < count; ++frame) {
-            cuda.launch(device.view());
-            EXPECT_GT(cuda.wait().count, 0);
-        }
+        for (int frame = 0; frame < count; ++frame) EXPECT_GT(cuda.launch(device.view()).wait().count, 0);
         return cuda_on_cpu::graph_count().instantiated - before;
     };
     std::vector<DeviceMesh> buffers;
@@ -149,12 +146,14 @@ TEST_F(CudaMachine, makes_one_graph_for_arrays_that_move_and_lists_that_grow) {
     const std::size_t before = cuda_on_cpu::graph_count().instantiated;
     std::vector<DeviceMesh> frames;
     const auto soup_of = [](std::size_t frame) { return frame < 6 ? 0u : frame < 12 ? 1u : 2u; };
+    std::vector<LaunchTicket<IntersectionQuery>> launched;
     const auto expect_right = [&](std::size_t frame) {
-        EXPECT_TRUE(shows(cuda.wait(), soups[0].view(), nullptr, expected[soup_of(frame)])) << "frame " << frame;
+        EXPECT_TRUE(shows(launched[frame].wait(), soups[0].view(), nullptr, expected[soup_of(frame)]))
+            << "frame " << frame;
     };
     for (std::size_t frame = 0; frame < 18; ++frame) {
         frames.emplace_back(soups[soup_of(frame)].view());
-        cuda.launch(frames.back().view());
+        launched.push_back(cuda.launch(frames.back().view()));
         if (frame > 0) expect_right(frame - 1);
     }
     expect_right(17);
@@ -188,10 +187,7 @@ TEST_F(CudaMachine, makes_graphs_of_few_nodes) {
     for (const auto& [clusters, leaf_size, chain, nodes] :
          {Case{1, 3000, 14, 16}, {3, 3000, 14, 20}, {2, 15, 15, 26}}) {
         Detector cuda({.backend = Backend::cuda, .clusters = clusters, .leaf_size = leaf_size});
-        for (int frame = 0; frame < 5; ++frame) {
-            cuda.launch(device.view());
-            cuda.wait();
-        }
+        for (int frame = 0; frame < 5; ++frame) cuda.launch(device.view()).wait();
         EXPECT_EQ(cuda_on_cpu::graph_count().chain, chain) << "leaves of " << leaf_size;
         EXPECT_EQ(cuda_on_cpu::graph_count().nodes, nodes) << "leaves of " << leaf_size;
     }
@@ -205,14 +201,11 @@ TEST_F(CudaMachine, puts_the_same_nodes_into_a_callers_graph) {
     check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
     MeshView view = device.view();
     view.stream = stream;
-    for (int call = 0; call < 2; ++call) {
-        cuda.launch(view);
-        cuda.wait();
-    }
+    for (int call = 0; call < 2; ++call) cuda.launch(view).wait();
     const std::size_t used = cuda_on_cpu::memory::used(), graphs = cuda_on_cpu::graph_count().instantiated;
     settings().allocations_before_failure = 0;
     check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
-    cuda.launch(view);
+    const auto launched = cuda.launch(view);
     cudaGraph_t graph = nullptr;
     check(cudaStreamEndCapture(stream, &graph));
     EXPECT_EQ(cuda_on_cpu::memory::used(), used);
@@ -223,7 +216,7 @@ TEST_F(CudaMachine, puts_the_same_nodes_into_a_callers_graph) {
     EXPECT_EQ(cuda_on_cpu::graph_count().nodes, 20u);
     check(cudaGraphLaunch(executable, stream));
     check(cudaStreamSynchronize(stream));
-    EXPECT_TRUE(cuda.wait().complete) << "and wait() allocates nothing, either";
+    EXPECT_TRUE(launched.wait().complete) << "and wait() allocates nothing, either";
     check(cudaGraphExecDestroy(executable));
     check(cudaGraphDestroy(graph));
     check(cudaStreamDestroy(stream));
@@ -240,12 +233,9 @@ TEST_F(CudaMachine, may_have_no_memory_for_contacts_of_a_replay) {
     check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
     MeshView view = device.view();
     view.stream = stream;
-    for (int call = 0; call < 2; ++call) {
-        cuda.launch(view, query);
-        cuda.wait();
-    }
+    for (int call = 0; call < 2; ++call) cuda.launch(view, query).wait();
     check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
-    cuda.launch(view, query);
+    const auto launched = cuda.launch(view, query);
     cudaGraph_t graph = nullptr;
     check(cudaStreamEndCapture(stream, &graph));
     cudaGraphExec_t executable = nullptr;
@@ -255,15 +245,14 @@ TEST_F(CudaMachine, may_have_no_memory_for_contacts_of_a_replay) {
     check(cudaStreamSynchronize(stream));
     settings().allocations_before_failure = 0;
     try {
-        EXPECT_FALSE(cuda.wait().complete) << "no contacts were made";
+        EXPECT_FALSE(launched.wait().complete) << "no contacts were made";
         ADD_FAILURE() << "no error";
     } catch (const Error& error) {
         EXPECT_EQ(error.code, ErrorCode::device) << error.what();
     }
     settings().allocations_before_failure = -1;
-    EXPECT_THROW(cuda.wait(), Error) << "the launch is over";
-    cuda.launch(view, query);
-    EXPECT_GT(cuda.wait().contact_point_count, 0);
+    EXPECT_THROW(launched.wait(), Error) << "the launch is over";
+    EXPECT_GT(cuda.launch(view, query).wait().contact_point_count, 0);
     check(cudaGraphExecDestroy(executable));
     check(cudaGraphDestroy(graph));
     check(cudaStreamDestroy(stream));
@@ -280,10 +269,7 @@ TEST_F(CudaMachine, may_fail_at_any_launch_in_a_capture) {
     for (int launches = 0; launches < 16; launches += 3) {
         SCOPED_TRACE(testing::Message() << "after " << launches);
         Detector cuda({.backend = Backend::cuda});
-        for (int call = 0; call < 2; ++call) {
-            cuda.launch(view);
-            cuda.wait();
-        }
+        for (int call = 0; call < 2; ++call) cuda.launch(view).wait();
         const std::int64_t pairs = cuda.find(view).statistics.pairs;
         check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
         settings().launches_before_failure = launches;
@@ -292,8 +278,7 @@ TEST_F(CudaMachine, may_fail_at_any_launch_in_a_capture) {
         cudaGraph_t graph = nullptr;
         EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
         if (graph) check(cudaGraphDestroy(graph));
-        cuda.launch(view);
-        EXPECT_EQ(cuda.wait().count, pairs);
+        EXPECT_EQ(cuda.launch(view).wait().count, pairs);
     }
     check(cudaStreamDestroy(stream));
 }
@@ -310,8 +295,7 @@ TEST_F(CudaMachine, may_run_out_of_memory_at_any_launch) {
         settings().launches_before_failure = launches;
         EXPECT_TRUE(same_answer(first.find(mesh.view(), query), expected));
         settings().launches_before_failure = launches;
-        second.launch(device.view(), query);
-        EXPECT_EQ(second.wait().count, static_cast<std::int64_t>(expected.pairs.size()));
+        EXPECT_EQ(second.launch(device.view(), query).wait().count, static_cast<std::int64_t>(expected.pairs.size()));
         settings().launches_before_failure = -1;
     }
 }
@@ -379,10 +363,11 @@ TEST_F(CudaMachine, may_break_for_good) {
         }
         return ErrorCode::cancelled;
     };
-    cuda.launch(device.view());
+    const auto launched = cuda.launch(device.view()), newer = cuda.launch(device.view());
     settings().broken = cudaErrorIllegalAddress;
-    EXPECT_EQ(code([&] { cuda.wait(); }), ErrorCode::device);
-    EXPECT_EQ(code([&] { cuda.wait(); }), ErrorCode::invalid_argument) << "the launch is forgotten";
+    EXPECT_EQ(code([&] { launched.wait(); }), ErrorCode::device);
+    EXPECT_EQ(code([&] { launched.wait(); }), ErrorCode::invalid_argument) << "the launch is forgotten";
+    EXPECT_EQ(code([&] { newer.wait(); }), ErrorCode::invalid_argument) << "so is the other";
     EXPECT_EQ(code([&] { cuda.find(mesh.view()); }), ErrorCode::device);
     EXPECT_EQ(code([&] { cuda.launch(device.view()); }), ErrorCode::device);
 }

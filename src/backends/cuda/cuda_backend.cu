@@ -1,7 +1,7 @@
 // The cuda backend: uploads scenes and downloads results, and keeps the callers' streams and ours in order.
 //
-// launch() gives a whole pass to the caller's stream and returns; wait() looks at the counters of the oldest launch, of
-// two at most (device/flights.h). In a capture the pass becomes part of the caller's graph, and wait() looks at what
+// launch() gives a whole pass to the caller's stream and returns; wait() looks at its counters. Two launches at most
+// are in flight (device/flights.h). In a capture the pass becomes part of the caller's graph, and wait() looks at what
 // its last replay has left (engine/launches.h).
 
 #include "backends/backend.h"
@@ -140,59 +140,58 @@ class CudaBackend final : public BackendBase {
         });
     }
 
-    void launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) override {
+    LaunchNumber launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) override {
         const auto stream = static_cast<cudaStream_t>(a.stream);
         const auto other = b ? static_cast<cudaStream_t>(b->stream) : stream;
-        on_device([&] {
-            launches_.launch(finder_, Asked::intersections, stream, other, [&](std::size_t slot, Room room) {
-                finder_.view(slot, a, b, query.weld, room);
-                finder_.adopt(query, room);
-            });
-        });
+        const auto bind = [&](std::size_t slot, Room room) {
+            finder_.view(slot, a, b, query.weld, room);
+            finder_.adopt(query, room);
+        };
+        return launch(stream, other, bind, false);
     }
-    void launch(const World& world, const IntersectionQuery& question) override {
+    LaunchNumber launch(const World& world, const IntersectionQuery& question) override {
         const auto stream = static_cast<cudaStream_t>(world.device_poses.stream);
-        on_device([&] {
-            launches_.launch(finder_, Asked::worlds, stream, stream, [&](std::size_t slot, Room room) {
-                const auto bodies = worlds_.bodies_of(world, question.filter, *this, room);
-                if (!bodies)
-                    throw Error(ErrorCode::invalid_argument,
-                                "a launch takes at most 65535 worlds, and 16777216 triangles together");
-                finder_.pose(slot, bodies, world.device_poses, question.weld, question.output >= Output::pairs, room);
-                finder_.adopt(question, room);
-            });
-        });
+        const auto bind = [&](std::size_t slot, Room room) {
+            const auto bodies = worlds_.bodies_of(world, question.filter, *this, room);
+            if (!bodies)
+                throw Error(ErrorCode::invalid_argument,
+                            "a launch takes at most 65535 worlds, and 16777216 triangles together");
+            finder_.pose(slot, bodies, world.device_poses, question.weld, question.output >= Output::pairs, room);
+            finder_.adopt(question, room);
+        };
+        return launch(stream, stream, bind, true);
     }
 
-    // Completes what the oldest launch, or a replay, has left, with all that only the host can do.
-    const DeviceIntersections& wait() override {
-        const bool worlds = launches_.awaits(Asked::worlds);
-        const Asked asked = worlds ? Asked::worlds : Asked::intersections;
-        launches_.check_awaited(asked);
+    // Completes what a launch, or its last replay, has left, with all that only the host can do.
+    const DeviceIntersections& wait(LaunchNumber launch) override {
+        launches_.check_awaited(launch);
+        DeviceIntersections& shown = shown_[launch % most_in_flight];
+        const bool worlds = shown.of_worlds;
         try {
             on_device(
                 [&] {
-                    const Launches::Outcome outcome = launches_.wait(finder_, asked);
+                    const Launches::Outcome outcome = launches_.wait(finder_);
                     if (outcome == Launches::Outcome::lost) finder_.find();
                     const bool complete = outcome != Launches::Outcome::incomplete;
                     if (complete) finder_.make_contacts();
-                    shown() = complete ? finder_.show() : finder_.show_incomplete();
-                    launches_.mark_reported(asked);
+                    shown = complete ? finder_.show() : finder_.show_incomplete();
+                    launches_.mark_reported(launch);
                 },
                 worlds ? 2 : 1);
         } catch (const MemoryMeter::Exceeded&) {
             if (!worlds || state_.meter.limit > 0) throw;
             throw Error(ErrorCode::device, "the device has no memory for all worlds at once");
         }
-        return shown();
+        return shown;
     }
-    void download(Intersections& result) override {
-        if (!launches_.has_reported(Asked::intersections))
+    void download(LaunchNumber launch, Intersections& result) override {
+        const DeviceIntersections& shown = shown_[launch % most_in_flight];
+        if (!launches_.has_reported(launch) || shown.of_worlds)
             throw Error(ErrorCode::invalid_argument, "download() needs a wait() for meshes before it");
-        if (!shown().complete) throw Error(ErrorCode::invalid_argument, "download() needs an answer that is complete");
+        if (!shown.complete) throw Error(ErrorCode::invalid_argument, "download() needs an answer that is complete");
         on_device([&] {
             finder_.download(result);
-            result.statistics = shown().statistics;
+            result.statistics = shown.statistics;
         });
     }
 
@@ -274,6 +273,15 @@ class CudaBackend final : public BackendBase {
         });
     }
 
+    LaunchNumber launch(cudaStream_t stream, cudaStream_t other, FunctionRef<void(std::size_t slot, Room room)> bind,
+                        bool of_worlds) {
+        const LaunchNumber launched =
+            on_device([&] { return launches_.launch(finder_, stream, other, bind, of_worlds); });
+        DeviceIntersections& shown = shown_[launched % most_in_flight] = {};
+        shown.of_worlds = of_worlds;
+        return launched;
+    }
+
     void bring(const PreparedScene& scene) {
         launches_.finish();
         finder_.bring(scene);
@@ -289,14 +297,13 @@ class CudaBackend final : public BackendBase {
         launches_.finish();
         state_.follow(poses.stream, "the poses'");
     }
-    DeviceIntersections& shown() { return shown_[finder_.current()]; }
 
     BackendState state_;
     Launches launches_{state_};
     IntersectionFinder finder_{state_};
     PosedWorldCalls worlds_{finder_, state_.stream.get(), state_.meter};
     FeatureCalls features_{state_, launches_};
-    std::array<DeviceIntersections, Flights::slots> shown_;  ///< by slot
+    std::array<DeviceIntersections, most_in_flight> shown_;  ///< of the last launches, by number
 };
 
 }  // namespace

@@ -5,11 +5,6 @@
 #include "results/owned_features.h"
 
 namespace crumple::cuda {
-namespace {
-
-Asked asked(const FeatureRequest& query) { return query.motion ? Asked::impacts : Asked::near; }
-
-}  // namespace
 
 FeatureCalls::FeatureCalls(BackendState& state, Launches& launches)
     : state_(state),
@@ -63,10 +58,10 @@ void FeatureCalls::copy_to_host(const DeviceShape& mesh, Copied what, HostShape&
 
 // Returns false where the features are others.
 template <class QueryFinder, class Query>
-bool FeatureCalls::find_in_slot(QueryFinder& finder, std::size_t slot, const DeviceShape& mesh, const Query& query) {
+bool FeatureCalls::find_in_place(QueryFinder& finder, const DeviceShape& mesh, const Query& query) {
     try {
         state_.follow(mesh.stream, "a mesh's");
-        finder.view(slot, mesh.shape, query);
+        finder.view(finder.current(), mesh.shape, query);
         finder.find();
         return true;
     } catch (const MeshChanged&) {
@@ -79,7 +74,7 @@ bool FeatureCalls::find_of_mesh(QueryFinder& finder, const DeviceShape& mesh, co
     return with_device(state_.device, [&] {
         launches_.finish();
         clear(answer);
-        if (!find_in_slot(finder, finder.current(), mesh, query)) return false;
+        if (!find_in_place(finder, mesh, query)) return false;
         finder.copy_to(answer);
         return true;
     });
@@ -92,53 +87,48 @@ bool FeatureCalls::find(const DeviceShape& mesh, const CandidateRequest& query, 
 }
 
 template <class QueryFinder, class Query>
-std::size_t FeatureCalls::launch_with(QueryFinder& finder, Asked question, const DeviceShape& mesh,
-                                      const Query& query) {
+LaunchNumber FeatureCalls::launch_with(QueryFinder& finder, const DeviceShape& mesh, const Query& query) {
     const auto stream = static_cast<cudaStream_t>(mesh.stream);
-    with_device(state_.device, [&] {
-        launches_.launch(finder, question, stream, stream,
-                         [&](std::size_t slot, Room room) { finder.view(slot, mesh.shape, query, room); });
-    });
-    return finder.current();
+    const auto bind = [&](std::size_t slot, Room room) { finder.view(slot, mesh.shape, query, room); };
+    return with_device(state_.device, [&] { return launches_.launch(finder, stream, stream, bind); });
 }
-std::size_t FeatureCalls::launch(const DeviceShape& mesh, const FeatureRequest& query) {
-    return launch_with(features_, asked(query), mesh, query);
+LaunchNumber FeatureCalls::launch(const DeviceShape& mesh, const FeatureRequest& query) {
+    return launch_with(features_, mesh, query);
 }
-std::size_t FeatureCalls::launch(const DeviceShape& mesh, const CandidateRequest& query) {
-    return launch_with(candidates_, Asked::candidates, mesh, query);
+LaunchNumber FeatureCalls::launch(const DeviceShape& mesh, const CandidateRequest& query) {
+    return launch_with(candidates_, mesh, query);
 }
 
 template <class QueryFinder>
-FeatureCalls::Landed FeatureCalls::wait_with(QueryFinder& finder, Asked question) {
-    launches_.check_awaited(question);
-    return with_device(state_.device, [&]() -> Landed {
-        const Launches::Outcome outcome = launches_.wait(finder, question, features_there_.known().revision);
-        if (outcome == Launches::Outcome::lost) return {finder.current(), {}};
-        launches_.mark_reported(question);
-        const bool complete = outcome == Launches::Outcome::complete;
-        return {finder.current(), complete ? finder.show() : finder.show_incomplete()};
+std::optional<DeviceAnswer> FeatureCalls::wait_with(QueryFinder& finder, LaunchNumber launch) {
+    launches_.check_awaited(launch);
+    return with_device(state_.device, [&]() -> std::optional<DeviceAnswer> {
+        const Launches::Outcome outcome = launches_.wait(finder, features_there_.known().revision);
+        if (outcome == Launches::Outcome::lost) return {};
+        launches_.mark_reported(launch);
+        return outcome == Launches::Outcome::complete ? finder.show() : finder.show_incomplete();
     });
 }
-FeatureCalls::Landed FeatureCalls::wait(Asked question) {
-    return question == Asked::candidates ? wait_with(candidates_, question) : wait_with(features_, question);
+std::optional<DeviceAnswer> FeatureCalls::wait(LaunchNumber launch, bool of_candidates) {
+    return of_candidates ? wait_with(candidates_, launch) : wait_with(features_, launch);
 }
 
 template <class QueryFinder, class Query>
-std::optional<DeviceAnswer> FeatureCalls::again_with(QueryFinder& finder, Asked question, std::size_t slot,
-                                                     const DeviceShape& mesh, const Query& query) {
+std::optional<DeviceAnswer> FeatureCalls::again_with(QueryFinder& finder, LaunchNumber launch, const DeviceShape& mesh,
+                                                     const Query& query) {
     return with_device(state_.device, [&]() -> std::optional<DeviceAnswer> {
-        if (!find_in_slot(finder, slot, mesh, query)) return {};
-        launches_.mark_reported(question);
+        if (!find_in_place(finder, mesh, query)) return {};
+        launches_.mark_reported(launch);
         return finder.show();
     });
 }
-std::optional<DeviceAnswer> FeatureCalls::find_again(std::size_t slot, const DeviceShape& mesh,
+std::optional<DeviceAnswer> FeatureCalls::find_again(LaunchNumber launch, const DeviceShape& mesh,
                                                      const FeatureRequest& query) {
-    return again_with(features_, asked(query), slot, mesh, query);
+    return again_with(features_, launch, mesh, query);
 }
-std::optional<DeviceAnswer> FeatureCalls::find_again(std::size_t slot, const DeviceShape& mesh,
+std::optional<DeviceAnswer> FeatureCalls::find_again(LaunchNumber launch, const DeviceShape& mesh,
                                                      const CandidateRequest& query) {
-    return again_with(candidates_, Asked::candidates, slot, mesh, query);
+    return again_with(candidates_, launch, mesh, query);
 }
 
 }  // namespace crumple::cuda

@@ -22,12 +22,12 @@ class FeatureCalls final : public DeviceFeatureCalls {
     bool find(const DeviceShape& mesh, const FeatureRequest& query, FeatureAnswer& answer) override;
     bool find(const DeviceShape& mesh, const CandidateRequest& query, CandidateAnswer& answer) override;
     bool is_captured(const DeviceShape& mesh) override;
-    std::size_t launch(const DeviceShape& mesh, const FeatureRequest& query) override;
-    std::size_t launch(const DeviceShape& mesh, const CandidateRequest& query) override;
-    Landed wait(Asked question) override;
-    std::optional<DeviceAnswer> find_again(std::size_t slot, const DeviceShape& mesh,
+    LaunchNumber launch(const DeviceShape& mesh, const FeatureRequest& query) override;
+    LaunchNumber launch(const DeviceShape& mesh, const CandidateRequest& query) override;
+    std::optional<DeviceAnswer> wait(LaunchNumber launch, bool of_candidates) override;
+    std::optional<DeviceAnswer> find_again(LaunchNumber launch, const DeviceShape& mesh,
                                            const FeatureRequest& query) override;
-    std::optional<DeviceAnswer> find_again(std::size_t slot, const DeviceShape& mesh,
+    std::optional<DeviceAnswer> find_again(LaunchNumber launch, const DeviceShape& mesh,
                                            const CandidateRequest& query) override;
 
     /// Gives back all that is kept between calls.
@@ -37,16 +37,16 @@ class FeatureCalls final : public DeviceFeatureCalls {
     template <class QueryFinder, class Query, class Answer>
     void find_of_scene(QueryFinder& finder, const PreparedScene& scene, const Query& query, Answer& answer);
     template <class QueryFinder, class Query>
-    bool find_in_slot(QueryFinder& finder, std::size_t slot, const DeviceShape& mesh, const Query& query);
+    bool find_in_place(QueryFinder& finder, const DeviceShape& mesh, const Query& query);
     template <class QueryFinder, class Query, class Answer>
     bool find_of_mesh(QueryFinder& finder, const DeviceShape& mesh, const Query& query, Answer& answer);
     template <class QueryFinder, class Query>
-    std::size_t launch_with(QueryFinder& finder, Asked question, const DeviceShape& mesh, const Query& query);
+    LaunchNumber launch_with(QueryFinder& finder, const DeviceShape& mesh, const Query& query);
     template <class QueryFinder>
-    Landed wait_with(QueryFinder& finder, Asked question);
+    std::optional<DeviceAnswer> wait_with(QueryFinder& finder, LaunchNumber launch);
     template <class QueryFinder, class Query>
-    std::optional<DeviceAnswer> again_with(QueryFinder& finder, Asked question, std::size_t slot,
-                                           const DeviceShape& mesh, const Query& query);
+    std::optional<DeviceAnswer> again_with(QueryFinder& finder, LaunchNumber launch, const DeviceShape& mesh,
+                                           const Query& query);
 
     BackendState& state_;
     Launches& launches_;
