@@ -116,7 +116,8 @@ void measure_step(const std::string& name, const Options& options, int frames, T
         const Summary by_events = summarise(std::move(device));
         const Summary clock = repeated(frames, [&] { launch().wait(); });
         const Summary on_cpu = repeated(std::max(1, frames / 20), [&] { find(); });
-        const auto& found = launch().wait();
+        const auto launched = launch();
+        const auto& found = launched.wait();
         const std::string wrong = difference(found, find());
         table.row({name, question, std::to_string(here.triangles.rows), std::to_string(found.count),
                    number(by_events.median), range(by_events), number(clock.median), number(on_cpu.median),

@@ -212,10 +212,10 @@ class CRUMPLE_API LaunchTicket {
     /// valid until the next replay. It does not run again what did not fit (`complete`): a call outside of a capture
     /// makes longer lists, for a new one. May be called again after each replay, also after bad input.
     ///
-    /// Throws Error (invalid_argument), and leaves what is in flight, if an older launch is in flight; if the launch
-    /// was waited for before, even if that failed; if another call has come after the launch and ended it; and in a
-    /// capture without a replay since then, or since the last wait(). Bad input of one launch leaves another in flight;
-    /// an Error (memory_limit or device) ends both.
+    /// Throws Error (invalid_argument), and leaves what is in flight, if an older launch is in flight; if this one was
+    /// waited for before, whatever came of it; if another call has come and ended it; and in a capture if there was no
+    /// replay since then, or since the last wait(). Bad input of one launch leaves another in flight, an Error
+    /// (memory_limit or device) ends both. A stop that was requested before the call leaves this launch in flight.
     const typename Query::DeviceResult& wait(std::stop_token stop = {}) const;
 
     /// Copies the intersections of meshes that wait() has returned to the host. Valid as any result of the detector.

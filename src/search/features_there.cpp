@@ -122,17 +122,17 @@ LaunchNumber FeatureSearch::launch(BackendBase& backend, const DeviceShape& mesh
 
 DeviceAnswer FeatureSearch::wait(BackendBase& backend, LaunchNumber launch) {
     DeviceFeatureCalls& there = backend.features_there();
-    const auto& [mesh, question] = launched_[launch % most_in_flight];
-    std::optional<DeviceAnswer> answer = there.wait(launch, std::holds_alternative<CandidateQuery>(question));
+    const Launched& launched = launched_[launch % most_in_flight];
+    std::optional<DeviceAnswer> answer = there.wait(launch, std::holds_alternative<CandidateQuery>(launched.question));
     if (!answer)
         answer = std::visit(
-            [&](const auto& of) {
-                look_there(backend, mesh, of);
-                return ask_there(backend, mesh, of,
-                                 [&](const auto& query) { return there.find_again(launch, mesh, query); });
+            [&](const auto& question) {
+                look_there(backend, launched.mesh, question);
+                return ask_there(backend, launched.mesh, question,
+                                 [&](const auto& query) { return there.find_again(launch, launched.mesh, query); });
             },
-            question);
-    answer->statistics.triangles = mesh.shape.triangles.rows;
+            launched.question);
+    answer->statistics.triangles = launched.mesh.shape.triangles.rows;
     answer->statistics.pairs = answer->count;
     return *answer;
 }

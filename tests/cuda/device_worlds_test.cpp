@@ -99,7 +99,8 @@ TEST(CudaDeviceWorlds, leave_their_answers_on_the_device) {
                 const auto poses = moved(world->poses, static_cast<unsigned>(frame / 2));
                 device.set_poses(poses);
                 question.output = wants;
-                const DeviceIntersections& found = cuda.launch(device.view(stream), question).wait();
+                const auto launched = cuda.launch(device.view(stream), question);
+                const DeviceIntersections& found = launched.wait();
                 EXPECT_EQ(found.pairs != nullptr, wants >= Output::pairs);
                 EXPECT_EQ(found.contact_kinds != nullptr, wants == Output::contacts);
                 question.output = std::max(wants, Output::pairs);
