@@ -58,7 +58,7 @@ void FeatureCalls::copy_to_host(const DeviceShape& mesh, Copied what, HostShape&
 
 // Returns false where the features are others.
 template <class QueryFinder, class Query>
-bool FeatureCalls::find_in_place(QueryFinder& finder, const DeviceShape& mesh, const Query& query) {
+bool FeatureCalls::find_in_slot(QueryFinder& finder, const DeviceShape& mesh, const Query& query) {
     try {
         state_.follow(mesh.stream, "a mesh's");
         finder.view(finder.current(), mesh.shape, query);
@@ -74,7 +74,7 @@ bool FeatureCalls::find_of_mesh(QueryFinder& finder, const DeviceShape& mesh, co
     return with_device(state_.device, [&] {
         launches_.finish();
         clear(answer);
-        if (!find_in_place(finder, mesh, query)) return false;
+        if (!find_in_slot(finder, mesh, query)) return false;
         finder.copy_to(answer);
         return true;
     });
@@ -117,7 +117,7 @@ template <class QueryFinder, class Query>
 std::optional<DeviceAnswer> FeatureCalls::again_with(QueryFinder& finder, LaunchNumber launch, const DeviceShape& mesh,
                                                      const Query& query) {
     return with_device(state_.device, [&]() -> std::optional<DeviceAnswer> {
-        if (!find_in_place(finder, mesh, query)) return {};
+        if (!find_in_slot(finder, mesh, query)) return {};
         launches_.mark_reported(launch);
         return finder.show();
     });

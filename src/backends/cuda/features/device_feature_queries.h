@@ -37,7 +37,7 @@ class FeatureCalls final : public DeviceFeatureCalls {
     template <class QueryFinder, class Query, class Answer>
     void find_of_scene(QueryFinder& finder, const PreparedScene& scene, const Query& query, Answer& answer);
     template <class QueryFinder, class Query>
-    bool find_in_place(QueryFinder& finder, const DeviceShape& mesh, const Query& query);
+    bool find_in_slot(QueryFinder& finder, const DeviceShape& mesh, const Query& query);
     template <class QueryFinder, class Query, class Answer>
     bool find_of_mesh(QueryFinder& finder, const DeviceShape& mesh, const Query& query, Answer& answer);
     template <class QueryFinder, class Query>
