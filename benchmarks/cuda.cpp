@@ -284,7 +284,6 @@ void serve(const Settings& settings) {
     const Workload workload = load(settings.scenes.at(0));
     Simulation simulation(workload.a);
     Detector detector(settings.options());
-    const DeviceIntersections* answer = nullptr;
     const Contestant contestant{"crumple", "", "", [&] { simulation.frame(detector, false); }, nullptr};
     for (std::string line; std::getline(std::cin, line);) {
         std::istringstream words(line);

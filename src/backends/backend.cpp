@@ -33,9 +33,6 @@ void fail_unprepared_capture(bool of_worlds) {
 
 void BackendBase::stream(const PreparedScene&, const IntersectionQuery&, PairStream&, Statistics&) { refuse_blocks(); }
 void BackendBase::stream(const PreparedScene&, const FeatureRequest&, FeatureStream&, Statistics&) { refuse_blocks(); }
-void BackendBase::stream(const PreparedScene&, const CandidateRequest&, CandidateStream&, Statistics&) {
-    refuse_blocks();
-}
 void BackendBase::visit(const PreparedScene& scene, const IntersectionQuery& query,
                         FunctionRef<void(const Array<Pair>& some)> take, Statistics& statistics) {
     struct Visit final : PairStream {

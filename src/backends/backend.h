@@ -14,7 +14,6 @@
 #include "crumple/function_ref.h"
 #include "crumple/intersections.h"
 #include "crumple/options.h"
-#include "queries/candidate_request.h"
 #include "queries/feature_request.h"
 #include "queries/row_stream.h"
 #include "scene/prepared_scene.h"
@@ -58,16 +57,11 @@ class BackendBase : public ParallelFor {
     virtual void visit(const PreparedScene& scene, const IntersectionQuery& query,
                        FunctionRef<void(const Array<Pair>& some)> take, Statistics& statistics);
 
-    /// Pairs of features that touch or are near, of a scene of one mesh. Fills rows, counts and stage times.
-    virtual void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) = 0;
-
-    /// Pairs of features whose grown boxes overlap, likewise.
-    virtual void find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) = 0;
+    /// Pairs of features of a scene of one mesh. Fills rows, counts and stage times.
+    virtual void find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) = 0;
 
     /// The same, as a stream.
-    virtual void stream(const PreparedScene& scene, const FeatureRequest& query, FeatureStream& to,
-                        Statistics& statistics);
-    virtual void stream(const PreparedScene& scene, const CandidateRequest& query, CandidateStream& to,
+    virtual void stream(const PreparedScene& scene, const FeatureRequest& request, FeatureStream& to,
                         Statistics& statistics);
 
     /// The same for meshes in device memory (b null: one), which the backend checks itself. Only cuda can.

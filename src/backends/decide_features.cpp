@@ -83,14 +83,14 @@ FeatureDecision decide(FeatureKind kind, const PreparedScene& scene, const std::
                        const FeatureRequest& query, FeatureCounts& counts) {
     ++counts.tests;
     const FeaturePoints points = points_of(scene, vertex);
-    if (!query.motion) return nearness(kind, points, vertex, query, counts);
+    if (query.criterion != Criterion::impact) return nearness(kind, points, vertex, query, counts);
     if (query.distance == 0 && query.share == 0) return impact(kind, points, counts);
     return separated_impact(kind, points, {query.distance, query.share}, counts);
 }
 
 FeatureDecision decide(const PackedFeatures& pair, const FeatureRequest& query, FeatureCounts& counts) {
     ++counts.tests;
-    if (query.motion) {
+    if (query.criterion == Criterion::impact) {
         if (query.distance == 0 && query.share == 0) return impact(pair.kind, pair.points, counts);
         return separated_impact(pair.kind, pair.points, {query.distance, query.share}, counts);
     }

@@ -11,7 +11,6 @@
 #include <optional>
 
 #include "backends/device_shape.h"
-#include "queries/candidate_request.h"
 #include "queries/device_answer.h"
 #include "queries/feature_request.h"
 
@@ -33,24 +32,20 @@ class DeviceFeatureCalls {
     /// Waits for the stream of the mesh.
     virtual void copy_to_host(const DeviceShape& mesh, Copied what, HostShape& host) = 0;
 
-    /// Answers to the host; false where the features are others.
-    virtual bool find(const DeviceShape& mesh, const FeatureRequest& query, FeatureAnswer& answer) = 0;
-    virtual bool find(const DeviceShape& mesh, const CandidateRequest& query, CandidateAnswer& answer) = 0;
+    /// Leaves the result on the host; false where the features are others.
+    virtual bool find(const DeviceShape& mesh, const FeatureRequest& request, FeatureResult& result) = 0;
 
     /// Whether the mesh's stream is being captured, so that nobody may wait for it.
     virtual bool is_captured(const DeviceShape& mesh) = 0;
 
     /// Detector::launch for queries about features.
-    virtual LaunchNumber launch(const DeviceShape& mesh, const FeatureRequest& query) = 0;
-    virtual LaunchNumber launch(const DeviceShape& mesh, const CandidateRequest& query) = 0;
-    /// Waits for a launch, or looks at what its last replay has left. `of_candidates`: which request it was given.
-    /// Returns nothing if the result has to be found again.
-    virtual std::optional<DeviceAnswer> wait(LaunchNumber launch, bool of_candidates) = 0;
+    virtual LaunchNumber launch(const DeviceShape& mesh, const FeatureRequest& request) = 0;
+    /// Waits for a launch, or looks at what its last replay has left. Returns nothing if the result has to be found
+    /// again.
+    virtual std::optional<DeviceAnswer> wait(LaunchNumber launch) = 0;
     /// Finds the result of that launch again; nothing where the features are others.
     virtual std::optional<DeviceAnswer> find_again(LaunchNumber launch, const DeviceShape& mesh,
-                                                   const FeatureRequest& query) = 0;
-    virtual std::optional<DeviceAnswer> find_again(LaunchNumber launch, const DeviceShape& mesh,
-                                                   const CandidateRequest& query) = 0;
+                                                   const FeatureRequest& request) = 0;
 };
 
 }  // namespace crumple

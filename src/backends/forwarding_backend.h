@@ -34,19 +34,12 @@ class ForwardingBackend : public BackendBase {
                FunctionRef<void(const Array<Pair>& some)> take, Statistics& statistics) override {
         to_->visit(scene, query, take, statistics);
     }
-    void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) override {
-        to_->find(scene, query, answer);
+    void find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) override {
+        to_->find(scene, request, result);
     }
-    void find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
-        to_->find(scene, query, answer);
-    }
-    void stream(const PreparedScene& scene, const FeatureRequest& query, FeatureStream& to,
+    void stream(const PreparedScene& scene, const FeatureRequest& request, FeatureStream& to,
                 Statistics& statistics) override {
-        to_->stream(scene, query, to, statistics);
-    }
-    void stream(const PreparedScene& scene, const CandidateRequest& query, CandidateStream& to,
-                Statistics& statistics) override {
-        to_->stream(scene, query, to, statistics);
+        to_->stream(scene, request, to, statistics);
     }
     void find(const MeshView& a, const MeshView* b, const IntersectionQuery& query, Intersections& result) override {
         to_->find(a, b, query, result);

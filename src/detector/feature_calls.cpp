@@ -15,7 +15,11 @@ void tell(const DeviceRows& rows, DeviceCandidateList& list) { list = {rows.coun
 template <class Answer>
 void tell(const DeviceAnswer& found, Answer& answer) {
     static_cast<DeviceFeatures&>(answer) = found;
-    for (std::size_t k = 0; k < answer.lists.size(); ++k) tell(found.rows[k], answer.lists[k]);
+    const bool all_kinds = answer.lists.size() == candidate_kinds;
+    for (std::size_t k = 0; k < answer.lists.size(); ++k) {
+        const auto kind = all_kinds ? static_cast<CandidateKind>(k) : candidate_kind(static_cast<FeatureKind>(k));
+        tell(found.rows[static_cast<std::size_t>(kind)], answer.lists[k]);
+    }
     if constexpr (requires { answer.any; }) answer.any = found.any;
     if constexpr (requires { answer.first; }) answer.first = found.first;
 }

@@ -107,11 +107,8 @@ void merge(const std::vector<const Found*>& of_ranks, std::size_t kind, FeatureR
             hits.push_back({list.pairs[i], values_of(list)[i], flags_of(list)[i]});
     }
     merge_runs(hits, [](const FeatureHit& hit) { return hit.pair; });
-    rows.pairs.resize_discard(hits.size());
-    rows.value.resize_discard(hits.size());
-    rows.flag.resize_discard(hits.size());
-    for (std::size_t i = 0; i < hits.size(); ++i)
-        rows.pairs[i] = hits[i].pair, rows.value[i] = hits[i].value, rows.flag[i] = hits[i].flag;
+    rows.resize_discard(hits.size());
+    for (std::size_t i = 0; i < hits.size(); ++i) rows.set(i, hits[i]);
 }
 
 }  // namespace
@@ -144,8 +141,9 @@ bool Devices::is_for_all(const PreparedScene& scene) const {
 
 bool Devices::is_for_all(const PreparedScene& scene, const FeatureRequest& query) const {
     const SceneFeatures& features = query.features;
-    return is_for_all(scene) && !query.part && !query.rings && !query.rest && query.radii.empty() &&
-           !features.lists_edges() && !features.lists_points() && features.plain() && !features.renames();
+    return is_for_all(scene) && query.criterion != Criterion::candidate && !query.part && !query.rings && !query.rest &&
+           query.radii.empty() && !features.lists_edges() && !features.lists_points() && features.plain() &&
+           !features.renames();
 }
 
 void Devices::make_ranks() {
@@ -219,26 +217,26 @@ bool Devices::any(const PreparedScene& scene, const IntersectionQuery& query) {
 
 // find(rank, share) asks one rank. Returns what the first of them has found.
 template <class Find>
-const auto& Devices::ask_features(const PreparedScene& scene, FeatureAnswer& answer, bool listed, Find find) {
+const auto& Devices::ask_features(const PreparedScene& scene, FeatureResult& result, bool listed, Find find) {
     using Found = std::remove_cvref_t<std::invoke_result_t<Find, Rank&, const MeshShare&>>;
     std::vector<const Found*> found(options_.devices.size());
     on_each([&](Rank& rank) {
         found[static_cast<std::size_t>(rank.transport.rank())] = &find(rank, rank.block.take(scene));
     });
-    clear(answer);
-    for (const Found* some : found) add_pass(some->statistics.search, answer.statistics);
-    answer.any = found[0]->any;
-    for (std::size_t kind = 0; listed && kind < feature_kinds; ++kind) merge(found, kind, answer.rows[kind]);
+    result.clear();
+    for (const Found* some : found) add_pass(some->statistics.search, result.statistics);
+    result.any = found[0]->any;
+    for (std::size_t k = 0; listed && k < feature_kinds; ++k) merge(found, k, result.rows[static_cast<FeatureKind>(k)]);
     return *found[0];
 }
 
-void Devices::find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) {
-    if (!is_for_all(scene, query)) return ForwardingBackend::find(scene, query, answer);
+void Devices::find(const PreparedScene& scene, const FeatureRequest& query, FeatureResult& result) {
+    if (!is_for_all(scene, query)) return ForwardingBackend::find(scene, query, result);
     const bool listed = query.extent == Extent::all;
-    if (query.motion) {
+    if (query.criterion == Criterion::impact) {
         const ImpactQuery question = motion_of(query);
-        answer.first = ask_features(
-                           scene, answer, listed,
+        result.first = ask_features(
+                           scene, result, listed,
                            [&](Rank & rank, const MeshShare& share) -> auto& {
                                MeshShare moving = share;
                                moving.mesh.end = rank.block.end();
@@ -248,7 +246,7 @@ void Devices::find(const PreparedScene& scene, const FeatureRequest& query, Feat
     } else {
         const ProximityQuery question = near_of(query);
         ask_features(
-            scene, answer,
+            scene, result,
             listed, [&](Rank & rank, const MeshShare& share) -> auto& { return rank.detector.find(share, question); });
     }
 }

@@ -23,7 +23,7 @@ class Devices final : public ForwardingBackend {
     void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
               Intersections& result) override;
     bool any(const PreparedScene& scene, const IntersectionQuery& query) override;
-    void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) override;
+    void find(const PreparedScene& scene, const FeatureRequest& query, FeatureResult& result) override;
     void release() override;
 
     // Meshes and worlds that lie on a device are the first one's.
@@ -46,7 +46,7 @@ class Devices final : public ForwardingBackend {
     /// failure all begin anew.
     void on_each(const std::function<void(Rank&)>& work);
     template <class Find>
-    const auto& ask_features(const PreparedScene& scene, FeatureAnswer& answer, bool listed, Find find);
+    const auto& ask_features(const PreparedScene& scene, FeatureResult& result, bool listed, Find find);
 
     Options options_;
     Cancellation& cancellation_;

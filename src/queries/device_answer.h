@@ -1,13 +1,12 @@
 #pragma once
 
-// An answer about features that lies on the device, as a backend tells of it.
+// A result about features that lies on the device, as a backend reports it.
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 
+#include "crumple/candidates.h"
 #include "crumple/device_features.h"
-#include "queries/candidate_request.h"
 #include "queries/feature_request.h"
 
 namespace crumple {
@@ -19,11 +18,10 @@ struct DeviceRows {
     const std::uint8_t* flag = nullptr;  ///< start, or touching; null of candidates
 };
 
-/// About motion and nearness (FeatureKind), or candidates (CandidateKind).
 struct DeviceAnswer : DeviceFeatures {
     bool any = false;
     FirstImpact first;
-    std::array<DeviceRows, std::max(feature_kinds, candidate_kinds)> rows;  ///< by kind
+    std::array<DeviceRows, candidate_kinds> rows;  ///< by CandidateKind
 };
 
 }  // namespace crumple

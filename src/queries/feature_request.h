@@ -1,13 +1,14 @@
 #pragma once
 
-// What a backend is asked about the features of one scene, and what it answers. Motion and nearness are the same search
-// for pairs of features, with another decision.
+// Request to a backend about the features of one scene, and its result. Impacts, proximities and candidates are one
+// search for pairs of features, each with another criterion.
 
 #include <array>
 #include <cstdint>
 #include <span>
 
 #include "crumple/array.h"
+#include "crumple/candidates.h"
 #include "crumple/features.h"
 #include "crumple/impacts.h"
 #include "crumple/intersections.h"
@@ -22,36 +23,53 @@
 
 namespace crumple {
 
-/// How much of the answer is wanted.
+/// Condition that a pair of features is listed by: they touch on their way, are within a distance, or have inflated
+/// boxes that overlap.
+enum class Criterion : std::uint8_t { impact, proximity, candidate };
+
+/// How much of the result is made.
 enum class Extent : std::uint8_t { any, first, all };
 
+/// True for each kind of pairs that is listed, by CandidateKind: it has the kinds of FeatureKind, too, in their order.
+using ListedKinds = std::array<bool, candidate_kinds>;
+
+CRUMPLE_HD constexpr CandidateKind candidate_kind(FeatureKind kind) {
+    constexpr CandidateKind kinds[feature_kinds] = {CandidateKind::vertex_face, CandidateKind::edge_edge,
+                                                    CandidateKind::vertex_edge, CandidateKind::vertex_vertex};
+    return kinds[static_cast<std::size_t>(kind)];
+}
+
 struct FeatureRequest {
-    bool motion = false;  ///< which features touch on their way; else which are near each other
-    Extent extent = Extent::all;
-    double distance = 0;  ///< the minimum distance, or the radius
+    Criterion criterion = Criterion::proximity;
+    Extent extent = Extent::all;  ///< all, of candidates
+    ListedKinds kinds{};
+    double distance = 0;  ///< the minimum distance, the radius, or the inflation
     double share = 0;     ///< ImpactQuery::min_distance_share
     bool strict = false;  ///< ProximityQuery::strict
     bool frugal = false;  ///< with as little memory as can be, and always as much
     const SceneFeatures& features;
     const GroupRule& rule;
-    std::span<const double> radii =
-        {};  ///< ProximityQuery::radii of the scene's vertices; empty: `distance` is asked for
+    // Not of candidates:
+    std::span<const double> radii = {};  ///< ProximityQuery::radii of the scene's vertices; empty: `distance` counts
     const VertexRings* rings = nullptr;  ///< neighbours that have no vertex in common; null: there are none
     const RestShape* rest = nullptr;     ///< null: there is none
-    const Part* part = nullptr;          ///< what the scene is made of, whose pairs are asked for; null: all
+    const Part* part = nullptr;          ///< what the scene is made of, whose pairs are requested; null: all
+
+    bool lists(CandidateKind kind) const { return kinds[static_cast<std::size_t>(kind)]; }
 };
 
-/// What a list's features are.
+/// Type of a feature.
 enum class FeatureType : std::uint8_t { vertex, edge, face };
 struct FeatureTypes {
     FeatureType first, second;
 };
-CRUMPLE_HD constexpr FeatureTypes types_of(FeatureKind kind) {
-    constexpr auto vertex = FeatureType::vertex, edge = FeatureType::edge;
-    constexpr FeatureTypes types[feature_kinds] = {
-        {vertex, FeatureType::face}, {edge, edge}, {vertex, edge}, {vertex, vertex}};
+CRUMPLE_HD constexpr FeatureTypes types_of(CandidateKind kind) {
+    constexpr auto vertex = FeatureType::vertex, edge = FeatureType::edge, face = FeatureType::face;
+    constexpr FeatureTypes types[candidate_kinds] = {{vertex, face}, {edge, edge},   {edge, face},
+                                                     {face, face},   {vertex, edge}, {vertex, vertex}};
     return types[static_cast<std::size_t>(kind)];
 }
+CRUMPLE_HD constexpr FeatureTypes types_of(FeatureKind kind) { return types_of(candidate_kind(kind)); }
 
 /// How many features there are of a type.
 inline std::int64_t count_of(const SceneFeatures& features, FeatureType type) {
@@ -65,43 +83,82 @@ inline std::int64_t count_of(const SceneFeatures& features, FeatureType type) {
     }
 }
 
-/// A pair of features that is an answer: indices of the scene's points, edges, triangles.
+/// Pair of features: indices of the scene's points, edges, triangles.
 struct FeatureHit {
     Pair pair;
     double value;       ///< toi, or squared distance
     std::uint8_t flag;  ///< start, or touching
 };
 
-/// Hits by kind.
-using FeatureHits = std::array<Array<FeatureHit>, feature_kinds>;
-using FeatureStream = RowStream<FeatureHits>;
-
-/// Pairs of one kind: indices of the scene's points, edges, triangles. Sorted, unique.
+/// Pairs of one kind: indices of the scene's points, edges, triangles.
 struct FeatureRows {
     explicit FeatureRows(MemoryMeter* m) : pairs(m), value(m), flag(m) {}
     Array<Pair> pairs;
+    // Empty of candidates:
     Array<double> value;       ///< toi, or squared distance
     Array<std::uint8_t> flag;  ///< start, or touching
-};
 
-struct FeatureAnswer {
-    explicit FeatureAnswer(MemoryMeter* m) : rows{FeatureRows(m), FeatureRows(m), FeatureRows(m), FeatureRows(m)} {}
-    bool any = false;
-    FirstImpact first;                            ///< of a motion, from Extent::first on; without bodies
-    std::array<FeatureRows, feature_kinds> rows;  ///< for Extent::all; by kind
-    Statistics statistics;
-};
-
-/// Forgets what an answer says, keeps its memory.
-inline void clear(FeatureAnswer& answer) {
-    answer.any = false;
-    answer.first = {};
-    for (FeatureRows& rows : answer.rows) {
-        rows.pairs.clear();
-        rows.value.clear();
-        rows.flag.clear();
+    std::size_t size() const { return pairs.size(); }
+    FeatureHit operator[](std::size_t row) const { return {pairs[row], value[row], flag[row]}; }
+    void set(std::size_t row, const FeatureHit& hit) {
+        pairs[row] = hit.pair;
+        value[row] = hit.value;
+        flag[row] = hit.flag;
     }
-    answer.statistics = {};
-}
+    void push_back(const FeatureHit& hit) {
+        pairs.push_back(hit.pair);
+        value.push_back(hit.value);
+        flag.push_back(hit.flag);
+    }
+    void resize(std::size_t size) {
+        pairs.resize(size);
+        value.resize(size);
+        flag.resize(size);
+    }
+    void resize_discard(std::size_t size) {
+        pairs.resize_discard(size);
+        value.resize_discard(size);
+        flag.resize_discard(size);
+    }
+    void clear() { resize(0); }
+};
+
+/// Rows of all kinds.
+struct RowLists {
+    explicit RowLists(MemoryMeter* m)
+        : lists{FeatureRows(m), FeatureRows(m), FeatureRows(m), FeatureRows(m), FeatureRows(m), FeatureRows(m)} {}
+    std::array<FeatureRows, candidate_kinds> lists;  ///< by CandidateKind
+
+    FeatureRows& operator[](CandidateKind kind) { return lists[static_cast<std::size_t>(kind)]; }
+    const FeatureRows& operator[](CandidateKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
+    FeatureRows& operator[](FeatureKind kind) { return (*this)[candidate_kind(kind)]; }
+    const FeatureRows& operator[](FeatureKind kind) const { return (*this)[candidate_kind(kind)]; }
+
+    std::size_t size() const {
+        std::size_t rows = 0;
+        for (const FeatureRows& list : lists) rows += list.size();
+        return rows;
+    }
+    void clear() {
+        for (FeatureRows& list : lists) list.clear();
+    }
+};
+using FeatureStream = RowStream<RowLists>;
+
+struct FeatureResult {
+    explicit FeatureResult(MemoryMeter* m) : rows(m) {}
+    bool any = false;
+    FirstImpact first;  ///< of impacts, from Extent::first on; without bodies
+    RowLists rows;      ///< for Extent::all; sorted, unique
+    Statistics statistics;
+
+    /// Forgets all, keeps its memory.
+    void clear() {
+        any = false;
+        first = {};
+        rows.clear();
+        statistics = {};
+    }
+};
 
 }  // namespace crumple

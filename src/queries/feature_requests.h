@@ -1,41 +1,75 @@
 #pragma once
 
-// From what is asked of a detector about features to what a backend is asked about one scene.
+// From a query about features to the request to a backend about one scene.
 
 #include <type_traits>
 
 #include "crumple/candidates.h"
 #include "crumple/impacts.h"
 #include "crumple/proximities.h"
-#include "queries/candidate_request.h"
 #include "queries/feature_request.h"
 
 namespace crumple {
 
-template <class Question>
-constexpr bool is_motion = std::is_same_v<Question, ImpactQuery>;
+template <class Query>
+constexpr bool is_motion = std::is_same_v<Query, ImpactQuery>;
+template <class Query>
+constexpr bool is_near = std::is_same_v<Query, ProximityQuery>;
+template <class Query>
+constexpr bool is_candidates = std::is_same_v<Query, CandidateQuery>;
 
-inline Extent extent(const ImpactQuery& question) {
-    if (question.output == Output::pairs) return Extent::all;
-    return question.output == Output::first ? Extent::first : Extent::any;
+/// Kind of a list of the query's result.
+template <class Query>
+using KindOf = std::conditional_t<is_candidates<Query>, CandidateKind, FeatureKind>;
+
+inline Extent extent(const ImpactQuery& query) {
+    if (query.output == Output::pairs) return Extent::all;
+    return query.output == Output::first ? Extent::first : Extent::any;
 }
-inline Extent extent(const ProximityQuery& question) {
-    return question.output == Output::pairs ? Extent::all : Extent::any;
+inline Extent extent(const ProximityQuery& query) { return query.output == Output::pairs ? Extent::all : Extent::any; }
+inline Extent extent(const CandidateQuery&) { return Extent::all; }
+
+/// Kinds of which the features have pairs: edges of triangles, and their vertices, touch nothing that faces do not.
+inline ListedKinds listed_kinds(const SceneFeatures& features) {
+    const bool others = !features.plain();
+    return {true, true, false, false, others, others};
+}
+inline ListedKinds listed_kinds(const CandidateQuery& query) {
+    ListedKinds kinds{};
+    for (const CandidateKind kind : query.kinds) kinds[static_cast<std::size_t>(kind)] = true;
+    return kinds;
 }
 
-inline FeatureRequest query_of(const ImpactQuery& question, bool frugal, const SceneFeatures& features,
-                               const GroupRule& rule) {
-    return {true, extent(question), question.min_distance, question.min_distance_share, false, frugal, features, rule};
-}
-inline FeatureRequest query_of(const ProximityQuery& question, bool frugal, const SceneFeatures& features,
-                               const GroupRule& rule) {
-    return {false, extent(question), question.radius, 0, question.strict, frugal, features, rule};
-}
-inline CandidateRequest query_of(const CandidateQuery& question, bool frugal, const SceneFeatures& features,
+inline FeatureRequest request_of(const ImpactQuery& query, bool frugal, const SceneFeatures& features,
                                  const GroupRule& rule) {
-    CandidateRequest query{{}, question.inflation, frugal, features, rule};
-    for (const CandidateKind kind : question.kinds) query.wanted[static_cast<std::size_t>(kind)] = true;
-    return query;
+    return {.criterion = Criterion::impact,
+            .extent = extent(query),
+            .kinds = listed_kinds(features),
+            .distance = query.min_distance,
+            .share = query.min_distance_share,
+            .frugal = frugal,
+            .features = features,
+            .rule = rule};
+}
+inline FeatureRequest request_of(const ProximityQuery& query, bool frugal, const SceneFeatures& features,
+                                 const GroupRule& rule) {
+    return {.criterion = Criterion::proximity,
+            .extent = extent(query),
+            .kinds = listed_kinds(features),
+            .distance = query.radius,
+            .strict = query.strict,
+            .frugal = frugal,
+            .features = features,
+            .rule = rule};
+}
+inline FeatureRequest request_of(const CandidateQuery& query, bool frugal, const SceneFeatures& features,
+                                 const GroupRule& rule) {
+    return {.criterion = Criterion::candidate,
+            .kinds = listed_kinds(query),
+            .distance = query.inflation,
+            .frugal = frugal,
+            .features = features,
+            .rule = rule};
 }
 
 }  // namespace crumple

@@ -1,7 +1,8 @@
 #pragma once
 
-// From the rows of one scene to the public answers on motion, nearness and candidates: the same for all but for their
-// names.
+// From the rows of one scene to the public results: impacts, proximities and candidates differ in names alone.
+
+#include <concepts>
 
 #include "crumple/candidates.h"
 #include "crumple/impacts.h"
@@ -31,11 +32,25 @@ void clear(ImpactList& list);
 void clear(ProximityList& list);
 void clear(CandidateList& list);
 
-// The arrays of a list, by what they are in both answers.
+/// True if rows have values and flags.
+template <class List>
+constexpr bool has_values = !std::same_as<List, CandidateList>;
+
+// The arrays of a list, by what they are in both results.
 inline Array<double>& values(ImpactList& list) { return list.toi; }
 inline Array<double>& values(ProximityList& list) { return list.squared_distance; }
 inline Array<std::uint8_t>& flags(ImpactList& list) { return list.start; }
 inline Array<std::uint8_t>& flags(ProximityList& list) { return list.touching; }
+
+/// Swaps the rows of a list, which has no others.
+template <class List>
+void swap_rows(List& list, FeatureRows& rows) {
+    list.pairs.swap_elements(rows.pairs);
+    if constexpr (has_values<List>) {
+        values(list).swap_elements(rows.value);
+        flags(list).swap_elements(rows.flag);
+    }
+}
 
 /// Offsets by first and by second feature, of which there are so many.
 void make_index(ImpactList& list, std::int64_t firsts, std::int64_t seconds);

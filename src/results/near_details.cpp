@@ -46,32 +46,23 @@ void lower(const Array<Pair>& pairs, const Array<double>& value, Array<double>& 
 
 }  // namespace
 
-void tell_closest(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind, const Array<Pair>& pairs,
-                  std::size_t first, ParallelFor& workers, ProximityList& list) {
+void append_closest(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind,
+                    const Array<Pair>& pairs, ParallelFor* workers, ProximityList& list) {
+    const std::size_t first = list.type.size();
     list.type.resize(first + pairs.size());
     list.at.resize(first + pairs.size());
-    for_each_chunk(pairs.size(), workers, [&](std::size_t begin, std::size_t end) {
+    const auto find = [&](std::size_t begin, std::size_t end) {
         DistanceCounts counts;
         for (std::size_t i = begin; i < end; ++i) {
             const ClosestPoints closest = Distance(at_rest(scene, features, kind, pairs[i]), counts).closest();
             list.type[first + i] = closest.type;
             list.at[first + i] = closest.at;
         }
-    });
-}
-
-void find_closest(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind,
-                  std::span<const FeatureHit> rows, ParallelFor* workers, Array<ClosestPoints>& closest) {
-    closest.resize_discard(rows.size());
-    const auto find = [&](std::size_t begin, std::size_t end) {
-        DistanceCounts counts;
-        for (std::size_t i = begin; i < end; ++i)
-            closest[i] = Distance(at_rest(scene, features, kind, rows[i].pair), counts).closest();
     };
     if (workers)
-        for_each_chunk(rows.size(), *workers, find);
+        for_each_chunk(pairs.size(), *workers, find);
     else
-        find(0, rows.size());
+        find(0, pairs.size());
 }
 
 // Rounding keeps the order: the least distance of a feature is that of a pair whose rounded square is least, and only
@@ -103,6 +94,13 @@ void tell_least(const PreparedScene& scene, const SceneFeatures& features, Paral
     of(FeatureKind::edge_edge, answer.edge_distance, answer.edge_distance);
     of(FeatureKind::vertex_edge, answer.vertex_distance, answer.edge_distance);
     of(FeatureKind::vertex_vertex, answer.vertex_distance, answer.vertex_distance);
+}
+
+void add_details(const PreparedScene& scene, const SceneFeatures& features, const ProximityQuery& query,
+                 ParallelFor& workers, Proximities& result) {
+    for (std::size_t k = 0; query.closest && k < feature_kinds; ++k)
+        append_closest(scene, features, static_cast<FeatureKind>(k), result.lists[k].pairs, &workers, result.lists[k]);
+    if (query.least) tell_least(scene, features, workers, result);
 }
 
 }  // namespace crumple

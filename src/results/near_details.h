@@ -1,7 +1,7 @@
 #pragma once
 
-// What is told of near pairs on request, once the list is there: where they are closest, and how close each feature
-// comes to any other.
+// Details of near pairs that a query may have, once the list is there: where they are closest, and how close each
+// feature comes to any other.
 
 #include "base/parallel_for.h"
 #include "crumple/proximities.h"
@@ -12,15 +12,16 @@
 
 namespace crumple {
 
-/// Type and parameters of `pairs`, which are the scene's, into those of the list from `first` on.
-void tell_closest(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind, const Array<Pair>& pairs,
-                  std::size_t first, ParallelFor& workers, ProximityList& list);
-
-/// The same of some rows, into `closest`. `workers`: null in one of their own tasks.
-void find_closest(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind,
-                  std::span<const FeatureHit> rows, ParallelFor* workers, Array<ClosestPoints>& closest);
+/// Appends type and parameters of `pairs`, which are the scene's, to those of the list. `workers`: null in one of their
+/// own tasks.
+void append_closest(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind,
+                    const Array<Pair>& pairs, ParallelFor* workers, ProximityList& list);
 
 /// Least distances of the features of a single mesh, from its complete lists.
 void tell_least(const PreparedScene& scene, const SceneFeatures& features, ParallelFor& workers, Proximities& answer);
+
+/// Adds what the query has of these to a result whose pairs are the scene's.
+void add_details(const PreparedScene& scene, const SceneFeatures& features, const ProximityQuery& query,
+                 ParallelFor& workers, Proximities& result);
 
 }  // namespace crumple

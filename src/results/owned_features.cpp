@@ -30,30 +30,26 @@ struct OwnersInPart {
 
 }  // namespace
 
-void keep_owned(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) {
-    const Levels levels(query.part);
-    const OwnersInPart owners(scene, query.features);
-    answer.any = false;
-    answer.first = {};
+void keep_owned(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) {
+    const Levels levels(request.part);
+    const OwnersInPart owners(scene, request.features);
+    result.any = false;
+    result.first = {};
     for (std::size_t k = 0; k < feature_kinds; ++k) {
         const auto kind = static_cast<FeatureKind>(k);
         const FeatureTypes types = types_of(kind);
-        FeatureRows& rows = answer.rows[k];
+        FeatureRows& rows = result.rows[kind];
         std::size_t kept = 0;
-        for (std::size_t i = 0; i < rows.pairs.size(); ++i) {
-            const Pair pair = rows.pairs[i];
-            if (!levels.own(owners.of(types.first, pair.a), owners.of(types.second, pair.b))) continue;
-            rows.pairs[kept] = pair, rows.value[kept] = rows.value[i], rows.flag[kept] = rows.flag[i];
-            ++kept;
-            answer.any = true;
-            if (query.motion && query.extent != Extent::any &&
-                (!answer.first.found || rows.value[i] < answer.first.toi))
-                answer.first = {true, kind, pair, {}, rows.value[i], rows.flag[i] != 0};
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            const FeatureHit hit = rows[i];
+            if (!levels.own(owners.of(types.first, hit.pair.a), owners.of(types.second, hit.pair.b))) continue;
+            rows.set(kept++, hit);
+            result.any = true;
+            if (request.criterion == Criterion::impact && request.extent != Extent::any &&
+                (!result.first.found || hit.value < result.first.toi))
+                result.first = {true, kind, hit.pair, {}, hit.value, hit.flag != 0};
         }
-        if (query.extent != Extent::all) kept = 0;
-        rows.pairs.resize(kept);
-        rows.value.resize(kept);
-        rows.flag.resize(kept);
+        rows.resize(request.extent == Extent::all ? kept : 0);
     }
 }
 

@@ -5,8 +5,6 @@
 
 #include "crumple/error.h"
 #include "queries/checks.h"
-#include "queries/feature_requests.h"
-#include "results/feature_output.h"
 #include "results/intersection_output.h"
 #include "results/near_details.h"
 #include "search/feature_search.h"
@@ -38,22 +36,21 @@ VertexReader reader_of(const std::vector<double>& xyz) {
 
 }  // namespace
 
-template <class Question>
-std::vector<Part> FeatureSearch::partition(BackendBase& backend, const World& world, const Question& question,
-                                           int count) {
+template <class Query>
+std::vector<Part> FeatureSearch::partition(BackendBase& backend, const World& world, const Query& query, int count) {
     bodies_ = false;
-    read(world, question.filter);
+    read(world, query.filter);
     const Shape& shape = outline_.shape(0);
-    if constexpr (!is_motion<Question>) near_input_.begin(outline_, question, bodies_, true, backend, buffers_);
-    const PreparedScene scene = prepare_in_place(backend, is_motion<Question>, question.weld);
-    FeatureRequest query = query_of(question, false, features_, rule_);
-    if constexpr (!is_motion<Question>) {
+    if constexpr (is_near<Query>) near_input_.begin(outline_, query, bodies_, true, backend, buffers_);
+    const PreparedScene scene = prepare_in_place(backend, !is_near<Query>, query.weld);
+    FeatureRequest request = request_of(query, false, features_, rule_);
+    if constexpr (is_near<Query>) {
         near_input_.place(shape);
-        near_input_.tell(scene.vertex_count(), backend, cancellation_, query);
+        near_input_.tell(scene.vertex_count(), backend, cancellation_, request);
     }
     return make_feature_parts(scene, features_,
-                              {query.motion, query.distance, query.share, question.weld, query.radii,
-                               query.rest ? &query.rest->position : nullptr, query.rings, shape.groups},
+                              {is_motion<Query>, request.distance, request.share, query.weld, request.radii,
+                               request.rest ? &request.rest->position : nullptr, request.rings, shape.groups},
                               count, backend);
 }
 
@@ -93,68 +90,61 @@ PreparedScene FeatureSearch::prepare_part(BackendBase& backend, const Part& part
     return scene;
 }
 
-template <class Question, class Answer>
-void FeatureSearch::find(BackendBase& backend, const Part& part, const Question& question, bool frugal,
-                         Answer& answer) {
-    constexpr bool motion = is_motion<Question>;
+template <class Query>
+void FeatureSearch::find(BackendBase& backend, const Part& part, const Query& query, bool frugal,
+                         typename Query::Result& result) {
     bodies_ = false;
     frugal_ = frugal;
-    clear(answer);
-    const PreparedScene scene = prepare_part(backend, part, question.filter);
+    clear(result);
+    const PreparedScene scene = prepare_part(backend, part, query.filter);
     const PartFeatures& given = *part.features;
-    check_asked(given, question);
+    check_asked(given, query);
     RestShape rest;
     VertexRings rings(&meter_);
-    FeatureRequest query = query_of(question, frugal, features_, rule_);
-    query.part = &part;
-    if constexpr (!motion) {
+    FeatureRequest request = request_of(query, frugal, features_, rule_);
+    request.part = &part;
+    if constexpr (is_near<Query>) {
         check_radii("", given.radii);
         check_finite(rows_of_three(given.rest.data(), static_cast<std::int64_t>(given.rest.size() / 3)),
                      "at rest: ", backend, buffers_);
-        query.radii = given.radii;
-        rest = {reader_of(given.rest), nullptr, question.rest_radius};
-        if (!given.rest.empty()) query.rest = &rest;
+        request.radii = given.radii;
+        rest = {reader_of(given.rest), nullptr, query.rest_radius};
+        if (!given.rest.empty()) request.rest = &rest;
         if (given.rings > 0) {
             rings.adopt(given);
-            query.rings = &rings;
+            request.rings = &rings;
         }
     }
-    backend.find(scene, query, found_);
-    add_pass(found_.statistics, answer.statistics);
-    answer.statistics.triangles = part.mesh.size();
-    answer.any = found_.any;
-    const auto kind_of = [](std::size_t k) { return static_cast<FeatureKind>(k); };
-    if constexpr (motion) {
-        if (question.output != Output::any) answer.world_hit.assign(1, found_.any);
-        if (extent(question) != Extent::any) {
-            answer.first = found_.first;
-            if (answer.first.found) name_globally(part, answer.first.kind, answer.first.pair);
-            answer.world_first.assign(1, answer.first);
+    swap_found<Query>(result);
+    backend.find(scene, request, found_);
+    swap_found<Query>(result);
+    add_pass(found_.statistics, result.statistics);
+    result.statistics.triangles = part.mesh.size();
+    result.any = found_.any;
+    if (query.output != Output::any) result.world_hit.assign(1, found_.any);
+    if constexpr (is_motion<Query>) {
+        if (extent(query) != Extent::any) {
+            result.first = found_.first;
+            if (result.first.found) name_globally(part, result.first.kind, result.first.pair);
+            result.world_first.assign(1, result.first);
         }
-    } else {
-        if (question.output != Output::any) answer.world_hit.assign(1, found_.any);
     }
-    if (extent(question) != Extent::all) return;
+    if (extent(query) != Extent::all) return;
     for (std::size_t k = 0; k < feature_kinds; ++k) {
-        auto& list = answer.lists[k];
-        list.pairs.swap_elements(found_.rows[k].pairs);
-        values(list).swap_elements(found_.rows[k].value);
-        flags(list).swap_elements(found_.rows[k].flag);
-        answer.count += static_cast<std::int64_t>(list.pairs.size());
-        if constexpr (!motion)
-            if (question.closest) tell_closest(scene, features_, kind_of(k), list.pairs, 0, backend, list);
+        const auto kind = static_cast<FeatureKind>(k);
+        auto& list = result.lists[k];
+        result.count += static_cast<std::int64_t>(list.pairs.size());
         const auto of = [&](FeatureType type) {
             if (type == FeatureType::face) return given.faces;
             return type == FeatureType::edge ? static_cast<std::int64_t>(given.edges.size()) : features_.points();
         };
-        const FeatureTypes types = types_of(kind_of(k));
-        if (question.index) make_index(list, of(types.first), of(types.second));
+        const FeatureTypes types = types_of(kind);
+        if (query.index) make_index(list, of(types.first), of(types.second));
     }
-    if constexpr (!motion)
-        if (question.least) tell_least(scene, features_, backend, answer);
+    if constexpr (is_near<Query>) add_details(scene, features_, query, backend, result);
     for (std::size_t k = 0; k < feature_kinds; ++k)
-        for (Pair& pair : answer.lists[k].pairs) name_globally(part, kind_of(k), pair);
-    answer.statistics.pairs = answer.count;
+        for (Pair& pair : result.lists[k].pairs) name_globally(part, static_cast<FeatureKind>(k), pair);
+    result.statistics.pairs = result.count;
 }
 
 template std::vector<Part> FeatureSearch::partition(BackendBase&, const World&, const ImpactQuery&, int);

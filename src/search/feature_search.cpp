@@ -3,16 +3,28 @@
 #include <algorithm>
 #include <utility>
 
-#include "queries/feature_requests.h"
-#include "results/feature_output.h"
 #include "results/intersection_output.h"
 #include "results/near_details.h"
 
 namespace crumple {
 namespace {
 
-bool wants_worlds(const ImpactQuery& question) { return question.output != Output::any; }
-bool wants_worlds(const ProximityQuery& question) { return question.output != Output::any; }
+// True if one hit in any of the worlds is enough.
+template <class Query>
+bool wants_any(const Query& query) {
+    if constexpr (is_candidates<Query>)
+        return false;
+    else
+        return query.output == Output::any;
+}
+
+// `world`: -1 if it is none.
+template <class Result>
+void set_hit(std::int32_t world, bool hit, Result& result) {
+    result.any = result.any || hit;
+    if constexpr (requires { result.world_hit; })
+        if (!result.world_hit.empty() && world >= 0) result.world_hit[world] = hit;
+}
 
 // Whether every pair of the one body is wanted, as if there were no bodies.
 bool all_wanted(const PairFilter& rules) {
@@ -36,7 +48,6 @@ FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation)
       near_input_(&meter),
       found_(&meter),
       triangle_impacts_(meter),
-      found_candidates_(&meter),
       first_edge_(&meter),
       first_point_(&meter) {}
 
@@ -50,65 +61,59 @@ void FeatureSearch::release() {
     class_of_.release();
     features_.release();
     near_input_.release();
-    found_ = FeatureAnswer(&meter_);
+    found_ = FeatureResult(&meter_);
     triangle_impacts_.release();
-    found_candidates_ = CandidateAnswer(&meter_);
     first_edge_.release();
     first_point_.release();
 }
 
-void FeatureSearch::find(BackendBase& backend, const World& world, const ImpactQuery& question, bool bodies,
-                         bool frugal, Impacts& answer) {
-    bodies_ = bodies;
-    frugal_ = frugal;
-    search(backend, world, question, answer);
-}
-void FeatureSearch::find(BackendBase& backend, const World& world, const ProximityQuery& question, bool bodies,
-                         bool frugal, Proximities& answer) {
-    bodies_ = bodies;
-    frugal_ = frugal;
-    search(backend, world, question, answer);
-}
-
-template <class Question, class Answer>
-void FeatureSearch::search(BackendBase& backend, const World& world, const Question& question, Answer& answer) {
-    read(world, question.filter);
-    clear(answer);
-    answer.statistics.triangles = outline_.triangles();
+template <class Query>
+void FeatureSearch::search(BackendBase& backend, const World& world, const Query& query,
+                           typename Query::Result& result) {
+    read(world, query.filter);
+    clear(result);
+    result.statistics.triangles = outline_.triangles();
     const auto worlds = static_cast<std::size_t>(outline_.worlds());
-    if (wants_worlds(question)) answer.world_hit.assign(worlds, 0);
-    if constexpr (is_motion<Question>)
-        if (extent(question) >= Extent::first) answer.world_first.assign(worlds, FirstImpact());
-    if constexpr (is_motion<Question>)
-        answer.lists_triangle_pairs = question.triangle_pairs && extent(question) == Extent::all;
-    if (extent(question) != Extent::any) {
-        answer.first_edge.push_back(0);
-        answer.first_point.push_back(0);
+    if constexpr (is_candidates<Query>)
+        result.listed = listed_kinds(query);
+    else if (!wants_any(query))
+        result.world_hit.assign(worlds, 0);
+    if constexpr (is_motion<Query>) {
+        if (extent(query) != Extent::any) result.world_first.assign(worlds, FirstImpact());
+        result.lists_triangle_pairs = query.triangle_pairs && extent(query) == Extent::all;
     }
-    if constexpr (!is_motion<Question>) near_input_.begin(outline_, question, bodies_, !there_, backend, buffers_);
+    if (extent(query) != Extent::any) {
+        result.first_edge.push_back(0);
+        result.first_point.push_back(0);
+    }
+    if constexpr (is_near<Query>) near_input_.begin(outline_, query, bodies_, !there_, backend, buffers_);
 
-    if (there_ || in_place(question.filter)) {
-        search_in_place(backend, question, answer);
+    if (there_ || in_place(query.filter)) {
+        search_in_place(backend, query, result);
     } else {
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
             cancellation_.check();
-            if (!wants_worlds(question) && answer.any) break;
-            search_world(backend, pass, question, answer);
+            if (wants_any(query) && result.any) break;
+            search_world(backend, pass, query, result);
         }
     }
-    if (question.index && !bodies_ && extent(question) == Extent::all) {
-        const Shape& shape = outline_.shape(0);
-        const auto edges = static_cast<std::int64_t>(answer.edges.size());
-        const auto points = shape.points ? static_cast<std::int64_t>(shape.points->size()) : shape.vertices.rows;
-        make_index(answer[FeatureKind::vertex_face], points, outline_.triangles());
-        make_index(answer[FeatureKind::edge_edge], edges, edges);
-        make_index(answer[FeatureKind::vertex_edge], points, edges);
-        make_index(answer[FeatureKind::vertex_vertex], points, points);
-        if constexpr (is_motion<Question>)
-            if (question.triangle_pairs) make_index(answer.triangle_pairs, outline_.triangles(), outline_.triangles());
-    }
-    for (auto& list : answer.lists) answer.count += static_cast<std::int64_t>(list.pairs.size());
-    answer.statistics.pairs = answer.count;
+    if constexpr (!is_candidates<Query>)
+        if (query.index && !bodies_ && extent(query) == Extent::all) index_lists(query, result);
+    for (const auto& list : result.lists) result.count += static_cast<std::int64_t>(list.pairs.size());
+    result.statistics.pairs = result.count;
+}
+
+template <class Query>
+void FeatureSearch::index_lists(const Query& query, typename Query::Result& result) const {
+    const Shape& shape = outline_.shape(0);
+    const auto edges = static_cast<std::int64_t>(result.edges.size());
+    const auto points = shape.points ? static_cast<std::int64_t>(shape.points->size()) : shape.vertices.rows;
+    make_index(result[FeatureKind::vertex_face], points, outline_.triangles());
+    make_index(result[FeatureKind::edge_edge], edges, edges);
+    make_index(result[FeatureKind::vertex_edge], points, edges);
+    make_index(result[FeatureKind::vertex_vertex], points, points);
+    if constexpr (is_motion<Query>)
+        if (query.triangle_pairs) make_index(result.triangle_pairs, outline_.triangles(), outline_.triangles());
 }
 
 void FeatureSearch::read(const World& world, const PairFilter& rules) {
@@ -158,83 +163,78 @@ std::optional<PreparedScene> FeatureSearch::prepare_pass(BackendBase& backend, s
     return scene;
 }
 
-template <class Question, class Answer>
-void FeatureSearch::search_in_place(BackendBase& backend, const Question& question, Answer& answer) {
+template <class Query>
+void FeatureSearch::search_in_place(BackendBase& backend, const Query& query, typename Query::Result& result) {
     PreparedScene scene;
-    if (!there_) scene = prepare_in_place(backend, is_motion<Question>, question.weld);
-    if constexpr (!is_motion<Question>) near_input_.place(outline_.shape(0));
-    there_ ? answer_there(backend, question) : ask(backend, scene, question);
-    add_pass(found_.statistics, answer.statistics);
-    answer.any = found_.any;
-    if (!answer.world_hit.empty() && outline_.body(0).world >= 0) answer.world_hit[outline_.body(0).world] = found_.any;
-    if (extent(question) == Extent::any) return;
-    if constexpr (is_motion<Question>) {
-        answer.first = found_.first;
-        if (outline_.body(0).world >= 0) answer.world_first[outline_.body(0).world] = found_.first;
+    if (!there_) scene = prepare_in_place(backend, !is_near<Query>, query.weld);
+    if constexpr (is_near<Query>) near_input_.place(outline_.shape(0));
+    swap_found<Query>(result);
+    there_ ? find_rows_there(backend, query) : find_rows(backend, scene, query);
+    swap_found<Query>(result);
+    add_pass(found_.statistics, result.statistics);
+    const std::int32_t world = outline_.body(0).world;
+    set_hit(world, found_.any, result);
+    if (extent(query) == Extent::any) return;
+    if constexpr (is_motion<Query>) {
+        result.first = found_.first;
+        if (world >= 0) result.world_first[world] = found_.first;
     }
-    answer.edges = features_.edges();
-    answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
-    append_listed_points(0, answer);
-    if (extent(question) != Extent::all) return;
-    const auto take = [&](FeatureRows& rows, auto& list) {
-        list.pairs.swap_elements(rows.pairs);
-        values(list).swap_elements(rows.value);
-        flags(list).swap_elements(rows.flag);
+    result.edges = features_.edges();
+    result.first_edge.push_back(static_cast<std::int64_t>(result.edges.size()));
+    append_listed_points(0, result);
+    if (extent(query) != Extent::all) return;
+    const auto name_body = [&](auto& list) {
         if (bodies_) list.bodies.assign(list.pairs.size(), BodyPair{0, 0});
     };
-    if constexpr (is_motion<Question>)
-        if (question.triangle_pairs) take(triangle_impacts_.rows(), answer.triangle_pairs);
-    for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
-        auto& list = answer.lists[kind];
-        take(found_.rows[kind], list);
-        if constexpr (!is_motion<Question>)
-            if (question.closest)
-                tell_closest(scene, features_, static_cast<FeatureKind>(kind), list.pairs, 0, backend, list);
+    for (auto& list : result.lists) name_body(list);
+    if constexpr (is_motion<Query>) {
+        if (!query.triangle_pairs) return;
+        swap_rows(result.triangle_pairs, triangle_impacts_.rows());
+        name_body(result.triangle_pairs);
     }
-    if constexpr (!is_motion<Question>)
-        if (question.least) tell_least(scene, features_, backend, answer);
+    if constexpr (is_near<Query>) add_details(scene, features_, query, backend, result);
 }
 
-template <class Question, class Answer>
-void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const Question& question, Answer& answer) {
-    const std::optional<PreparedScene> made = prepare_pass(backend, pass, is_motion<Question>, question.weld);
+template <class Query>
+void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const Query& query,
+                                 typename Query::Result& result) {
+    const std::optional<PreparedScene> made = prepare_pass(backend, pass, !is_near<Query>, query.weld);
     if (!made) return;
     const PreparedScene& scene = *made;
-    if constexpr (!is_motion<Question>) near_input_.place(outline_, scene_);
-    ask(backend, scene, question);
-    add_pass(found_.statistics, answer.statistics);
-    answer.any = answer.any || found_.any;
-    if (!answer.world_hit.empty() && pass < outline_.worlds()) answer.world_hit[pass] = found_.any;
-    if (extent(question) == Extent::any) return;
-    if constexpr (is_motion<Question>) add_first(pass, answer);
-    append_features(pass, answer);
-    if (extent(question) != Extent::all) return;
-    if constexpr (!is_motion<Question>)
-        if (question.closest)
-            for (std::size_t k = 0; k < feature_kinds; ++k)
-                tell_closest(scene, features_, static_cast<FeatureKind>(k), found_.rows[k].pairs,
-                             answer.lists[k].pairs.size(), backend, answer.lists[k]);
-    for (std::size_t k = 0; k < feature_kinds; ++k)
-        append_rows(types_of(static_cast<FeatureKind>(k)), found_.rows[k], answer.lists[k]);
-    if constexpr (is_motion<Question>)
-        if (question.triangle_pairs)
-            append_rows({FeatureType::face, FeatureType::face}, triangle_impacts_.rows(), answer.triangle_pairs);
-    if constexpr (!is_motion<Question>)
-        if (question.least) tell_least(scene, features_, backend, answer);
+    if constexpr (is_near<Query>) near_input_.place(outline_, scene_);
+    find_rows(backend, scene, query);
+    add_pass(found_.statistics, result.statistics);
+    set_hit(pass < outline_.worlds() ? pass : -1, found_.any, result);
+    if (extent(query) == Extent::any) return;
+    if constexpr (is_motion<Query>) add_first(pass, result);
+    append_features(pass, result);
+    if (extent(query) != Extent::all) return;
+    for (std::size_t k = 0; k < result.lists.size(); ++k) {
+        const auto kind = static_cast<KindOf<Query>>(k);
+        const FeatureRows& rows = found_.rows[kind];
+        append_rows(types_of(kind), rows, false, result.lists[k]);
+        if constexpr (is_near<Query>)
+            if (query.closest) append_closest(scene, features_, kind, rows.pairs, &backend, result.lists[k]);
+    }
+    if constexpr (is_motion<Query>)
+        if (query.triangle_pairs)
+            append_rows(types_of(CandidateKind::face_face), triangle_impacts_.rows(), false, result.triangle_pairs);
+    if constexpr (is_near<Query>)
+        if (query.least) tell_least(scene, features_, backend, result);
 }
 
-template <class Question>
-void FeatureSearch::ask(BackendBase& backend, const PreparedScene& scene, const Question& question) {
-    FeatureRequest query = query_of(question, frugal_, features_, rule_);
-    if constexpr (!is_motion<Question>) near_input_.tell(scene.vertex_count(), backend, cancellation_, query);
-    backend.find(scene, query, found_);
-    if constexpr (is_motion<Question>)
-        if (question.triangle_pairs) ask_for_triangles(backend, scene, question);
+template <class Query>
+void FeatureSearch::find_rows(BackendBase& backend, const PreparedScene& scene, const Query& query) {
+    FeatureRequest request = request_of(query, frugal_, features_, rule_);
+    if constexpr (is_near<Query>) near_input_.tell(scene.vertex_count(), backend, cancellation_, request);
+    backend.find(scene, request, found_);
+    if constexpr (is_motion<Query>)
+        if (query.triangle_pairs) find_triangle_pairs(backend, scene, query);
 }
 
-void FeatureSearch::ask_for_triangles(BackendBase& backend, const PreparedScene& scene, const ImpactQuery& question) {
-    if (extent(question) == Extent::all) {
-        triangle_impacts_.find(backend, scene, features_, rule_, found_, found_.statistics);
+void FeatureSearch::find_triangle_pairs(BackendBase& backend, const PreparedScene& scene, const ImpactQuery& query) {
+    if (extent(query) == Extent::all) {
+        triangle_impacts_.find(backend, scene, features_, rule_, found_.rows, found_.statistics);
         found_.any = found_.any || !triangle_impacts_.rows().pairs.empty();
     } else if (!found_.any) {
         found_.any = triangle_impacts_.any_at_start(backend, scene, features_);
@@ -280,101 +280,40 @@ void FeatureSearch::place(FeatureTypes types, const Pair& found, Pair& pair, Bod
 }
 
 template <class List>
-void FeatureSearch::append_rows(FeatureTypes types, const FeatureRows& rows, List& list) {
-    const std::size_t more = rows.pairs.size();
-    list.pairs.make_room_for(more);
-    if (bodies_) list.bodies.make_room_for(more);
-    values(list).make_room_for(more);
-    flags(list).make_room_for(more);
-    for (std::size_t i = 0; i < more; ++i) {
-        Pair pair;
-        BodyPair bodies;
-        place(types, rows.pairs[i], pair, bodies);
+void FeatureSearch::append_rows(FeatureTypes types, const FeatureRows& rows, bool in_place, List& list) const {
+    list.pairs.make_room_for(rows.size());
+    if (bodies_) list.bodies.make_room_for(rows.size());
+    if constexpr (has_values<List>) {
+        values(list).make_room_for(rows.size());
+        flags(list).make_room_for(rows.size());
+    }
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        Pair pair = rows.pairs[i];
+        BodyPair bodies{0, 0};
+        if (!in_place) place(types, rows.pairs[i], pair, bodies);
         list.pairs.push_back(pair);
         if (bodies_) list.bodies.push_back(bodies);
-        values(list).push_back(rows.value[i]);
-        flags(list).push_back(rows.flag[i]);
-    }
-}
-
-void FeatureSearch::find(BackendBase& backend, const World& world, const CandidateQuery& question, bool bodies,
-                         bool frugal, Candidates& answer) {
-    bodies_ = bodies;
-    frugal_ = frugal;
-    search(backend, world, question, answer);
-}
-
-void FeatureSearch::search(BackendBase& backend, const World& world, const CandidateQuery& question,
-                           Candidates& answer) {
-    read(world, question.filter);
-    clear(answer);
-    for (const CandidateKind kind : question.kinds) answer.listed[static_cast<std::size_t>(kind)] = true;
-    answer.statistics.triangles = outline_.triangles();
-    answer.first_edge.push_back(0);
-    answer.first_point.push_back(0);
-    if (there_ || in_place(question.filter)) {
-        search_in_place(backend, question, answer);
-    } else {
-        for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
-            cancellation_.check();
-            search_world(backend, pass, question, answer);
-        }
-    }
-    for (const CandidateList& list : answer.lists) answer.count += static_cast<std::int64_t>(list.pairs.size());
-    answer.any = answer.count > 0;
-    answer.statistics.pairs = answer.count;
-}
-
-void FeatureSearch::search_in_place(BackendBase& backend, const CandidateQuery& question, Candidates& answer) {
-    if (there_) {
-        answer_there(backend, question);
-    } else {
-        const PreparedScene scene = prepare_in_place(backend, true, question.weld);
-        backend.find(scene, query_of(question, frugal_, features_, rule_), found_candidates_);
-    }
-    add_pass(found_candidates_.statistics, answer.statistics);
-    answer.edges = features_.edges();
-    answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
-    append_listed_points(0, answer);
-    for (std::size_t k = 0; k < candidate_kinds; ++k) {
-        CandidateList& list = answer.lists[k];
-        list.pairs.swap_elements(found_candidates_.pairs[k]);
-        if (bodies_) list.bodies.assign(list.pairs.size(), BodyPair{0, 0});
-    }
-}
-
-void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const CandidateQuery& question,
-                                 Candidates& answer) {
-    const std::optional<PreparedScene> scene = prepare_pass(backend, pass, true, question.weld);
-    if (!scene) return;
-    backend.find(*scene, query_of(question, frugal_, features_, rule_), found_candidates_);
-    add_pass(found_candidates_.statistics, answer.statistics);
-    append_features(pass, answer);
-    for (std::size_t k = 0; k < candidate_kinds; ++k) {
-        CandidateList& list = answer.lists[k];
-        const Array<Pair>& found = found_candidates_.pairs[k];
-        list.pairs.make_room_for(found.size());
-        if (bodies_) list.bodies.make_room_for(found.size());
-        for (const Pair& pair : found) {
-            Pair placed;
-            BodyPair bodies;
-            place(types_of(static_cast<CandidateKind>(k)), pair, placed, bodies);
-            list.pairs.push_back(placed);
-            if (bodies_) list.bodies.push_back(bodies);
+        if constexpr (has_values<List>) {
+            values(list).push_back(rows.value[i]);
+            flags(list).push_back(rows.flag[i]);
         }
     }
 }
+template void FeatureSearch::append_rows(FeatureTypes, const FeatureRows&, bool, ImpactList&) const;
+template void FeatureSearch::append_rows(FeatureTypes, const FeatureRows&, bool, ProximityList&) const;
+template void FeatureSearch::append_rows(FeatureTypes, const FeatureRows&, bool, CandidateList&) const;
 
-void FeatureSearch::add_first(std::int32_t pass, Impacts& answer) const {
+void FeatureSearch::add_first(std::int32_t pass, Impacts& result) const {
     FirstImpact first = found_.first;
     if (!first.found) return;
     place(types_of(first.kind), found_.first.pair, first.pair, first.bodies);
-    if (pass < outline_.worlds()) answer.world_first[pass] = first;
+    if (pass < outline_.worlds()) result.world_first[pass] = first;
     const auto key = [](const FirstImpact& f) { return std::pair(f.toi, f.kind); };
-    if (!answer.first.found || key(first) < key(answer.first)) answer.first = first;
+    if (!result.first.found || key(first) < key(result.first)) result.first = first;
 }
 
 template void FeatureSearch::search(BackendBase&, const World&, const ImpactQuery&, Impacts&);
 template void FeatureSearch::search(BackendBase&, const World&, const ProximityQuery&, Proximities&);
+template void FeatureSearch::search(BackendBase&, const World&, const CandidateQuery&, Candidates&);
 
 }  // namespace crumple

@@ -1,8 +1,7 @@
 #pragma once
 
-// How any backend answers questions about features of worlds: the bodies of each world become one scene, whose vertices
-// are posed at the start and at the end, and the backend searches it. A single body in place is searched where the
-// caller has it.
+// Queries about features of worlds, on any backend: the bodies of each world become one scene, whose vertices are posed
+// at the start and at the end, and the backend searches it. A single body in place is searched where the caller has it.
 
 #include <array>
 #include <optional>
@@ -14,7 +13,9 @@
 #include "crumple/impacts.h"
 #include "crumple/proximities.h"
 #include "partition/feature_part.h"
+#include "queries/feature_requests.h"
 #include "queries/near_input.h"
+#include "results/feature_output.h"
 #include "scene/body_rules.h"
 #include "scene/joined_lists.h"
 #include "scene/rules.h"
@@ -26,47 +27,48 @@
 namespace crumple {
 
 /// Size and destination of blocks of a result (Detector::stream).
-template <class Answer>
+template <class Result>
 struct FeatureBlocks {
     std::int64_t most;  ///< rows of a block, of all its lists together
-    FunctionRef<void(const Answer& block)> take;
+    FunctionRef<void(const Result& block)> take;
 };
 
 class FeatureSearch {
    public:
     FeatureSearch(MemoryMeter& meter, Cancellation& cancellation);
 
-    /// `bodies`: whether the answer names bodies, else there is only one. `frugal`: see FeatureRequest.
-    void find(BackendBase& backend, const World& world, const ImpactQuery& question, bool bodies, bool frugal,
-              Impacts& answer);
-    void find(BackendBase& backend, const World& world, const ProximityQuery& question, bool bodies, bool frugal,
-              Proximities& answer);
-    void find(BackendBase& backend, const World& world, const CandidateQuery& question, bool bodies, bool frugal,
-              Candidates& answer);
+    /// `bodies`: true if the result names bodies, else there is only one. `frugal`: see FeatureRequest.
+    template <class Query>
+    void find(BackendBase& backend, const World& world, const Query& query, bool bodies, bool frugal,
+              typename Query::Result& result) {
+        bodies_ = bodies;
+        frugal_ = frugal;
+        search(backend, world, query, result);
+    }
 
-    /// The same in blocks, whose edges and points are complete. The answer is what the blocks are made of, and has
-    /// their number and the statistics in the end.
-    template <class Question, class Answer>
-    void stream(BackendBase& backend, const World& world, const Question& question, bool bodies, bool frugal,
-                const FeatureBlocks<Answer>& blocks, Answer& answer);
+    /// The same in blocks, whose edges and points are complete. The blocks are made of `result`, which has their number
+    /// and the statistics in the end.
+    template <class Query>
+    void stream(BackendBase& backend, const World& world, const Query& query, bool bodies, bool frugal,
+                const FeatureBlocks<typename Query::Result>& blocks, typename Query::Result& result);
 
-    /// Cuts the mesh that is the only body of a world into parts that are asked this question.
-    template <class Question>
-    std::vector<Part> partition(BackendBase& backend, const World& world, const Question& question, int count);
+    /// Cuts the mesh that is the only body of a world into parts for this query.
+    template <class Query>
+    std::vector<Part> partition(BackendBase& backend, const World& world, const Query& query, int count);
 
-    /// What a part owns of the answer, by the ids of the mesh that it was cut from.
-    template <class Question, class Answer>
-    void find(BackendBase& backend, const Part& part, const Question& question, bool frugal, Answer& answer);
+    /// Finds the rows that a part owns, by the ids of the mesh that it was cut from.
+    template <class Query>
+    void find(BackendBase& backend, const Part& part, const Query& query, bool frugal, typename Query::Result& result);
 
-    // Of a mesh in device memory (features_there.cpp):
+    // For a mesh in device memory (features_there.cpp):
 
-    /// Whether the device answers by itself; else the mesh is copied to the host first.
-    static bool answers_there(const Shape& shape, const ImpactQuery& question);
-    static bool answers_there(const Shape& shape, const ProximityQuery& question);
-    static bool answers_there(const Shape& shape, const CandidateQuery& question);
-    template <class Question, class Answer>
-    void find_there(BackendBase& backend, const DeviceShape& mesh, const Question& question, bool frugal,
-                    Answer& answer);
+    /// True if the device does all of it; else the mesh is copied to the host first.
+    static bool answers_there(const Shape& shape, const ImpactQuery& query);
+    static bool answers_there(const Shape& shape, const ProximityQuery& query);
+    static bool answers_there(const Shape& shape, const CandidateQuery& query);
+    template <class Query>
+    void find_there(BackendBase& backend, const DeviceShape& mesh, const Query& query, bool frugal,
+                    typename Query::Result& result);
     template <class Question>
     LaunchNumber launch(BackendBase& backend, const DeviceShape& mesh, const Question& question);
     DeviceAnswer wait(BackendBase& backend, LaunchNumber launch);
@@ -80,25 +82,25 @@ class FeatureSearch {
     void know(BackendBase& backend, const DeviceShape& mesh);
     template <class Question, class Ask>
     auto ask_there(BackendBase& backend, const DeviceShape& mesh, const Question& question, Ask ask);
-    template <class Question>
-    void answer_there(BackendBase& backend, const Question& question);
+    template <class Query>
+    void find_rows_there(BackendBase& backend, const Query& query);
 
     PreparedScene prepare_part(BackendBase& backend, const Part& part, const PairFilter& rules);
 
-    template <class Question, class Answer>
-    void search(BackendBase& backend, const World& world, const Question& question, Answer& answer);
-    void search(BackendBase& backend, const World& world, const CandidateQuery& question, Candidates& answer);
-    template <class Question, class Answer>
-    void search_in_place(BackendBase& backend, const Question& question, Answer& answer);
-    template <class Question, class Answer>
-    void search_world(BackendBase& backend, std::int32_t pass, const Question& question, Answer& answer);
-    void search_in_place(BackendBase& backend, const CandidateQuery& question, Candidates& answer);
-    void search_world(BackendBase& backend, std::int32_t pass, const CandidateQuery& question, Candidates& answer);
+    template <class Query>
+    void search(BackendBase& backend, const World& world, const Query& query, typename Query::Result& result);
+    template <class Query>
+    void search_in_place(BackendBase& backend, const Query& query, typename Query::Result& result);
+    template <class Query>
+    void search_world(BackendBase& backend, std::int32_t pass, const Query& query, typename Query::Result& result);
 
-    template <class Answer>
-    void list_features(BackendBase& backend, bool step, bool weld, Answer& answer);
-    template <class Question, class Blocks>
-    void stream_scene(BackendBase& backend, const PreparedScene& scene, const Question& question, bool in_place,
+    template <class Query>
+    void index_lists(const Query& query, typename Query::Result& result) const;
+
+    template <class Result>
+    void list_features(BackendBase& backend, bool step, bool weld, Result& result);
+    template <class Query, class Blocks>
+    void stream_scene(BackendBase& backend, const PreparedScene& scene, const Query& query, bool in_place,
                       Blocks& blocks, Statistics& statistics);
 
     /// Reads the world.
@@ -111,18 +113,26 @@ class FeatureSearch {
     std::optional<PreparedScene> prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld);
     /// How many bodies a pass has of its own.
     std::int32_t own_bodies(std::int32_t pass) const;
-    template <class Question>
-    void ask(BackendBase& backend, const PreparedScene& scene, const Question& question);
-    void ask_for_triangles(BackendBase& backend, const PreparedScene& scene, const ImpactQuery& question);
+    /// Swaps the rows that are found with those of the result: searches work in its memory.
+    template <class Query>
+    void swap_found(typename Query::Result& result) {
+        for (std::size_t k = 0; k < result.lists.size(); ++k)
+            swap_rows(result.lists[k], found_.rows[static_cast<KindOf<Query>>(k)]);
+    }
+    /// Finds the rows of a prepared scene.
+    template <class Query>
+    void find_rows(BackendBase& backend, const PreparedScene& scene, const Query& query);
+    void find_triangle_pairs(BackendBase& backend, const PreparedScene& scene, const ImpactQuery& query);
     /// The edges and points of the bodies that a pass has of its own.
-    template <class Answer>
-    void append_features(std::int32_t pass, Answer& answer);
+    template <class Result>
+    void append_features(std::int32_t pass, Result& result);
     /// The points of a body whose shape lists them.
-    template <class Answer>
-    void append_listed_points(std::int32_t body, Answer& answer);
+    template <class Result>
+    void append_listed_points(std::int32_t body, Result& result);
+    /// `in_place`: true if the scene's indices are those of the only body.
     template <class List>
-    void append_rows(FeatureTypes types, const FeatureRows& rows, List& list);
-    void add_first(std::int32_t pass, Impacts& answer) const;
+    void append_rows(FeatureTypes types, const FeatureRows& rows, bool in_place, List& list) const;
+    void add_first(std::int32_t pass, Impacts& result) const;
 
     /// What an element of the scene is within its body.
     struct Place {
@@ -148,9 +158,8 @@ class FeatureSearch {
     Array<std::int32_t> class_of_;  ///< of each triangle of a part
     SceneFeatures features_;
     NearInput near_input_;
-    FeatureAnswer found_;
+    FeatureResult found_;
     TriangleImpacts triangle_impacts_;
-    CandidateAnswer found_candidates_;
     // Of each body that was added to the scene; and how many there are:
     Array<std::int64_t> first_edge_, first_point_;
 
@@ -163,28 +172,28 @@ class FeatureSearch {
 };
 
 // The first of the bodies that were added are those whose own world this is.
-template <class Answer>
-void FeatureSearch::append_features(std::int32_t pass, Answer& answer) {
+template <class Result>
+void FeatureSearch::append_features(std::int32_t pass, Result& result) {
     const auto bodies = static_cast<std::size_t>(own_bodies(pass));
-    answer.edges.make_room_for(static_cast<std::size_t>(first_edge_[bodies]));
+    result.edges.make_room_for(static_cast<std::size_t>(first_edge_[bodies]));
     for (std::size_t i = 0; i < bodies; ++i) {
         const auto first = static_cast<std::int32_t>(scene_.first_vertex(i));
         for (std::int64_t e = first_edge_[i]; e < first_edge_[i + 1]; ++e) {
             const Edge& edge = features_.edges()[e];
-            answer.edges.push_back({edge.a - first, edge.b - first});
+            result.edges.push_back({edge.a - first, edge.b - first});
         }
-        answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
-        append_listed_points(scene_.added_body(i), answer);
+        result.first_edge.push_back(static_cast<std::int64_t>(result.edges.size()));
+        append_listed_points(scene_.added_body(i), result);
     }
 }
 
-template <class Answer>
-void FeatureSearch::append_listed_points(std::int32_t body, Answer& answer) {
+template <class Result>
+void FeatureSearch::append_listed_points(std::int32_t body, Result& result) {
     if (there_)
-        for (const std::int32_t v : features_.listed_points()) answer.points.push_back(v);
+        for (const std::int32_t v : features_.listed_points()) result.points.push_back(v);
     else if (const auto& points = outline_.shape(body).points)
-        for (const std::int32_t v : *points) answer.points.push_back(v);
-    answer.first_point.push_back(static_cast<std::int64_t>(answer.points.size()));
+        for (const std::int32_t v : *points) result.points.push_back(v);
+    result.first_point.push_back(static_cast<std::int64_t>(result.points.size()));
 }
 
 }  // namespace crumple

@@ -1,5 +1,5 @@
-// Answers about features of worlds in blocks: what a backend hands over is placed in its bodies, and gathered until a
-// block is full, from world to world.
+// Results about features of worlds in blocks: rows of a backend are placed in their bodies, and gathered until a block
+// is full, from world to world.
 
 #include <algorithm>
 #include <memory>
@@ -7,8 +7,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "queries/feature_requests.h"
-#include "results/feature_output.h"
 #include "results/intersection_output.h"
 #include "results/near_details.h"
 #include "results/ordered_blocks.h"
@@ -16,11 +14,6 @@
 
 namespace crumple {
 namespace {
-
-template <class Question>
-constexpr bool is_near = std::is_same_v<Question, ProximityQuery>;
-template <class Question>
-constexpr bool is_candidates = std::is_same_v<Question, CandidateQuery>;
 
 /// The rows of a block, by kind.
 template <class Answer>
@@ -91,121 +84,91 @@ OrderedBlocks<Lists<Answer>> blocks_of(const FeatureBlocks<Answer>& blocks, Memo
                  }}};
 }
 
-/// Makes pieces of blocks by write(hits of a scene, lists).
-template <class Hits, class Rows, class Write>
-class FeaturePieces final : public RowStream<Hits> {
+/// Makes pieces of blocks by write(rows of a scene, lists).
+template <class Block, class Write>
+class FeaturePieces final : public FeatureStream {
    public:
-    FeaturePieces(OrderedBlocks<Rows>& blocks, Write write) : blocks_(blocks), write_(write) {}
-    void add(std::int64_t unit, Hits& hits) override {
+    FeaturePieces(OrderedBlocks<Block>& blocks, Write write) : blocks_(blocks), write_(write) {}
+    void add(std::int64_t unit, RowLists& rows) override {
         auto piece = blocks_.make();
-        write_(hits, *piece);
-        for (auto& list : hits) list.clear();
+        write_(rows, *piece);
+        rows.clear();
         blocks_.add(unit, std::move(piece));
     }
     void finish(std::int64_t unit) override { blocks_.finish(unit); }
     void fail() override { blocks_.fail(); }
 
    private:
-    OrderedBlocks<Rows>& blocks_;
+    OrderedBlocks<Block>& blocks_;
     Write write_;
 };
 
 }  // namespace
 
-template <class Question, class Answer>
-void FeatureSearch::stream(BackendBase& backend, const World& world, const Question& question, bool bodies, bool frugal,
-                           const FeatureBlocks<Answer>& blocks, Answer& answer) {
+template <class Query>
+void FeatureSearch::stream(BackendBase& backend, const World& world, const Query& query, bool bodies, bool frugal,
+                           const FeatureBlocks<typename Query::Result>& blocks, typename Query::Result& result) {
     bodies_ = bodies;
     frugal_ = frugal;
-    read(world, question.filter);
-    clear(answer);
-    answer.statistics.triangles = outline_.triangles();
-    if constexpr (is_candidates<Question>)
-        for (const CandidateKind kind : question.kinds) answer.listed[static_cast<std::size_t>(kind)] = true;
-    answer.first_edge.push_back(0);
-    answer.first_point.push_back(0);
-    if constexpr (is_near<Question>) near_input_.begin(outline_, question, bodies_, true, backend, buffers_);
+    read(world, query.filter);
+    clear(result);
+    result.statistics.triangles = outline_.triangles();
+    if constexpr (is_candidates<Query>) result.listed = listed_kinds(query);
+    result.first_edge.push_back(0);
+    result.first_point.push_back(0);
+    if constexpr (is_near<Query>) near_input_.begin(outline_, query, bodies_, true, backend, buffers_);
 
-    auto ordered = blocks_of(blocks, meter_, cancellation_, answer);
-    constexpr bool step = !is_near<Question>;
-    if (in_place(question.filter)) {
-        const PreparedScene scene = prepare_in_place(backend, step, question.weld);
-        if constexpr (is_near<Question>) near_input_.place(outline_.shape(0));
-        answer.edges = features_.edges();
-        answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
-        append_listed_points(0, answer);
-        stream_scene(backend, scene, question, true, ordered, answer.statistics);
+    auto ordered = blocks_of(blocks, meter_, cancellation_, result);
+    constexpr bool step = !is_near<Query>;
+    if (in_place(query.filter)) {
+        const PreparedScene scene = prepare_in_place(backend, step, query.weld);
+        if constexpr (is_near<Query>) near_input_.place(outline_.shape(0));
+        result.edges = features_.edges();
+        result.first_edge.push_back(static_cast<std::int64_t>(result.edges.size()));
+        append_listed_points(0, result);
+        stream_scene(backend, scene, query, true, ordered, result.statistics);
     } else {
         const bool one_world = outline_.worlds() == 1 && own_bodies(1) == 0;
-        if (!one_world) list_features(backend, step, question.weld, answer);
+        if (!one_world) list_features(backend, step, query.weld, result);
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
             cancellation_.check();
-            const std::optional<PreparedScene> scene = prepare_pass(backend, pass, step, question.weld);
+            const std::optional<PreparedScene> scene = prepare_pass(backend, pass, step, query.weld);
             if (!scene) continue;
-            if constexpr (is_near<Question>) near_input_.place(outline_, scene_);
-            if (one_world) append_features(pass, answer);
-            stream_scene(backend, *scene, question, false, ordered, answer.statistics);
+            if constexpr (is_near<Query>) near_input_.place(outline_, scene_);
+            if (one_world) append_features(pass, result);
+            stream_scene(backend, *scene, query, false, ordered, result.statistics);
         }
     }
     ordered.finish();
-    answer.statistics.pairs = answer.count;
+    result.statistics.pairs = result.count;
 }
 
-// Each block tells the edges and points of all worlds, so they have to be there before the first one.
-template <class Answer>
-void FeatureSearch::list_features(BackendBase& backend, bool step, bool weld, Answer& answer) {
+// Each block has the edges and points of all worlds, so they have to be there before the first one.
+template <class Result>
+void FeatureSearch::list_features(BackendBase& backend, bool step, bool weld, Result& result) {
     for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
         cancellation_.check();
-        if (prepare_pass(backend, pass, step, weld)) append_features(pass, answer);
+        if (prepare_pass(backend, pass, step, weld)) append_features(pass, result);
     }
 }
 
-template <class Question, class Blocks>
-void FeatureSearch::stream_scene(BackendBase& backend, const PreparedScene& scene, const Question& question,
-                                 bool in_place, Blocks& blocks, Statistics& statistics) {
-    auto query = query_of(question, frugal_, features_, rule_);
-    if constexpr (is_near<Question>) near_input_.tell(scene.vertex_count(), backend, cancellation_, query);
-    Statistics of_scene;
-    const auto append_pair = [&](FeatureTypes types, const Pair& found, auto& list) {
-        Pair pair = found;
-        BodyPair bodies{0, 0};
-        if (!in_place) place(types, found, pair, bodies);
-        list.pairs.push_back(pair);
-        if (bodies_) list.bodies.push_back(bodies);
+template <class Query, class Blocks>
+void FeatureSearch::stream_scene(BackendBase& backend, const PreparedScene& scene, const Query& query, bool in_place,
+                                 Blocks& blocks, Statistics& statistics) {
+    FeatureRequest request = request_of(query, frugal_, features_, rule_);
+    if constexpr (is_near<Query>) near_input_.tell(scene.vertex_count(), backend, cancellation_, request);
+    const auto write = [&](const RowLists& found, Lists<typename Query::Result>& lists) {
+        for (std::size_t k = 0; k < lists.size(); ++k) {
+            const auto kind = static_cast<KindOf<Query>>(k);
+            append_rows(types_of(kind), found[kind], in_place, lists[k]);
+            if constexpr (is_near<Query>)
+                if (query.closest) append_closest(scene, features_, kind, found[kind].pairs, nullptr, lists[k]);
+        }
     };
     blocks.next_scene();
-    if constexpr (is_candidates<Question>) {
-        const auto write = [&](const CandidateHits& hits, auto& lists) {
-            for (std::size_t k = 0; k < hits.size(); ++k)
-                for (const Pair& pair : hits[k]) append_pair(types_of(static_cast<CandidateKind>(k)), pair, lists[k]);
-        };
-        FeaturePieces<CandidateHits, Lists<Candidates>, decltype(write)> pieces(blocks, write);
-        backend.stream(scene, query, pieces, of_scene);
-    } else {
-        const auto write = [&](const FeatureHits& hits, auto& lists) {
-            for (std::size_t k = 0; k < hits.size(); ++k) {
-                const auto kind = static_cast<FeatureKind>(k);
-                auto& list = lists[k];
-                for (const FeatureHit& hit : hits[k]) {
-                    append_pair(types_of(kind), hit.pair, list);
-                    values(list).push_back(hit.value);
-                    flags(list).push_back(hit.flag);
-                }
-                if constexpr (is_near<Question>) {
-                    if (!question.closest) continue;
-                    Array<ClosestPoints> closest(&meter_);
-                    find_closest(scene, features_, kind, hits[k].span(), nullptr, closest);
-                    for (const ClosestPoints& points : closest) {
-                        list.type.push_back(points.type);
-                        list.at.push_back(points.at);
-                    }
-                }
-            }
-        };
-        using Rows = std::conditional_t<is_near<Question>, Lists<Proximities>, Lists<Impacts>>;
-        FeaturePieces<FeatureHits, Rows, decltype(write)> pieces(blocks, write);
-        backend.stream(scene, query, pieces, of_scene);
-    }
+    FeaturePieces<Lists<typename Query::Result>, decltype(write)> pieces(blocks, write);
+    Statistics of_scene;
+    backend.stream(scene, request, pieces, of_scene);
     add_pass(of_scene, statistics);
 }
 

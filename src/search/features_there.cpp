@@ -7,8 +7,6 @@
 #include <variant>
 
 #include "crumple/error.h"
-#include "queries/feature_requests.h"
-#include "results/feature_output.h"
 #include "search/feature_search.h"
 
 namespace crumple {
@@ -59,33 +57,28 @@ void FeatureSearch::know(BackendBase& backend, const DeviceShape& mesh) {
     features_.prepare(scene, false, backend, checked_lists(shape, ""));
 }
 
-// Calls ask(query) until it meets the features that it was given.
+// Calls ask(request) until it meets the features that it was given.
 template <class Question, class Ask>
 auto FeatureSearch::ask_there(BackendBase& backend, const DeviceShape& mesh, const Question& question, Ask ask) {
     rule_.prepare(question.filter);
     if (!features_.has_counts_of(mesh.shape)) know(backend, mesh);
     for (;; know(backend, mesh)) {
         cancellation_.check();
-        auto query = query_of(question, frugal_, features_, rule_);
-        if constexpr (std::is_same_v<Question, ProximityQuery>)
-            near_input_.tell(mesh.shape.vertices.rows, backend, cancellation_, query);
-        if (auto answer = ask(query)) return answer;
+        FeatureRequest request = request_of(question, frugal_, features_, rule_);
+        if constexpr (is_near<Question>) near_input_.tell(mesh.shape.vertices.rows, backend, cancellation_, request);
+        if (auto answer = ask(request)) return answer;
     }
 }
 
-template <class Question>
-void FeatureSearch::answer_there(BackendBase& backend, const Question& question) {
-    ask_there(backend, *there_, question, [&](const auto& query) {
-        if constexpr (std::is_same_v<Question, CandidateQuery>)
-            return backend.features_there().find(*there_, query, found_candidates_);
-        else
-            return backend.features_there().find(*there_, query, found_);
-    });
+template <class Query>
+void FeatureSearch::find_rows_there(BackendBase& backend, const Query& query) {
+    ask_there(backend, *there_, query,
+              [&](const FeatureRequest& request) { return backend.features_there().find(*there_, request, found_); });
 }
 
-template <class Question, class Answer>
-void FeatureSearch::find_there(BackendBase& backend, const DeviceShape& mesh, const Question& question, bool frugal,
-                               Answer& answer) {
+template <class Query>
+void FeatureSearch::find_there(BackendBase& backend, const DeviceShape& mesh, const Query& query, bool frugal,
+                               typename Query::Result& result) {
     bodies_ = false;
     frugal_ = frugal;
     const Body body{.self = true};
@@ -93,7 +86,7 @@ void FeatureSearch::find_there(BackendBase& backend, const DeviceShape& mesh, co
         const DeviceShape*& there;
         ~There() { there = nullptr; }
     } const there{there_ = &mesh};
-    search(backend, {{&mesh.shape, 1}, {&body, 1}, {}, {}}, question, answer);
+    search(backend, {{&mesh.shape, 1}, {&body, 1}, {}, {}}, query, result);
 }
 
 // Reads what a launch, or one that is answered again, is given.
@@ -102,7 +95,7 @@ void FeatureSearch::look_there(BackendBase& backend, const DeviceShape& mesh, co
     frugal_ = false;
     const Body body{.self = true};
     read({{&mesh.shape, 1}, {&body, 1}, {}, {}}, question.filter);
-    if constexpr (std::is_same_v<Question, ProximityQuery>) {
+    if constexpr (is_near<Question>) {
         near_input_.begin(outline_, question, false, false, backend, buffers_);
         near_input_.place(mesh.shape);
     }
@@ -123,7 +116,7 @@ LaunchNumber FeatureSearch::launch(BackendBase& backend, const DeviceShape& mesh
 DeviceAnswer FeatureSearch::wait(BackendBase& backend, LaunchNumber launch) {
     DeviceFeatureCalls& there = backend.features_there();
     const Launched& launched = launched_[launch % most_in_flight];
-    std::optional<DeviceAnswer> answer = there.wait(launch, std::holds_alternative<CandidateQuery>(launched.question));
+    std::optional<DeviceAnswer> answer = there.wait(launch);
     if (!answer)
         answer = std::visit(
             [&](const auto& question) {
@@ -140,9 +133,9 @@ DeviceAnswer FeatureSearch::wait(BackendBase& backend, LaunchNumber launch) {
 template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const ImpactQuery&, bool, Impacts&);
 template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const ProximityQuery&, bool, Proximities&);
 template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const CandidateQuery&, bool, Candidates&);
-template void FeatureSearch::answer_there(BackendBase&, const ImpactQuery&);
-template void FeatureSearch::answer_there(BackendBase&, const ProximityQuery&);
-template void FeatureSearch::answer_there(BackendBase&, const CandidateQuery&);
+template void FeatureSearch::find_rows_there(BackendBase&, const ImpactQuery&);
+template void FeatureSearch::find_rows_there(BackendBase&, const ProximityQuery&);
+template void FeatureSearch::find_rows_there(BackendBase&, const CandidateQuery&);
 template LaunchNumber FeatureSearch::launch(BackendBase&, const DeviceShape&, const ImpactQuery&);
 template LaunchNumber FeatureSearch::launch(BackendBase&, const DeviceShape&, const ProximityQuery&);
 template LaunchNumber FeatureSearch::launch(BackendBase&, const DeviceShape&, const CandidateQuery&);

@@ -67,7 +67,7 @@ bool TriangleImpacts::any_at_start(BackendBase& backend, const PreparedScene& sc
 }
 
 void TriangleImpacts::find(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features,
-                           const GroupRule& rule, const FeatureAnswer& found, Statistics& statistics) {
+                           const GroupRule& rule, const RowLists& found, Statistics& statistics) {
     intersecting_.clear();
     const auto take = [&](const Array<Pair>& some) {
         intersecting_.make_room_for(some.size());
@@ -114,7 +114,7 @@ std::span<const std::int32_t> TriangleImpacts::triangles_of(std::int32_t vertex)
 /// Calls visit(pair, toi, start) for each pair, some more than once.
 template <class Visit>
 void TriangleImpacts::for_each_pair(const PreparedScene& scene, const SceneFeatures& features, const GroupRule& rule,
-                                    const FeatureAnswer& found, Visit visit) const {
+                                    const RowLists& found, Visit visit) const {
     for (const Pair& pair : intersecting_) visit(pair, 0, 1);
     const auto tell = [&](std::int32_t s, std::int32_t t, double toi, std::uint8_t start) {
         if (rule.trivial() || rule(scene.group(s), scene.group(t)))
@@ -125,9 +125,8 @@ void TriangleImpacts::for_each_pair(const PreparedScene& scene, const SceneFeatu
             if (names(scene.corners + 3 * t, e.b)) visit_triangle(t);
     };
     const auto rows = [&](FeatureKind kind, auto visit_row) {
-        const FeatureRows& of_kind = found.rows[static_cast<std::size_t>(kind)];
-        for (std::size_t i = 0; i < of_kind.pairs.size(); ++i)
-            visit_row(of_kind.pairs[i], of_kind.value[i], of_kind.flag[i]);
+        const FeatureRows& of_kind = found[kind];
+        for (std::size_t i = 0; i < of_kind.size(); ++i) visit_row(of_kind.pairs[i], of_kind.value[i], of_kind.flag[i]);
     };
     rows(FeatureKind::vertex_face, [&](Pair pair, double toi, std::uint8_t start) {
         for (const std::int32_t t : triangles_of(features.vertex_of(pair.a))) tell(t, pair.b, toi, start);
@@ -161,16 +160,12 @@ void TriangleImpacts::write_rows(ParallelFor& workers) {
     kept_[0] = 0;
     for (std::int64_t i = 0; i < firsts; ++i) kept_[i + 1] += kept_[i];
     const auto all = static_cast<std::size_t>(kept_[firsts]);
-    rows_.pairs.resize_discard(all);
-    rows_.value.resize_discard(all);
-    rows_.flag.resize_discard(all);
+    rows_.resize_discard(all);
     in_chunks([&](std::int64_t i) {
         const Entry* entry = entries_.data() + first_[i];
-        for (std::int64_t row = kept_[i]; row < kept_[i + 1]; ++row, ++entry) {
-            rows_.pairs[row] = {static_cast<std::int32_t>(i), entry->second};
-            rows_.value[row] = entry->toi;
-            rows_.flag[row] = entry->start;
-        }
+        for (auto row = static_cast<std::size_t>(kept_[i]); row < static_cast<std::size_t>(kept_[i + 1]);
+             ++row, ++entry)
+            rows_.set(row, {{static_cast<std::int32_t>(i), entry->second}, entry->toi, entry->start});
     });
 }
 

@@ -22,10 +22,10 @@ class TriangleImpacts {
     /// Whether some pair intersects at the start. `scene`: with the carriers of `features`.
     bool any_at_start(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features);
 
-    /// Makes rows() of what touches (all rows of an answer, by kind) and of what intersects at the start: unique, in
-    /// order; the value is the first time, the flag tells of the start. O(triangles + rows), and one search.
+    /// Makes rows() of all impacts of features, and of the pairs that intersect at the start: unique, in order; the
+    /// value is the first time, the flag tells of the start. O(triangles + rows), and one search.
     void find(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features, const GroupRule& rule,
-              const FeatureAnswer& found, Statistics& statistics);
+              const RowLists& found, Statistics& statistics);
 
     FeatureRows& rows() { return rows_; }
 
@@ -44,7 +44,7 @@ class TriangleImpacts {
     std::span<const std::int32_t> triangles_of(std::int32_t vertex) const;
     template <class Visit>
     void for_each_pair(const PreparedScene& scene, const SceneFeatures& features, const GroupRule& rule,
-                       const FeatureAnswer& found, Visit visit) const;
+                       const RowLists& found, Visit visit) const;
     void write_rows(ParallelFor& workers);
 
     MemoryMeter& meter_;

@@ -131,7 +131,7 @@ struct RadiiOfTwo {
     Options options{.threads = 1};
     Cancellation cancellation;
     cpu::Workers workers{options, cancellation};
-    cpu::FeatureBuffers buffers{nullptr, 1, cpu::scalar_features};
+    cpu::FeatureBuffers buffers{nullptr, 1, cpu::scalar_features, cpu::scalar_candidates};
     Inflation inflation;
 };
 

@@ -12,7 +12,7 @@
 #include "features/compare_features.h"
 #include "features/moving_worlds.h"
 #include "features/triangle_pairs.h"
-#include "queries/candidate_request.h"
+#include "queries/feature_request.h"
 
 namespace crumple::test {
 namespace {

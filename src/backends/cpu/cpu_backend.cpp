@@ -6,7 +6,6 @@
 #include <limits>
 #include <memory>
 
-#include "backends/cpu/candidates/find_candidates.h"
 #include "backends/cpu/features/find_features.h"
 #include "backends/cpu/intersections/find_intersections.h"
 #include "backends/cpu/intersections/memory_limit.h"
@@ -76,31 +75,17 @@ class CpuBackend final : public BackendBase {
         statistics = statistics_;
     }
 
-    void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) override {
-        clear(answer);
+    void find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) override {
+        result.clear();
         statistics_ = {};
-        workers_.run([&] { cpu::find(make_call(scene, query), query, kept_->features, answer); });
-        answer.statistics = statistics_;
+        workers_.run([&] { cpu::find(make_call(scene, request), request, kept_->features, result); });
+        result.statistics = statistics_;
     }
 
-    void stream(const PreparedScene& scene, const FeatureRequest& query, FeatureStream& to,
+    void stream(const PreparedScene& scene, const FeatureRequest& request, FeatureStream& to,
                 Statistics& statistics) override {
         statistics_ = {};
-        workers_.run([&] { cpu::stream(make_call(scene, query), query, kept_->features, to); });
-        statistics = statistics_;
-    }
-
-    void find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
-        clear(answer);
-        statistics_ = {};
-        workers_.run([&] { cpu::find(make_call(scene, query), query, kept_->candidates, answer); });
-        answer.statistics = statistics_;
-    }
-
-    void stream(const PreparedScene& scene, const CandidateRequest& query, CandidateStream& to,
-                Statistics& statistics) override {
-        statistics_ = {};
-        workers_.run([&] { cpu::stream(make_call(scene, query), query, kept_->candidates, to); });
+        workers_.run([&] { cpu::stream(make_call(scene, request), request, kept_->features, to); });
         statistics = statistics_;
     }
 
@@ -130,14 +115,12 @@ class CpuBackend final : public BackendBase {
               buffers(m, workers),
               leaves(m, workers, kernels),
               output(m),
-              features(m, workers, features),
-              candidates(m, workers, candidates) {}
+              features(m, workers, features, candidates) {}
         GroupRule rule;
         Buffers buffers;
         IntersectLeaves leaves;
         OutputScratch output;
         FeatureBuffers features;
-        CandidateBuffers candidates;
     };
 
     IntersectCall make_call(const PreparedScene& scene, const IntersectionQuery& query, const Part* part) {
@@ -149,24 +132,15 @@ class CpuBackend final : public BackendBase {
                 k.leaves,
                 k.output};
     }
-    Call make_call(const PreparedScene& scene, const GroupRule& rule, LeafQuestion& question,
-                   const Part* part = nullptr) {
-        return {scene, rule,          Levels(part), options_,       kernels_,    workers_,
-                *this, cancellation_, meter_,       kept_->buffers, statistics_, question};
-    }
-    Call make_call(const PreparedScene& scene, const FeatureRequest& query) {
-        FeatureBuffers& features = kept_->features;
-        LeafQuestion& question = scene.moving ? static_cast<LeafQuestion&>(features.moving) : features.at_rest;
-        Call call = make_call(scene, query.rule, question, query.part);
-        call.frugal = query.frugal;
-        call.inflation = query.radii.empty() ? inflation_of(scene, query)
-                                             : inflation_of_radii(scene, query.radii, workers_, features);
-        return call;
-    }
-    Call make_call(const PreparedScene& scene, const CandidateRequest& query) {
-        Call call = make_call(scene, query.rule, kept_->candidates.leaves);
-        call.frugal = query.frugal;
-        call.inflation = inflation_of(scene, query);
+    Call make_call(const PreparedScene& scene, const FeatureRequest& request) {
+        Kept& k = *kept_;
+        Call call{scene,     request.rule,  Levels(request.part),
+                  options_,  kernels_,      workers_,
+                  *this,     cancellation_, meter_,
+                  k.buffers, statistics_,   leaves_of(scene, request, k.features)};
+        call.frugal = request.frugal;
+        call.inflation = request.radii.empty() ? inflation_of(scene, request)
+                                               : inflation_of_radii(scene, request.radii, workers_, k.features);
         return call;
     }
     // With nothing kept.

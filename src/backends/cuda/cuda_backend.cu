@@ -76,11 +76,8 @@ class CudaBackend final : public BackendBase {
         take(all.pairs);
     }
 
-    void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) override {
-        features_.find(scene, query, answer);
-    }
-    void find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
-        features_.find(scene, query, answer);
+    void find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) override {
+        features_.find(scene, request, result);
     }
     DeviceFeatureCalls& features_there() override { return features_; }
 

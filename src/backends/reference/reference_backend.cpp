@@ -6,7 +6,6 @@
 
 #include "backends/backend.h"
 #include "backends/pair_budget.h"
-#include "backends/reference/reference_candidates.h"
 #include "backends/reference/reference_features.h"
 #include "base/stopwatch.h"
 #include "exact/intersection/rational_intersection.h"
@@ -88,52 +87,22 @@ class Reference final : public BackendBase {
         return found;
     }
 
-    void find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) override {
-        clear(answer);
-        answer.statistics.backend = "reference";
-        answer.statistics.simd = "scalar";
+    void find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) override {
+        result.clear();
+        begin(result.statistics);
         Stopwatch watch;
-        find_features_by_brute_force(scene, query, cancellation_, answer);
-        answer.statistics[Stage::narrow] = watch.lap();
+        find_features_by_brute_force(scene, request, cancellation_, result);
+        result.statistics[Stage::narrow] = watch.lap();
     }
 
-    void find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) override {
-        clear(answer);
-        answer.statistics.backend = "reference";
-        answer.statistics.simd = "scalar";
-        Stopwatch watch;
-        const auto keep = [&](CandidateKind kind, const Pair& pair) {
-            answer.pairs[static_cast<std::size_t>(kind)].push_back(pair);
-        };
-        find_candidates_by_brute_force(scene, query, cancellation_, keep);
-        answer.statistics[Stage::narrow] = watch.lap();
-    }
-
-    void stream(const PreparedScene& scene, const FeatureRequest& query, FeatureStream& to,
+    void stream(const PreparedScene& scene, const FeatureRequest& request, FeatureStream& to,
                 Statistics& statistics) override {
-        FeatureAnswer told(nullptr);
-        begin(told.statistics);
-        FeatureHits hits;
-        const auto keep = [&](FeatureKind kind, const FeatureHit& hit) {
-            add(hit, static_cast<std::size_t>(kind), hits, to);
-        };
-        const HitSink sink = keep;
-        find_features_by_brute_force(scene, query, cancellation_, told, &sink);
-        to.add(0, hits);
+        FeatureResult result(nullptr);
+        begin(result.statistics);
+        find_features_by_brute_force(scene, request, cancellation_, result, &to);
+        to.add(0, result.rows);
         to.finish(0);
-        statistics = told.statistics;
-    }
-
-    void stream(const PreparedScene& scene, const CandidateRequest& query, CandidateStream& to,
-                Statistics& statistics) override {
-        begin(statistics);
-        CandidateHits hits;
-        const auto keep = [&](CandidateKind kind, const Pair& pair) {
-            add(pair, static_cast<std::size_t>(kind), hits, to);
-        };
-        find_candidates_by_brute_force(scene, query, cancellation_, keep);
-        to.add(0, hits);
-        to.finish(0);
+        statistics = result.statistics;
     }
 
     void release() override {
@@ -148,11 +117,6 @@ class Reference final : public BackendBase {
         statistics = {};
         statistics.backend = "reference";
         statistics.simd = "scalar";
-    }
-    template <class Row, class Hits>
-    static void add(const Row& row, std::size_t kind, Hits& hits, RowStream<Hits>& to) {
-        hits[kind].push_back(row);
-        if (hits[kind].size() == some_rows) to.add(0, hits);
     }
 
     void prepare(const PreparedScene& scene, const IntersectionQuery& query, Statistics& statistics) {

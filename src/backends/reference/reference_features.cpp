@@ -6,6 +6,7 @@
 
 #include "exact/impact/rational_impact.h"
 #include "exact/impact/rational_separation.h"
+#include "exact/integer.h"
 #include "exact/proximity/rational_distance.h"
 #include "filters/features/feature_points.h"
 #include "partition/levels.h"
@@ -34,6 +35,10 @@ Ends ends_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(
 class Everything {
    public:
     std::vector<Feature> vertices, edges, faces;
+
+    const std::vector<Feature>& of(FeatureType type) const {
+        return type == FeatureType::vertex ? vertices : type == FeatureType::edge ? edges : faces;
+    }
 
     Everything(const PreparedScene& scene, const FeatureRequest& query) : scene_(scene), query_(query) {
         if (query.part) {
@@ -162,12 +167,13 @@ bool joined(const Next& next, std::set<std::int32_t> from, const std::set<std::i
 
 class Search {
    public:
-    Search(const PreparedScene& scene, const FeatureRequest& query, Cancellation& cancellation, FeatureAnswer& answer,
-           const HitSink* sink)
-        : scene_(scene), query_(query), cancellation_(cancellation), answer_(answer), sink_(sink) {}
+    Search(const PreparedScene& scene, const FeatureRequest& query, Cancellation& cancellation, FeatureResult& result,
+           FeatureStream* stream)
+        : scene_(scene), query_(query), cancellation_(cancellation), result_(result), stream_(stream) {}
 
     void run() {
         const Everything all(scene_, query_);
+        if (query_.criterion == Criterion::candidate) return list_candidates(all);
         if (!query_.part) next_ = next_of(all);
         for (const Feature& v : all.vertices)
             for (const Feature& f : all.faces) test(FeatureKind::vertex_face, v, f);
@@ -184,28 +190,65 @@ class Search {
     }
 
    private:
+    void list_candidates(const Everything& all) {
+        for (std::size_t k = 0; k < candidate_kinds; ++k) {
+            const auto kind = static_cast<CandidateKind>(k);
+            if (!query_.lists(kind)) continue;
+            const FeatureTypes types = types_of(kind);
+            for (const Feature& a : all.of(types.first)) {
+                cancellation_.check();
+                for (const Feature& b : all.of(types.second)) {
+                    if ((types.first == types.second && a.index >= b.index) || !boxes_overlap(a, b)) continue;
+                    if (Everything::incident(a, b) || !query_.rule(a.group, b.group)) continue;
+                    result_.any = true;
+                    result_.rows[kind].pairs.push_back({a.index, b.index});
+                    pass_on();
+                }
+            }
+        }
+    }
+
+    bool boxes_overlap(const Feature& a, const Feature& b) const {
+        for (int axis = 0; axis < 3; ++axis)
+            if (exceeds_inflation(a.low[axis], b.high[axis]) || exceeds_inflation(b.low[axis], a.high[axis]))
+                return false;
+        return true;
+    }
+    // True if the gap exceeds twice the inflation. A difference is rounded by less than the factor, so that most need
+    // no other arithmetic.
+    bool exceeds_inflation(double low, double high) const {
+        if (low <= high) return false;
+        if ((low - high) * (1 - 0x1p-50) > 2 * query_.distance) return true;
+        const Vec3d numbers{low, high, query_.distance};
+        const int exponent = common_exponent({&numbers, 1});
+        return scaled(low, exponent) - scaled(high, exponent) > 2 * scaled(query_.distance, exponent);
+    }
+
+    // Gives the rows to the stream, if they are many.
+    void pass_on() {
+        constexpr std::size_t some_rows = 2048;
+        if (stream_ && result_.rows.size() >= some_rows) stream_->add(0, result_.rows);
+    }
+
     void test(FeatureKind kind, const Feature& a, const Feature& b) {
-        if (query_.extent == Extent::any && answer_.any) return;
+        if (query_.extent == Extent::any && result_.any) return;
         if (far(a, b)) return;
         if (query_.part ? close_within_part(a, b)
                         : joined(next_, a.names, b.names, query_.rings ? query_.rings->rings() : 0))
             return;
         if (!query_.rule(a.group, b.group)) return;
         cancellation_.check();
-        ++answer_.statistics.rational_tests;
+        ++result_.statistics.rational_tests;
         const Row row = decide(kind, a, b);
         if (!row.hit) return;
-        answer_.any = true;
-        const Pair pair{a.index, b.index};
-        if (query_.motion && query_.extent != Extent::any && (!answer_.first.found || row.value < answer_.first.toi))
-            answer_.first = {true, kind, pair, {}, row.value, row.flag};
+        result_.any = true;
+        const FeatureHit hit{{a.index, b.index}, row.value, row.flag};
+        if (query_.criterion == Criterion::impact && query_.extent != Extent::any &&
+            (!result_.first.found || row.value < result_.first.toi))
+            result_.first = {true, kind, hit.pair, {}, row.value, row.flag};
         if (query_.extent != Extent::all) return;
-        const FeatureHit hit{pair, row.value, row.flag};
-        if (sink_) return (*sink_)(kind, hit);
-        FeatureRows& rows = answer_.rows[static_cast<std::size_t>(kind)];
-        rows.pairs.push_back(pair);
-        rows.value.push_back(row.value);
-        rows.flag.push_back(row.flag);
+        result_.rows[kind].push_back(hit);
+        pass_on();
     }
 
     // Neighbours, or those of another part.
@@ -238,7 +281,7 @@ class Search {
         std::size_t n = 0;
         for (const Feature* f : {&a, &b})
             for (const std::int32_t v : f->vertices) p[n++] = moving_point(scene_, v);
-        if (!query_.motion) {
+        if (query_.criterion == Criterion::proximity) {
             const RationalDistance distance(at_start(kind, p));
             const Reach one{query_.distance, 0, query_.strict}, sum{a.radius, b.radius, query_.strict};
             if (!distance.within(query_.radii.empty() ? one : sum) || close_at_rest(kind, a, b)) return {};
@@ -289,8 +332,8 @@ class Search {
     const PreparedScene& scene_;
     const FeatureRequest& query_;
     Cancellation& cancellation_;
-    FeatureAnswer& answer_;
-    const HitSink* sink_;
+    FeatureResult& result_;
+    FeatureStream* stream_;
     const Levels levels_{query_.part};
     Next next_;
 };
@@ -298,8 +341,8 @@ class Search {
 }  // namespace
 
 void find_features_by_brute_force(const PreparedScene& scene, const FeatureRequest& query, Cancellation& cancellation,
-                                  FeatureAnswer& answer, const HitSink* sink) {
-    Search(scene, query, cancellation, answer, sink).run();
+                                  FeatureResult& result, FeatureStream* stream) {
+    Search(scene, query, cancellation, result, stream).run();
 }
 
 }  // namespace crumple

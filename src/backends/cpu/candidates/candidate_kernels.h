@@ -13,11 +13,9 @@
 #include "crumple/candidates.h"
 #include "crumple/options.h"
 #include "filters/candidates/candidate_record.h"
+#include "queries/feature_request.h"
 
 namespace crumple::cpu {
-
-/// Which kinds are asked for.
-using WantedKinds = std::array<bool, candidate_kinds>;
 
 /// Where the next pair of each kind is written.
 using PairEnds = std::array<Pair*, candidate_kinds>;
@@ -40,7 +38,7 @@ struct Rounds {
 
     bool of_impacts = false;  ///< what is asked for are vertices with faces and edges with edges
 
-    explicit Rounds(const WantedKinds& wanted = {});
+    explicit Rounds(const ListedKinds& kinds = {});
 };
 
 /// Writes the pairs of these bits.

@@ -44,17 +44,13 @@ std::size_t find(const CandidateRecord* record, const CandidateChunk& candidates
 
 }  // namespace
 
-Rounds::Rounds(const WantedKinds& wanted) {
-    of_impacts = true;
-    for (std::size_t k = 0; k < candidate_kinds; ++k) {
-        const auto asked = static_cast<CandidateKind>(k);
-        if (wanted[k] != (asked == CandidateKind::vertex_face || asked == CandidateKind::edge_edge)) of_impacts = false;
-    }
+Rounds::Rounds(const ListedKinds& kinds) {
+    of_impacts = kinds == ListedKinds{true, true};
     for (auto& lanes : row) std::fill_n(lanes, candidate_lanes, std::uint8_t{7});
     for (int column = 0; column < most; ++column) {
         int round = 0;
         for (std::uint8_t lane = 0; lane < most; ++lane)
-            if (wanted[static_cast<std::size_t>(kind_of(lane, column))]) row[round++][column] = lane;
+            if (kinds[static_cast<std::size_t>(kind_of(lane, column))]) row[round++][column] = lane;
         count = std::max(count, round);
     }
     for (int bit = 0; bit < 8 * count; ++bit) {

@@ -28,36 +28,29 @@ const CandidateRecord& dummy_record() {
     return dummy;
 }
 
-std::size_t count(const CandidateHits& hits) {
-    std::size_t sum = 0;
-    for (const auto& list : hits) sum += list.size();
-    return sum;
-}
-
 }  // namespace
 
-CandidateLeaves::Worker::Worker(MemoryMeter* m)
-    : built(m), sorted(m), candidates(m), unsure(m), found{Array<Pair>(m), Array<Pair>(m), Array<Pair>(m),
-                                                           Array<Pair>(m), Array<Pair>(m), Array<Pair>(m)} {}
+CandidateLeaves::Worker::Worker(MemoryMeter* m) : built(m), sorted(m), candidates(m), unsure(m), found(m) {}
 
 CandidateLeaves::CandidateLeaves(MemoryMeter* meter, int workers, const CandidateKernels& kernels) : kernels_(kernels) {
     for (int w = 0; w < workers; ++w) {
         worker_.push_back(std::make_unique<Worker>(meter));
-        for (std::size_t kind = 0; kind < candidate_kinds; ++kind) found_[kind].push_back(&worker_.back()->found[kind]);
+        for (std::size_t kind = 0; kind < candidate_kinds; ++kind)
+            found_[kind].push_back(&worker_.back()->found.lists[kind].pairs);
     }
 }
 
-void CandidateLeaves::ask(const CandidateRequest& query) {
+void CandidateLeaves::ask(const FeatureRequest& query) {
     query_ = &query;
     stream_ = nullptr;
-    rounds_ = Rounds(query.wanted);
+    rounds_ = Rounds(query.kinds);
 }
 
 void CandidateLeaves::begin(const Call& call) {
     call_ = &call;
     normaliser_ = Normaliser(call.scene.low, call.scene.high);
     for (const auto& worker : worker_) {
-        for (auto& list : worker->found) list.clear();
+        worker->found.clear();
         worker->statistics = {};
     }
 }
@@ -72,7 +65,7 @@ CandidateLeaves::GrownBox CandidateLeaves::write_member(std::int32_t triangle, c
     const SceneFeatures& features = query_->features;
     const std::int32_t* corner = call_->scene.corners + 3 * std::int64_t{triangle};
     const TriangleEdges& edges = features.edges_of(triangle);
-    const double r = query_->inflation;
+    const double r = query_->distance;
     record = dummy_record();
     record.owned = owned_lanes(triangle);
     record.id[6] = triangle;
@@ -198,17 +191,20 @@ void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
         const std::int64_t end = std::min(candidates.count, begin + batch);
         PairEnds next{};
         for (std::size_t k = 0; k < candidate_kinds; ++k) {
-            if (!query_->wanted[k]) continue;
-            worker.found[k].make_room_for(most[k] * batch + candidate_lanes);
-            next[k] = worker.found[k].end();
+            if (!query_->kinds[k]) continue;
+            Array<Pair>& pairs = worker.found.lists[k].pairs;
+            pairs.make_room_for(most[k] * batch + candidate_lanes);
+            next[k] = pairs.end();
         }
         const std::size_t unsure = kernels_.find(record, candidates, begin, end, rounds_, next, worker.unsure.data());
         for (std::size_t h = 0; h < unsure; ++h) {
             const UnsureHit& hit = worker.unsure[h];
             list(hit, record[candidates.rows + hit.row], record[candidates.columns + hit.column], next);
         }
-        for (std::size_t k = 0; k < candidate_kinds; ++k)
-            if (query_->wanted[k]) worker.found[k].resize(static_cast<std::size_t>(next[k] - worker.found[k].data()));
+        for (std::size_t k = 0; k < candidate_kinds; ++k) {
+            Array<Pair>& pairs = worker.found.lists[k].pairs;
+            if (query_->kinds[k]) pairs.resize(static_cast<std::size_t>(next[k] - pairs.data()));
+        }
         pass_on(worker);
     }
 }
@@ -216,7 +212,7 @@ void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
 // Gives what there is to the stream, if it is much.
 void CandidateLeaves::pass_on(Worker& worker) const {
     constexpr std::size_t rows_of_piece = 2048;
-    if (stream_ && count(worker.found) >= rows_of_piece) stream_->add(worker.unit, worker.found);
+    if (stream_ && worker.found.size() >= rows_of_piece) stream_->add(worker.unit, worker.found);
 }
 
 // What overlaps in real numbers, though keys are equal.
@@ -226,14 +222,14 @@ void CandidateLeaves::list(const UnsureHit& hit, const CandidateRecord& a, const
     for (std::uint64_t bits = hit.bits; bits; bits &= bits - 1) {
         const int bit = std::countr_zero(bits);
         const Rounds::Listed& lanes = rounds_.listed[bit];
-        if (grown_boxes_overlap(box(a, lanes.row), box(b, lanes.column), query_->inflation))
+        if (grown_boxes_overlap(box(a, lanes.row), box(b, lanes.column), query_->distance))
             overlaps |= std::uint64_t{1} << bit;
     }
     list_pairs(overlaps, rounds_, a, b, next);
 }
 
 FeatureBox CandidateLeaves::box(const CandidateRecord& record, int lane) const {
-    std::int32_t vertex[3];
+    std::int32_t vertex[3] = {};
     int count = 0;
     for (unsigned corners = corners_of(lane); corners; corners &= corners - 1)
         vertex[count++] = record.vertex[std::countr_zero(corners)];
@@ -247,7 +243,7 @@ void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::s
         const CandidateKind kind = other < 3 ? CandidateKind::vertex_vertex : CandidateKind::vertex_edge;
         Pair pair{record.id[vertex], record.id[other]};
         if (other < 3 && pair.b < pair.a) std::swap(pair.a, pair.b);
-        worker.found[static_cast<std::size_t>(kind)].push_back(pair);
+        worker.found[kind].pairs.push_back(pair);
     };
     for (std::int64_t t = begin; t < end; ++t) {
         const unsigned owned = owned_lanes(static_cast<std::int32_t>(t));
@@ -259,8 +255,8 @@ void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::s
             if (!(owned >> a & 1)) continue;
             for (int b = a + 1; b < 6; ++b) {
                 const CandidateKind kind = b < 3 ? CandidateKind::vertex_vertex : CandidateKind::vertex_edge;
-                if (!(owned >> b & 1) || !query_->wants(kind) || shared.incident(a, b)) continue;
-                if (grown_boxes_overlap(box(record, a), box(record, b), query_->inflation)) list(record, a, b);
+                if (!(owned >> b & 1) || !query_->lists(kind) || shared.incident(a, b)) continue;
+                if (grown_boxes_overlap(box(record, a), box(record, b), query_->distance)) list(record, a, b);
             }
         }
         pass_on(worker);

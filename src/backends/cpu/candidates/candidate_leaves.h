@@ -12,7 +12,7 @@
 #include "backends/cpu/leaf_question.h"
 #include "filters/candidates/box_test.h"
 #include "geometry/normaliser.h"
-#include "queries/candidate_request.h"
+#include "queries/feature_request.h"
 
 namespace crumple::cpu {
 
@@ -21,9 +21,9 @@ class CandidateLeaves final : public LeafQuestion {
     CandidateLeaves(MemoryMeter* meter, int workers, const CandidateKernels& kernels);
 
     /// What is asked, from begin() on.
-    void ask(const CandidateRequest& query);
+    void ask(const FeatureRequest& query);
     /// Gives all candidates to a stream, unit by unit; until the next ask().
-    void deliver_to(CandidateStream& stream) { stream_ = &stream; }
+    void deliver_to(FeatureStream& stream) { stream_ = &stream; }
 
     void begin(const Call& call) override;
     bool stop() const override;
@@ -54,7 +54,7 @@ class CandidateLeaves final : public LeafQuestion {
         Array<CandidateRecord> sorted;  ///< by physical row
         CandidateChunk candidates;
         Array<UnsureHit> unsure;  ///< of a batch
-        CandidateHits found;
+        RowLists found;
         std::int64_t unit = 0;  ///< of a stream: what they belong to
         Statistics statistics;
     };
@@ -76,8 +76,8 @@ class CandidateLeaves final : public LeafQuestion {
     std::array<std::vector<const Array<Pair>*>, candidate_kinds> found_;
     // Of the call:
     const Call* call_ = nullptr;
-    const CandidateRequest* query_ = nullptr;
-    CandidateStream* stream_ = nullptr;  ///< null: candidates gather with the workers
+    const FeatureRequest* query_ = nullptr;
+    FeatureStream* stream_ = nullptr;  ///< null: candidates gather with the workers
     Normaliser normaliser_;
     Rounds rounds_;
 };

@@ -2,16 +2,12 @@
 
 #include <algorithm>
 
-#include "base/stopwatch.h"
-#include "filters/candidates/candidate_inflation.h"
-#include "geometry/normaliser.h"
-
 namespace crumple::cpu {
 namespace {
 
 // Pairs of features that one triangle owns: two vertices, or a vertex and the edge across.
-void search_within(const Call& call, const CandidateRequest& query, CandidateLeaves& leaves) {
-    if (!query.wants(CandidateKind::vertex_vertex) && !query.wants(CandidateKind::vertex_edge)) return;
+void search_within(const Call& call, const FeatureRequest& query, CandidateLeaves& leaves) {
+    if (!query.lists(CandidateKind::vertex_vertex) && !query.lists(CandidateKind::vertex_edge)) return;
     const std::int64_t n = call.scene.triangle_count();
     if (call.frugal && !call.units) return leaves.search_within(0, n, 0);
     constexpr std::int64_t chunk = 4096;
@@ -21,14 +17,8 @@ void search_within(const Call& call, const CandidateRequest& query, CandidateLea
     });
 }
 
-// From `subdivide` to `narrow`, and pairs of features that one triangle owns. The leaves keep what is found.
-void search_candidates(const Call& call, const CandidateRequest& query, CandidateLeaves& leaves) {
-    search(call);
-    search_within(call, query, leaves);
-}
-
 // Stage `output` of one kind.
-void sort_candidates(const Call& call, const CandidateRequest& query, CandidateKind kind, CandidateBuffers& buffers,
+void sort_candidates(const Call& call, const FeatureRequest& query, CandidateKind kind, CandidateBuffers& buffers,
                      Array<Pair>& pairs) {
     const auto count = [&](FeatureType type) { return static_cast<std::int32_t>(count_of(query.features, type)); };
     const FeatureTypes types = types_of(kind);
@@ -42,29 +32,17 @@ void sort_candidates(const Call& call, const CandidateRequest& query, CandidateK
 
 }  // namespace
 
-Inflation inflation_of(const PreparedScene& scene, const CandidateRequest& query) {
-    return inflation_of_candidates(Normaliser(scene.low, scene.high), query.inflation);
+void search_candidates(const Call& call, const FeatureRequest& query, CandidateLeaves& leaves) {
+    search(call);
+    search_within(call, query, leaves);
 }
 
-void find(const Call& call, const CandidateRequest& query, CandidateBuffers& buffers, CandidateAnswer& answer) {
-    buffers.leaves.ask(query);
-    measure(call);
-    search_candidates(call, query, buffers.leaves);
-    Stopwatch watch;
+void write_candidates(const Call& call, const FeatureRequest& query, CandidateBuffers& buffers, FeatureResult& result) {
     for (std::size_t k = 0; k < candidate_kinds; ++k) {
         const auto kind = static_cast<CandidateKind>(k);
-        if (query.wants(kind)) sort_candidates(call, query, kind, buffers, answer.pairs[k]);
+        if (query.lists(kind)) sort_candidates(call, query, kind, buffers, result.rows[kind].pairs);
     }
-    call.statistics[Stage::output] += watch.lap();
-}
-
-void stream(Call call, const CandidateRequest& query, CandidateBuffers& buffers, CandidateStream& to) {
-    std::int64_t units = 0;
-    call.units = &units;
-    buffers.leaves.ask(query);
-    buffers.leaves.deliver_to(to);
-    measure(call);
-    search_candidates(call, query, buffers.leaves);
+    result.any = result.rows.size() > 0;
 }
 
 }  // namespace crumple::cpu

@@ -1,6 +1,6 @@
 #pragma once
 
-// The stages in the service of candidates: which features have grown boxes that overlap.
+// The stages in the service of candidates, which find_features.h dispatches to.
 
 #include "backends/cpu/candidates/candidate_leaves.h"
 #include "backends/cpu/order.h"
@@ -8,7 +8,7 @@
 
 namespace crumple::cpu {
 
-/// What is kept from call to call, beside the stages' buffers.
+/// Kept from call to call, beside the stages' buffers.
 struct CandidateBuffers {
     CandidateBuffers(MemoryMeter* m, int workers, const CandidateKernels& kernels)
         : leaves(m, workers, kernels), sorting(m), offsets(m) {}
@@ -18,14 +18,10 @@ struct CandidateBuffers {
     Array<std::int64_t> offsets;
 };
 
-/// By how much the boxes of triangles are widened, in the normalised coordinates of the scene: rounded up, and at most
-/// what holds everything.
-Inflation inflation_of(const PreparedScene& scene, const CandidateRequest& query);
+/// From `subdivide` to `narrow`, and pairs of features that one triangle owns. The leaves keep them.
+void search_candidates(const Call& call, const FeatureRequest& query, CandidateLeaves& leaves);
 
-/// All stages; call.question is that of the buffers.
-void find(const Call& call, const CandidateRequest& query, CandidateBuffers& buffers, CandidateAnswer& answer);
-
-/// All stages but `output`: gives all candidates to a stream.
-void stream(Call call, const CandidateRequest& query, CandidateBuffers& buffers, CandidateStream& to);
+/// Stage `output`.
+void write_candidates(const Call& call, const FeatureRequest& query, CandidateBuffers& buffers, FeatureResult& result);
 
 }  // namespace crumple::cpu

@@ -60,12 +60,6 @@ void lower(std::atomic<std::uint64_t>& least, std::uint64_t value) {
     while (value < known && !least.compare_exchange_weak(known, value, std::memory_order_relaxed)) continue;
 }
 
-std::size_t count(const FeatureHits& hits) {
-    std::size_t sum = 0;
-    for (const auto& list : hits) sum += list.size();
-    return sum;
-}
-
 }  // namespace
 
 template <int moments>
@@ -73,7 +67,8 @@ FeatureLeaves<moments>::FeatureLeaves(MemoryMeter* meter, int workers, const Fea
     : tables_(kernels), kernels_(kernels.of<moments>()) {
     for (int w = 0; w < workers; ++w) {
         worker_.push_back(std::make_unique<Worker>(meter));
-        for (std::size_t kind = 0; kind < feature_kinds; ++kind) found_[kind].push_back(&worker_.back()->hits[kind]);
+        for (std::size_t k = 0; k < feature_kinds; ++k)
+            found_[k].push_back(&worker_.back()->hits[static_cast<FeatureKind>(k)]);
     }
 }
 
@@ -91,7 +86,7 @@ void FeatureLeaves<moments>::begin(const Call& call) {
     any_ = false;
     first_at_start_ = no_place;
     for (const auto& worker : worker_) {
-        for (auto& list : worker->hits) list.clear();
+        worker->hits.clear();
         for (auto& list : worker->tests) list.clear();  // not each kind is listed in each call
         worker->statistics = {};
     }
@@ -159,7 +154,7 @@ void FeatureLeaves<moments>::narrow(std::size_t pairs, const Worker& builder, Wo
                                       std::min(pairs_at_once, pairs - first)};
         find_tests(some, worker);
         for (std::size_t k = 0; k < feature_kinds; ++k) decide_tests(static_cast<FeatureKind>(k), worker);
-        if (stream_ && count(worker.hits) >= rows_of_piece) stream_->add(worker.unit, worker.hits);
+        if (stream_ && worker.hits.size() >= rows_of_piece) stream_->add(worker.unit, worker.hits);
     }
 }
 
@@ -284,7 +279,7 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
         any_.store(true, std::memory_order_relaxed);
         if (query_->extent == Extent::any) break;
         if (first_alone && decision.value == 0) lower(first_at_start_, place_of(kind, test.pair));
-        worker.hits[k].push_back({test.pair, decision.value, decision.flag});
+        worker.hits[kind].push_back({test.pair, decision.value, decision.flag});
     }
     worker.statistics.exact_tests += counts.tests;
     worker.statistics.rational_tests += counts.rational;
@@ -306,7 +301,7 @@ void FeatureLeaves<moments>::measure_tests(FeatureKind kind, Worker& worker) {
             FeatureCounts again;
             if (std::isnan(squared[i])) decision = decide(kind, call_->scene, tests[near[i]].vertex, *query_, again);
             counts.rational += again.rational;
-            worker.hits[k].push_back({tests[near[i]].pair, decision.value, decision.flag});
+            worker.hits[kind].push_back({tests[near[i]].pair, decision.value, decision.flag});
         }
         batch.count = 0;
     };
@@ -315,12 +310,12 @@ void FeatureLeaves<moments>::measure_tests(FeatureKind kind, Worker& worker) {
         const std::int64_t rational = counts.rational;
         const auto decision = decide_or_add(kind, call_->scene, test.vertex, *query_, counts, batch);
         if (!decision) near[batch.count - 1] = i;
-        if (decision && decision->hit) worker.hits[k].push_back({test.pair, decision->value, decision->flag});
+        if (decision && decision->hit) worker.hits[kind].push_back({test.pair, decision->value, decision->flag});
         if (batch.count == GuessBatch::most) measure();
         if (counts.rational != rational) call_->cancellation.check();  // some take a millisecond
     }
     measure();
-    if (!worker.hits[k].empty()) any_.store(true, std::memory_order_relaxed);
+    if (worker.hits[kind].size() > 0) any_.store(true, std::memory_order_relaxed);
     worker.statistics.exact_tests += counts.tests;
     worker.statistics.rational_tests += counts.rational;
 }

@@ -43,10 +43,8 @@ class FeatureLeaves final : public LeafQuestion {
     void finish(Statistics& statistics) override;
 
     bool any() const { return any_; }
-    /// The answers of each worker, by kind.
-    std::span<const Array<FeatureHit>* const> found(FeatureKind kind) const {
-        return found_[static_cast<std::size_t>(kind)];
-    }
+    /// Hits of each worker.
+    std::span<const FeatureRows* const> found(FeatureKind kind) const { return found_[static_cast<std::size_t>(kind)]; }
 
    private:
     using Record = FeatureRecord<moments>;
@@ -60,7 +58,7 @@ class FeatureLeaves final : public LeafQuestion {
               distance(m),
               listed{Array<std::uint32_t>(m), Array<std::uint32_t>(m)},
               tests{Array<FeatureTest>(m), Array<FeatureTest>(m), Array<FeatureTest>(m), Array<FeatureTest>(m)},
-              hits{Array<FeatureHit>(m), Array<FeatureHit>(m), Array<FeatureHit>(m), Array<FeatureHit>(m)} {}
+              hits(m) {}
         GuessBatch guesses;
         Array<Record> built;   ///< in the order of LeafMembers
         Array<Record> sorted;  ///< by physical row
@@ -71,7 +69,7 @@ class FeatureLeaves final : public LeafQuestion {
         Array<float> distance;                       ///< of each test, where vertices have radii
         std::array<Array<std::uint32_t>, 2> listed;  ///< see ListedTests
         std::array<Array<FeatureTest>, feature_kinds> tests;
-        FeatureHits hits;
+        RowLists hits;
         std::int64_t unit = 0;  ///< of a stream: what the hits belong to
         Statistics statistics;
     };
@@ -94,7 +92,7 @@ class FeatureLeaves final : public LeafQuestion {
     const FeatureTables& tables_;
     const FeatureKernels<moments>& kernels_;
     std::vector<std::unique_ptr<Worker>> worker_;
-    std::array<std::vector<const Array<FeatureHit>*>, feature_kinds> found_;
+    std::array<std::vector<const FeatureRows*>, feature_kinds> found_;
     // Of the call:
     const Call* call_ = nullptr;
     const FeatureRequest* query_ = nullptr;

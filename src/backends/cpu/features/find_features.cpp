@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/stopwatch.h"
+#include "filters/candidates/candidate_inflation.h"
 #include "filters/features/thresholds.h"
 #include "geometry/normaliser.h"
 
@@ -14,7 +15,7 @@ namespace {
 constexpr std::int64_t features_at_once = 4096;
 
 // A counting sort by first feature, then those of each by the second, on all threads.
-void write_rows(std::span<const Array<FeatureHit>* const> found, std::int64_t firsts, Workers& workers,
+void write_rows(std::span<const FeatureRows* const> found, std::int64_t firsts, Workers& workers,
                 FeatureBuffers& buffers, FeatureRows& rows) {
     Array<std::int64_t>& place = buffers.place;
     place.assign(static_cast<std::size_t>(firsts) + 2, 0);
@@ -22,15 +23,13 @@ void write_rows(std::span<const Array<FeatureHit>* const> found, std::int64_t fi
     std::size_t all = 0;
     for (const auto* list : found) {
         all += list->size();
-        for (const FeatureHit& hit : *list) ++next[hit.pair.a + 1];
+        for (const Pair& pair : list->pairs) ++next[pair.a + 1];
     }
     for (std::int64_t i = 0; i < firsts; ++i) next[i + 1] += next[i];
     buffers.placed.resize_discard(all);
     for (const auto* list : found)
-        for (const FeatureHit& hit : *list) buffers.placed[next[hit.pair.a]++] = hit;
-    rows.pairs.resize_discard(all);
-    rows.value.resize_discard(all);
-    rows.flag.resize_discard(all);
+        for (std::size_t i = 0; i < list->size(); ++i) buffers.placed[next[list->pairs[i].a]++] = (*list)[i];
+    rows.resize_discard(all);
     workers.parallel_for(
         static_cast<std::size_t>((firsts + features_at_once - 1) / features_at_once), [&](std::size_t c, std::size_t) {
             const std::int64_t begin = static_cast<std::int64_t>(c) * features_at_once,
@@ -39,17 +38,14 @@ void write_rows(std::span<const Array<FeatureHit>* const> found, std::int64_t fi
             for (std::int64_t i = begin; i < end; ++i)
                 std::sort(hits + place[i], hits + place[i + 1],
                           [](const FeatureHit& a, const FeatureHit& b) { return a.pair.b < b.pair.b; });
-            for (std::int64_t i = place[begin]; i < place[end]; ++i) {
-                rows.pairs[i] = hits[i].pair;
-                rows.value[i] = hits[i].value;
-                rows.flag[i] = hits[i].flag;
-            }
+            for (std::int64_t i = place[begin]; i < place[end]; ++i) rows.set(static_cast<std::size_t>(i), hits[i]);
         });
 }
 
-FirstImpact first_of(std::span<const Array<FeatureHit>* const> found, FeatureKind kind, FirstImpact first) {
-    for (const auto* list : found)
-        for (const FeatureHit& hit : *list) {
+FirstImpact first_of(std::span<const FeatureRows* const> found, FeatureKind kind, FirstImpact first) {
+    for (const FeatureRows* list : found)
+        for (std::size_t i = 0; i < list->size(); ++i) {
+            const FeatureHit hit = (*list)[i];
             const bool sooner =
                 hit.value < first.toi || (hit.value == first.toi && kind == first.kind && hit.pair < first.pair);
             if (!first.found || sooner) first = {true, kind, hit.pair, {}, hit.value, hit.flag != 0};
@@ -58,28 +54,54 @@ FirstImpact first_of(std::span<const Array<FeatureHit>* const> found, FeatureKin
 }
 
 template <int moments>
-void find(const Call& call, const FeatureRequest& query, FeatureLeaves<moments>& leaves, FeatureBuffers& buffers,
-          FeatureAnswer& answer) {
-    measure(call);
+void write(const Call& call, const FeatureRequest& query, const FeatureLeaves<moments>& leaves, FeatureBuffers& buffers,
+           FeatureResult& result) {
+    result.any = leaves.any();
+    for (std::size_t k = 0; k < feature_kinds; ++k) {
+        const auto kind = static_cast<FeatureKind>(k);
+        if (query.criterion == Criterion::impact && query.extent != Extent::any)
+            result.first = first_of(leaves.found(kind), kind, result.first);
+        if (query.extent != Extent::all || !query.lists(candidate_kind(kind))) continue;
+        const std::int64_t firsts = count_of(query.features, types_of(kind).first);
+        write_rows(leaves.found(kind), firsts, call.workers, buffers, result.rows[kind]);
+    }
+}
+void write(const Call& call, const FeatureRequest& query, const CandidateLeaves&, FeatureBuffers& buffers,
+           FeatureResult& result) {
+    write_candidates(call, query, buffers.candidates, result);
+}
+
+void search(const Call& call, const FeatureRequest& query, CandidateLeaves& leaves) {
+    search_candidates(call, query, leaves);
+}
+template <int moments>
+void search(const Call& call, const FeatureRequest&, FeatureLeaves<moments>&) {
     search(call);
-    Stopwatch watch;
-    answer.any = leaves.any();
-    constexpr FeatureKind kinds[feature_kinds] = {FeatureKind::vertex_face, FeatureKind::edge_edge,
-                                                  FeatureKind::vertex_edge, FeatureKind::vertex_vertex};
-    if (query.motion && query.extent != Extent::any)
-        for (const FeatureKind kind : kinds) answer.first = first_of(leaves.found(kind), kind, answer.first);
-    if (query.extent == Extent::all)
-        for (const FeatureKind kind : kinds) {
-            const std::int64_t firsts = count_of(query.features, types_of(kind).first);
-            write_rows(leaves.found(kind), firsts, call.workers, buffers, answer.rows[static_cast<std::size_t>(kind)]);
-        }
-    call.statistics[Stage::output] += watch.lap();
+}
+
+/// Calls work(leaves) with those of the request, which have read it.
+template <class Work>
+void with_leaves(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, Work work) {
+    const auto ask = [&](auto& leaves) {
+        leaves.ask(query, 2 * call.inflation.half, query.radii.empty() ? nullptr : buffers.vertex_radius.data());
+        work(leaves);
+    };
+    if (query.criterion == Criterion::candidate) {
+        buffers.candidates.leaves.ask(query);
+        work(buffers.candidates.leaves);
+    } else if (call.scene.moving) {
+        ask(buffers.moving);
+    } else {
+        ask(buffers.at_rest);
+    }
 }
 
 }  // namespace
 
 Inflation inflation_of(const PreparedScene& scene, const FeatureRequest& query) {
-    return crumple::inflation_of(Normaliser(scene.low, scene.high), query.distance, query.share);
+    const Normaliser normaliser(scene.low, scene.high);
+    if (query.criterion == Criterion::candidate) return inflation_of_candidates(normaliser, query.distance);
+    return crumple::inflation_of(normaliser, query.distance, query.share);
 }
 
 Inflation inflation_of_radii(const PreparedScene& scene, std::span<const double> radii, Workers& workers,
@@ -103,8 +125,20 @@ Inflation inflation_of_radii(const PreparedScene& scene, std::span<const double>
     return {largest == triangle.end() ? 0 : *largest, 0, false, triangle.data()};
 }
 
-void find(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureAnswer& answer) {
-    with_leaves(call, query, buffers, [&](auto& leaves) { find(call, query, leaves, buffers, answer); });
+LeafQuestion& leaves_of(const PreparedScene& scene, const FeatureRequest& query, FeatureBuffers& buffers) {
+    if (query.criterion == Criterion::candidate) return buffers.candidates.leaves;
+    if (scene.moving) return buffers.moving;
+    return buffers.at_rest;
+}
+
+void find(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureResult& result) {
+    with_leaves(call, query, buffers, [&](auto& leaves) {
+        measure(call);
+        search(call, query, leaves);
+        Stopwatch watch;
+        write(call, query, leaves, buffers, result);
+        call.statistics[Stage::output] += watch.lap();
+    });
 }
 
 void stream(Call call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureStream& to) {
@@ -113,7 +147,7 @@ void stream(Call call, const FeatureRequest& query, FeatureBuffers& buffers, Fea
     with_leaves(call, query, buffers, [&](auto& leaves) {
         leaves.deliver_to(to);
         measure(call);
-        search(call);
+        search(call, query, leaves);
     });
 }
 

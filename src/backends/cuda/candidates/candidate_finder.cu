@@ -1,64 +1,21 @@
 #include "backends/cuda/candidates/candidate_finder.h"
 
-#include "crumple/error.h"
-
 namespace crumple::cuda {
-namespace {
-
-FirstOfCandidates firsts_of(const CandidateRequest& query) {
-    FirstOfCandidates firsts;
-    std::int64_t base = 0;
-    for (std::size_t k = 0; k < candidate_kinds; ++k) {
-        const auto kind = static_cast<CandidateKind>(k);
-        if (query.wants(kind)) base += count_of(query.features, types_of(kind).first);
-        check_joint_number(base);
-        firsts.base[k + 1] = static_cast<std::uint32_t>(base);
-    }
-    return firsts;
-}
-
-}  // namespace
 
 CandidateFinder::CandidateFinder(BackendState& state, FeaturesOnDevice& features)
-    : Finder(state, pass_),
-      features_(features),
+    : RowFinder(state, pass_, features),
       pass_(geometry_, stream_, options_),
       own_{CandidateSlot(meter_), CandidateSlot(meter_)} {}
 
 void CandidateFinder::release() {
-    Finder::release();
-    for (CandidateSlot& slot : own_) {
-        slot.values.release();
-        slot.host = CandidateAnswer(&meter_);
-    }
+    RowFinder::release();
+    for (CandidateSlot& slot : own_) slot.values.release();
 }
 
-void CandidateFinder::bring(std::size_t to, const PreparedScene& scene, const CandidateRequest& query) {
-    take_slot(to, [&] {
-        input().bring(scene);
-        input().want(query.rule);
-        features_.bring(query.features, scene.vertex_count());
-        adopt(query, Room::grows);
-    });
-    bind();
-}
-
-void CandidateFinder::view(std::size_t to, const Shape& shape, const CandidateRequest& query, Room room) {
-    take_slot(to, [&] {
-        features_.bring(query.features, shape.vertices.rows, room);
-        input().view(shape, features_.known(), room);
-        input().want(query.rule, room);
-        adopt(query, room);
-    });
-    bind();
-}
-
-void CandidateFinder::adopt(const CandidateRequest& query, Room room) {
+void CandidateFinder::bring_request(const FeatureRequest& request, bool, Room room) {
     CandidateSlot& own = this->own();
     const PreparedScene& scene = input().scene();
-    slot().revision = query.features.revision();
-    slot().low_memory = query.frugal;
-    own.firsts = firsts_of(query);
+    own.firsts = firsts_of(request);
     lay_out(
         own.values,
         [&](Cutter& c) {
@@ -67,9 +24,9 @@ void CandidateFinder::adopt(const CandidateRequest& query, Room room) {
         },
         room);
     own.asked = {};
-    for (std::size_t k = 0; k < candidate_kinds; ++k) own.asked.wanted |= unsigned{query.wanted[k]} << k;
-    own.asked.inflation = query.inflation;
-    own.asked.features = features_.bring(query.features, scene.vertex_count(), room);
+    for (std::size_t k = 0; k < candidate_kinds; ++k) own.asked.wanted |= unsigned{request.kinds[k]} << k;
+    own.asked.inflation = request.distance;
+    own.asked.features = features_.bring(request.features, scene.vertex_count(), room);
     own.asked.normaliser = own.normaliser;
     own.asked.points = {scene, is_aligned(scene)};
 }
@@ -108,52 +65,8 @@ bool CandidateFinder::write_rows(Counters* host_counters) {
     return true;
 }
 
-void CandidateFinder::count_tests(const Counters& c, Statistics& s) const { count_feature_tests(c, s); }
-
-void CandidateFinder::read_rows(unsigned long long) { own().ends.read(stream_, own().output); }
-
-void CandidateFinder::copy_to(CandidateAnswer& answer) {
-    CandidateSlot& own = this->own();
-    if (slot().on_host) {
-        answer = std::move(own.host);
-        own.host = CandidateAnswer(&meter_);
-        slot().lost = true;
-    } else {
-        for (std::size_t k = 0; k < candidate_kinds; ++k)
-            copy_now(stream_, answer.pairs[k].resize_discard(own.ends.count(k)), own.output.pairs + own.ends.begin(k),
-                     own.ends.count(k), cudaMemcpyDeviceToHost);
-    }
-    answer.statistics = statistics();
-}
-
-// Lists that were found in chunks, where they would be if they had been found at once.
-void CandidateFinder::upload() {
-    CandidateSlot& own = this->own();
-    own.ends = {};
-    for (std::size_t k = 0; k < candidate_kinds; ++k) own.ends.append(k, own.host.pairs[k].size());
-    lay_out(slot().rows, [&](Cutter& c) { own.output.pairs = c.take<Pair>(own.ends.all()); });
-    for (std::size_t k = 0; k < candidate_kinds; ++k)
-        copy_now(stream_, own.output.pairs + own.ends.begin(k), own.host.pairs[k].data(), own.host.pairs[k].size(),
-                 cudaMemcpyHostToDevice);
-    own.host = CandidateAnswer(&meter_);
-    slot().on_host = false;
-}
-
-DeviceAnswer CandidateFinder::show() {
-    if (slot().on_host) upload();
-    const CandidateSlot& own = this->own();
-    DeviceAnswer shown = shown_answer(features_.known(), own.ends.all(), statistics());
-    shown.any = shown.count > 0;
-    for (std::size_t k = 0; k < candidate_kinds; ++k) {
-        const auto count = static_cast<std::int64_t>(own.ends.count(k));
-        if (count > 0) shown.rows[k] = {count, own.output.pairs + own.ends.begin(k), nullptr, nullptr};
-    }
-    return shown;
-}
-
 void CandidateFinder::find_in_chunks() {
-    slot().on_host = true;
-    clear(own().host);
+    begin_on_host();
     lay_out(slot().rows, [&](Cutter& c) { own().output.cut(c, own().firsts, 0); });
     Array<RankedCandidate> found(&meter_);
     bool first = true;
@@ -169,19 +82,16 @@ void CandidateFinder::find_in_chunks() {
         return true;
     });
     drop_lists();
-    write_sorted(found);
+    for_each_sorted(found, own().firsts, [&](CandidateKind kind, const Pair& pair, const RankedCandidate&) {
+        this->found().host.rows[kind].pairs.push_back(pair);
+    });
+    this->found().any = !found.empty();
 }
 
 void CandidateFinder::take_hits(Array<RankedCandidate>& found) {
     const Counters counters = read_counters();
     count(counters, pass_.plan);
     download(stream_, pass_.hits(), static_cast<std::size_t>(counters.hits), found);
-}
-
-void CandidateFinder::write_sorted(Array<RankedCandidate>& found) {
-    for_each_sorted(found, own().firsts, [&](std::size_t kind, const Pair& pair, const RankedCandidate&) {
-        own().host.pairs[kind].push_back(pair);
-    });
 }
 
 }  // namespace crumple::cuda

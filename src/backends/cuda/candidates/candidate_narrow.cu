@@ -136,8 +136,8 @@ void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedSc
         within_kernel, scene, pairs, asked, hits);
 }
 
-void CandidateOutput::cut(Cutter& c, const FirstOfCandidates& features, std::size_t room) {
-    RowsByKind::cut(c, features, room);
+void CandidateOutput::cut(Cutter& c, const FirstOfKind& features, std::size_t room) {
+    RowsByKind::cut(c, features, room, false);
     second = c.take<Key>(room);
 }
 

@@ -15,7 +15,7 @@ namespace crumple::cuda {
 /// Parameters of kernels that a graph is known by (engine/graph_key.h).
 struct CandidateParameters {
     AskedOfCandidates asked;
-    FirstOfCandidates firsts;
+    FirstOfKind firsts;
     friend bool operator==(const CandidateParameters&, const CandidateParameters&) = default;
     void forget_places() {
         asked.forget_places();
@@ -32,7 +32,7 @@ struct RankedCandidate {
 struct CandidateHits {
     List<RankedCandidate> list;
     unsigned long long *by_first, *by_tile;
-    FirstOfCandidates firsts;
+    FirstOfKind firsts;
 };
 
 /// Pairs of features that two triangles own.
@@ -43,11 +43,11 @@ void find_candidates(const Geometry& geometry, cudaStream_t stream, const AskedO
 void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const WantedPairs& pairs,
                  const AskedOfCandidates& asked, const CandidateHits& hits);
 
-struct CandidateOutput : RowsByKind<candidate_kinds> {
+struct CandidateOutput : RowsByKind {
     using Key = std::int32_t;
     Key* second;
 
-    void cut(Cutter& cutter, const FirstOfCandidates& features, std::size_t room);
+    void cut(Cutter& cutter, const FirstOfKind& features, std::size_t room);
 
     __device__ void write(unsigned long long place, std::int32_t first, Key b) const {
         pairs[place] = firsts.pair(static_cast<std::uint32_t>(first), b);

@@ -19,29 +19,31 @@ void FeatureCalls::release() {
     features_there_.release();
 }
 
-template <class QueryFinder, class Query, class Answer>
-void FeatureCalls::find_of_scene(QueryFinder& finder, const PreparedScene& scene, const Query& query, Answer& answer) {
+RowFinder& FeatureCalls::finder_for(const FeatureRequest& request) {
+    if (request.criterion == Criterion::candidate) return candidates_;
+    return features_;
+}
+
+void FeatureCalls::find_all(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) {
     with_device(state_.device, [&] {
         launches_.finish();
-        clear(answer);
-        answer.statistics.backend = "cuda";
+        result.clear();
+        result.statistics.backend = "cuda";
         if (scene.triangle_count() == 0) return;  // lists have a least size, which no limit need hold for nothing
-        finder.bring(finder.current(), scene, query);
+        RowFinder& finder = finder_for(request);
+        finder.bring(finder.current(), scene, request);
         finder.find();
-        finder.copy_to(answer);
+        finder.copy_to(result);
     });
 }
 // Of a part all pairs are found, and those that another part owns are left out.
-void FeatureCalls::find(const PreparedScene& scene, const FeatureRequest& query, FeatureAnswer& answer) {
-    if (!query.part) return find_of_scene(features_, scene, query, answer);
-    FeatureRequest all = query;
+void FeatureCalls::find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) {
+    if (!request.part) return find_all(scene, request, result);
+    FeatureRequest all = request;
     all.part = nullptr;
     all.extent = Extent::all;
-    find_of_scene(features_, scene, all, answer);
-    keep_owned(scene, query, answer);
-}
-void FeatureCalls::find(const PreparedScene& scene, const CandidateRequest& query, CandidateAnswer& answer) {
-    find_of_scene(candidates_, scene, query, answer);
+    find_all(scene, all, result);
+    keep_owned(scene, request, result);
 }
 
 bool FeatureCalls::is_captured(const DeviceShape& mesh) {
@@ -57,11 +59,10 @@ void FeatureCalls::copy_to_host(const DeviceShape& mesh, Copied what, HostShape&
 }
 
 // Returns false where the features are others.
-template <class QueryFinder, class Query>
-bool FeatureCalls::find_in_slot(QueryFinder& finder, const DeviceShape& mesh, const Query& query) {
+bool FeatureCalls::find_in_slot(RowFinder& finder, const DeviceShape& mesh, const FeatureRequest& request) {
     try {
         state_.follow(mesh.stream, "a mesh's");
-        finder.view(finder.current(), mesh.shape, query);
+        finder.view(finder.current(), mesh.shape, request);
         finder.find();
         return true;
     } catch (const MeshChanged&) {
@@ -69,39 +70,30 @@ bool FeatureCalls::find_in_slot(QueryFinder& finder, const DeviceShape& mesh, co
     }
 }
 
-template <class QueryFinder, class Query, class Answer>
-bool FeatureCalls::find_of_mesh(QueryFinder& finder, const DeviceShape& mesh, const Query& query, Answer& answer) {
+bool FeatureCalls::find(const DeviceShape& mesh, const FeatureRequest& request, FeatureResult& result) {
     return with_device(state_.device, [&] {
         launches_.finish();
-        clear(answer);
-        if (!find_in_slot(finder, mesh, query)) return false;
-        finder.copy_to(answer);
+        result.clear();
+        RowFinder& finder = finder_for(request);
+        if (!find_in_slot(finder, mesh, request)) return false;
+        finder.copy_to(result);
         return true;
     });
 }
-bool FeatureCalls::find(const DeviceShape& mesh, const FeatureRequest& query, FeatureAnswer& answer) {
-    return find_of_mesh(features_, mesh, query, answer);
-}
-bool FeatureCalls::find(const DeviceShape& mesh, const CandidateRequest& query, CandidateAnswer& answer) {
-    return find_of_mesh(candidates_, mesh, query, answer);
-}
 
-template <class QueryFinder, class Query>
-LaunchNumber FeatureCalls::launch_with(QueryFinder& finder, const DeviceShape& mesh, const Query& query) {
+LaunchNumber FeatureCalls::launch(const DeviceShape& mesh, const FeatureRequest& request) {
+    RowFinder& finder = finder_for(request);
     const auto stream = static_cast<cudaStream_t>(mesh.stream);
-    const auto bind = [&](std::size_t slot, Room room) { finder.view(slot, mesh.shape, query, room); };
-    return with_device(state_.device, [&] { return launches_.launch(finder, stream, stream, bind); });
-}
-LaunchNumber FeatureCalls::launch(const DeviceShape& mesh, const FeatureRequest& query) {
-    return launch_with(features_, mesh, query);
-}
-LaunchNumber FeatureCalls::launch(const DeviceShape& mesh, const CandidateRequest& query) {
-    return launch_with(candidates_, mesh, query);
+    const auto bind = [&](std::size_t slot, Room room) { finder.view(slot, mesh.shape, request, room); };
+    const LaunchNumber launch =
+        with_device(state_.device, [&] { return launches_.launch(finder, stream, stream, bind); });
+    launched_[launch % most_in_flight] = &finder;
+    return launch;
 }
 
-template <class QueryFinder>
-std::optional<DeviceAnswer> FeatureCalls::wait_with(QueryFinder& finder, LaunchNumber launch) {
+std::optional<DeviceAnswer> FeatureCalls::wait(LaunchNumber launch) {
     launches_.check_awaited(launch);
+    RowFinder& finder = *launched_[launch % most_in_flight];
     return with_device(state_.device, [&]() -> std::optional<DeviceAnswer> {
         const Launches::Outcome outcome = launches_.wait(finder, features_there_.known().revision);
         if (outcome == Launches::Outcome::lost) return {};
@@ -109,26 +101,15 @@ std::optional<DeviceAnswer> FeatureCalls::wait_with(QueryFinder& finder, LaunchN
         return outcome == Launches::Outcome::complete ? finder.show() : finder.show_incomplete();
     });
 }
-std::optional<DeviceAnswer> FeatureCalls::wait(LaunchNumber launch, bool of_candidates) {
-    return of_candidates ? wait_with(candidates_, launch) : wait_with(features_, launch);
-}
 
-template <class QueryFinder, class Query>
-std::optional<DeviceAnswer> FeatureCalls::again_with(QueryFinder& finder, LaunchNumber launch, const DeviceShape& mesh,
-                                                     const Query& query) {
+std::optional<DeviceAnswer> FeatureCalls::find_again(LaunchNumber launch, const DeviceShape& mesh,
+                                                     const FeatureRequest& request) {
     return with_device(state_.device, [&]() -> std::optional<DeviceAnswer> {
-        if (!find_in_slot(finder, mesh, query)) return {};
+        RowFinder& finder = *launched_[launch % most_in_flight];
+        if (!find_in_slot(finder, mesh, request)) return {};
         launches_.mark_reported(launch);
         return finder.show();
     });
-}
-std::optional<DeviceAnswer> FeatureCalls::find_again(LaunchNumber launch, const DeviceShape& mesh,
-                                                     const FeatureRequest& query) {
-    return again_with(features_, launch, mesh, query);
-}
-std::optional<DeviceAnswer> FeatureCalls::find_again(LaunchNumber launch, const DeviceShape& mesh,
-                                                     const CandidateRequest& query) {
-    return again_with(candidates_, launch, mesh, query);
 }
 
 }  // namespace crumple::cuda

@@ -10,19 +10,6 @@
 namespace crumple::cuda {
 namespace {
 
-FirstOfKind firsts_of(const SceneFeatures& features, std::int64_t edges) {
-    FirstOfKind firsts;
-    std::int64_t base = 0;
-    for (std::size_t k = 0; k < feature_kinds; ++k) {
-        base += types_of(static_cast<FeatureKind>(k)).first == FeatureType::edge ? edges : features.points();
-        check_joint_number(base);
-        firsts.base[k + 1] = static_cast<std::uint32_t>(base);
-        if (k == 1 && features.plain())  // the other lists stay empty
-            return firsts.base[3] = firsts.base[4] = firsts.base[2], firsts;
-    }
-    return firsts;
-}
-
 __device__ bool is_finite(double x) { return std::abs(x) <= 1.7976931348623157e308; }
 
 // Radii and shapes at rest that the caller has on the device.
@@ -43,10 +30,18 @@ __global__ void rest_kernel(VertexReader read, std::size_t n, double* rest, Coun
 
 }  // namespace
 
-void check_joint_number(std::int64_t features) {
-    if (features > std::numeric_limits<std::int32_t>::max())
-        throw Error(ErrorCode::invalid_argument,
-                    "the cuda backend numbers at most 2147483647 features that come first in a pair");
+FirstOfKind firsts_of(const FeatureRequest& query) {
+    FirstOfKind firsts;
+    std::int64_t base = 0;
+    for (std::size_t k = 0; k < candidate_kinds; ++k) {
+        const auto kind = static_cast<CandidateKind>(k);
+        if (query.lists(kind)) base += count_of(query.features, types_of(kind).first);
+        if (base > std::numeric_limits<std::int32_t>::max())
+            throw Error(ErrorCode::invalid_argument,
+                        "the cuda backend numbers at most 2147483647 features that come first in a pair");
+        firsts.base[k + 1] = static_cast<std::uint32_t>(base);
+    }
+    return firsts;
 }
 
 void FeaturesOnDevice::replace(Room room) const {
@@ -137,9 +132,9 @@ void FeaturesOnDevice::release() {
 void FeatureInput::tell(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features,
                         Room room) {
     all_kinds_ = !query.features.plain();
-    firsts_ = firsts_of(query.features, static_cast<std::int64_t>(query.features.edges().size()));
+    firsts_ = firsts_of(query);
     asked_ = {};
-    asked_.motion = query.motion;
+    asked_.motion = query.criterion == Criterion::impact;
     asked_.strict = query.strict;
     asked_.distance = query.distance;
     asked_.share = query.share;

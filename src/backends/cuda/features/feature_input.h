@@ -39,8 +39,8 @@ class FeaturesOnDevice {
     std::uint64_t rings_revision_ = 0;
 };
 
-/// Throws Error if so many features are more than joint numbering has.
-void check_joint_number(std::int64_t features);
+/// Joint numbers of what the request lists. Throws Error if there are too many.
+FirstOfKind firsts_of(const FeatureRequest& query);
 
 /// Parameters of kernels that a graph is known by (engine/graph_key.h).
 struct FeatureParameters {

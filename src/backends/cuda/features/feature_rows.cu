@@ -45,10 +45,8 @@ template void make_offsets(const Geometry&, cudaStream_t, std::size_t, const Fea
 template void order_buckets(const Geometry&, cudaStream_t, std::size_t, const FeatureOutput&, Counters*, Counters*);
 
 void FeatureOutput::cut(Cutter& c, const FirstOfKind& features, std::size_t room) {
-    RowsByKind::cut(c, features, room);
+    RowsByKind::cut(c, features, room, true);
     second = c.take<Key>(room);
-    value = c.take<double>(room);
-    flag = c.take<std::uint8_t>(room);
 }
 
 void write_answer(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits, const FeatureOutput& output,

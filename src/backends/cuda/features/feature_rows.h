@@ -8,11 +8,9 @@
 
 namespace crumple::cuda {
 
-struct FeatureOutput : RowsByKind<feature_kinds> {
+struct FeatureOutput : RowsByKind {
     using Key = std::uint64_t;  ///< the second feature in the upper half, its place in the list of hits in the lower
     Key* second;
-    double* value;
-    std::uint8_t* flag;
     const RankedHit* hits;
 
     void cut(Cutter& cutter, const FirstOfKind& features, std::size_t room);
