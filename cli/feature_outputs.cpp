@@ -91,8 +91,8 @@ void add_output_options(CLI::App& app, FeatureOutputs& outputs, const std::strin
     add_format_option(app, outputs.format, "txt|csv|json|npz|glb");
 }
 
-int FeatureCommand::report(bool any, const char* yes, const char* no) {
-    to_standard_output([&](std::ostream& out) { out << (any ? yes : no) << '\n'; });
+int FeatureCommand::report(bool any, const ListWords& words) {
+    to_standard_output([&](std::ostream& out) { out << (any ? words.some : words.none) << '\n'; });
     return any ? collided : done;
 }
 
@@ -102,11 +102,12 @@ void FeatureCommand::check_stream() const {
     outputs.check_stream();
 }
 
-int FeatureCommand::finish_stream(const Statistics& statistics, const char* one, const char* none,
-                                  std::int64_t triangles) const {
-    const std::string found = fmt::format("{} {}{}", grouped(statistics.pairs), one, statistics.pairs == 1 ? "" : "s");
+int FeatureCommand::finish_stream(const Statistics& statistics, const ListWords& words, std::int64_t triangles) const {
+    const std::string found =
+        fmt::format("{} {}{}", grouped(statistics.pairs), words.one, statistics.pairs == 1 ? "" : "s");
     if (stats) print_statistics(statistics, found);
-    const std::string told = statistics.pairs > 0 ? found : fmt::format("{}: {} triangles", none, grouped(triangles));
+    const std::string told =
+        statistics.pairs > 0 ? found : fmt::format("{}: {} triangles", words.none, grouped(triangles));
     return finish(statistics.pairs > 0, fmt::format("{}, {:.1f} ms\n", told, statistics.milliseconds));
 }
 
@@ -138,12 +139,12 @@ std::string kinds_of(const Tally& tally) {
     return text;
 }
 
-std::string summary_of(const Tally& tally, const std::string& kinds, const char* one, const char* none,
-                       std::int64_t triangles, const std::string& more) {
+std::string summary_of(const Tally& tally, const std::string& kinds, const ListWords& words, std::int64_t triangles,
+                       const std::string& more) {
     if (tally.count == 0)
-        return fmt::format("{}: {} triangles, {:.1f} ms\n", none, grouped(triangles), tally.milliseconds);
-    return fmt::format("{} {}{} ({}){}, {:.1f} ms\n", grouped(tally.count), one, tally.count == 1 ? "" : "s", kinds,
-                       more, tally.milliseconds);
+        return fmt::format("{}: {} triangles, {:.1f} ms\n", words.none, grouped(triangles), tally.milliseconds);
+    return fmt::format("{} {}{} ({}){}, {:.1f} ms\n", grouped(tally.count), words.one, tally.count == 1 ? "" : "s",
+                       kinds, more, tally.milliseconds);
 }
 
 Impacts only_first(const Impacts& impacts) {
@@ -159,7 +160,7 @@ Impacts only_first(const Impacts& impacts) {
 std::string summary_of_impacts(const Tally& tally, const FirstImpact& first, bool earliest, std::int64_t triangles) {
     const std::string time = fmt::format("{:.6g}", first.toi);
     if (earliest && first.found) return fmt::format("the first impact is at {}, {:.1f} ms\n", time, tally.milliseconds);
-    return summary_of(tally, kinds_of(tally), "impact", "nothing touches", triangles, ", the first at " + time);
+    return summary_of(tally, kinds_of(tally), words_of_impacts, triangles, ", the first at " + time);
 }
 
 std::string kinds_of(const Candidates& answer) {

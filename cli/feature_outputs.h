@@ -89,6 +89,17 @@ struct FeatureOutputs {
 /// `-o` and `--format`. `what`: "Impacts", `coloured`: "the start, coloured by time".
 void add_output_options(CLI::App& app, FeatureOutputs& outputs, const std::string& what, const std::string& coloured);
 
+/// Words for what is listed.
+struct ListWords {
+    const char* one;   ///< "impact"
+    const char* some;  ///< line of --check: "something touches"
+    const char* none;  ///< "nothing touches"
+};
+inline constexpr ListWords words_of_pairs{"pair", "something collides", "nothing collides"},
+    words_of_impacts{"impact", "something touches", "nothing touches"},
+    words_of_near{"near pair", "something is near", "nothing is near"},
+    words_of_candidates{"candidate", "some candidates", "no candidates"};
+
 /// What these commands are given, beside their files and questions.
 struct FeatureCommand {
     FeatureOutputs outputs;
@@ -98,20 +109,20 @@ struct FeatureCommand {
 
     /// Throws Error (invalid_argument) for options that do not go with `--stream`, if it is given.
     void check_stream() const;
-    /// Writes an answer while it is found: find(take) hands its blocks over. Returns the status. `one`: "impact".
+    /// Writes an answer while it is found: find(take) hands its blocks over. Returns the status.
     template <class Block, class Find>
-    int write_stream(io::ListKind of, Find find, const char* one, const char* none, std::int64_t triangles) const {
+    int write_stream(io::ListKind of, const ListWords& words, Find find, std::int64_t triangles) const {
         Statistics statistics;
         outputs.write_blocks(
             of, [&](io::FeatureWriter& writer) { statistics = find([&](const Block& block) { writer.add(block); }); });
-        return finish_stream(statistics, one, none, triangles);
+        return finish_stream(statistics, words, triangles);
     }
-    int finish_stream(const Statistics& statistics, const char* one, const char* none, std::int64_t triangles) const;
+    int finish_stream(const Statistics& statistics, const ListWords& words, std::int64_t triangles) const;
 
     /// Whether nothing but the status is wanted.
     bool only_status() const { return check && outputs.paths.empty(); }
     /// The status, and the line that says so.
-    static int report(bool any, const char* yes, const char* no);
+    static int report(bool any, const ListWords& words);
     /// The status once the answer is written; says the summary where that went to files.
     int finish(bool any, const std::string& summary) const;
 };
@@ -137,14 +148,14 @@ std::string kinds_of(const Tally& tally);
 /// The same of those that are listed.
 std::string kinds_of(const Candidates& answer);
 
-/// "134 impacts (27 vertex-face, 107 edge-edge), 3.1 ms", or "nothing touches: 28 triangles, 3.1 ms". `one`: "impact";
-/// `kinds`: as kinds_of says them; `more`: what follows them.
-std::string summary_of(const Tally& tally, const std::string& kinds, const char* one, const char* none,
-                       std::int64_t triangles, const std::string& more = {});
+/// "134 impacts (27 vertex-face, 107 edge-edge), 3.1 ms", or "nothing touches: 28 triangles, 3.1 ms". `kinds`: as
+/// kinds_of says them; `more`: what follows them.
+std::string summary_of(const Tally& tally, const std::string& kinds, const ListWords& words, std::int64_t triangles,
+                       const std::string& more = {});
 /// "134 impacts (27 vertex-face, 107 edge-edge), the first at 0.045, 3.1 ms"
 std::string summary_of_impacts(const Tally& tally, const FirstImpact& first, bool earliest, std::int64_t triangles);
 inline std::string summary_of_near(const Tally& tally, std::int64_t triangles) {
-    return summary_of(tally, kinds_of(tally), "near pair", "nothing is near", triangles);
+    return summary_of(tally, kinds_of(tally), words_of_near, triangles);
 }
 
 /// Of the lists only their first impact.

@@ -77,7 +77,7 @@ struct ImpactsCommand : FeatureCommand {
         question.triangle_pairs = kind == Kind::pairs;
         const Impacts& all = search.find(input.start, question, &input.end);
         if (stats) print_statistics(all.statistics, earliest ? only_first_remark : found_in(all));
-        if (only_status()) return report(all.any, "something touches", "nothing touches");
+        if (only_status()) return report(all.any, words_of_impacts);
 
         const Impacts one = earliest ? only_first(all) : Impacts();
         const Impacts& found = earliest ? one : all;
@@ -93,8 +93,7 @@ struct ImpactsCommand : FeatureCommand {
         const auto find = [&](auto take) {
             return search.stream(input.start, motion.question(answer, Output::pairs), take, &input.end);
         };
-        return write_stream<Impacts>(io::ListKind::impacts, find, "impact", "nothing touches",
-                                     input.start.triangle_count());
+        return write_stream<Impacts>(io::ListKind::impacts, words_of_impacts, find, input.start.triangle_count());
     }
 
     std::string found_in(const Impacts& found) const {
@@ -130,14 +129,14 @@ struct ImpactsCommand : FeatureCommand {
             const auto find = [&](auto take) {
                 return search.stream(input.start, question, take, input.end_or_null());
             };
-            return write_stream<Candidates>(io::ListKind::candidates, find, "candidate", "no candidates", triangles);
+            return write_stream<Candidates>(io::ListKind::candidates, words_of_candidates, find, triangles);
         }
         const Candidates& found = search.find(input.start, question, input.end_or_null());
         if (stats) print_statistics(found.statistics, kinds_of(found));
         steps.begin("write");
         outputs.write([&](auto& to, io::PairFormat format) { io::write_candidates(to, found, format); });
         const Tally tally{found.count, {}, found.statistics.milliseconds};
-        return finish(found.count > 0, summary_of(tally, kinds_of(found), "candidate", "no candidates", triangles));
+        return finish(found.count > 0, summary_of(tally, kinds_of(found), words_of_candidates, triangles));
     }
 };
 

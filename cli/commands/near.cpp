@@ -52,12 +52,11 @@ struct NearCommand : FeatureCommand {
         steps.begin(stream ? "search and write" : "search");
         if (stream) {
             const auto find = [&](auto take) { return search.stream(input, question, take); };
-            return write_stream<Proximities>(io::ListKind::near, find, "near pair", "nothing is near",
-                                             input.triangle_count());
+            return write_stream<Proximities>(io::ListKind::near, words_of_near, find, input.triangle_count());
         }
         const Proximities& found = search.find(input, question);
         if (stats) print_statistics(found.statistics, kinds_of(tally_of(found)));
-        if (only_status()) return report(found.any, "something is near", "nothing is near");
+        if (only_status()) return report(found.any, words_of_near);
         steps.begin("write");
         outputs.write([&](auto& to, io::PairFormat format) { io::write_near(to, found, format); },
                       [&](auto& to) { io::write_coloured(to, input.first, input.second_or_null(), found); });
