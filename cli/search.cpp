@@ -137,7 +137,11 @@ Input made_input(const std::string& name, io::TriangleMesh mesh, const AnswerOpt
     return input;
 }
 
-void refuse_other_faces(const std::string& start_name, const std::string& end_name, const std::string& what) {
+namespace {
+
+/// Throws Error (invalid_argument) that names the first difference, in these words.
+[[noreturn]] void refuse_other_faces(const std::string& start_name, const std::string& end_name,
+                                     const std::string& what) {
     const bool stl = extension_of(start_name) == ".stl" || extension_of(end_name) == ".stl";
     throw Error(
         ErrorCode::invalid_argument,
@@ -151,6 +155,8 @@ void check_same_counts(const std::string& start_name, const std::string& end_nam
     refuse_other_faces(start_name, end_name,
                        "have " + std::to_string(start) + " and " + std::to_string(end) + ' ' + of);
 }
+
+}  // namespace
 
 void check_same_faces(const Input& start, const std::string& end_name, const io::TriangleMesh& end) {
     const io::TriangleMesh& mesh = start.first;
@@ -221,6 +227,19 @@ Error with_name(const std::string& name, const Error& error) {
     return named;
 }
 
+void index_by_triangle(Intersections& found, std::int64_t triangles, std::int64_t second_triangles) {
+    const auto first = static_cast<std::size_t>(triangles);
+    found.offsets.assign(first + 1, 0);
+    found.hit.assign(first, 0);
+    found.hit_second.assign(static_cast<std::size_t>(second_triangles), 0);
+    Array<std::uint8_t>& other = second_triangles > 0 ? found.hit_second : found.hit;
+    for (const Pair& pair : found.pairs) {
+        ++found.offsets[pair.a + 1];
+        found.hit[pair.a] = other[pair.b] = 1;
+    }
+    for (std::size_t i = 0; i < first; ++i) found.offsets[i + 1] += found.offsets[i];
+}
+
 namespace {
 
 /// Calls work(); an Error names what it is about.
@@ -231,20 +250,6 @@ decltype(auto) named(const std::string& name, Work work) {
     } catch (const Error& error) {
         throw with_name(name, error);
     }
-}
-
-/// Offsets and hit flags of the whole meshes, where a part has its own.
-void index_by_mesh(const Input& input, Intersections& collisions) {
-    const auto first = static_cast<std::size_t>(input.first.triangle_count());
-    collisions.offsets.assign(first + 1, 0);
-    collisions.hit.assign(first, 0);
-    collisions.hit_second.assign(input.second ? static_cast<std::size_t>(input.second->triangle_count()) : 0, 0);
-    Array<std::uint8_t>& other = input.second ? collisions.hit_second : collisions.hit;
-    for (const Pair& pair : collisions.pairs) {
-        ++collisions.offsets[pair.a + 1];
-        collisions.hit[pair.a] = other[pair.b] = 1;
-    }
-    for (std::size_t i = 0; i < first; ++i) collisions.offsets[i + 1] += collisions.offsets[i];
 }
 
 /// A mesh with its lines and points, if it has any, beside edges and vertices of its faces.
@@ -282,7 +287,7 @@ const Intersections& Search::find(const Input& input) {
         const auto [index, count] = *answer_.part;
         detector_.find(detector_.partition(scene, query(), count)[static_cast<std::size_t>(index) - 1], query());
         detector_.swap_result(of_part_);
-        index_by_mesh(input, of_part_);
+        index_by_triangle(of_part_, input.first.triangle_count(), input.second ? input.second->triangle_count() : 0);
         return of_part_;
     });
 }

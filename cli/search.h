@@ -54,12 +54,6 @@ struct MovingInput {
 /// Throws Error (invalid_argument) unless both have the same faces. How the end's polygons were cut does not matter.
 void check_same_faces(const Input& start, const std::string& end_name, const io::TriangleMesh& end);
 
-/// The first thing that differs, in these words. Throws Error (invalid_argument) unless the counts are equal.
-[[noreturn]] void refuse_other_faces(const std::string& start_name, const std::string& end_name,
-                                     const std::string& what);
-void check_same_counts(const std::string& start_name, const std::string& end_name, const char* of, std::int64_t start,
-                       std::int64_t end);
-
 /// With --weld vertices stay as they are in the files, for those that coincide in one of them need not in another.
 AnswerOptions reading_of_motion(AnswerOptions options);
 
@@ -78,6 +72,9 @@ struct StepOrRest {
 };
 /// Reads both, or without an `end` the one as it would be read with it. Throws as read_moving_input does.
 StepOrRest read_step_or_rest(const std::string& start, const std::string& end, const AnswerOptions& options);
+
+/// Makes offsets and hit flags of all triangles. `second_triangles`: 0 of one mesh.
+void index_by_triangle(Intersections& found, std::int64_t triangles, std::int64_t second_triangles);
 
 class AllowedThreads;
 

@@ -12,7 +12,7 @@ namespace crumple::cli {
 namespace {
 
 void row(std::string_view name, std::int64_t count, const std::string& remark = {}) {
-    say("{:<15}{:>15}{}{}\n", name, grouped(count), remark.empty() ? "" : "  ", remark);
+    print_row(name, grouped(count), remark);
 }
 
 double ratio(std::int64_t part, std::int64_t whole) {
@@ -33,17 +33,25 @@ std::string summary_of_pairs(std::int64_t pairs, std::int64_t hits, std::int64_t
                        grouped(all), what, milliseconds);
 }
 
+void print_times(std::string_view title, std::span<const double> milliseconds,
+                 std::string_view (*name_of)(std::size_t)) {
+    const double sum = std::accumulate(milliseconds.begin(), milliseconds.end(), 0.0);
+    say(on_terminal(2, fmt::emphasis::bold), "{:<15}{:>12}{:>9}\n", title, "time", "share");
+    for (std::size_t i = 0; i < milliseconds.size(); ++i)
+        say("{:<15}{:>9.2f} ms{:>7.0f} %\n", name_of(i), milliseconds[i], sum > 0 ? 100 * milliseconds[i] / sum : 0);
+}
+
+void print_row(std::string_view name, const std::string& value, const std::string& remark) {
+    say("{:<15}{:>15}{}{}\n", name, value, remark.empty() ? "" : "  ", remark);
+}
+
 void print_statistics(const Statistics& s, std::int64_t hits) {
     print_statistics(s, fmt::format("{} triangles collide", grouped(hits)));
 }
 
 void print_statistics(const Statistics& s, const std::string& remark) {
     const double sum = std::accumulate(s.stage_milliseconds.begin(), s.stage_milliseconds.end(), 0.0);
-    say(on_terminal(2, fmt::emphasis::bold), "{:<15}{:>12}{:>9}\n", "stage", "time", "share");
-    for (int i = 0; i < stage_count; ++i) {
-        const auto stage = static_cast<Stage>(i);
-        say("{:<15}{:>9.2f} ms{:>7.0f} %\n", stage_name(stage), s[stage], sum > 0 ? 100 * s[stage] / sum : 0);
-    }
+    print_times("stage", s.stage_milliseconds, [](std::size_t i) { return stage_name(static_cast<Stage>(i)); });
     say("{:<15}{:>9.2f} ms\n", s.backend == "cuda" ? "on the device" : "all threads", sum);
     say(on_terminal(2, fmt::emphasis::bold), "{:<15}{:>9.2f} ms", "wall clock", s.milliseconds);
     if (s.backend == "cuda") {
@@ -63,7 +71,7 @@ void print_statistics(const Statistics& s, const std::string& remark) {
     row("pairs", s.pairs, remark);
     if (s.rational_contacts > 0)
         row("contacts", s.pairs, fmt::format("{} in rational numbers", grouped(s.rational_contacts)));
-    say("{:<15}{:>15}\n", "peak memory", readable_bytes(s.peak_memory_bytes));
+    print_row("peak memory", readable_bytes(s.peak_memory_bytes));
 }
 
 void add(Statistics& sum, const Statistics& more) {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "crumple/intersections.h"
 
@@ -13,6 +16,11 @@ std::int64_t count_hits(const Intersections& collisions);
 /// The answer in one line: "925 pairs, 941 of 54,928 triangles, 4.4 ms". `what`: triangles or polygons.
 std::string summary_of_pairs(std::int64_t pairs, std::int64_t hits, std::int64_t all, const char* what,
                              double milliseconds);
+
+/// Prints times, each with its share in all of them, and a row of the table below them.
+void print_times(std::string_view title, std::span<const double> milliseconds,
+                 std::string_view (*name_of)(std::size_t));
+void print_row(std::string_view name, const std::string& value, const std::string& remark = {});
 
 /// What --stats prints, to standard error. `hits`: colliding triangles.
 void print_statistics(const Statistics& statistics, std::int64_t hits);

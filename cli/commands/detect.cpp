@@ -7,7 +7,8 @@
 
 #include "cli/commands.h"
 #include "cli/commands/detect_bodies.h"
-#include "cli/ranks/detect_ranks.h"
+#include "cli/feature_outputs.h"
+#include "cli/ranks/rank_search.h"
 #include "cli/ranks/ranks.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
@@ -22,13 +23,9 @@ namespace {
 constexpr const char* formats =
     "pairs are written as .txt, .csv, .json or .npz, coloured meshes as .ply, .obj, .glb, .3mf or .html";
 
-struct Detect {
-    std::vector<std::string> files, outputs;
-    std::string format;
-    AnswerOptions answer;
+struct Detect : FeatureCommand {
+    std::vector<std::string> files;
     BodyOptions bodies;
-    Options options;
-    bool check = false, stats = false, stream = false, progress = false;
 
     static std::optional<io::PairFormat> list_format(const std::string& extension) {
         const io::PairFormat format = io::pair_format_of(extension);
@@ -44,25 +41,25 @@ struct Detect {
     }
 
     void check_output_formats() const {
-        check_format(outputs, format);
+        check_format(outputs.paths, outputs.format);
         bool shows_contacts = false;
-        for (const std::string& path : outputs) {
-            const std::string extension = extension_of(path, format);
+        for (const std::string& path : outputs.paths) {
+            const std::string extension = extension_of(path, outputs.format);
             if (!list_format(extension) && !picture_format(extension))
-                fail("-o " + (path.empty() ? "''" : path) + (is_standard(path) ? " --format " + format : "") + ": " +
-                     formats);
+                fail("-o " + (path.empty() ? "''" : path) + (is_standard(path) ? " --format " + outputs.format : "") +
+                     ": " + formats);
             if (is_standard(path) && extension == ".obj")
                 fail("-o - --format obj: a coloured .obj needs a file beside it");
             shows_contacts = shows_contacts || list_format(extension) || extension == ".html";
         }
         if (!answer.contacts || shows_contacts) return;
-        if (!outputs.empty())
+        if (!outputs.paths.empty())
             fail("--contacts: coloured meshes hold no contacts; write a .txt, .csv, .json, .npz or .html");
         if (check) fail("--contacts are not printed with --check, unless by -o");
     }
 
     void write(const std::string& path, const Input& input, const Intersections& found) const {
-        const std::string extension = extension_of(path, format);
+        const std::string extension = extension_of(path, outputs.format);
         const auto list = list_format(extension);
         if (!is_standard(path)) {
             if (list) return io::write_pairs(path, found);
@@ -82,12 +79,12 @@ struct Detect {
 
     /// Pairs go to the one output while they are found.
     int run_stream(const Steps& steps) const {
-        const std::string path = outputs.empty() ? "-" : outputs.front();
-        const auto list = outputs.empty() ? io::PairFormat::txt : list_format(extension_of(path, format));
-        if (outputs.size() > 1 || (list != io::PairFormat::txt && list != io::PairFormat::csv))
+        const std::string path = outputs.paths.empty() ? "-" : outputs.paths.front();
+        const auto list = outputs.paths.empty() ? io::PairFormat::txt : list_format(extension_of(path, outputs.format));
+        if (outputs.paths.size() > 1 || (list != io::PairFormat::txt && list != io::PairFormat::csv))
             fail("--stream writes one list of pairs, as .txt or .csv");
         if (check || answer.polygons || answer.part) fail("--stream does not go with --check, --polygons or --part");
-        check_outputs(outputs, files, answer);
+        check_outputs(outputs.paths, files, answer);
         Search search(answer, options);
         steps.begin("read");
         const Input input = read_input(files, answer);
@@ -108,50 +105,44 @@ struct Detect {
         else
             write_to(io::PairWriter(path, answer.contacts));
         if (stats) print_statistics(all.statistics, count_hits(all));
-        if (!stats && (all.statistics.pairs == 0 || !is_standard(path))) say(summary(all.statistics.pairs, all));
-        return done;
+        return finish(all.statistics.pairs > 0, summary(all.statistics.pairs, all));
     }
 
     int run() const {
         bodies.check(answer);
         if (Ranks::count() > 1) {
             check_output_formats();
-            return detect_on_ranks({files, outputs, format, answer, options, check, stats, stream, progress});
+            if (files.size() > 1) refuse_on_ranks("a second mesh");
+            IntersectionQuery query = query_of(answer);
+            if (only_status() && !stats) query.output = Output::any;
+            return search_on_ranks(*this, files, query);
         }
         if (stream && answer.of_bodies()) fail("--stream is of triangles, and --groups bodies lists bodies");
         if (answer.of_bodies()) {
             if (stats) fail("--stats are of triangles, and --groups bodies lists bodies");
-            return detect_bodies({files, outputs, format, answer, bodies, options, check, progress});
+            return detect_bodies({files, outputs.paths, outputs.format, answer, bodies, options, check, progress});
         }
         if (files.size() > 2) fail("detect takes one FILE or two, or any number with --groups bodies");
         check_output_formats();
         const Steps steps(progress);
         if (stream) return run_stream(steps);
-        check_outputs(outputs, files, answer);
+        check_outputs(outputs.paths, files, answer);
         Search search(answer, options);
         steps.begin("read");
         const Input input = read_input(files, answer);
         steps.begin("search");
-        if (check && outputs.empty() && !stats) return report(search.any(input));
+        if (only_status() && !stats) return report(search.any(input), words_of_pairs);
         const Intersections& of_triangles = search.find(input);
         if (stats) print_statistics(of_triangles.statistics, count_hits(of_triangles));
-        if (check && outputs.empty()) return report(!of_triangles.pairs.empty());
+        if (only_status()) return report(!of_triangles.pairs.empty(), words_of_pairs);
 
         steps.begin("write");
         Intersections of_polygons;
         if (answer.polygons) of_polygons = io::by_polygon(input.first, input.second_or_null(), of_triangles);
         const Intersections& found = answer.polygons ? of_polygons : of_triangles;
-        for (const std::string& path : outputs) write(path, input, found);
-        if (outputs.empty()) to_standard_output([&](std::ostream& out) { io::write_pairs(out, found); });
-        if (!stats && (found.pairs.empty() || !std::all_of(outputs.begin(), outputs.end(), is_standard)))
-            say(summary(static_cast<std::int64_t>(found.pairs.size()), found));
-        return check && !found.pairs.empty() ? collided : done;
-    }
-
-    static int report(bool collides) {
-        to_standard_output(
-            [&](std::ostream& out) { out << (collides ? "something collides\n" : "nothing collides\n"); });
-        return collides ? collided : done;
+        for (const std::string& path : outputs.paths) write(path, input, found);
+        if (outputs.paths.empty()) to_standard_output([&](std::ostream& out) { io::write_pairs(out, found); });
+        return finish(!found.pairs.empty(), summary(static_cast<std::int64_t>(found.pairs.size()), found));
     }
 };
 
@@ -170,14 +161,14 @@ Command add_detect(CLI::App& app) {
         ->expected(1, std::numeric_limits<int>::max());
     command
         .add_option(
-            "-o,--output", detect->outputs,
+            "-o,--output", detect->outputs.paths,
             "Pairs as .txt, .csv, .json or .npz, or the mesh with colliding triangles coloured as .ply, .obj, "
             ".glb, .3mf or .html, a page to turn and zoom; may be repeated. - is standard output, see --format. "
             "Without it pairs go there, `i j` a line. With --groups bodies: their names as .txt, .csv or .json, or "
             "the world coloured")
         ->type_name("OUT")
         ->allow_extra_args(false);
-    add_format_option(command, detect->format, "txt|csv|json|npz|ply|glb|3mf|html");
+    add_format_option(command, detect->outputs.format, "txt|csv|json|npz|ply|glb|3mf|html");
     add_answer_options(command, detect->answer);
     add_body_options(command, detect->bodies);
     add_polygons_option(command, detect->answer);

@@ -11,7 +11,7 @@
 #include "cli/commands.h"
 #include "cli/commands/list_candidates.h"
 #include "cli/feature_outputs.h"
-#include "cli/ranks/feature_ranks.h"
+#include "cli/ranks/rank_search.h"
 #include "cli/ranks/ranks.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
@@ -54,7 +54,7 @@ struct ImpactsCommand : FeatureCommand {
         if (kind == Kind::candidates) refuse_on_ranks("--kind candidates");
         if (kind == Kind::pairs) refuse_on_ranks("--kind pairs");
         check_impacts();
-        return impacts_on_ranks(*this, start, end, motion.question(answer, wants()), earliest);
+        return search_on_ranks(*this, {start, end}, motion.question(answer, wants()));
     }
 
     void check_impacts() const {

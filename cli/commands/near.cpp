@@ -8,7 +8,7 @@
 #include "cli/commands.h"
 #include "cli/feature_outputs.h"
 #include "cli/near_filters.h"
-#include "cli/ranks/feature_ranks.h"
+#include "cli/ranks/rank_search.h"
 #include "cli/ranks/ranks.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
@@ -29,7 +29,7 @@ struct NearCommand : FeatureCommand {
         if (!filters.radii.empty()) refuse_on_ranks("--radii");
         if (!filters.rest.empty()) refuse_on_ranks("--rest");
         if (filters.rings > 0) refuse_on_ranks("--rings");
-        return near_on_ranks(*this, files[0], near.question(answer, wants()));
+        return search_on_ranks(*this, files, near.question(answer, wants()));
     }
 
     int run() const {

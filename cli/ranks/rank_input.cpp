@@ -1,213 +1,170 @@
 #include "cli/ranks/rank_input.h"
 
 #include <algorithm>
-#include <array>
 #include <exception>
 #include <filesystem>
-#include <optional>
-#include <type_traits>
+#include <iterator>
+#include <numeric>
+#include <span>
+#include <utility>
 #include <variant>
 
-#include "cli/ranks/rank_command.h"
-#include "cli/ranks/rank_vertices.h"
+#include "cli/ranks/ranks.h"
 #include "cli/search.h"
 
 namespace crumple::cli {
 namespace {
 
-using distribute::Traffic;
-
-/// Whether a block could be read, and which numbers it has; nothing is settled yet.
-struct Attempt {
-    std::optional<io::MeshSlice> slice;
-    std::exception_ptr failed;
+/// Mesh of which ranks have blocks, and where its vertices are at the end of a step.
+struct SharedMesh : io::MeshSlice {
+    std::optional<io::TriangleMesh> end;
 };
 
-Attempt attempt_slice(RankLink& link, const std::string& file, const AnswerOptions& answer) {
-    Attempt attempt;
+/// Reads the blocks of all ranks, or none: a file that some rank cannot read by slices has another format, is a pipe,
+/// or lies where not all ranks see it. Throws Error for what is wrong in a block.
+std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file, const AnswerOptions& answer,
+                                        bool for_features) {
+    std::optional<io::MeshSlice> slice;
+    std::exception_ptr failed;
     try {
         io::ReadOptions how = read_options(answer);
         how.group_property = answer.groups;
-        attempt.slice = io::read_slice(file, how, link.rank(), link.ranks());
+        // Groups in a file of their own have no rows of known length.
+        if (!is_standard(file) && (answer.groups.empty() || !std::filesystem::exists(answer.groups)))
+            slice = io::read_slice(file, how, link.rank(), link.ranks());
     } catch (...) {
-        attempt.failed = std::current_exception();
+        failed = std::current_exception();
     }
-    return attempt;
-}
-
-/// Who reads a file of which equal vertices become one: then they get other numbers, which only the one who has them
-/// all can tell.
-enum class Welding { anybody, rank_0 };
-
-/// All blocks, or none: rank 0 has to read the file if some rank cannot, for it has another format, is a pipe, or lies
-/// where not all ranks see it. Throws Error for what is wrong in a block.
-std::optional<io::MeshSlice> read_slices(RankLink& link, const std::string& file, const AnswerOptions& answer,
-                                         Welding welding) {
-    // A file of groups has no rows of known length either.
-    const bool possible = !is_standard(file) && (answer.groups.empty() || !std::filesystem::exists(answer.groups));
-    if (!link.largest(link.is_first() && possible)) return std::nullopt;
-    Attempt attempt = attempt_slice(link, file, answer);
-    const std::int64_t rows = attempt.slice ? attempt.slice->triangles.rows : -1;
-    const std::int64_t most = link.largest(rows);
-    const bool one_by_one = attempt.slice && (welding == Welding::anybody || !attempt.slice->weld);
-    const bool fits = attempt.failed || (one_by_one && rows == most);
-    if (!link.least(fits)) return std::nullopt;
+    const std::int64_t rows = slice ? slice->triangles.rows : -1, most = link.largest(rows);
+    const bool fits = slice && rows == most && !(for_features && slice->weld);
+    if (!link.least(failed || fits)) return std::nullopt;
     link.agree([&] {
-        if (attempt.failed) std::rethrow_exception(attempt.failed);
+        if (failed) std::rethrow_exception(failed);
     });
-    return std::move(attempt.slice);
+    return slice;
 }
 
-/// Sends rank 0's rows out, a block to each rank.
-template <class Row>
-void hand_out(RankLink& link, const Row* rows, io::Blocks blocks, Row* block) {
-    Traffic traffic(link.ranks());
-    traffic.in[0] = blocks.size(link.rank());
-    if (link.is_first())
-        for (int r = 0; r < link.ranks(); ++r) traffic.out[static_cast<std::size_t>(r)] = blocks.size(r);
-    link.rounds().exchange<Row>(
-        traffic,
-        [&](int rank, std::int64_t first, std::span<Row> to) {
-            std::copy_n(rows + blocks.begin(rank) + first, to.size(), to.begin());
-        },
-        [&](int, std::int64_t first, std::span<const Row> from) {
-            std::copy(from.begin(), from.end(), block + first);
-        });
+/// Reads all files by slices, or none. Files of a step that do not fit together are left to rank 0, which says why.
+std::optional<SharedMesh> read_slices(RankLink& link, const std::vector<std::string>& files, AnswerOptions answer,
+                                      bool for_features) {
+    std::optional<io::MeshSlice> slice = read_slice(link, files[0], answer, for_features);
+    if (!slice) return std::nullopt;
+    if (files.size() == 1) return SharedMesh{std::move(*slice), {}};
+    answer.groups.clear();
+    std::optional<io::MeshSlice> end = read_slice(link, files[1], answer, for_features);
+    if (!end) return std::nullopt;
+    const bool same = slice->vertices.rows == end->vertices.rows && slice->mesh.triangles == end->mesh.triangles;
+    if (!link.least(same)) return std::nullopt;
+    return SharedMesh{std::move(*slice), std::move(end->mesh)};
 }
 
-// A vector of scalars as rows of three.
-template <class Scalar>
-auto* rows_of(std::vector<Scalar>& values) {
-    return reinterpret_cast<std::array<Scalar, 3>*>(values.data());
-}
-
-using Coordinates = decltype(io::TriangleMesh::vertices);
-
-void hand_out_vertices(RankLink& link, Coordinates& all, io::Blocks blocks, Coordinates& block) {
-    const bool doubles = link.largest(link.is_first() && std::holds_alternative<std::vector<double>>(all));
-    const auto size = 3 * static_cast<std::size_t>(blocks.size(link.rank()));
+/// Reads all on rank 0, which hands blocks of triangles out, and has all vertices.
+SharedMesh read_by_first(RankLink& link, const std::vector<std::string>& files, const AnswerOptions& answer,
+                         const AnswerOptions& reading) {
+    const bool moves = files.size() > 1;
+    StepOrRest input;
     link.agree([&] {
-        if (doubles)
-            block.emplace<std::vector<double>>(size);
+        if (!link.is_first()) return;
+        if (moves)
+            input = read_step_or_rest(files[0], files[1], answer);
         else
-            block.emplace<std::vector<float>>(size);
+            input.start = read_input(files, reading);
+        if (!input.start.first.lines.empty()) refuse_on_ranks("a mesh with lines (l)");
+        if (!input.start.first.points.empty()) refuse_on_ranks("a mesh with points (p)");
     });
+    if (moves && !input.end) input.end.emplace();
+    io::TriangleMesh& all = input.start.first;
+    SharedMesh mesh;
+    mesh.triangles = {link.sum(all.triangle_count()), link.ranks()};
+    mesh.vertices = {link.sum(all.vertex_count()), 1};
+    const auto block = [&](std::size_t i) { return mesh.triangles.reader_of(static_cast<std::int64_t>(i)); };
+    mesh.mesh.triangles = link.redistribute(all.triangles, block, 3);
+    mesh.mesh.groups = link.redistribute(all.groups, block);
+    mesh.mesh.vertices = std::move(all.vertices);
+    mesh.end = std::move(input.end);
+    mesh.weld = answer.weld.value_or(false);
+    return mesh;
+}
+
+/// Numbers of the vertices that a rank is to have, ascending: those of a block, so that none is left out, and those
+/// that its triangles name.
+std::vector<std::int64_t> numbers_of_vertices(std::span<const std::int32_t> corners, std::int64_t begin,
+                                              std::int64_t end) {
+    std::vector<std::int64_t> named, block(static_cast<std::size_t>(end - begin)), all;
+    std::copy_if(corners.begin(), corners.end(), std::back_inserter(named),
+                 [&](std::int32_t corner) { return corner < begin || corner >= end; });
+    std::sort(named.begin(), named.end());
+    named.erase(std::unique(named.begin(), named.end()), named.end());
+    std::iota(block.begin(), block.end(), begin);
+    std::merge(named.begin(), named.end(), block.begin(), block.end(), std::back_inserter(all));
+    return all;
+}
+
+struct VertexRequest {
+    std::int32_t vertex, rank;
+};
+
+/// Replaces the coordinates that a rank has read by those of the vertices that it has requested. `first`: number of the
+/// first that it has read.
+void fetch(RankLink& link, const std::vector<VertexRequest>& requests, std::int64_t first, io::TriangleMesh& mesh) {
+    const bool doubles = link.largest(std::holds_alternative<std::vector<double>>(mesh.vertices));
+    if (doubles && mesh.vertex_count() == 0) mesh.vertices.emplace<std::vector<double>>();
     std::visit(
         [&](auto& xyz) {
-            auto* const whole = std::get_if<std::remove_reference_t<decltype(xyz)>>(&all);
-            hand_out(link, whole ? rows_of(*whole) : nullptr, blocks, rows_of(xyz));
+            std::decay_t<decltype(xyz)> requested;
+            link.agree([&] {
+                for (const VertexRequest& request : requests) {
+                    const auto vertex = xyz.begin() + 3 * (request.vertex - first);
+                    requested.insert(requested.end(), vertex, vertex + 3);
+                }
+            });
+            xyz = link.redistribute(
+                requested, [&](std::size_t i) { return requests[i].rank; }, 3);
         },
-        block);
+        mesh.vertices);
 }
 
-/// Blocks of the mesh that rank 0 has.
-io::MeshSlice hand_out_mesh(RankLink& link, io::TriangleMesh& all) {
-    std::array<std::int64_t, 3> told{};
-    if (link.is_first()) told = {all.triangle_count(), all.vertex_count(), !all.groups.empty()};
-    link.transport().reduce(told, distribute::Reduction::sum);
-    io::MeshSlice slice;
-    slice.triangles = {told[0], link.ranks()};
-    slice.vertices = {told[1], link.ranks()};
-    const auto triangles = static_cast<std::size_t>(slice.triangles.size(link.rank()));
+/// Fetches the vertices that a rank needs, and lets corners count in them.
+RankInput with_vertices(RankLink& link, SharedMesh mesh) {
+    io::Blocks blocks = mesh.vertices;
+    blocks.readers = link.ranks();
+    const std::int64_t begin = blocks.begin(link.rank()), end = blocks.end(link.rank());
+    RankInput input{std::move(mesh.mesh), std::move(mesh.end), {}, false, mesh.triangles, mesh.weld};
+    std::vector<std::int64_t>& ids = input.vertex_ids;
+    std::vector<VertexRequest> requests;
     link.agree([&] {
-        slice.mesh.triangles.resize(3 * triangles);
-        if (told[2]) slice.mesh.groups.resize(triangles);
+        ids = numbers_of_vertices(input.mesh.triangles, begin, end);
+        for (const std::int64_t id : ids) requests.push_back({static_cast<std::int32_t>(id), link.rank()});
     });
-    hand_out(link, rows_of(all.triangles), slice.triangles, rows_of(slice.mesh.triangles));
-    if (told[2]) hand_out(link, all.groups.data(), slice.triangles, slice.mesh.groups.data());
-    hand_out_vertices(link, all.vertices, slice.vertices, slice.mesh.vertices);
-    return slice;
-}
-
-void refuse_lines_and_points(const io::TriangleMesh& mesh) {
-    if (!mesh.lines.empty()) refuse_on_ranks("a mesh with lines (l)");
-    if (!mesh.points.empty()) refuse_on_ranks("a mesh with points (p)");
-}
-
-io::MeshSlice read_whole(RankLink& link, const std::string& file, const AnswerOptions& answer) {
-    Input input;
-    link.agree([&] {
-        if (!link.is_first()) return;
-        input = read_input({file}, answer);
-        refuse_lines_and_points(input.first);
-    });
-    io::MeshSlice slice = hand_out_mesh(link, input.first);
-    slice.weld = answer.weld.value_or(false);
-    return slice;
-}
-
-/// Lets corners be numbers over all ranks where they are not yet.
-void number_all_corners(io::MeshSlice& slice, int rank) {
-    if (!slice.soup) return;
-    for (std::int32_t& corner : slice.mesh.triangles) corner += static_cast<std::int32_t>(slice.vertices.begin(rank));
-    slice.soup = false;
-}
-
-/// As check_same_faces, of blocks.
-void check_same_blocks(RankLink& link, const std::string& start_name, const std::string& end_name,
-                       const io::MeshSlice& start, const io::MeshSlice& end) {
-    link.agree([&] {
-        if (!link.is_first()) return;
-        check_same_counts(start_name, end_name, "vertices", start.vertices.rows, end.vertices.rows);
-        check_same_counts(start_name, end_name, "triangles", start.triangles.rows, end.triangles.rows);
-    });
-    const std::vector<std::int32_t>&a = start.mesh.triangles, &b = end.mesh.triangles;
-    const std::int64_t same = std::mismatch(a.begin(), a.end(), b.begin()).first - a.begin();
-    const bool all_same = same == static_cast<std::int64_t>(a.size());
-    const std::int64_t first =
-        link.least(all_same ? start.triangles.rows : start.triangles.begin(link.rank()) + same / 3);
-    link.agree([&] {
-        if (link.is_first() && first < start.triangles.rows)
-            refuse_other_faces(start_name, end_name, "triangle " + std::to_string(first) + " has other vertices");
-    });
-}
-
-RankInput input_of(RankLink& link, io::MeshSlice& slice, io::TriangleMesh* end = nullptr) {
-    RankInput input{std::move(slice.mesh), {}, {}, slice.triangles, slice.weld};
-    if (!slice.soup) input.vertex_ids = bring_named_vertices(link, slice.vertices, input.mesh, end);
-    if (end) input.end = std::move(*end);
+    requests = link.redistribute(requests, [&](std::size_t i) { return mesh.vertices.reader_of(ids[i]); });
+    const std::int64_t first = mesh.vertices.begin(link.rank());
+    fetch(link, requests, first, input.mesh);
+    if (input.end) fetch(link, requests, first, *input.end);
+    const std::int64_t before = std::lower_bound(ids.begin(), ids.end(), begin) - ids.begin();
+    for (std::int32_t& corner : input.mesh.triangles) {
+        const bool in_block = corner >= begin && corner < end;
+        corner = static_cast<std::int32_t>(in_block ? before + corner - begin
+                                                    : std::lower_bound(ids.begin(), ids.end(), corner) - ids.begin());
+    }
+    input.has_copies = link.largest(static_cast<std::int64_t>(ids.size()) > end - begin);
     return input;
 }
 
 }  // namespace
 
-RankInput read_on_ranks(RankLink& link, const std::string& file, const AnswerOptions& answer) {
-    std::optional<io::MeshSlice> slice = read_slices(link, file, answer, Welding::anybody);
-    if (!slice) slice = read_whole(link, file, answer);
-    return input_of(link, *slice);
+MeshShare RankInput::share() const {
+    const MeshShare share{.mesh = mesh.view(),
+                          .triangle_ids = {},
+                          .vertex_ids = has_copies ? std::span(vertex_ids) : std::span<const std::int64_t>()};
+    return end ? share.moving_to(end->view().vertices) : share;
 }
 
-RankInput read_features_on_ranks(RankLink& link, const std::string& file, const AnswerOptions& answer) {
-    const AnswerOptions reading = with_lines_and_points(answer);
-    std::optional<io::MeshSlice> slice = read_slices(link, file, reading, Welding::rank_0);
-    if (!slice) slice = read_whole(link, file, reading);
-    number_all_corners(*slice, link.rank());
-    return input_of(link, *slice);
-}
-
-RankInput read_step_on_ranks(RankLink& link, const std::string& start, const std::string& end,
-                             const AnswerOptions& answer) {
-    AnswerOptions reading = reading_of_motion(answer);
-    std::optional<io::MeshSlice> first = read_slices(link, start, reading, Welding::rank_0), last;
-    reading.groups.clear();
-    if (first) last = read_slices(link, end, reading, Welding::rank_0);
-    if (last) {
-        number_all_corners(*first, link.rank());
-        number_all_corners(*last, link.rank());
-        check_same_blocks(link, start, end, *first, *last);
-        return input_of(link, *first, &last->mesh);
-    }
-    MovingInput whole;
-    link.agree([&] {
-        if (!link.is_first()) return;
-        whole = read_moving_input(start, end, answer);
-        refuse_lines_and_points(whole.start.first);
-    });
-    io::MeshSlice slice = hand_out_mesh(link, whole.start.first);
-    io::TriangleMesh moved;
-    hand_out_vertices(link, whole.end.vertices, slice.vertices, moved.vertices);
-    whole = {};
-    return input_of(link, slice, &moved);
+RankInput read_on_ranks(RankLink& link, const std::vector<std::string>& files, const AnswerOptions& answer,
+                        bool for_features) {
+    AnswerOptions reading = answer;
+    if (for_features) reading = files.size() > 1 ? reading_of_motion(answer) : with_lines_and_points(answer);
+    std::optional<SharedMesh> mesh = read_slices(link, files, reading, for_features);
+    return with_vertices(link, mesh ? std::move(*mesh) : read_by_first(link, files, answer, reading));
 }
 
 }  // namespace crumple::cli

@@ -1,8 +1,9 @@
 #pragma once
 
-// What each rank brings: a block of the file's triangles, with the vertices that they name.
+// Local mesh of each rank: a block of the file's triangles, with the vertices that they name.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,24 +17,20 @@ namespace crumple::cli {
 
 struct RankInput {
     io::TriangleMesh mesh;                 ///< corners count in its vertices
-    io::TriangleMesh end;                  ///< of a step: the same vertices at its end
-    std::vector<std::int64_t> vertex_ids;  ///< over all ranks; empty where each triangle has its own
+    std::optional<io::TriangleMesh> end;   ///< of a step: the same vertices at its end
+    std::vector<std::int64_t> vertex_ids;  ///< over all ranks, ascending
+    bool has_copies = false;               ///< a rank has vertices of another one's block
     io::Blocks triangles;                  ///< of all ranks
     bool weld = false;                     ///< vertices at equal positions are to be one
 
-    MeshShare share() const { return {.mesh = mesh.view(), .triangle_ids = {}, .vertex_ids = vertex_ids}; }
+    MeshShare share() const;
 };
 
-/// Collective. Each rank reads its rows, where the file is binary PLY of triangles or binary STL; else, and from
-/// standard input, rank 0 reads all and hands them out. Throws the same Error on all ranks.
-RankInput read_on_ranks(RankLink& link, const std::string& file, const AnswerOptions& answer);
-
-/// The same for an answer that names vertices: where equal ones are to become one as they are read, rank 0 reads all.
-/// Refuses lines and points.
-RankInput read_features_on_ranks(RankLink& link, const std::string& file, const AnswerOptions& answer);
-
-/// The same of a mesh at two times, as read_moving_input reads it.
-RankInput read_step_on_ranks(RankLink& link, const std::string& start, const std::string& end,
-                             const AnswerOptions& answer);
+/// Collective. Reads a mesh, or for two files one mesh at the start and at the end of a step. Each rank reads its rows
+/// where the files are binary PLY of triangles or binary STL; any other, and standard input, rank 0 reads and hands
+/// out. So it does, too, `for_features`, where vertices become one as they are read: their numbers are in the result.
+/// Throws the same Error on all ranks, also for lines and points.
+RankInput read_on_ranks(RankLink& link, const std::vector<std::string>& files, const AnswerOptions& answer,
+                        bool for_features);
 
 }  // namespace crumple::cli

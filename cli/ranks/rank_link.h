@@ -1,21 +1,22 @@
 #pragma once
 
-// How the ranks of the command line talk: over a communicator of their own, by the transport that the search uses.
+// Communication of the command line's ranks: over a communicator of their own, by the transport of the search.
 
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "distributed/mpi/mpi_transport.h"
 #include "distributed/transport/agreement.h"
+#include "distributed/transport/exchange_lists.h"
 #include "distributed/transport/rounds.h"
 
 namespace crumple::cli {
 
-/// For what only one rank knows of: it tells, and all end.
-[[noreturn]] void abort_all_ranks(const char* message, int status);
-
+/// All calls but the first four are collective.
 class RankLink {
    public:
     RankLink();
@@ -25,40 +26,55 @@ class RankLink {
     int rank() const { return transport_.rank(); }
     int ranks() const { return transport_.size(); }
     bool is_first() const { return rank() == 0; }
-    MPI_Comm communicator() const { return communicator_.get(); }
     distribute::Rounds& rounds() { return rounds_; }
-    distribute::Transport& transport() { return transport_; }
 
-    /// Runs work() on each rank, and returns where it has returned on all; otherwise throws the same Error on all. What
-    /// a rank does by itself, and may fail to do, is done so: else the others would wait for it.
+    /// Runs work() on each rank, and returns where it has returned on all; otherwise throws the same Error on all. Work
+    /// that may fail on one rank is run so, or the others would wait for it.
     template <class Work>
     void agree(Work work) {
-        try {
-            agreement_(Phase::input, std::move(work));
-        } catch (const Error& error) {
-            throw as_of_one_process(error);
-        }
+        agreement_(Phase::input, std::move(work));
     }
+
     std::int64_t least(std::int64_t number) { return reduced(number, distribute::Reduction::min); }
     std::int64_t largest(std::int64_t number) { return reduced(number, distribute::Reduction::max); }
     std::int64_t sum(std::int64_t number) { return reduced(number, distribute::Reduction::sum); }
-    /// The error of all ranks, without the rank where that does not matter.
-    static Error as_of_one_process(const Error& error);
-    /// The text that rank 0 has.
+    void reduce(std::vector<std::int64_t>& numbers, distribute::Reduction how) { transport_.reduce(numbers, how); }
+    /// Returns the text that rank 0 has.
     std::string text_of_first(std::string text);
 
+    /// Sends rows to the ranks that rank_of(row's number) names, and returns those that come: from rank 0 first, each
+    /// rank's in their order. A row is `width` values.
+    template <class Values, class RankOf>
+    auto redistribute(const Values& values, RankOf rank_of, std::size_t width = 1) {
+        using Value = std::decay_t<decltype(values[std::size_t{0}])>;
+        std::vector<std::vector<Value>> leaving;
+        agree([&] {
+            leaving.resize(static_cast<std::size_t>(ranks()));
+            for (std::size_t i = 0; i < values.size(); i += width) {
+                std::vector<Value>& to = leaving[static_cast<std::size_t>(rank_of(i / width))];
+                to.insert(to.end(), values.data() + i, values.data() + i + width);
+            }
+        });
+        const distribute::Traffic traffic =
+            distribute::traffic_of(rounds_, [&](std::size_t rank) { return leaving[rank].size(); });
+        std::vector<Value> coming;
+        agree([&] { coming.resize(distribute::all(traffic.in)); });
+        distribute::exchange_lists(
+            rounds_, traffic, [&](std::size_t rank) -> auto& { return leaving[rank]; }, coming);
+        return coming;
+    }
+    /// Returns the values of all ranks on rank 0, one rank's behind the other's; the others get none.
+    template <class Values>
+    auto gather(const Values& values) {
+        return redistribute(values, [](std::size_t) { return 0; });
+    }
+
    private:
-    struct Communicator {
-        Communicator();
-        MPI_Comm get() const { return own; }
-        MPI_Comm own = MPI_COMM_NULL;
-    };
     std::int64_t reduced(std::int64_t number, distribute::Reduction how) {
         transport_.reduce({&number, 1}, how);
         return number;
     }
 
-    Communicator communicator_;
     distribute::MpiTransport transport_;
     distribute::Rounds rounds_;
     distribute::Agreement agreement_;

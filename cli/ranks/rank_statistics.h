@@ -1,6 +1,6 @@
 #pragma once
 
-// What the ranks did, all together.
+// Statistics of all ranks together.
 
 #include <cstdint>
 #include <string>
@@ -10,17 +10,10 @@
 
 namespace crumple::cli {
 
-/// Over all ranks: sums, but the largest of wall-clock times.
-struct RankTotals {
-    DistributedStatistics statistics;  ///< `search` as one process would tell it, where that can be said
-    int threads = 1;                   ///< of all ranks
-};
+/// Collective. Returns sums over all ranks, but the largest of wall-clock times. `mine.search.threads`: of this rank.
+DistributedStatistics total(RankLink& link, DistributedStatistics mine);
 
-/// Collective.
-RankTotals total(RankLink& link, const DistributedStatistics& mine, std::int64_t triangles, std::int64_t pairs,
-                 int threads);
-
-/// What --stats prints, to standard error of rank 0, with this remark on the pairs.
-void print_statistics(const RankLink& link, const RankTotals& totals, const std::string& remark);
+/// Prints the table of --stats to standard error of rank 0, with this remark on the pairs.
+void print_statistics(const RankLink& link, const DistributedStatistics& totals, const std::string& remark);
 
 }  // namespace crumple::cli

@@ -1,7 +1,6 @@
 // A build without MPI: nobody else is there.
 
-#include "cli/ranks/detect_ranks.h"
-#include "cli/ranks/feature_ranks.h"
+#include "cli/ranks/rank_search.h"
 #include "cli/ranks/ranks.h"
 #include "crumple/error.h"
 
@@ -11,19 +10,15 @@ Ranks::Ranks(int&, char**&) {}
 Ranks::~Ranks() = default;
 int Ranks::count() { return 1; }
 
-namespace {
-
-[[noreturn]] void nobody_is_there() {
+void refuse_on_ranks(const std::string&) {
     throw Error(ErrorCode::communication, "this program was built without CRUMPLE_MPI");
 }
-
-}  // namespace
-
-void refuse_on_ranks(const std::string&) { nobody_is_there(); }
-int detect_on_ranks(const RanksDetection&) { nobody_is_there(); }
-int impacts_on_ranks(const FeatureCommand&, const std::string&, const std::string&, const ImpactQuery&, bool) {
-    nobody_is_there();
+template <class Query>
+int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const Query&) {
+    refuse_on_ranks({});
 }
-int near_on_ranks(const FeatureCommand&, const std::string&, const ProximityQuery&) { nobody_is_there(); }
+template int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const IntersectionQuery&);
+template int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const ImpactQuery&);
+template int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const ProximityQuery&);
 
 }  // namespace crumple::cli

@@ -85,13 +85,10 @@ class Slices : public testing::Test {
             const auto part = slice(bytes, options, r, readers);
             if (!part) throw std::runtime_error("not read by slices");
             EXPECT_EQ(part->mesh.triangle_count(), part->triangles.size(r));
-            if (!part->soup) {
-                EXPECT_EQ(part->mesh.vertex_count(), part->vertices.size(r));
-            }
+            EXPECT_EQ(part->mesh.vertex_count(), part->vertices.size(r));
             if (r == 0)
                 std::visit([&](const auto& xyz) { all.vertices = std::decay_t<decltype(xyz)>(); }, part->mesh.vertices);
-            const auto first = static_cast<std::int32_t>(part->soup ? all.vertex_count() : 0);
-            for (const std::int32_t corner : part->mesh.triangles) all.triangles.push_back(first + corner);
+            all.triangles.insert(all.triangles.end(), part->mesh.triangles.begin(), part->mesh.triangles.end());
             all.groups.insert(all.groups.end(), part->mesh.groups.begin(), part->mesh.groups.end());
             std::visit(
                 [&](const auto& xyz) {
@@ -130,7 +127,6 @@ TEST_F(Slices, OfStlAreTheWholeMesh) {
 
 TEST_F(Slices, TellWhatIsToBeWelded) {
     EXPECT_TRUE(slice(stl_bytes(3))->weld);
-    EXPECT_TRUE(slice(stl_bytes(3))->soup);
     EXPECT_FALSE(slice(stl_bytes(3), {.weld = Weld::no})->weld);
     EXPECT_FALSE(slice(ply_bytes(std::endian::little))->weld);
     EXPECT_TRUE(slice(ply_bytes(std::endian::little), {.weld = Weld::yes})->weld);

@@ -29,13 +29,10 @@ bool is_binary_stl(const Source& beginning, std::int64_t size) {
                                                                                 std::endian::little)};
 }
 
-std::optional<MeshSlice> read_stl_slice(const RowFile& file, const ReadOptions& options, int reader, int readers) {
-    MeshSlice slice;
-    slice.triangles = {(file.size() - stl_prologue) / stl_record, readers};
-    slice.vertices = {3 * slice.triangles.rows, readers};
-    if (slice.triangles.rows == 0 || slice.vertices.rows > INT32_MAX) return std::nullopt;
-    slice.soup = true;
-    slice.weld = options.weld != Weld::no;
+std::optional<MeshSlice> read_stl_slice(RowFile& file, const ReadOptions& options, int reader, int readers) {
+    const std::int64_t triangles = (file.size() - stl_prologue) / stl_record;
+    if (triangles == 0 || 3 * triangles > INT32_MAX) return std::nullopt;
+    MeshSlice slice{{triangles, readers}, {3 * triangles, readers, 3}, {}, options.weld != Weld::no};
     const std::int64_t first = slice.triangles.begin(reader), count = slice.triangles.size(reader);
     slice.mesh = in_precision(options.precision, ScalarType::float32, [&](auto zero) -> TriangleMesh {
         std::vector<decltype(zero)> xyz;
@@ -50,7 +47,7 @@ std::optional<MeshSlice> read_stl_slice(const RowFile& file, const ReadOptions& 
             return true;
         });
         std::vector<std::int32_t> corners(static_cast<std::size_t>(3 * count));
-        std::iota(corners.begin(), corners.end(), 0);
+        std::iota(corners.begin(), corners.end(), static_cast<std::int32_t>(3 * first));
         return {std::move(xyz), std::move(corners)};
     });
     return slice;
@@ -61,7 +58,7 @@ std::optional<MeshSlice> read_stl_slice(const RowFile& file, const ReadOptions& 
 std::optional<MeshSlice> read_slice(const std::filesystem::path& path, const ReadOptions& options, int reader,
                                     int readers) {
     const FloatEnvironment environment;
-    const RowFile file(path);
+    RowFile file(path);
     if (!file.is_open()) return std::nullopt;
     const std::vector<char> bytes = file.read(0, longest_header);
     if (is_gzip({bytes.data(), bytes.size()})) return std::nullopt;

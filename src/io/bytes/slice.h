@@ -1,7 +1,6 @@
 #pragma once
 
-// A binary file that several readers share: each reads its own rows. Blocks of rows follow each other, reader by
-// reader.
+// Binary file that several readers share: each reads its own rows. Blocks of rows follow each other, reader by reader.
 
 #include <cstdint>
 #include <filesystem>
@@ -15,22 +14,23 @@ namespace crumple::io {
 struct Blocks {
     std::int64_t rows = 0;
     int readers = 1;
+    int together = 1;  ///< rows that no two blocks share, such as the vertices of a triangle
 
-    std::int64_t begin(int reader) const { return rows * reader / readers; }
+    std::int64_t begin(int reader) const { return rows / together * reader / readers * together; }
     std::int64_t end(int reader) const { return begin(reader + 1); }
     std::int64_t size(int reader) const { return end(reader) - begin(reader); }
-    /// Whose block a row lies in.
-    int reader_of(std::int64_t row) const { return static_cast<int>(((row + 1) * readers - 1) / rows); }
+    /// Returns whose block a row lies in.
+    int reader_of(std::int64_t row) const {
+        return static_cast<int>(((row / together + 1) * readers - 1) / (rows / together));
+    }
 };
 
-/// What one reader has read.
+/// One reader's part of a mesh.
 struct MeshSlice {
     Blocks triangles, vertices;  ///< of the whole file
     /// A block of triangles and a block of vertices, and the groups of the triangles. Corners are numbers over the
     /// whole file, so that they may name vertices of other blocks.
     TriangleMesh mesh;
-    /// Each triangle has three vertices of its own: corners count in this reader's vertices.
-    bool soup = false;
     bool weld = false;  ///< vertices at equal positions, of any reader, are one
 };
 

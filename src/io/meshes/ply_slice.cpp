@@ -7,6 +7,10 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "io/bytes/bytes.h"
 #include "io/formats.h"
@@ -19,173 +23,142 @@ std::int64_t size_of(PlyType type) {
     return with_type(type, [](auto zero) { return static_cast<std::int64_t>(sizeof zero); });
 }
 
-std::int64_t integer_at(const char* p, PlyType type, std::endian order) {
-    return with_type(type, [&](auto zero) { return static_cast<std::int64_t>(load<decltype(zero)>(p, order)); });
+template <class Value>
+Value value_at(const char* p, PlyType type, std::endian order) {
+    return with_type(type, [&](auto zero) { return static_cast<Value>(load<decltype(zero)>(p, order)); });
+}
+
+// Properties that are read, by number: x, y and z, and then
+constexpr std::size_t corners_number = 3, group_number = 4, property_count = 5;
+
+struct Column {
+    std::size_t number;
+    std::int64_t place;  ///< in the row
+    const PlyProperty* property;
+};
+
+/// Rows of an element.
+struct Rows {
+    std::int64_t count = 0, begin = 0, row_bytes = 0;
+    std::vector<Column> columns;  ///< that are read, in the order of the row
+};
+
+struct Layout {
+    std::endian order;
+    ScalarType precision;
+    Rows vertices, faces;
+};
+
+/// Returns where rows lie, or nothing if they have no known length, or the file is not as long as all together. Throws
+/// Error where the header makes no sense.
+std::optional<Layout> layout_of(const RowFile& file, const Source& beginning, const PlyHeader& header,
+                                const std::string& group_property) {
+    const PlyElement* const vertex = header.find(beginning, "vertex");
+    const PlyElement* const face = header.find(beginning, "face");
+    if (header.encoding == PlyEncoding::ascii || !vertex || !face || face->count == 0) return std::nullopt;
+    if (header.find(beginning, "tristrips")) return std::nullopt;
+    const std::array<const PlyProperty*, property_count> wanted{
+        vertex->find(beginning, {"x"}), vertex->find(beginning, {"y"}), vertex->find(beginning, {"z"}),
+        face->find(beginning, {"vertex_indices", "vertex_index"}), face->find(beginning, {group_property})};
+    Layout layout{header.encoding == PlyEncoding::big_endian ? std::endian::big : std::endian::little,
+                  ScalarType::float32,
+                  {},
+                  {}};
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        if (i == group_number && group_property.empty()) continue;
+        if (!wanted[i] || (i >= corners_number && !is_integer(wanted[i]->type))) return std::nullopt;
+        if (i < corners_number && wanted[i]->type != PlyType::float32) layout.precision = ScalarType::float64;
+    }
+    std::int64_t begin = header.body - beginning.begin();
+    for (const PlyElement& element : header.elements) {
+        Rows rows{element.count, begin, 0, {}};
+        for (const PlyProperty& property : element.properties) {
+            const auto found =
+                static_cast<std::size_t>(std::find(wanted.begin(), wanted.end(), &property) - wanted.begin());
+            if (property.count_type.has_value() != (found == corners_number)) return std::nullopt;
+            if (found < property_count) rows.columns.push_back({found, rows.row_bytes, &property});
+            const std::int64_t bytes = size_of(property.type);
+            rows.row_bytes += property.count_type ? size_of(*property.count_type) + 3 * bytes : bytes;
+        }
+        if (rows.row_bytes > 0 && rows.count > (file.size() - begin) / rows.row_bytes) return std::nullopt;
+        begin += rows.count * rows.row_bytes;
+        if (&element == vertex) layout.vertices = std::move(rows);
+        if (&element == face) layout.faces = std::move(rows);
+    }
+    return begin == file.size() ? std::optional(layout) : std::nullopt;
+}
+
+/// Calls f(row, byte of the row) for the rows of a reader's block, until one returns false.
+template <class F>
+bool for_each_row(RowFile& file, const Rows& rows, const Blocks& blocks, int reader, F f) {
+    return file.for_each(rows.begin + blocks.begin(reader) * rows.row_bytes, rows.row_bytes, blocks.size(reader), f);
 }
 
 template <class Scalar>
-Scalar real_at(const char* p, PlyType type, std::endian order) {
-    return with_type(type, [&](auto zero) { return static_cast<Scalar>(load<decltype(zero)>(p, order)); });
+std::vector<Scalar> read_vertices(RowFile& file, const Layout& layout, const Blocks& blocks, int reader) {
+    std::vector<Scalar> xyz(3 * static_cast<std::size_t>(blocks.size(reader)));
+    Scalar* vertex = xyz.data();
+    for_each_row(file, layout.vertices, blocks, reader, [&](const char* row, std::int64_t byte) {
+        for (const auto& [axis, place, property] : layout.vertices.columns) {
+            vertex[axis] = value_at<Scalar>(row + place, property->type, layout.order);
+            if (!std::isfinite(vertex[axis]))
+                file.fail_at(byte + place, std::is_same_v<Scalar, float> ? "a coordinate is not a finite float32"
+                                                                         : "a coordinate is not finite");
+        }
+        vertex += 3;
+        return true;
+    });
+    return xyz;
 }
 
-/// Where an element's rows are, and where a property is in its row.
-struct Rows {
-    const PlyElement* element = nullptr;
-    std::int64_t begin = 0, row_bytes = 0;
-
-    std::int64_t place_of(const PlyProperty* wanted) const {
-        std::int64_t place = 0;
-        for (const PlyProperty& property : element->properties) {
-            if (&property == wanted) break;
-            place += bytes_of(property);
+/// Returns false at a face that has not three corners.
+bool read_faces(RowFile& file, const Layout& layout, int reader, MeshSlice& slice) {
+    const auto read_corners = [&](const char* row, std::int64_t byte, const Column& column) {
+        const PlyProperty& list = *column.property;
+        const std::int64_t step = size_of(list.type), first = column.place + size_of(*list.count_type);
+        if (value_at<std::int64_t>(row + column.place, *list.count_type, layout.order) != 3) return false;
+        for (std::int64_t at = first; at < first + 3 * step; at += step) {
+            const auto index = value_at<std::int64_t>(row + at, list.type, layout.order);
+            if (index < 0 || index >= slice.vertices.rows)
+                file.fail_at(byte + at, "a face names vertex " + std::to_string(index) + " of " +
+                                            std::to_string(slice.vertices.rows));
+            slice.mesh.triangles.push_back(static_cast<std::int32_t>(index));
         }
-        return place;
-    }
-    static std::int64_t bytes_of(const PlyProperty& property) {
-        const std::int64_t one = size_of(property.type);
-        return property.count_type ? size_of(*property.count_type) + 3 * one : one;
-    }
-};
-
-class PlySliceReader {
-   public:
-    PlySliceReader(const RowFile& file, const ReadOptions& options, int reader, int readers)
-        : file_(file), options_(options), reader_(reader), readers_(readers) {}
-
-    /// Whether the header is one of a file that is read by slices. Throws Error where it makes no sense.
-    bool understand(const Source& beginning) {
-        header_ = read_ply_header(beginning);
-        if (header_.encoding == PlyEncoding::ascii) return false;
-        order_ = header_.encoding == PlyEncoding::big_endian ? std::endian::big : std::endian::little;
-        const PlyElement* const vertex = header_.find(beginning, "vertex");
-        const PlyElement* const face = header_.find(beginning, "face");
-        if (!vertex || !face) return false;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            xyz_[axis] = vertex->find(beginning, {std::array{"x", "y", "z"}[axis]});
-            if (!xyz_[axis]) return false;
+        return true;
+    };
+    return for_each_row(file, layout.faces, slice.triangles, reader, [&](const char* row, std::int64_t byte) {
+        for (const Column& column : layout.faces.columns) {
+            if (column.number == corners_number && !read_corners(row, byte, column)) return false;
+            if (column.number != group_number) continue;
+            const auto value = value_at<std::int64_t>(row + column.place, column.property->type, layout.order);
+            if (value != static_cast<std::int32_t>(value))
+                file.fail_at(byte + column.place, "a group does not fit in 32 bits");
+            slice.mesh.groups.push_back(static_cast<std::int32_t>(value));
         }
-        corners_ = face->find(beginning, {"vertex_indices", "vertex_index"});
-        if (!corners_ || !corners_->count_type || !is_integer(corners_->type)) return false;
-        if (!options_.group_property.empty()) {
-            group_ = face->find(beginning, {options_.group_property});
-            if (!group_ || group_->count_type || !is_integer(group_->type)) return false;
-        }
-        return find_rows(header_.body - beginning.begin(), *vertex, *face) && face->count > 0;
-    }
-
-    std::optional<MeshSlice> read() {
-        MeshSlice slice;
-        slice.triangles = {faces_.element->count, readers_};
-        slice.vertices = {vertices_.element->count, readers_};
-        if (std::max(slice.triangles.rows, slice.vertices.rows) > INT32_MAX)
-            throw Error(ErrorCode::format, file_.name() + ": more vertices or triangles than 32-bit ids can name");
-        slice.weld = options_.weld == Weld::yes;
-        const bool single =
-            std::all_of(xyz_.begin(), xyz_.end(), [](const PlyProperty* p) { return p->type == PlyType::float32; });
-        slice.mesh =
-            in_precision(options_.precision, single ? ScalarType::float32 : ScalarType::float64, [&](auto zero) {
-                return TriangleMesh{read_vertices<decltype(zero)>(slice.vertices), {}};
-            });
-        if (!read_faces(slice.triangles, slice.vertices.rows, slice.mesh)) return std::nullopt;
-        return slice;
-    }
-
-   private:
-    /// Whether all rows have a length, and the file is as long as all together.
-    bool find_rows(std::int64_t begin, const PlyElement& vertex, const PlyElement& face) {
-        for (const PlyElement& element : header_.elements) {
-            Rows rows{&element, begin, 0};
-            for (const PlyProperty& property : element.properties) {
-                if (property.count_type && &property != corners_) return false;
-                rows.row_bytes += Rows::bytes_of(property);
-            }
-            if (element.name == "tristrips" && element.count > 0) return false;
-            if (rows.row_bytes > 0 && element.count > (file_.size() - begin) / rows.row_bytes) return false;
-            begin += element.count * rows.row_bytes;
-            if (&element == &vertex) vertices_ = rows;
-            if (&element == &face) faces_ = rows;
-        }
-        return begin == file_.size();
-    }
-
-    template <class Scalar>
-    std::vector<Scalar> read_vertices(const Blocks& blocks) const {
-        struct Coordinate {
-            std::int64_t place;
-            std::size_t axis;
-        };
-        std::array<Coordinate, 3> coordinates{};  // in the order of the row, so that the first bad one is told
-        for (std::size_t axis = 0; axis < 3; ++axis) coordinates[axis] = {vertices_.place_of(xyz_[axis]), axis};
-        std::sort(coordinates.begin(), coordinates.end(),
-                  [](const Coordinate& a, const Coordinate& b) { return a.place < b.place; });
-        std::vector<Scalar> xyz(3 * static_cast<std::size_t>(blocks.size(reader_)));
-        Scalar* vertex = xyz.data();
-        const auto read_row = [&](const char* row, std::int64_t byte) {
-            for (const auto [place, axis] : coordinates) {
-                vertex[axis] = real_at<Scalar>(row + place, xyz_[axis]->type, order_);
-                if (!std::isfinite(vertex[axis]))
-                    file_.fail_at(byte + place, std::is_same_v<Scalar, float> ? "a coordinate is not a finite float32"
-                                                                              : "a coordinate is not finite");
-            }
-            vertex += 3;
-            return true;
-        };
-        file_.for_each(vertices_.begin + blocks.begin(reader_) * vertices_.row_bytes, vertices_.row_bytes,
-                       blocks.size(reader_), read_row);
-        return xyz;
-    }
-
-    /// False at a face that has not three corners, unless no reader would take it.
-    bool read_faces(const Blocks& blocks, std::int64_t vertex_count, TriangleMesh& mesh) const {
-        const auto count = static_cast<std::size_t>(blocks.size(reader_));
-        const std::int64_t place = faces_.place_of(corners_), first = place + size_of(*corners_->count_type);
-        const std::int64_t group_place = group_ ? faces_.place_of(group_) : 0, step = size_of(corners_->type);
-        mesh.triangles.reserve(3 * count);
-        if (group_) mesh.groups.reserve(count);
-        const auto read_group = [&](const char* row, std::int64_t byte) {
-            const std::int64_t group = integer_at(row + group_place, group_->type, order_);
-            if (group != static_cast<std::int32_t>(group))
-                file_.fail_at(byte + group_place, "a group does not fit in 32 bits");
-            mesh.groups.push_back(static_cast<std::int32_t>(group));
-        };
-        return file_.for_each(faces_.begin + blocks.begin(reader_) * faces_.row_bytes, faces_.row_bytes,
-                              blocks.size(reader_), [&](const char* row, std::int64_t byte) {
-                                  if (group_ && group_place < place) read_group(row, byte);
-                                  const std::int64_t corners = integer_at(row + place, *corners_->count_type, order_);
-                                  if (corners != 3) return false;
-                                  for (std::int64_t at = first; at < first + 3 * step; at += step) {
-                                      const std::int64_t index = integer_at(row + at, corners_->type, order_);
-                                      if (index < 0 || index >= vertex_count)
-                                          file_.fail_at(byte + at, "a face names vertex " + std::to_string(index) +
-                                                                       " of " + std::to_string(vertex_count));
-                                      mesh.triangles.push_back(static_cast<std::int32_t>(index));
-                                  }
-                                  if (group_ && group_place > place) read_group(row, byte);
-                                  return true;
-                              });
-    }
-
-    const RowFile& file_;
-    const ReadOptions& options_;
-    int reader_, readers_;
-    PlyHeader header_;
-    std::endian order_ = std::endian::little;
-    std::array<const PlyProperty*, 3> xyz_{};
-    const PlyProperty *corners_ = nullptr, *group_ = nullptr;
-    Rows vertices_, faces_;
-};
+        return true;
+    });
+}
 
 }  // namespace
 
-std::optional<MeshSlice> read_ply_slice(const RowFile& file, const Source& beginning, const ReadOptions& options,
-                                        int reader, int readers) {
-    PlySliceReader slice(file, options, reader, readers);
+std::optional<MeshSlice> read_ply_slice(RowFile& file, const Source& beginning, const ReadOptions& options, int reader,
+                                        int readers) {
+    PlyHeader header;
+    std::optional<Layout> layout;
     try {
-        if (!slice.understand(beginning)) return std::nullopt;
-    } catch (const Error&) {
-        return std::nullopt;  // who reads the whole file tells
+        header = read_ply_header(beginning);
+        layout = layout_of(file, beginning, header, options.group_property);
+    } catch (const Error&) {  // whoever reads the whole file says why
     }
-    return slice.read();
+    if (!layout) return std::nullopt;
+    MeshSlice slice{{layout->faces.count, readers}, {layout->vertices.count, readers}, {}, options.weld == Weld::yes};
+    if (std::max(slice.triangles.rows, slice.vertices.rows) > INT32_MAX)
+        throw Error(ErrorCode::format, file.name() + ": more vertices or triangles than 32-bit ids can name");
+    slice.mesh = in_precision(options.precision, layout->precision, [&](auto zero) {
+        return TriangleMesh{read_vertices<decltype(zero)>(file, *layout, slice.vertices, reader), {}};
+    });
+    if (!read_faces(file, *layout, reader, slice)) return std::nullopt;
+    return slice;
 }
 
 }  // namespace crumple::io

@@ -11,7 +11,7 @@
 namespace crumple::io {
 
 /// Reads as read_slice does. `beginning`: bytes of the file that hold its header.
-std::optional<MeshSlice> read_ply_slice(const RowFile& file, const Source& beginning, const ReadOptions& options,
-                                        int reader, int readers);
+std::optional<MeshSlice> read_ply_slice(RowFile& file, const Source& beginning, const ReadOptions& options, int reader,
+                                        int readers);
 
 }  // namespace crumple::io

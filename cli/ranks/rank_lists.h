@@ -1,0 +1,35 @@
+#pragma once
+
+// Lists that ranks have found together.
+
+#include <cstdint>
+#include <functional>
+
+#include "cli/ranks/rank_input.h"
+#include "cli/ranks/rank_link.h"
+#include "cli/ranks/rank_texts.h"
+#include "crumple/distributed.h"
+
+namespace crumple::cli {
+
+/// A rank's rows of a result, in the order of the whole list. Views the input and what was found.
+template <class Result>
+struct RankList {
+    io::RowTable table;
+    RankSections sections;
+    /// Collective. Returns the lists of all ranks on rank 0; the others get none.
+    std::function<Result()> collect;
+};
+
+// Collective:
+RankList<Intersections> list_of(RankLink& link, const RankInput& input, const IntersectionQuery& query,
+                                const DistributedIntersections& found);
+RankList<Impacts> list_of(RankLink& link, const RankInput& input, const ImpactQuery& query,
+                          const DistributedImpacts& found);
+RankList<Proximities> list_of(RankLink& link, const RankInput& input, const ProximityQuery& query,
+                              const DistributedProximities& found);
+
+/// Collective. Returns how many triangles of all ranks are in some pair.
+std::int64_t count_hits(RankLink& link, const DistributedIntersections& found, io::Blocks triangles);
+
+}  // namespace crumple::cli

@@ -1,0 +1,210 @@
+#include "cli/ranks/rank_search.h"
+
+#include <chrono>
+#include <exception>
+#include <functional>
+#include <new>
+#include <optional>
+#include <type_traits>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "cli/commands.h"
+#include "cli/ranks/rank_input.h"
+#include "cli/ranks/rank_link.h"
+#include "cli/ranks/rank_lists.h"
+#include "cli/ranks/rank_statistics.h"
+#include "cli/ranks/ranks.h"
+#include "cli/search.h"
+#include "cli/statistics_table.h"
+#include "cli/steps.h"
+#include "cli/threads.h"
+#include "crumple/mpi.h"
+#include "io/bytes/gzip.h"
+#include "io/lists/feature_tables.h"
+#include "io/lists/pairs.h"
+
+namespace crumple::cli {
+namespace {
+
+/// Throws Error (invalid_argument) for what ranks do not share, and for options that do not go together.
+void check_options(const FeatureCommand& command) {
+    if (command.answer.of_bodies()) refuse_on_ranks("--groups bodies");
+    if (command.answer.groups == "components") refuse_on_ranks("--groups components");
+    if (command.answer.polygons) refuse_on_ranks("--polygons");
+    if (command.answer.part) refuse_on_ranks("--part");
+    if (command.stream) refuse_on_ranks("--stream");
+    for (const std::string& path : command.outputs.paths) {
+        if (io::has_gzip_name(path)) refuse_on_ranks("-o " + path + ", a compressed file,");
+        const std::string extension = extension_of(path, command.outputs.format);
+        if (io::pair_format_of(extension) == io::PairFormat::automatic) refuse_on_ranks("a coloured " + extension);
+    }
+    command.answer.check();
+    check_cost_options(command.options);
+}
+
+/// Returns the error of all ranks, without the rank where that does not matter: a file is bad whoever reads it, and
+/// what rank 0 does is what one process would do.
+Error as_of_one_process(const Error& error) {
+    const std::string who = "rank " + std::to_string(error.rank) + ": ", message = error.what();
+    if (!message.starts_with(who) || (error.rank > 0 && error.code != ErrorCode::format)) return error;
+    Error plain(error.code, message.substr(who.size()), error.element, error.index, error.bytes_needed,
+                error.system_error);
+    plain.rank = error.rank;
+    return plain;
+}
+
+/// Ends all ranks because of an error that only this one knows of.
+[[noreturn]] void abort_all_ranks(const char* message, int status) {
+    be_silent(false);
+    print_error(message);
+    MPI_Abort(MPI_COMM_WORLD, status);
+    std::exit(status);
+}
+
+/// Has the phases of the detector's calls printed as steps, which must outlive them.
+void print_phases(mpi::Detector& detector, const Steps& steps) {
+    using Clock = std::chrono::steady_clock;
+    detector.set_progress([&steps, last = Clock::time_point()](const DistributedProgress& progress) mutable {
+        const bool begins = progress.parts_done == 0;
+        // A part may take minutes, or no time.
+        if (!begins && Clock::now() - last < std::chrono::seconds(1)) return;
+        last = Clock::now();
+        steps.begin(begins ? std::string(phase_name(progress.phase))
+                           : fmt::format("{}, {} of {} parts done", phase_name(progress.phase), progress.parts_done,
+                                         progress.parts));
+    });
+}
+
+/// Remark of --stats on a result, and its summary.
+struct Description {
+    std::string remark, summary;
+};
+
+Description description_of(RankLink& link, const IntersectionQuery&, const DistributedIntersections& found,
+                           io::Blocks triangles, double milliseconds) {
+    const std::int64_t hits = count_hits(link, found, triangles);
+    return {fmt::format("{} triangles collide", grouped(hits)),
+            summary_of_pairs(found.count, hits, triangles.rows, "triangles", milliseconds)};
+}
+
+/// The same of impacts and of near pairs.
+template <class Query>
+Description description_of(RankLink& link, const Query& query, const typename Query::DistributedResult& found,
+                           io::Blocks triangles, double milliseconds) {
+    Tally tally{found.count, {}, milliseconds};
+    for (std::size_t kind = 0; kind < tally.by_kind.size(); ++kind)
+        tally.by_kind[kind] = link.sum(static_cast<std::int64_t>(found.lists[kind].pairs.size()));
+    if constexpr (std::is_same_v<Query, ProximityQuery>) {
+        return {kinds_of(tally), summary_of_near(tally, triangles.rows)};
+    } else {
+        const bool earliest = query.output == Output::first;
+        return {earliest ? only_first_remark : kinds_of(tally),
+                summary_of_impacts(tally, found.first, earliest, triangles.rows)};
+    }
+}
+
+/// Writes a list to all outputs, or prints it where there are none. Text is written by all ranks, other formats by rank
+/// 0, and so is a list that rank 0 has to `complete`.
+template <class Result>
+void write(RankLink& link, const FeatureOutputs& outputs, const RankList<Result>& list, bool by_first,
+           const std::function<void(Result&)>& complete) {
+    std::optional<Result> all;
+    const bool printed = outputs.paths.empty();
+    for (const std::string& path : printed ? std::vector<std::string>{"-"} : outputs.paths) {
+        const io::PairFormat format = io::pair_format_of(extension_of(path, printed ? "txt" : outputs.format));
+        if (!by_first && (format == io::PairFormat::txt || format == io::PairFormat::csv)) {
+            write_text(link, path, list.table, list.sections, format == io::PairFormat::csv);
+            continue;
+        }
+        if (!all) complete(all.emplace(list.collect()));
+        link.agree([&] {
+            if (!link.is_first()) return;
+            if (!is_standard(path)) return io::write_list(path, io::table_of(*all), format);
+            to_standard_output([&](std::ostream& out) { io::write_list(out, io::table_of(*all), format); });
+        });
+    }
+}
+
+template <class Query>
+int search(RankLink& link, const FeatureCommand& command, const std::vector<std::string>& files, Query query) {
+    constexpr bool of_features = !std::is_same_v<Query, IntersectionQuery>;
+    constexpr ListWords words = !of_features                         ? words_of_pairs
+                                : std::is_same_v<Query, ImpactQuery> ? words_of_impacts
+                                                                     : words_of_near;
+    link.agree([&] { check_outputs(command.outputs.paths, files, command.answer); });
+    std::optional<AllowedThreads> threads;
+    if (command.options.threads) threads.emplace(command.options.threads);
+    const Steps steps(command.progress);
+    steps.begin("read");
+    const RankInput input = read_on_ranks(link, files, command.answer, of_features);
+    query.weld = query.weld || input.weld;
+    DistributedOptions options;
+    options.detector = of_features ? feature_options(command.options) : command.options;
+    mpi::Detector detector(MPI_COMM_WORLD, options);
+    print_phases(detector, steps);
+    const auto find = [&]() -> const auto& {
+        try {
+            return detector.find(input.share(), query);
+        } catch (const Error& error) {
+            throw with_name(files.size() > 1 ? files[0] + " to " + files[1] : files[0], as_of_one_process(error));
+        }
+    };
+    const auto& found = find();
+    const auto report = [&] {
+        int status = done;
+        link.agree([&] { status = FeatureCommand::report(found.any, words); });
+        return status;
+    };
+    if (query.output == Output::any) return report();
+    DistributedStatistics statistics = found.statistics;
+    statistics.search.threads = detector.options().detector.threads;
+    statistics.search.triangles = input.triangles.rows;
+    statistics.search.pairs = found.count;
+    statistics = total(link, statistics);
+    const Description description = description_of(link, query, found, input.triangles, statistics.milliseconds);
+    if (command.stats) print_statistics(link, statistics, description.remark);
+    if (command.only_status()) return report();
+    steps.begin("write");
+    using Result = typename Query::Result;
+    write<Result>(link, command.outputs, list_of(link, input, query, found), query.output == Output::first,
+                  [&](Result& all) {
+                      all.any = found.any;
+                      all.statistics = statistics.search;
+                      if constexpr (std::is_same_v<Result, Impacts>) {
+                          all.first = found.first;
+                          if (query.output == Output::first) all = only_first(all);
+                      }
+                  });
+    return command.finish(found.any, description.summary);
+}
+
+}  // namespace
+
+void refuse_on_ranks(const std::string& what) {
+    throw Error(ErrorCode::invalid_argument, what + " is not shared among ranks: run it in one process",
+                Element::option);
+}
+
+template <class Query>
+int search_on_ranks(const FeatureCommand& command, const std::vector<std::string>& files, const Query& query) {
+    check_options(command);
+    try {
+        RankLink link;
+        return search(link, command, files, query);
+    } catch (const Error& error) {
+        if (error.rank >= 0) throw as_of_one_process(error);  // all have it
+        abort_all_ranks(error.what(), failed);
+    } catch (const std::bad_alloc&) {
+        abort_all_ranks("the machine does not have enough memory", out_of_memory);
+    } catch (const std::exception& error) {
+        abort_all_ranks(error.what(), failed);
+    }
+}
+
+template int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const IntersectionQuery&);
+template int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const ImpactQuery&);
+template int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const ProximityQuery&);
+
+}  // namespace crumple::cli
