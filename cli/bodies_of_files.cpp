@@ -130,11 +130,11 @@ BodyPair BodyNames::pair(const std::string& text) const {
         if (a >= 0 && b >= 0) return {a, b};
     }
     const std::size_t comma = text.find(',');
-    if (comma == text.npos) refuse("--exclude " + text + ": two names are needed, A,B");
+    if (comma == text.npos) refuse("--excluded-bodies " + text + ": two names are needed, A,B");
     try {
         return {require(text.substr(0, comma)), require(text.substr(comma + 1))};
     } catch (const Error& error) {
-        refuse("--exclude " + text + ": " + error.what());
+        refuse("--excluded-bodies " + text + ": " + error.what());
     }
 }
 

@@ -23,8 +23,8 @@ class BodyNames {
    public:
     explicit BodyNames(const std::vector<io::NamedBody>& bodies);
 
-    /// "A,B" as `--exclude` has it; commas in names are seen through. Throws Error (invalid_argument) that suggests a
-    /// name for one that is unknown.
+    /// "A,B" as `--excluded-bodies` has it; commas in names are seen through. Throws Error (invalid_argument) that
+    /// suggests a name for one that is unknown.
     BodyPair pair(const std::string& text) const;
     /// A list that detect has written, .csv or .json by extension. Any other is text: two names a line, with a tab
     /// between or, where no name has blanks, with blanks; quoted as `quoted` does. Blank lines and comments (#) are

@@ -129,7 +129,7 @@ void add_answer_options(CLI::App& app, AnswerOptions& options) {
         app, "--neighbours", options.neighbours, {{"geometric", Neighbours::geometric}, {"skip", Neighbours::skip}},
         "Triangles that share a vertex collide if they meet elsewhere too (geometric, the default), or never (skip)");
     add_choice<IntersectionKind, IntersectionKind>(
-        app, "--intersections", options.kind, {{"all", IntersectionKind::all}, {"proper", IntersectionKind::proper}},
+        app, "--kind", options.kind, {{"all", IntersectionKind::all}, {"proper", IntersectionKind::proper}},
         "Touching counts (all, the default), or only edges that strictly cross the inside of a triangle (proper). The "
         "latter leaves out triangles that cross only at edges and vertices: two boxes, one shifted along all axes, "
         "have "
@@ -145,14 +145,14 @@ void add_answer_options(CLI::App& app, AnswerOptions& options) {
 void add_group_options(CLI::App& app, AnswerOptions& options) {
     app.add_option(
            "--groups", options.groups,
-           "What the groups of --wanted are: the connected components, the integers in a file (one a line for "
+           "What the groups of --filter are: the connected components, the integers in a file (one a line for "
            "each triangle, those of FILE_B last), or an integer property of a PLY file's faces. `bodies` (detect "
            "only): the nodes of glTF scenes and the objects of 3MF, any other file being one body; the names of those "
            "that collide "
            "are listed")
         ->type_name("components|bodies|FILE|PROPERTY");
     add_choice<std::optional<PairScope>, PairScope>(
-        app, "--wanted", options.wanted,
+        app, "--filter", options.wanted,
         {{"between", PairScope::between}, {"within", PairScope::within}, {"both", PairScope::both}},
         "Pairs between different groups, within one group, or both");
 }
@@ -160,8 +160,8 @@ void add_group_options(CLI::App& app, AnswerOptions& options) {
 void AnswerOptions::check() const {
     if (polygons && part) fail("--part is of triangles: polygons of several parts would be listed in each of them");
     if (polygons && contacts) fail("--contacts belong to triangles, and --polygons lists none");
-    if (groups.empty() && wanted && *wanted != PairScope::both) fail("--wanted between and within need --groups");
-    if (!groups.empty() && !wanted && !of_bodies()) fail("--groups changes nothing without --wanted");
+    if (groups.empty() && wanted && *wanted != PairScope::both) fail("--filter between and within need --groups");
+    if (!groups.empty() && !wanted && !of_bodies()) fail("--groups changes nothing without --filter");
     if (!of_bodies()) return;
     if (part) fail("--part is of triangles, and --groups bodies lists bodies");
     if (polygons) fail("--polygons are of one mesh or two, not of --groups bodies");

@@ -62,7 +62,7 @@ CLI::Option* add_number_option(CLI::App& app, const char* name, const std::funct
                                NumberRange range, const char* help);
 
 void add_reading_options(CLI::App& app, ReadingOptions& options);
-/// `--groups` and `--wanted`.
+/// `--groups` and `--filter`.
 void add_group_options(CLI::App& app, AnswerOptions& options);
 void add_answer_options(CLI::App& app, AnswerOptions& options);
 /// What changes only the cost.

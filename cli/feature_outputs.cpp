@@ -52,7 +52,7 @@ void refuse_beside_features(const char* question, const AnswerOptions& answer) {
     };
     const AnswerOptions usual;
     refuse_with("--neighbours", answer.neighbours != usual.neighbours);
-    refuse_with("--intersections", answer.kind != usual.kind);
+    refuse_with("--kind", answer.kind != usual.kind);
     refuse_with("--part", answer.part.has_value());
     refuse_with("--polygons", answer.polygons);
     refuse_with("--contacts", answer.contacts);

@@ -19,11 +19,13 @@ struct Group {
 /// In the order in which help has them. What no group names belongs to the first one, after those that it names.
 const std::vector<Group>& groups() {
     static const std::vector<Group> all{
-        {"Options", {"output", "check", "contacts", "radius", "kind", "groups", "wanted", "help"}},
+        {"Options",
+         {"output", "check", "contacts", "radius", "first", "triangle-pairs", "candidates", "groups", "filter",
+          "help"}},
         {"What counts",
-         {"neighbours", "intersections", "polygons", "part", "min-distance", "min-distance-share", "inflation", "kinds",
-          "below", "radii", "rings", "rest", "rest-radius"}},
-        {"Bodies (with --groups bodies)", {"exclude", "exclude-from", "poses", "any"}},
+         {"neighbours", "kind", "polygons", "part", "min-distance", "min-distance-share", "inflation", "kinds", "below",
+          "radii", "rings", "rest", "rest-radius"}},
+        {"Bodies (with --groups bodies)", {"excluded-bodies", "excluded-bodies-from", "poses", "any-by-world"}},
         {"Reading files", {"unit", "weld", "no-weld", "precision", "triangulation", "strict"}},
         {"Writing, and telling what is done", {"format", "stream", "stats", "progress"}},
         {"Threads, memory and CUDA",

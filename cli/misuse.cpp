@@ -1,9 +1,11 @@
-// Wrong use: the message is CLI11's; what is added is the command, and the option or command that was probably meant.
+// Wrong use: the message is CLI11's; what is added is the command, and the option or command that was probably meant,
+// or what an option of an earlier version is called now.
 
 #include "cli/misuse.h"
 
 #include <algorithm>
 #include <numeric>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -35,9 +37,26 @@ std::vector<std::string> words_of(const CLI::App& command) {
     return words;
 }
 
-/// "; did you mean --neighbours?" if the command knows nearly this word.
+/// Options of version 0.2, and what they are called now.
+constexpr std::pair<std::string_view, std::string_view> renamed_options[] = {
+    {"--any", "--any-by-world"},
+    {"--earliest", "--first"},
+    {"--exclude", "--excluded-bodies"},
+    {"--exclude-from", "--excluded-bodies-from"},
+    {"--intersections", "--kind"},
+    {"--kind", "--triangle-pairs or --candidates"},
+    {"--near", "--radius"},
+    {"--separation", "--min-distance"},
+    {"--separation-share", "--min-distance-share"},
+    {"--wanted", "--filter"},
+};
+
+/// "; did you mean --neighbours?" if the command knows nearly this word, "; it is --filter now" if it had it once.
 std::string suggestion(const std::string& argument, const CLI::App& command) {
     const std::string word = argument.substr(0, argument.find('='));
+    for (const auto& [old_name, name] : renamed_options)
+        if (word == old_name && command.get_option_no_throw(std::string(name.substr(0, name.find(' ')))))
+            return "; it is " + std::string(name) + " now";
     std::string nearest;
     std::size_t least = word.size() / 3 + (word.size() > 8);  // below: a third of its letters, or one of a short word
     for (const std::string& known : words_of(command)) {

@@ -185,7 +185,7 @@ Command add_detect(CLI::App& app) {
     add_cost_options(command, detect->options);
     command.footer(
         "Example: crumple detect dress.ply body.obj -o dress.glb -o pairs.csv --contacts\n"
-        "         crumple detect robot.glb --groups bodies --exclude base,arm -o hits.glb\n"
+        "         crumple detect robot.glb --groups bodies --excluded-bodies base,arm -o hits.glb\n"
         "         mpirun -n 16 crumple detect scan.ply -o pairs.csv --stats\n\n"
         "On several processes: where the program was built with CRUMPLE_MPI, and mpirun,\n"
         "mpiexec or srun has started it, all ranks share the work on one mesh against\n"

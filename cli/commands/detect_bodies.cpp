@@ -65,8 +65,8 @@ struct Scene {
         excluded.insert(excluded.end(), more.begin(), more.end());
     }
 
-    /// In `count` configurations, each a world, whose bodies follow those of the one before. --wanted says whether
-    /// pairs within a body count, and --exclude A,A switches them off for one.
+    /// In `count` configurations, each a world, whose bodies follow those of the one before. --filter says whether
+    /// pairs within a body count, and --excluded-bodies A,A switches them off for one.
     std::vector<Body> bodies(std::size_t count) const {
         std::vector<Body> result;
         result.reserve(count * mesh.bodies.size());
@@ -231,19 +231,20 @@ int find_configurations(const BodyTask& task, Search& search, const Scene& scene
 }  // namespace
 
 void BodyOptions::check(const AnswerOptions& answer) const {
-    if (any && poses.empty()) refuse("--any changes nothing without --poses; --check tells whether anything collides");
+    if (any && poses.empty())
+        refuse("--any-by-world changes nothing without --poses; --check tells whether anything collides");
     if (answer.of_bodies()) return;
-    if (!excluded.empty()) refuse("--exclude needs --groups bodies");
-    if (!exclude_from.empty()) refuse("--exclude-from needs --groups bodies");
+    if (!excluded.empty()) refuse("--excluded-bodies needs --groups bodies");
+    if (!exclude_from.empty()) refuse("--excluded-bodies-from needs --groups bodies");
     if (!poses.empty()) refuse("--poses needs --groups bodies");
 }
 
 void add_body_options(CLI::App& app, BodyOptions& options) {
-    app.add_option("--exclude", options.excluded,
+    app.add_option("--excluded-bodies", options.excluded,
                    "With --groups bodies: these two bodies may collide; A,A: with itself. May be repeated")
         ->type_name("A,B")
         ->allow_extra_args(false);
-    app.add_option("--exclude-from", options.exclude_from,
+    app.add_option("--excluded-bodies-from", options.exclude_from,
                    "The same for all pairs in a file, two names a line with a tab between, as detect lists them")
         ->type_name("FILE");
     app.add_option("--poses", options.poses,
@@ -251,7 +252,8 @@ void add_body_options(CLI::App& app, BodyOptions& options) {
                    "of (A | t) by rows, for each body, configuration after configuration; text or .npy. For each "
                    "configuration a row tells its number, whether anything collides, and how many pairs of bodies do")
         ->type_name("FILE");
-    app.add_flag("--any", options.any, "With --poses: only whether anything collides in each configuration; faster");
+    app.add_flag("--any-by-world", options.any,
+                 "With --poses: only whether anything collides in each configuration, which is a world; faster");
 }
 
 int detect_bodies(const BodyTask& task) {

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "cli/bodies_of_files.h"
-#include "cli/choice.h"
 #include "cli/commands.h"
 #include "cli/commands/list_candidates.h"
 #include "cli/feature_outputs.h"
@@ -20,39 +19,33 @@
 namespace crumple::cli {
 namespace {
 
-/// What is listed.
-enum class Kind { features, pairs, candidates };
-
 struct ImpactsCommand : FeatureCommand {
     std::string start, end;
-    Kind kind = Kind::features;
+    bool triangle_pairs = false, lists_candidates = false, first = false;
     MotionOptions motion;
     CandidateOptions candidates;
-    bool earliest = false;
-    std::vector<const CLI::Option*> of_features, of_motion, of_candidates;  ///< options that not all kinds have
+    std::vector<const CLI::Option*> of_impacts, of_candidates;  ///< options that go with one of these alone
 
     int run() const {
-        refuse_options_of_other_kinds();
+        check_lists();
         if (Ranks::count() > 1) return list_on_ranks();
-        return kind == Kind::candidates ? list_candidates() : list_impacts();
+        return lists_candidates ? list_candidates() : list_impacts();
     }
 
-    void refuse_options_of_other_kinds() const {
-        if (stream && earliest) refuse("--stream does not go with --earliest");
-        if (stream && kind == Kind::pairs) refuse("--stream does not go with --kind pairs");
-        for (const CLI::Option* const option : of_features)
-            if (*option && kind != Kind::features)
-                refuse(option->get_name() + " does not go with --kind " +
-                       (kind == Kind::pairs ? "pairs" : "candidates"));
-        for (const CLI::Option* const option : of_motion)
-            if (*option && kind == Kind::candidates) refuse(option->get_name() + " does not go with --kind candidates");
+    /// Throws Error (invalid_argument) for options of other lists.
+    void check_lists() const {
+        if (stream && first) refuse("--stream does not go with --first");
+        if (stream && triangle_pairs) refuse("--stream does not go with --triangle-pairs");
+        if (first && triangle_pairs) refuse("--first does not go with --triangle-pairs");
+        for (const CLI::Option* const option : of_impacts)
+            if (*option && lists_candidates) refuse(option->get_name() + " does not go with --candidates");
         for (const CLI::Option* const option : of_candidates)
-            if (*option && kind != Kind::candidates) refuse(option->get_name() + " needs --kind candidates");
+            if (*option && !lists_candidates) refuse(option->get_name() + " needs --candidates");
     }
 
     int list_on_ranks() const {
-        if (kind == Kind::candidates) refuse_on_ranks("--kind candidates");
-        if (kind == Kind::pairs) refuse_on_ranks("--kind pairs");
+        if (lists_candidates) refuse_on_ranks("--candidates");
+        if (triangle_pairs) refuse_on_ranks("--triangle-pairs");
         check_impacts();
         return search_on_ranks(*this, {start, end}, motion.question(answer, wants()));
     }
@@ -62,7 +55,7 @@ struct ImpactsCommand : FeatureCommand {
         if (end.empty()) refuse("impacts: END is required; see crumple impacts --help");
         check_stream();
     }
-    Output wants() const { return only_status() && !stats ? Output::any : earliest ? Output::first : Output::pairs; }
+    Output wants() const { return only_status() && !stats ? Output::any : first ? Output::first : Output::pairs; }
 
     int list_impacts() const {
         check_impacts();
@@ -74,15 +67,15 @@ struct ImpactsCommand : FeatureCommand {
         steps.begin(stream ? "search and write" : "search");
         if (stream) return stream_impacts(search, input);
         ImpactQuery question = motion.question(answer, wants());
-        question.triangle_pairs = kind == Kind::pairs;
+        question.triangle_pairs = triangle_pairs;
         const Impacts& all = search.find(input.start, question, &input.end);
-        if (stats) print_statistics(all.statistics, earliest ? only_first_remark : found_in(all));
+        if (stats) print_statistics(all.statistics, first ? only_first_remark : found_in(all));
         if (only_status()) return report(all.any, words_of_impacts);
 
-        const Impacts one = earliest ? only_first(all) : Impacts();
-        const Impacts& found = earliest ? one : all;
+        const Impacts one = first ? only_first(all) : Impacts();
+        const Impacts& found = first ? one : all;
         const auto write = [&](auto& to, io::PairFormat format) {
-            kind == Kind::pairs ? io::write_triangle_pairs(to, found, format) : io::write_impacts(to, found, format);
+            triangle_pairs ? io::write_triangle_pairs(to, found, format) : io::write_impacts(to, found, format);
         };
         steps.begin("write");
         outputs.write(write, [&](auto& to) { io::write_coloured(to, input.start.first, found); });
@@ -97,7 +90,7 @@ struct ImpactsCommand : FeatureCommand {
     }
 
     std::string found_in(const Impacts& found) const {
-        return kind == Kind::pairs ? pairs_of_triangles(found) : kinds_of(tally_of(found));
+        return triangle_pairs ? pairs_of_triangles(found) : kinds_of(tally_of(found));
     }
     /// "81 pairs of triangles, 12 from the start"
     static std::string pairs_of_triangles(const Impacts& found) {
@@ -109,9 +102,9 @@ struct ImpactsCommand : FeatureCommand {
     }
 
     std::string summary(const Impacts& found, std::int64_t triangles) const {
-        if (kind == Kind::pairs && found.any)
+        if (triangle_pairs && found.any)
             return fmt::format("{}, {:.1f} ms\n", pairs_of_triangles(found), found.statistics.milliseconds);
-        return summary_of_impacts(tally_of(found), found.first, earliest, triangles);
+        return summary_of_impacts(tally_of(found), found.first, first, triangles);
     }
 
     int list_candidates() const {
@@ -155,23 +148,21 @@ Command add_impacts(CLI::App& app) {
         .add_option("END", impacts->end,
                     "The same mesh at the end: its vertices go there straight. Candidates may be without: at rest")
         ->type_name("END");
-    add_choice<Kind, Kind>(
-        command, "--kind", impacts->kind,
-        {{"features", Kind::features}, {"pairs", Kind::pairs}, {"candidates", Kind::candidates}},
-        "What is listed: features that touch, and when (the default); pairs of triangles, also those "
-        "that intersect at the start; or candidates, all features whose boxes overlap on the way, "
-        "for a narrow phase of your own");
+    command.add_flag("--triangle-pairs", impacts->triangle_pairs,
+                     "List pairs of triangles instead, also those that intersect at the start");
+    command.add_flag("--candidates", impacts->lists_candidates,
+                     "List candidates instead: all features whose boxes overlap on the way, for a narrow phase of your "
+                     "own");
     add_output_options(command, impacts->outputs, "Impacts or candidates",
                        "the mesh at the start with what is hit coloured by time");
     add_motion_options(command, impacts->motion);
-    command.add_flag("--earliest", impacts->earliest, "Only the first impact, which is found faster");
-    impacts->of_candidates = add_candidate_options(command, impacts->candidates, "--kind candidates");
+    command.add_flag("--first", impacts->first, "Only the first impact, which is found faster");
+    impacts->of_candidates = add_candidate_options(command, impacts->candidates, "--candidates");
     add_feature_command_options(
         command, *impacts,
         "Exit with status 1 if anything touches. Without -o that is all that is searched for, and one line is printed");
-    impacts->of_features.push_back(command.get_option("--earliest"));
-    for (const char* const name : {"--min-distance", "--min-distance-share", "--check"})
-        impacts->of_motion.push_back(command.get_option(name));
+    for (const char* const name : {"--triangle-pairs", "--first", "--min-distance", "--min-distance-share", "--check"})
+        impacts->of_impacts.push_back(command.get_option(name));
     command.footer(
         "A line `vf V F T S`: vertex V touches face F at time T, from 0 to 1 and rounded down; S is 1 if they touch\n"
         "at the start. `ee A B C D T S`: the edge from A to B touches that from C to D. --weld is about neighbours\n"
@@ -182,8 +173,9 @@ Command add_impacts(CLI::App& app) {
         "`vv V W`. Two features are one if no vertex is common and on every axis the gap between their boxes, which\n"
         "hold start and end, is at most twice --inflation.\n\n"
         "Example: crumple impacts cloth_092.ply cloth_093.ply -o impacts.csv -o impacts.glb\n"
-        "         crumple impacts cloth_092.ply cloth_093.ply --kind candidates --inflation 0.001 -o candidates.npz\n\n"
-        "Processes that mpirun has started share the work, as of crumple detect; not --kind pairs and candidates,\n"
+        "         crumple impacts cloth_092.ply cloth_093.ply --candidates --inflation 0.001 -o candidates.npz\n\n"
+        "Processes that mpirun has started share the work, as of crumple detect; not --triangle-pairs and "
+        "--candidates,\n"
         "--stream, coloured meshes, lines and points.");
     return {&command, [impacts] { return impacts->run(); }, true};
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// What crumple impacts --kind candidates asks.
+// What crumple impacts --candidates asks.
 
 #include <vector>
 

@@ -91,7 +91,7 @@ Command add_verify(CLI::App& app) {
                     "a .npy, or "
                     "text, the first two integers of each line. One of them may be -, standard input. With --impacts "
                     "START, END and a list of impacts; with --candidates START, perhaps END, and a list of candidates; "
-                    "with --near one mesh or two and a list of near pairs")
+                    "with --radius one mesh or two and a list of near pairs")
         ->type_name("FILE [FILE_B] PAIRS")
         ->required()
         ->expected(2, 3);

@@ -170,13 +170,13 @@ int verify_near(const FeatureCheck& check, const std::vector<std::string>& files
 
 bool FeatureCheck::wanted(const AnswerOptions& answer) const {
     if (motion.any() && !impacts) refuse("--min-distance and --min-distance-share need --impacts");
-    if (near.below && !near.radius) refuse("--below needs --near");
+    if (near.below && !near.radius) refuse("--below needs --radius");
     for (const CLI::Option* const option : of_candidates)
         if (*option && !candidates) refuse(option->get_name() + " needs --candidates");
     if (impacts + candidates + near.radius.has_value() > 1)
-        refuse("--impacts, --candidates and --near are three questions");
+        refuse("--impacts, --candidates and --radius are of three queries");
     if (!impacts && !candidates && !near.radius) return false;
-    refuse_beside_features(impacts ? "--impacts" : candidates ? "--candidates" : "--near", answer);
+    refuse_beside_features(impacts ? "--impacts" : candidates ? "--candidates" : "--radius", answer);
     return true;
 }
 
@@ -186,13 +186,13 @@ void add_feature_check_options(CLI::App& app, FeatureCheck& check) {
                  "Besides what is missed or false, times are checked: late, or early");
     add_motion_options(app, check.motion);
     app.add_flag("--candidates", check.candidates,
-                 "The list is one of candidates, as crumple impacts --kind candidates writes it, and so are the other "
+                 "The list is one of candidates, as crumple impacts --candidates writes it, and so are the other "
                  "files: START and perhaps END");
     check.of_candidates = add_candidate_options(app, check.candidate_options, "--candidates");
     add_number_option(
-        app, "--near", [&check](double value) { check.near.radius = value; }, any_distance,
-        "The list is one of near pairs within this radius, as crumple near writes it. Squared distances are checked, "
-        "too: far, or close")
+        app, "--radius", [&check](double value) { check.near.radius = value; }, any_distance,
+        "The list is one of near pairs within this radius, as crumple near --radius writes it. Squared distances are "
+        "checked, too: far, or close")
         ->type_name("R");
     add_below_option(app, check.near);
 }

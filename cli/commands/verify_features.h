@@ -1,6 +1,6 @@
 #pragma once
 
-// crumple verify --impacts, --candidates and --near: is a list of impacts, candidates or near pairs the answer?
+// crumple verify --impacts, --candidates and --radius: is a list of impacts, candidates or near pairs the answer?
 
 #include <string>
 #include <vector>

@@ -48,8 +48,8 @@ class Bodies : public Cli {
 
 TEST_F(Bodies, ThatCollideAreNamed) {
     EXPECT_EQ(list("robot.glb"), "base\tarm\narm\thand\n");
-    EXPECT_EQ(list("robot.glb --wanted between"), "base\tarm\narm\thand\n");
-    EXPECT_EQ(list("robot.glb --intersections proper"), "arm\thand\n");
+    EXPECT_EQ(list("robot.glb --filter between"), "base\tarm\narm\thand\n");
+    EXPECT_EQ(list("robot.glb --kind proper"), "arm\thand\n");
     EXPECT_EQ(list("robot.glb --weld"), "arm\thand\n") << "the corner that base and arm share is one vertex";
     EXPECT_EQ(list("robot.glb --backend reference"), "base\tarm\narm\thand\n");
     EXPECT_EQ(shell("cat robot.glb | $crumple detect - --groups bodies").out, "base\tarm\narm\thand\n");
@@ -60,35 +60,36 @@ TEST_F(Bodies, MayCollideWithThemselves) {
     scene.add_body("folded", scene.add_mesh({0, 0, 90, 4, 0, 90, 0, 4, 90, 1, 3, 90}, {0, 1, 2, 0, 1, 3}));
     write("folded.glb", scene.glb());
     EXPECT_EQ(list("folded.glb"), "base\tarm\narm\thand\n");
-    EXPECT_EQ(list("folded.glb --wanted within"), "folded\tfolded\n");
-    EXPECT_EQ(list("folded.glb --wanted both"), "base\tarm\narm\thand\nfolded\tfolded\n");
-    EXPECT_EQ(list("folded.glb --wanted both --exclude folded,folded"), "base\tarm\narm\thand\n");
+    EXPECT_EQ(list("folded.glb --filter within"), "folded\tfolded\n");
+    EXPECT_EQ(list("folded.glb --filter both"), "base\tarm\narm\thand\nfolded\tfolded\n");
+    EXPECT_EQ(list("folded.glb --filter both --excluded-bodies folded,folded"), "base\tarm\narm\thand\n");
 }
 
 TEST_F(Bodies, MayBeFiles) {
     EXPECT_EQ(list("five.off two.off"), "five\ttwo\n");
     EXPECT_EQ(list("five.off two.off five.off"), "five\ttwo\nfive\tfive_2\ntwo\tfive_2\n");
-    EXPECT_EQ(list("robot.glb robot.glb --wanted between | grep far"), "far away\tfar away_2\n");
+    EXPECT_EQ(list("robot.glb robot.glb --filter between | grep far"), "far away\tfar away_2\n");
     EXPECT_EQ(crumple("detect five.off two.off").out, "0 1\n2 0\n3 1\n4 0\n") << "without --groups as ever";
 }
 
 TEST_F(Bodies, AreExcludedByName) {
-    EXPECT_EQ(list("robot.glb --exclude base,arm"), "arm\thand\n");
-    EXPECT_EQ(list("robot.glb --exclude hand,arm --exclude base,arm"), "");
+    EXPECT_EQ(list("robot.glb --excluded-bodies base,arm"), "arm\thand\n");
+    EXPECT_EQ(list("robot.glb --excluded-bodies hand,arm --excluded-bodies base,arm"), "");
     write("all.txt", list("robot.glb"));
-    EXPECT_EQ(list("robot.glb --exclude-from all.txt"), "");
+    EXPECT_EQ(list("robot.glb --excluded-bodies-from all.txt"), "");
     write("allowed.txt", "# the list\n\nbase arm\r\n\"hand\"\tarm\nfar away\tarm\n");
-    EXPECT_EQ(list("robot.glb --exclude-from allowed.txt"), "");
-    expect_refused("robot.glb --groups bodies --exclude base,amr",
-                   "--exclude base,amr: there is no body amr; did you mean arm?");
-    expect_refused("robot.glb --groups bodies --exclude far,arm", "no body far; did you mean far away?");
-    expect_refused("robot.glb --groups bodies --exclude wheel,arm", "there is no body wheel\n");
-    expect_refused("robot.glb --groups bodies --exclude base", "two names are needed, A,B");
+    EXPECT_EQ(list("robot.glb --excluded-bodies-from allowed.txt"), "");
+    expect_refused("robot.glb --groups bodies --excluded-bodies base,amr",
+                   "--excluded-bodies base,amr: there is no body amr; did you mean arm?");
+    expect_refused("robot.glb --groups bodies --excluded-bodies far,arm", "no body far; did you mean far away?");
+    expect_refused("robot.glb --groups bodies --excluded-bodies wheel,arm", "there is no body wheel\n");
+    expect_refused("robot.glb --groups bodies --excluded-bodies base", "two names are needed, A,B");
     write("bad.txt", "base\tarm\nbase\tHand\n");
-    expect_refused("robot.glb --groups bodies --exclude-from bad.txt",
+    expect_refused("robot.glb --groups bodies --excluded-bodies-from bad.txt",
                    "bad.txt, line 2: there is no body Hand; did you mean hand?");
     write("bad.txt", "base far away\n");
-    expect_refused("robot.glb --groups bodies --exclude-from bad.txt", "bad.txt, line 1: two names are expected");
+    expect_refused("robot.glb --groups bodies --excluded-bodies-from bad.txt",
+                   "bad.txt, line 1: two names are expected");
 }
 
 TEST_F(Bodies, WithOddNamesAreQuotedAndReadBack) {
@@ -105,23 +106,23 @@ TEST_F(Bodies, WithOddNamesAreQuotedAndReadBack) {
                         "chel\n"))
         << all;
     write("all.txt", all);
-    EXPECT_EQ(list("odd.glb --exclude-from all.txt"), "");
-    EXPECT_FALSE(contains(list("odd.glb --exclude a,b,Kn\xc3\xb6"
+    EXPECT_EQ(list("odd.glb --excluded-bodies-from all.txt"), "");
+    EXPECT_FALSE(contains(list("odd.glb --excluded-bodies a,b,Kn\xc3\xb6"
                                "chel"),
                           "a,b\tKn"));
     const Outcome outcome = crumple("detect odd.glb --groups bodies -o odd.csv -o odd.json");
     EXPECT_TRUE(contains(read("odd.csv"), "\"a,b\",\"say \"\"x\"\"\"\n")) << read("odd.csv");
     EXPECT_EQ(nlohmann::json::parse(read("odd.json"))["pairs"][0], (nlohmann::json{"a,b", "tab\there"}));
-    EXPECT_EQ(list("odd.glb --exclude-from odd.csv"), "");
-    EXPECT_EQ(list("odd.glb --exclude-from odd.json"), "");
+    EXPECT_EQ(list("odd.glb --excluded-bodies-from odd.csv"), "");
+    EXPECT_EQ(list("odd.glb --excluded-bodies-from odd.json"), "");
     write("bad.csv", "first,second\n\"a,b\",none\n");
-    expect_refused("odd.glb --groups bodies --exclude-from bad.csv", "bad.csv, line 2: there is no body none");
+    expect_refused("odd.glb --groups bodies --excluded-bodies-from bad.csv", "bad.csv, line 2: there is no body none");
     write("bad.csv", "first,second\na\n");
-    expect_refused("odd.glb --groups bodies --exclude-from bad.csv", "bad.csv, line 2: two names are expected");
+    expect_refused("odd.glb --groups bodies --excluded-bodies-from bad.csv", "bad.csv, line 2: two names are expected");
     write("bad.json", "a\tb\n");
-    expect_refused("odd.glb --groups bodies --exclude-from bad.json", "bad.json, byte 0: this is not JSON");
+    expect_refused("odd.glb --groups bodies --excluded-bodies-from bad.json", "bad.json, byte 0: this is not JSON");
     write("bad.json", "[1]");
-    expect_refused("odd.glb --groups bodies --exclude-from bad.json",
+    expect_refused("odd.glb --groups bodies --excluded-bodies-from bad.json",
                    "bad.json, byte 0: an object with a list of pairs");
 }
 
@@ -162,9 +163,9 @@ TEST_F(Bodies, AreCheckedByExitStatus) {
 TEST_F(Bodies, HaveManyConfigurationsInOneRun) {
     write("poses.csv", three_configurations());
     EXPECT_EQ(list("robot.glb --poses poses.csv"), "configuration,collides,pairs\n0,0,0\n1,1,1\n2,1,6\n");
-    EXPECT_EQ(list("robot.glb --poses poses.csv --exclude arm,hand"),
+    EXPECT_EQ(list("robot.glb --poses poses.csv --excluded-bodies arm,hand"),
               "configuration,collides,pairs\n0,0,0\n1,0,0\n2,1,5\n");
-    EXPECT_EQ(list("robot.glb --poses poses.csv --any"), "configuration,collides\n0,0\n1,1\n2,1\n");
+    EXPECT_EQ(list("robot.glb --poses poses.csv --any-by-world"), "configuration,collides\n0,0\n1,1\n2,1\n");
     EXPECT_EQ(list("robot.glb --poses poses.csv --backend reference"), list("robot.glb --poses poses.csv"));
     EXPECT_EQ(shell("$crumple detect robot.glb --groups bodies --poses - < poses.csv").out,
               list("robot.glb --poses poses.csv"));
@@ -183,7 +184,7 @@ TEST_F(Bodies, OfMoreConfigurationsThanAreSearchedAtOnceAreTheSame) {
     std::string rows;
     for (int i = 0; i < 20'000; ++i) rows += three_configurations();
     write("many.csv", rows);
-    const Outcome outcome = crumple("detect robot.glb --groups bodies --exclude base,hand --poses many.csv");
+    const Outcome outcome = crumple("detect robot.glb --groups bodies --excluded-bodies base,hand --poses many.csv");
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     std::string expected = "configuration,collides,pairs\n";
     for (int c = 0; c < 60'000; ++c)
@@ -235,8 +236,9 @@ TEST_F(Bodies, AreOneMeshWithoutGroups) {
 }
 
 TEST_F(Bodies, ThatDoNotCollideAreTold) {
-    EXPECT_TRUE(contains(crumple("detect robot.glb --groups bodies --exclude base,arm --exclude arm,hand").err,
-                         "nothing collides: 4 bodies"));
+    EXPECT_TRUE(
+        contains(crumple("detect robot.glb --groups bodies --excluded-bodies base,arm --excluded-bodies arm,hand").err,
+                 "nothing collides: 4 bodies"));
 }
 
 TEST_F(Bodies, WarningsAreToldAndStrictMakesThemErrors) {
@@ -251,10 +253,10 @@ TEST_F(Bodies, WarningsAreToldAndStrictMakesThemErrors) {
 
 TEST_F(Bodies, OptionsThatDoNotGoTogetherAreRefused) {
     write("poses.csv", three_configurations());
-    expect_refused("robot.glb --exclude base,arm", "--exclude needs --groups bodies");
-    expect_refused("five.off --exclude-from x", "--exclude-from needs --groups bodies");
+    expect_refused("robot.glb --excluded-bodies base,arm", "--excluded-bodies needs --groups bodies");
+    expect_refused("five.off --excluded-bodies-from x", "--excluded-bodies-from needs --groups bodies");
     expect_refused("five.off --poses x", "--poses needs --groups bodies");
-    expect_refused("robot.glb --groups bodies --any", "--any changes nothing without --poses");
+    expect_refused("robot.glb --groups bodies --any-by-world", "--any-by-world changes nothing without --poses");
     expect_refused("robot.glb --groups bodies --contacts", "--contacts belong to triangles");
     expect_refused("robot.glb --groups bodies --polygons", "--polygons");
     expect_refused("robot.glb --groups bodies --part 1/2", "--part is of triangles");
@@ -262,7 +264,7 @@ TEST_F(Bodies, OptionsThatDoNotGoTogetherAreRefused) {
     expect_refused("robot.glb --groups bodies --poses poses.csv -o x.glb", "--poses give rows");
     expect_refused("robot.glb --groups bodies --poses poses.csv -o poses.csv", "would overwrite the input poses.csv");
     expect_refused("- --groups bodies --poses -", "standard input, -, can be read once");
-    EXPECT_TRUE(contains(crumple("sequence five.off --groups bodies --wanted between").err, "is for crumple detect"));
+    EXPECT_TRUE(contains(crumple("sequence five.off --groups bodies --filter between").err, "is for crumple detect"));
 }
 
 }  // namespace

@@ -7,8 +7,7 @@ namespace {
 
 using Candidates = Moving;
 
-const std::string step = "impacts above.off below.off --kind candidates",
-                  at_rest = "impacts above.off --kind candidates";
+const std::string step = "impacts above.off below.off --candidates", at_rest = "impacts above.off --candidates";
 
 // Of the corner that falls through the lower triangle, and of the edges that it drags along.
 constexpr const char* on_the_way = "vf 3 0\nee 1 2 3 4\nee 1 2 3 5\n";
@@ -17,14 +16,14 @@ TEST_F(Candidates, GoToStandardOutput) {
     EXPECT_EQ(list(step), on_the_way);
     EXPECT_EQ(list(step + " --backend reference"), on_the_way);
     EXPECT_EQ(list(step + " --threads 1"), on_the_way);
-    EXPECT_EQ(shell("cat above.off | $crumple impacts - below.off --kind candidates").out, on_the_way);
+    EXPECT_EQ(shell("cat above.off | $crumple impacts - below.off --candidates").out, on_the_way);
 }
 
 TEST_F(Candidates, AtRestAreThoseOfOneFile) {
     EXPECT_EQ(list(at_rest), "");
     EXPECT_EQ(list(at_rest + " --kinds vertex_face --inflation 0.5"), "vf 0 1\nvf 3 0\n");
     EXPECT_EQ(list(at_rest + " --kinds vertex_face --inflation 0.499"), "");
-    EXPECT_EQ(list("impacts above.off above.off --kind candidates --kinds vertex_face --inflation 0.5"),
+    EXPECT_EQ(list("impacts above.off above.off --candidates --kinds vertex_face --inflation 0.5"),
               list(at_rest + " --kinds vertex_face --inflation 0.5"));
 }
 
@@ -62,13 +61,13 @@ TEST_F(Candidates, OfNothingSayHowMuchWasSearched) {
 }
 
 TEST_F(Candidates, GroupsWeldingAndStatistics) {
-    const std::string groups = step + " --groups components --wanted ";
+    const std::string groups = step + " --groups components --filter ";
     EXPECT_EQ(list(groups + "between"), on_the_way);
     EXPECT_EQ(list(groups + "within"), "");
     // Two triangles that touch with a corner each: one vertex, if welded, that keeps its own ids.
     write("corner.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n0 0 0\n-1 0 1\n0 -1 1\n3 0 1 2\n3 3 4 5\n");
-    EXPECT_EQ(list("impacts corner.off --kind candidates --kinds vertex_face"), "vf 0 1\nvf 3 0\n");
-    EXPECT_EQ(list("impacts corner.off --kind candidates --kinds vertex_face --weld"), "");
+    EXPECT_EQ(list("impacts corner.off --candidates --kinds vertex_face"), "vf 0 1\nvf 3 0\n");
+    EXPECT_EQ(list("impacts corner.off --candidates --kinds vertex_face --weld"), "");
     const Outcome outcome = crumple(step + " --stats");
     EXPECT_EQ(outcome.out, on_the_way);
     EXPECT_TRUE(contains(outcome.err, "1 vertex-face, 2 edge-edge")) << outcome.err;
@@ -76,18 +75,18 @@ TEST_F(Candidates, GroupsWeldingAndStatistics) {
 
 TEST_F(Candidates, LinesAndPointsOfObjCount) {
     write("hair.obj", "v 0 0 0\nv 1 0 0\nv 0.5 1 0\nv 0.5 1.5 0\nl 1 2\np 3 4\n");
-    EXPECT_EQ(list("impacts hair.obj --kind candidates --kinds vertex_edge,vertex_vertex --inflation 0.5"),
+    EXPECT_EQ(list("impacts hair.obj --candidates --kinds vertex_edge,vertex_vertex --inflation 0.5"),
               "ve 2 0 1\nvv 0 1\nvv 0 2\nvv 1 2\nvv 2 3\n");
 }
 
 TEST_F(Candidates, AreRefusedWhereTheyMakeNoSense) {
-    for (const char* const option : {"--min-distance 0", "--min-distance-share 0.1", "--earliest", "--check"}) {
+    for (const char* const option : {"--min-distance 0", "--min-distance-share 0.1", "--first", "--check"}) {
         const std::string name = std::string(option).substr(0, std::string(option).find(' '));
-        expect_refused(step + ' ' + option, name + " does not go with --kind candidates");
+        expect_refused(step + ' ' + option, name + " does not go with --candidates");
     }
     for (const char* const option : {"--inflation 0", "--kinds vertex_face"}) {
         const std::string name = std::string(option).substr(0, std::string(option).find(' '));
-        expect_refused(std::string("impacts above.off below.off ") + option, name + " needs --kind candidates");
+        expect_refused(std::string("impacts above.off below.off ") + option, name + " needs --candidates");
     }
     expect_refused(step + " -o a.glb", "-o a.glb: candidates are written as .txt, .csv, .json or .npz");
     expect_refused(step + " -o - --format glb", "candidates are written as .txt, .csv, .json or .npz");
@@ -98,11 +97,11 @@ TEST_F(Candidates, AreRefusedWhereTheyMakeNoSense) {
     for (const char* const bad : {"-1", "nan", "inf", "x"})
         expect_refused(step + " --inflation " + bad,
                        "--inflation: " + std::string(bad) + " is no distance of 0 or more");
-    expect_refused("impacts above.off below.off --kind both", "--kind: both is none of features|pairs|candidates");
-    expect_refused("impacts - - --kind candidates", "standard input, -, can be read once");
-    expect_refused("impacts missing.off --kind candidates", "missing.off");
+    expect_refused(step + " --triangle-pairs", "--triangle-pairs does not go with --candidates");
+    expect_refused("impacts - - --candidates", "standard input, -, can be read once");
+    expect_refused("impacts missing.off --candidates", "missing.off");
     write("a.csv", above_off);
-    expect_refused("impacts a.csv --kind candidates -o a.csv", "would overwrite the input a.csv");
+    expect_refused("impacts a.csv --candidates -o a.csv", "would overwrite the input a.csv");
     expect_refused(step + " --backend cuda", "cuda");
 }
 

@@ -64,8 +64,8 @@ TEST_F(Detect, SkipsNeighboursIfAsked) {
 }
 
 TEST_F(Detect, ProperLeavesOutTouchesAndFolds) {
-    EXPECT_EQ(pairs("five.off --intersections proper"), "0 1\n");
-    EXPECT_EQ(pairs("five.off --intersections all"), five_pairs);
+    EXPECT_EQ(pairs("five.off --kind proper"), "0 1\n");
+    EXPECT_EQ(pairs("five.off --kind all"), five_pairs);
 }
 
 TEST_F(Detect, WeldMakesTheCornerAHinge) {
@@ -94,23 +94,23 @@ TEST_F(Detect, ContactsFollowThePairs) {
 }
 
 TEST_F(Detect, GroupsMayBeComponents) {
-    EXPECT_EQ(pairs("five.off --groups components --wanted between"), "0 1\n0 3\n");
-    EXPECT_EQ(pairs("five.off --groups components --wanted within"), "2 4\n");
-    EXPECT_EQ(pairs("five.off --groups components --wanted both"), five_pairs);
-    EXPECT_EQ(pairs("five.off --groups components --wanted between --weld"), "0 1\n");
+    EXPECT_EQ(pairs("five.off --groups components --filter between"), "0 1\n0 3\n");
+    EXPECT_EQ(pairs("five.off --groups components --filter within"), "2 4\n");
+    EXPECT_EQ(pairs("five.off --groups components --filter both"), five_pairs);
+    EXPECT_EQ(pairs("five.off --groups components --filter between --weld"), "0 1\n");
 }
 
 TEST_F(Detect, ComponentsOfTwoFilesAreDistinct) {
-    EXPECT_EQ(pairs("five.off two.off --groups components --wanted within"), "");
-    EXPECT_EQ(pairs("five.off two.off --groups components --wanted between"), "0 1\n2 0\n3 1\n4 0\n");
+    EXPECT_EQ(pairs("five.off two.off --groups components --filter within"), "");
+    EXPECT_EQ(pairs("five.off two.off --groups components --filter between"), "0 1\n2 0\n3 1\n4 0\n");
 }
 
 TEST_F(Detect, GroupsMayComeFromAFile) {
     write("groups.txt", "0\n0\n1\n1\n0\n");
-    EXPECT_EQ(pairs("five.off --groups groups.txt --wanted between"), "0 3\n2 4\n");
-    EXPECT_EQ(pairs("five.off --groups groups.txt --wanted within"), "0 1\n");
+    EXPECT_EQ(pairs("five.off --groups groups.txt --filter between"), "0 3\n2 4\n");
+    EXPECT_EQ(pairs("five.off --groups groups.txt --filter within"), "0 1\n");
     write("seven.txt", "0\r\n0\r\n1\r\n1\r\n0\r\n1\r\n-7\r\n");
-    EXPECT_EQ(pairs("five.off two.off --groups seven.txt --wanted within"), "2 0\n");
+    EXPECT_EQ(pairs("five.off two.off --groups seven.txt --filter within"), "2 0\n");
 }
 
 TEST_F(Detect, GroupsMayBeAPropertyOfPly) {
@@ -119,8 +119,8 @@ TEST_F(Detect, GroupsMayBeAPropertyOfPly) {
           "element face 3\nproperty list uchar int vertex_indices\nproperty int part\nend_header\n"
           "0 0 0\n4 0 0\n0 4 0\n1 1 -1\n1 1 1\n3 3 0.5\n3 0 1 2 8\n3 3 4 5 9\n3 2 1 0 8\n");
     EXPECT_EQ(pairs("parts.ply"), "0 1\n0 2\n1 2\n");
-    EXPECT_EQ(pairs("parts.ply --groups part --wanted between"), "0 1\n1 2\n");
-    EXPECT_EQ(pairs("parts.ply --groups part --wanted within"), "0 2\n");
+    EXPECT_EQ(pairs("parts.ply --groups part --filter between"), "0 1\n1 2\n");
+    EXPECT_EQ(pairs("parts.ply --groups part --filter within"), "0 2\n");
 }
 
 TEST_F(Detect, BackendsThreadsAndClustersChangeNothing) {

@@ -47,9 +47,9 @@ TEST_F(Impacts, EarliestIsOne) {
     below.replace(below.find("10 10 3"), 7, "10 10 -1");
     write("end.off", "OFF\n12 4 0\n0 0 0\n4 0 0\n0 4 0\n1 1 -1\n2 1 0.5\n1 2 0.5\n" + below);
     EXPECT_TRUE(list("impacts start.off end.off").starts_with("vf 3 0 0.5 0\nvf 9 2 0.75 0\n"));
-    EXPECT_EQ(list("impacts start.off end.off --earliest"), impact);
-    EXPECT_EQ(list("impacts start.off start.off --earliest"), "");
-    const Outcome outcome = crumple("impacts start.off end.off --earliest -o a.json");
+    EXPECT_EQ(list("impacts start.off end.off --first"), impact);
+    EXPECT_EQ(list("impacts start.off start.off --first"), "");
+    const Outcome outcome = crumple("impacts start.off end.off --first -o a.json");
     EXPECT_TRUE(outcome.err.starts_with("the first impact is at 0.5, ")) << outcome.err;
     EXPECT_EQ(nlohmann::json::parse(read("a.json"))["vertex_faces"].size(), 1u);
 }
@@ -64,7 +64,7 @@ TEST_F(Impacts, CheckTellsByItsStatus) {
     outcome = crumple("impacts above.off below.off --check -o a.txt");
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(read("a.txt"), impact);
-    EXPECT_EQ(crumple("impacts above.off below.off --check --earliest -o a.txt").status, 1);
+    EXPECT_EQ(crumple("impacts above.off below.off --check --first -o a.txt").status, 1);
     EXPECT_EQ(crumple("impacts above.off above.off --check -o a.txt").status, 0);
     EXPECT_EQ(read("a.txt"), "");
 }
@@ -99,9 +99,9 @@ TEST_F(Impacts, SeparationIsTouching) {
 
 TEST_F(Impacts, GroupsAreThoseOfTheStart) {
     write("groups.txt", "0\n1\n");
-    EXPECT_EQ(list("impacts above.off below.off --groups groups.txt --wanted between"), impact);
-    EXPECT_EQ(list("impacts above.off below.off --groups groups.txt --wanted within"), "");
-    EXPECT_EQ(list("impacts above.off below.off --groups components --wanted within"), "");
+    EXPECT_EQ(list("impacts above.off below.off --groups groups.txt --filter between"), impact);
+    EXPECT_EQ(list("impacts above.off below.off --groups groups.txt --filter within"), "");
+    EXPECT_EQ(list("impacts above.off below.off --groups components --filter within"), "");
 }
 
 TEST_F(Impacts, WeldIsOfBothMoments) {
@@ -135,7 +135,7 @@ TEST_F(Impacts, OfLinesAndPointsOfObj) {
     write("a.obj", "v 0 0 0\nv 1 0 0\nv 0.5 1 0\n" + elements);
     write("b.obj", "v 0 0 0\nv 1 0 0\nv 0.5 -1 0\n" + elements);
     EXPECT_EQ(list("impacts a.obj b.obj"), "ve 2 0 1 0.5 0\n");
-    EXPECT_EQ(list("impacts a.obj b.obj --earliest"), "ve 2 0 1 0.5 0\n");
+    EXPECT_EQ(list("impacts a.obj b.obj --first"), "ve 2 0 1 0.5 0\n");
     write("list.txt", "ve 2 1 0 0.5\n");
     EXPECT_TRUE(crumple("verify --impacts a.obj b.obj list.txt").out.starts_with("right: 1 impacts"));
     write("b.obj", "v 0 0 0\nv 1 0 0\nv 0.5 -1 0\nl 1 2\n");

@@ -45,12 +45,22 @@ TEST_F(Misuse, OfOptionsThatThereAreNot) {
     expect_refused("info five.off --neighbours skip", "--neighbours; see crumple info --help");
 }
 
+TEST_F(Misuse, OfOptionsThatHaveANewName) {
+    expect_refused("detect five.off --groups components --wanted between", "--wanted; it is --filter now");
+    expect_refused("detect five.off --intersections=proper", "--intersections=proper; it is --kind now");
+    expect_refused("detect five.off --groups bodies --exclude a,b", "; it is --excluded-bodies now");
+    expect_refused("impacts five.off five.off --kind pairs", "; it is --triangle-pairs or --candidates now");
+    expect_refused("impacts five.off five.off --separation 1", "; it is --min-distance now");
+    expect_refused("verify five.off five.off --near 1", "; it is --radius now");
+    expect_refused("info five.off --wanted between", "--wanted; see crumple info --help");
+}
+
 TEST_F(Misuse, OfOptionsWithFewValues) {
     expect_refused("detect five.off --neighbours none", "geometric|skip");
-    expect_refused("detect five.off --intersections some", "all|proper");
+    expect_refused("detect five.off --kind some", "all|proper");
     expect_refused("detect five.off --precision float16", "auto|float32|float64");
     expect_refused("detect five.off --backend gpu", "auto|reference|cpu");
-    expect_refused("detect five.off --wanted inside", "between|within|both");
+    expect_refused("detect five.off --filter inside", "between|within|both");
 }
 
 TEST_F(Misuse, OfNumbers) {
@@ -74,9 +84,9 @@ TEST_F(Misuse, OfNumbers) {
 
 TEST_F(Misuse, OfOptionsThatDoNotGoTogether) {
     expect_refused("detect five.off --weld --no-weld", "--weld excludes --no-weld");
-    expect_refused("detect five.off --wanted between", "need --groups");
-    expect_refused("detect five.off --wanted within", "need --groups");
-    expect_refused("detect five.off --groups components", "--wanted");
+    expect_refused("detect five.off --filter between", "need --groups");
+    expect_refused("detect five.off --filter within", "need --groups");
+    expect_refused("detect five.off --groups components", "--filter");
     expect_refused("detect five.off --backend reference --threads 2", "--threads does not apply");
     expect_refused("detect five.off --backend reference --clusters 2", "--clusters does not apply");
     expect_refused("detect five.off --fuzzy-c-means 2", "NAME=NUMBER is expected");
@@ -107,11 +117,11 @@ TEST_F(Misuse, OfOutputs) {
     EXPECT_EQ(read("x.mtl"), "newmtl mine\n");
     EXPECT_FALSE(fs::exists(file("x.obj")));
     write("g.mtl", "0\n0\n0\n0\n0\n");
-    expect_refused("detect five.off --groups g.mtl --wanted between -o g.obj", "g.mtl would overwrite the input g.mtl");
+    expect_refused("detect five.off --groups g.mtl --filter between -o g.obj", "g.mtl would overwrite the input g.mtl");
     expect_refused("detect five.off -o no/such/folder.txt", "no/such");
     expect_refused("sequence five.off -o x.txt", ".csv or .json");
     expect_refused("sequence five.off -o no/such/folder.csv", "no/such");
-    expect_refused("detect five.off --groups g.txt --wanted between -o g.txt", "the input g.txt");
+    expect_refused("detect five.off --groups g.txt --filter between -o g.txt", "the input g.txt");
     EXPECT_EQ(read("g.txt"), "0\n0\n0\n0\n0\n");
     EXPECT_EQ(crumple("detect missing.off -o x.doc").err.find("missing"), std::string::npos) << "outputs first";
 }
@@ -137,13 +147,13 @@ TEST_F(Misuse, OfGroups) {
     write("short.txt", "0\n1\n");
     write("words.txt", "0\n1\ntwo\n3\n4\n");
     write("large.txt", "0\n1\n2\n3\n4000000000\n");
-    expect_refused("detect five.off --wanted between --groups short.txt", "2 groups for 5 triangles");
-    expect_refused("detect five.off --wanted between --groups words.txt", "words.txt, line 3");
-    expect_refused("detect five.off --wanted between --groups large.txt", "large.txt, line 5");
-    expect_refused("detect five.off --wanted between --groups part", "five.off");
-    expect_refused("detect five.off --wanted between --groups none.txt", "--groups none.txt: there is no such file");
+    expect_refused("detect five.off --filter between --groups short.txt", "2 groups for 5 triangles");
+    expect_refused("detect five.off --filter between --groups words.txt", "words.txt, line 3");
+    expect_refused("detect five.off --filter between --groups large.txt", "large.txt, line 5");
+    expect_refused("detect five.off --filter between --groups part", "five.off");
+    expect_refused("detect five.off --filter between --groups none.txt", "--groups none.txt: there is no such file");
     ASSERT_EQ(crumple("detect five.off -o five.ply").status, 0);
-    expect_refused("detect five.ply --wanted between --groups none.txt",
+    expect_refused("detect five.ply --filter between --groups none.txt",
                    "no such file, and five.ply: its faces have no");
 }
 

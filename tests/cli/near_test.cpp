@@ -62,9 +62,9 @@ TEST_F(Near, LinesAndPointsOfObjCount) {
     EXPECT_TRUE(contains(more, "\nve 3 4 5 ")) << more << "the first vertex of the strand, against its last segment";
     EXPECT_EQ(more, list("near hair.obj --radius 2.5 --backend reference"));
     write("list.txt", more);
-    EXPECT_TRUE(crumple("verify --near 2.5 hair.obj list.txt").out.starts_with("right: "));
+    EXPECT_TRUE(crumple("verify --radius 2.5 hair.obj list.txt").out.starts_with("right: "));
     write("list.txt", "vv 7 6 0.25\n");
-    EXPECT_TRUE(contains(crumple("verify --near 1 hair.obj list.txt").out, "2 missed, 0 false"));
+    EXPECT_TRUE(contains(crumple("verify --radius 1 hair.obj list.txt").out, "2 missed, 0 false"));
     EXPECT_TRUE(crumple("near hair.obj --radius 1 -o a.csv")
                     .err.starts_with("3 near pairs (1 vertex-face, 0 edge-edge, 1 vertex-edge, 1 vertex-vertex), "));
     EXPECT_TRUE(contains(list("near hair.obj above.off --radius 0"), "vf 0:3 1:1 0\n"));
@@ -85,8 +85,8 @@ TEST_F(Near, CheckTellsByItsStatus) {
 }
 
 TEST_F(Near, GroupsAndStatistics) {
-    EXPECT_EQ(list("near above.off --radius 1 --groups components --wanted between"), closest);
-    EXPECT_EQ(list("near above.off --radius 1 --groups components --wanted within"), "");
+    EXPECT_EQ(list("near above.off --radius 1 --groups components --filter between"), closest);
+    EXPECT_EQ(list("near above.off --radius 1 --groups components --filter within"), "");
     EXPECT_TRUE(contains(crumple("near above.off --radius 1 --stats").err, "1 vertex-face, 0 edge-edge"));
     EXPECT_TRUE(contains(crumple("near above.off --radius 1 --progress").err, " s  search\n"));
 }
@@ -141,7 +141,7 @@ TEST_F(Near, IsRefusedWhereItMakesNoSense) {
     expect_refused("near above.off above.off above.off --radius 1", "near:");
     expect_refused("near above.off --radius 1 -o a.html",
                    "near pairs are written as .txt, .csv, .json or .npz, coloured as .glb");
-    expect_refused("near above.off --radius 1 --groups bodies --wanted between",
+    expect_refused("near above.off --radius 1 --groups bodies --filter between",
                    "--groups bodies is for crumple detect");
 }
 

@@ -164,20 +164,19 @@ TEST_F(Ranks, AreMoreThanTriangles) {
 
 TEST_F(Ranks, TakeOptionsOfTheAnswer) {
     write("a.ply", sheets(std::endian::little));
-    for (const std::string options :
-         {"--weld --contacts --neighbours skip", "--precision float32 --intersections proper",
-          "--groups sheet --wanted between --threads 2"})
+    for (const std::string options : {"--weld --contacts --neighbours skip", "--precision float32 --kind proper",
+                                      "--groups sheet --filter between --threads 2"})
         expect_same("a.ply " + options);
     std::string groups;
     for (int i = 0; i < 3 * 128; ++i) groups += std::to_string(i % 5) + '\n';
     write("groups.txt", groups);
-    expect_same("a.ply --groups groups.txt --wanted within");
+    expect_same("a.ply --groups groups.txt --filter within");
 }
 
 TEST_F(Ranks, ListWhatIsNear) {
     write("a.ply", sheets(std::endian::big));
     expect_same("near", "a.ply --radius 0.3");
-    expect_same("near", "a.ply --radius 0.5 --below --precision float32 --groups sheet --wanted between");
+    expect_same("near", "a.ply --radius 0.5 --below --precision float32 --groups sheet --filter between");
     make("lattice --triangles 1000", "a.obj");
     expect_same("near", "a.obj --radius 0.05");
 }
@@ -192,7 +191,7 @@ TEST_F(Ranks, ListImpacts) {
     make("cloth --triangles 3000 --frame 60", "a.ply");
     make("cloth --triangles 3000 --frame 61", "b.ply");
     expect_same("impacts", "a.ply b.ply");
-    expect_same("impacts", "a.ply b.ply --earliest");
+    expect_same("impacts", "a.ply b.ply --first");
     expect_same("impacts", "a.ply b.ply --weld --min-distance 0.001 --min-distance-share 0.1 --backend cpu");
 }
 
@@ -241,7 +240,7 @@ TEST_F(Ranks, TellWhatTheyDid) {
         EXPECT_TRUE(contains(outcome.err, word)) << word << outcome.err;
     EXPECT_EQ(outcome.err.find("balance"), outcome.err.rfind("balance"));
     EXPECT_TRUE(contains(ranks(2, "near a.ply --radius 0.3 --stats").err, "vertex-face"));
-    EXPECT_TRUE(contains(ranks(2, "impacts a.ply a.ply --earliest --stats").err, "only the first was looked for"));
+    EXPECT_TRUE(contains(ranks(2, "impacts a.ply a.ply --first --stats").err, "only the first was looked for"));
 }
 
 TEST_F(Ranks, TellTheirPhasesIfAsked) {
@@ -262,7 +261,7 @@ TEST_F(Ranks, TellTheirPhasesIfAsked) {
 }
 
 TEST_F(Ranks, RefuseWhatTheyDoNotShare) {
-    expect_refused("detect five.off --groups components --wanted within",
+    expect_refused("detect five.off --groups components --filter within",
                    "--groups components is not shared among ranks");
     expect_refused("detect five.off --groups bodies", "--groups bodies is not shared among ranks");
     expect_refused("detect five.off five.off", "a second mesh is not shared among ranks");
@@ -277,7 +276,7 @@ TEST_F(Ranks, RefuseWhatTheyDoNotShare) {
         expect_refused("near five.off " + option, " is not shared among ranks");
     expect_refused("near five.off five.off --radius 1", "a second mesh is not shared among ranks");
     for (const std::string option :
-         {"--kind pairs", "--kind candidates", "--stream", "-o a.glb", "--groups components --wanted within"})
+         {"--triangle-pairs", "--candidates", "--stream", "-o a.glb", "--groups components --filter within"})
         expect_refused("impacts five.off five.off " + option, " is not shared among ranks");
     write("rod.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\nl 3 4\n");
     expect_refused("near rod.obj --radius 1", "a mesh with lines (l) is not shared among ranks");

@@ -91,7 +91,7 @@ TEST_F(Sequence, TakesASceneInPlaceOfFiles) {
     EXPECT_TRUE(rows[120].starts_with("119,")) << rows[120];
     // The same as its files, also with groups and in another precision.
     EXPECT_EQ(crumple("make bodies --triangles 2000 --frame 7 -o b.ply").status, 0);
-    for (const char* options : {"", " --groups group --wanted between", " --groups components --wanted within",
+    for (const char* options : {"", " --groups group --filter between", " --groups components --filter within",
                                 " --precision float64 --weld"}) {
         const std::string pairs = lines(crumple(std::string("sequence b.ply") + options).out)[1].substr(5, 12);
         const std::string row =
@@ -151,8 +151,8 @@ TEST_F(Sequence, RefusesWhatMakesNoSense) {
 
 TEST_F(Sequence, TakesTheOptionsOfDetect) {
     EXPECT_TRUE(contains(crumple("sequence a.off --neighbours skip").out, "a.off,5,2,"));
-    EXPECT_TRUE(contains(crumple("sequence a.off --intersections proper --threads 1").out, "a.off,5,1,"));
-    EXPECT_TRUE(contains(crumple("sequence a.off --groups components --wanted within").out, "a.off,5,1,"));
+    EXPECT_TRUE(contains(crumple("sequence a.off --kind proper --threads 1").out, "a.off,5,1,"));
+    EXPECT_TRUE(contains(crumple("sequence a.off --groups components --filter within").out, "a.off,5,1,"));
     EXPECT_TRUE(contains(crumple("sequence 'b,2.off' --precision float32").out, ",2,1,"));
 }
 

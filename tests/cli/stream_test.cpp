@@ -7,8 +7,8 @@ namespace {
 class StreamOfFeatures : public Moving {
    protected:
     const std::vector<std::string> questions{"impacts above.off below.off --min-distance 0.5",
-                                             "impacts above.off below.off --kind candidates --inflation 0.5",
-                                             "impacts above.off --kind candidates --kinds face_face --inflation 1",
+                                             "impacts above.off below.off --candidates --inflation 0.5",
+                                             "impacts above.off --candidates --kinds face_face --inflation 1",
                                              "near above.off --radius 2", "near above.off below.off --radius 0.5"};
 };
 
@@ -47,8 +47,9 @@ TEST_F(StreamOfFeatures, IsOneListOnly) {
             expect_refused(question + " --stream " + bad, "--stream writes one list, as .txt or .csv");
     expect_refused("near above.off --radius 1 --stream -o a.glb", "--stream writes one list");
     expect_refused("near above.off --radius 1 --stream --check", "--stream does not go with --check");
-    expect_refused("impacts above.off below.off --stream --earliest", "--stream does not go with --earliest");
-    expect_refused("impacts above.off below.off --stream --kind pairs", "--stream does not go with --kind pairs");
+    expect_refused("impacts above.off below.off --stream --first", "--stream does not go with --first");
+    expect_refused("impacts above.off below.off --stream --triangle-pairs",
+                   "--stream does not go with --triangle-pairs");
 }
 
 }  // namespace

@@ -15,18 +15,17 @@ class TrianglePairs : public Moving {
     }
 };
 
-const std::string falling = "impacts above.off below.off --kind pairs", stuck = "impacts start.off end.off";
+const std::string falling = "impacts above.off below.off --triangle-pairs", stuck = "impacts start.off end.off";
 
 TEST_F(TrianglePairs, AreThoseThatIntersectAtTheStartOrWhoseFeaturesTouch) {
     EXPECT_EQ(list(falling), "ff 0 1 0.5 0\n");
     EXPECT_EQ(list(falling + " --backend reference"), "ff 0 1 0.5 0\n");
     EXPECT_EQ(list(stuck), "");
-    EXPECT_EQ(list(stuck + " --kind pairs"), "ff 0 1 0 1\n");
-    EXPECT_EQ(list(stuck + " --kind features"), "");
+    EXPECT_EQ(list(stuck + " --triangle-pairs"), "ff 0 1 0 1\n");
 }
 
 TEST_F(TrianglePairs, AreWrittenInEveryFormatAndVerified) {
-    const Outcome outcome = crumple(stuck + " --kind pairs -o a.txt -o a.csv -o a.json -o a.npz -o a.glb");
+    const Outcome outcome = crumple(stuck + " --triangle-pairs -o a.txt -o a.csv -o a.json -o a.npz -o a.glb");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_TRUE(outcome.err.starts_with("1 pair of triangles, 1 from the start, ")) << outcome.err;
     EXPECT_EQ(read("a.csv"), "kind,vertex,face,a,b,c,d,toi,start\nff,,0,1,,,,0,1\n");
@@ -52,11 +51,11 @@ TEST_F(TrianglePairs, OfAListWithImpactsAreBothVerified) {
 
 TEST_F(TrianglePairs, DecideTheStatus) {
     EXPECT_EQ(crumple(stuck + " --check").status, 0);
-    EXPECT_EQ(crumple(stuck + " --kind pairs --check").status, 1);
-    EXPECT_EQ(crumple(stuck + " --kind pairs --check -o a.txt").status, 1);
+    EXPECT_EQ(crumple(stuck + " --triangle-pairs --check").status, 1);
+    EXPECT_EQ(crumple(stuck + " --triangle-pairs --check -o a.txt").status, 1);
     EXPECT_TRUE(contains(crumple(falling + " --stats -o a.txt").err, "1 pair of triangles, 0 from the start"));
-    EXPECT_EQ(list("impacts above.off below.off --kind pairs --min-distance 0.25"), "ff 0 1 0.375 0\n");
-    EXPECT_TRUE(contains(crumple(falling + " --earliest").err, "--earliest does not go with --kind pairs"));
+    EXPECT_EQ(list("impacts above.off below.off --triangle-pairs --min-distance 0.25"), "ff 0 1 0.375 0\n");
+    EXPECT_TRUE(contains(crumple(falling + " --first").err, "--first does not go with --triangle-pairs"));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ class VerifyFeatures : public Moving {
     }
     Outcome near(const std::string& rows, const std::string& options = "") const {
         write("list.txt", rows);
-        return crumple("verify --near 1 above.off list.txt " + options);
+        return crumple("verify --radius 1 above.off list.txt " + options);
     }
 };
 
@@ -22,10 +22,10 @@ TEST_F(VerifyFeatures, ReadsWhatIsWritten) {
         EXPECT_EQ(crumple("verify --impacts above.off below.off " + name).out,
                   "right: 1 impacts, 0 missed, 0 false, 0 late, 0 early, 0 repeated\n");
         ASSERT_EQ(crumple("near above.off --radius 1.5 -o " + name).status, 0);
-        EXPECT_EQ(crumple("verify --near 1.5 above.off " + name).status, 0) << name;
+        EXPECT_EQ(crumple("verify --radius 1.5 above.off " + name).status, 0) << name;
         ASSERT_EQ(crumple("near above.off upper.off --radius 1.5 -o " + name).status, 0);
-        EXPECT_EQ(crumple("verify --near 1.5 above.off upper.off " + name).status, 0) << name;
-        EXPECT_EQ(crumple("verify --near 1.5 upper.off above.off " + name).status, 1) << name;
+        EXPECT_EQ(crumple("verify --radius 1.5 above.off upper.off " + name).status, 0) << name;
+        EXPECT_EQ(crumple("verify --radius 1.5 upper.off above.off " + name).status, 1) << name;
     }
     EXPECT_EQ(shell("$crumple impacts above.off below.off -o - --format json | $crumple verify --impacts above.off "
                     "below.off - --format json")
@@ -72,7 +72,7 @@ TEST_F(VerifyFeatures, ChecksDistances) {
 TEST_F(VerifyFeatures, OrderDoesNotMatter) {
     ASSERT_EQ(crumple("near above.off --radius 1.5 -o list.txt").status, 0);
     write("list.txt", "ee 3 4 2 0 2\nee 5 3 0 1 2\nee 0 1 3 4 2\nvf 3 0 1\nee 0 2 3 5 2\n");
-    const Outcome outcome = crumple("verify --near 1.5 above.off list.txt");
+    const Outcome outcome = crumple("verify --radius 1.5 above.off list.txt");
     EXPECT_EQ(outcome.status, 0) << outcome.out;
 }
 
@@ -87,8 +87,7 @@ TEST_F(VerifyFeatures, CandidatesOfAStepOrAtRest) {
     EXPECT_EQ(outcome.out,
               "wrong: 3 candidates, 1 missed, 1 false, 1 repeated\nmissed ee 1 2 3 4\nfalse vf 4 0\nrepeated vf 3 0\n");
     const std::string at_rest = " --inflation 0.5 --kinds vertex_face,face_face";
-    ASSERT_EQ(crumple("impacts above.off --kind candidates" + at_rest + " -o a.txt -o a.csv -o a.json -o a.npz").status,
-              0);
+    ASSERT_EQ(crumple("impacts above.off --candidates" + at_rest + " -o a.txt -o a.csv -o a.json -o a.npz").status, 0);
     for (const char* const name : {"a.txt", "a.csv", "a.json", "a.npz"})
         EXPECT_EQ(crumple(std::string("verify --candidates above.off ") + name + at_rest).out,
                   "right: 3 candidates, 0 missed, 0 false, 0 repeated\n");
@@ -101,21 +100,21 @@ TEST_F(VerifyFeatures, IsRefusedWhereItMakesNoSense) {
     write("list.txt", "vf 3 0 0.5 0\n");
     write("two.txt", "vf 0:3 1:0 0.5 0\n");
     expect_refused("verify --impacts above.off list.txt", "verify --impacts takes START, END and a list");
-    expect_refused("verify --impacts --near 1 above.off list.txt",
-                   "--impacts, --candidates and --near are three questions");
-    expect_refused("verify --impacts --candidates above.off list.txt", "three questions");
-    expect_refused("verify --candidates --below above.off list.txt", "--below needs --near");
+    expect_refused("verify --impacts --radius 1 above.off list.txt",
+                   "--impacts, --candidates and --radius are of three queries");
+    expect_refused("verify --impacts --candidates above.off list.txt", "three queries");
+    expect_refused("verify --candidates --below above.off list.txt", "--below needs --radius");
     expect_refused("verify --inflation 0 above.off list.txt", "--inflation needs --candidates");
-    expect_refused("verify --near 1 --kinds face_face above.off list.txt", "--kinds needs --candidates");
+    expect_refused("verify --radius 1 --kinds face_face above.off list.txt", "--kinds needs --candidates");
     expect_refused("verify --candidates above.off list.txt --polygons", "--polygons does not go with --candidates");
     expect_refused("verify --candidates above.off list.txt", "list.txt, line 1: '0.5' is left over");
     expect_refused("verify --min-distance 1 above.off list.txt",
                    "--min-distance and --min-distance-share need --impacts");
-    expect_refused("verify --below above.off list.txt", "--below needs --near");
+    expect_refused("verify --below above.off list.txt", "--below needs --radius");
     expect_refused("verify --impacts above.off below.off two.txt", "ids of one mesh have no number of a file");
-    expect_refused("verify --near 1 above.off below.off list.txt", "ids of two files are 0:ID and 1:ID");
-    expect_refused("verify --near 1 above.off list.txt --format json", "--format is for a list from standard input");
-    for (const char* const option : {"--neighbours skip", "--intersections proper", "--part 1/1", "--polygons"})
+    expect_refused("verify --radius 1 above.off below.off list.txt", "ids of two files are 0:ID and 1:ID");
+    expect_refused("verify --radius 1 above.off list.txt --format json", "--format is for a list from standard input");
+    for (const char* const option : {"--neighbours skip", "--kind proper", "--part 1/1", "--polygons"})
         expect_refused(std::string("verify --impacts above.off below.off list.txt ") + option,
                        "does not go with --impacts");
     write("list.txt", "vf 3 0 0.5 0\nvf 3 zero 0.5\n");

@@ -54,9 +54,9 @@ TEST_F(Verify, OrderMattersBetweenTwoMeshes) {
 
 TEST_F(Verify, TakesTheOptionsThatChangeTheAnswer) {
     EXPECT_EQ(verify("0 1\n0 3\n", "five.off", "--neighbours skip").status, 0);
-    EXPECT_EQ(verify("0 1\n", "five.off", "--intersections proper").status, 0);
+    EXPECT_EQ(verify("0 1\n", "five.off", "--kind proper").status, 0);
     EXPECT_EQ(verify("0 1\n2 4\n", "five.off", "--weld --backend reference").status, 0);
-    EXPECT_EQ(verify("2 4\n", "five.off", "--groups components --wanted within").status, 0);
+    EXPECT_EQ(verify("2 4\n", "five.off", "--groups components --filter within").status, 0);
     EXPECT_EQ(verify(five_pairs, "five.off", "--part 1/1").status, 0);
 }
 
