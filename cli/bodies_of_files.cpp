@@ -113,7 +113,7 @@ BodyNames::BodyNames(const std::vector<io::NamedBody>& bodies) : sorted_(bodies.
 std::int32_t BodyNames::find(const std::string& name) const {
     const auto found = std::lower_bound(
         sorted_.begin(), sorted_.end(), name,
-        [&](std::int32_t b, const std::string& wanted) { return names_[static_cast<std::size_t>(b)] < wanted; });
+        [&](std::int32_t b, const std::string& name) { return names_[static_cast<std::size_t>(b)] < name; });
     return found != sorted_.end() && names_[static_cast<std::size_t>(*found)] == name ? *found : -1;
 }
 

@@ -113,7 +113,7 @@ void add_reading_options(CLI::App& app, ReadingOptions& options) {
     app.add_flag("--strict", options.strict, "What would be a warning about a file is an error");
 }
 
-void add_polygons_option(CLI::App& app, AnswerOptions& options) {
+void add_polygons_option(CLI::App& app, QueryOptions& options) {
     app.add_flag(
         "--polygons", options.polygons,
         "Ids are those of the file's faces, of as many corners as they have, not those of triangles. `p p` is a "
@@ -124,7 +124,7 @@ void add_format_option(CLI::App& app, std::string& format, const std::string& wo
     app.add_option("--format", format, "What -o - writes to standard output")->type_name(words);
 }
 
-void add_answer_options(CLI::App& app, AnswerOptions& options) {
+void add_query_options(CLI::App& app, QueryOptions& options) {
     add_choice<Neighbours, Neighbours>(
         app, "--neighbours", options.neighbours, {{"geometric", Neighbours::geometric}, {"skip", Neighbours::skip}},
         "Triangles that share a vertex collide if they meet elsewhere too (geometric, the default), or never (skip)");
@@ -138,11 +138,11 @@ void add_answer_options(CLI::App& app, AnswerOptions& options) {
     add_group_options(app, options);
     app.add_option_function<std::string>(
            "--part", [&options](const std::string& text) { options.part = parse_part(text); },
-           "Only part K of N (1/N to N/N) of the answer: the parts are independent, together they are the whole answer")
+           "Only part K of N (1/N to N/N) of the result: the parts are independent, together they are the whole result")
         ->type_name("K/N");
 }
 
-void add_group_options(CLI::App& app, AnswerOptions& options) {
+void add_group_options(CLI::App& app, QueryOptions& options) {
     app.add_option(
            "--groups", options.groups,
            "What the groups of --filter are: the connected components, the integers in a file (one a line for "
@@ -152,16 +152,16 @@ void add_group_options(CLI::App& app, AnswerOptions& options) {
            "are listed")
         ->type_name("components|bodies|FILE|PROPERTY");
     add_choice<std::optional<PairScope>, PairScope>(
-        app, "--filter", options.wanted,
+        app, "--filter", options.filter,
         {{"between", PairScope::between}, {"within", PairScope::within}, {"both", PairScope::both}},
         "Pairs between different groups, within one group, or both");
 }
 
-void AnswerOptions::check() const {
+void QueryOptions::check() const {
     if (polygons && part) fail("--part is of triangles: polygons of several parts would be listed in each of them");
     if (polygons && contacts) fail("--contacts belong to triangles, and --polygons lists none");
-    if (groups.empty() && wanted && *wanted != PairScope::both) fail("--filter between and within need --groups");
-    if (!groups.empty() && !wanted && !of_bodies()) fail("--groups changes nothing without --filter");
+    if (groups.empty() && filter && *filter != PairScope::both) fail("--filter between and within need --groups");
+    if (!groups.empty() && !filter && !of_bodies()) fail("--groups changes nothing without --filter");
     if (!of_bodies()) return;
     if (part) fail("--part is of triangles, and --groups bodies lists bodies");
     if (polygons) fail("--polygons are of one mesh or two, not of --groups bodies");
@@ -226,7 +226,8 @@ void add_cost_options(CLI::App& app, Options& options) {
     app.add_option("--threads", options.threads, "Threads; without it as many as the machine has")
         ->type_name("N")
         ->check(integer(1, 1024));
-    app.add_option("--clusters", options.clusters, "Clusters of the first level, 1 to 64; without it as the size asks")
+    app.add_option("--clusters", options.clusters,
+                   "Clusters of the first level, 1 to 64; without it chosen from the size")
         ->type_name("N")
         ->check(integer(1, 64));
     app.add_option_function<std::vector<std::string>>(
@@ -257,7 +258,7 @@ void check_cost_options(const Options& options) {
 }
 
 void check_outputs(const std::vector<std::string>& outputs, std::vector<std::string> inputs,
-                   const AnswerOptions& options) {
+                   const QueryOptions& options) {
     inputs.push_back(options.groups);
     std::vector<std::string> written = outputs;
     for (const std::string& output : outputs) {

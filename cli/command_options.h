@@ -28,15 +28,15 @@ struct ReadingOptions {
     io::Triangulation triangulation = io::Triangulation::ears;
     bool strict = false;
     io::Unit unit = io::Unit::unknown;
-    bool lines_and_points = false;  ///< no option: questions about features read them
+    bool lines_and_points = false;  ///< no option: queries of features read them
 };
 
-/// What changes the answer.
-struct AnswerOptions : ReadingOptions {
+/// Options that change the result.
+struct QueryOptions : ReadingOptions {
     Neighbours neighbours = Neighbours::geometric;
     IntersectionKind kind = IntersectionKind::all;
     std::string groups;               ///< "components", "bodies", a file, a PLY property; empty: none
-    std::optional<PairScope> wanted;  ///< absent: both
+    std::optional<PairScope> filter;  ///< absent: both
     std::optional<PartOfMany> part;
     bool contacts = false;
     bool polygons = false;  ///< ids are those of polygons
@@ -63,8 +63,8 @@ CLI::Option* add_number_option(CLI::App& app, const char* name, const std::funct
 
 void add_reading_options(CLI::App& app, ReadingOptions& options);
 /// `--groups` and `--filter`.
-void add_group_options(CLI::App& app, AnswerOptions& options);
-void add_answer_options(CLI::App& app, AnswerOptions& options);
+void add_group_options(CLI::App& app, QueryOptions& options);
+void add_query_options(CLI::App& app, QueryOptions& options);
 /// What changes only the cost.
 void add_cost_options(CLI::App& app, Options& options);
 
@@ -72,14 +72,14 @@ void add_cost_options(CLI::App& app, Options& options);
 void check_cost_options(const Options& options);
 
 /// `--polygons`, for commands whose pairs have ids.
-void add_polygons_option(CLI::App& app, AnswerOptions& options);
+void add_polygons_option(CLI::App& app, QueryOptions& options);
 /// `--format`, which tells what `-o -` writes.
 void add_format_option(CLI::App& app, std::string& format, const std::string& words);
 
 /// Throws Error (invalid_argument) if what is to be written is one of the files that are read, under whatever name, or
 /// a file that comes with it is.
 void check_outputs(const std::vector<std::string>& outputs, std::vector<std::string> inputs,
-                   const AnswerOptions& options);
+                   const QueryOptions& options);
 
 /// Standard input or output.
 inline bool is_standard(const std::string& path) { return path == "-"; }

@@ -17,7 +17,7 @@ Frames::Frames(std::vector<std::string> files, const std::string& scene, const s
     scene_frames_ = static_cast<std::size_t>(scene_->description().frames);
 }
 
-Input Frames::load(std::size_t i, const AnswerOptions& options) {
+Input Frames::load(std::size_t i, const QueryOptions& options) {
     if (!scene_) {
         Input input = read_input({files_[i]}, options);
         unit_.apply(files_[i], input.first);

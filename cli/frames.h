@@ -21,7 +21,7 @@ class Frames {
     /// The file, or the scene's frame as a number.
     std::string name(std::size_t i) const { return files_.empty() ? std::to_string(i) : files_[i]; }
     /// In ascending order. Throws Error that names the file and the place.
-    Input load(std::size_t i, const AnswerOptions& options);
+    Input load(std::size_t i, const QueryOptions& options);
 
    private:
     std::vector<std::string> files_;

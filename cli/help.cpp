@@ -36,8 +36,8 @@ const std::vector<Group>& groups() {
 
 std::size_t place_in(const Group& group, const CLI::Option* option) {
     const auto& names = option->get_lnames();
-    const auto named = [&](std::string_view wanted) {
-        return std::find(names.begin(), names.end(), wanted) != names.end();
+    const auto named = [&](std::string_view name) {
+        return std::find(names.begin(), names.end(), name) != names.end();
     };
     return static_cast<std::size_t>(std::find_if(group.options.begin(), group.options.end(), named) -
                                     group.options.begin());

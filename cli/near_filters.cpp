@@ -52,24 +52,24 @@ void add_near_filter_options(CLI::App& app, NearFilterOptions& options) {
         ->type_name("R");
 }
 
-NearFilters::NearFilters(const NearFilterOptions& options, Input& input, const AnswerOptions& answer)
+NearFilters::NearFilters(const NearFilterOptions& options, Input& input, const QueryOptions& query_options)
     : options_(options) {
     if (options.rest.empty() && options.rest_radius > 0) refuse("--rest-radius needs --rest");
     if (input.second && !options.radii.empty()) refuse("--radii are of one mesh");
     if (input.second && !options.rest.empty()) refuse("--rest is of one mesh");
     if (!options.radii.empty()) radii_ = read_radii(options.radii, input.first.vertex_count());
     if (options.rest.empty()) return;
-    rest_ = read_mesh(options.rest, answer);
-    bring_to_one_unit(input.name, input.first, options.rest, rest_, answer);
+    rest_ = read_mesh(options.rest, query_options);
+    bring_to_one_unit(input.name, input.first, options.rest, rest_, query_options);
     check_same_faces(input, options.rest, rest_);
 }
 
-void NearFilters::tell(ProximityQuery& question) const {
-    question.radii = radii_;
-    question.rings = options_.rings;
+void NearFilters::apply(ProximityQuery& query) const {
+    query.radii = radii_;
+    query.rings = options_.rings;
     if (options_.rest.empty()) return;
-    question.rest = rest_.view().vertices;
-    question.rest_radius = options_.rest_radius;
+    query.rest = rest_.view().vertices;
+    query.rest_radius = options_.rest_radius;
 }
 
 }  // namespace crumple::cli

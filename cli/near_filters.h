@@ -1,6 +1,6 @@
 #pragma once
 
-// What crumple near asks beside one radius: radii of vertices, neighbours along edges, a shape at rest.
+// Options of crumple near beside one radius: radii of vertices, neighbours along edges, a shape at rest.
 
 #include <string>
 #include <vector>
@@ -21,14 +21,14 @@ struct NearFilterOptions {
 /// `--radii`, `--rest`, `--rest-radius` and `--rings`.
 void add_near_filter_options(CLI::App& app, NearFilterOptions& options);
 
-/// What the files of these options say; questions view it.
+/// Contents of the files of these options, which queries view.
 class NearFilters {
    public:
     /// Reads what is to be about this input, which is not changed. Throws Error that names the file and the place, or
     /// the options.
-    NearFilters(const NearFilterOptions& options, Input& input, const AnswerOptions& answer);
+    NearFilters(const NearFilterOptions& options, Input& input, const QueryOptions& query_options);
 
-    void tell(ProximityQuery& question) const;
+    void apply(ProximityQuery& query) const;
 
    private:
     const NearFilterOptions& options_;

@@ -69,7 +69,7 @@ io::TriangleMesh read_with_groups(const std::string& path, const io::ReadOptions
 
 enum class GroupSource { none, components, file, property };
 
-GroupSource group_source(const AnswerOptions& options) {
+GroupSource group_source(const QueryOptions& options) {
     if (options.groups.empty()) return GroupSource::none;
     if (options.of_bodies())
         throw Error(ErrorCode::invalid_argument, "--groups bodies is for crumple detect", Element::option);
@@ -100,7 +100,7 @@ void bring_to_one_unit(const std::string& file, io::TriangleMesh& mesh, const st
     unit.apply(second_file, second);
 }
 
-Input read_input(const std::vector<std::string>& files, const AnswerOptions& options) {
+Input read_input(const std::vector<std::string>& files, const QueryOptions& options) {
     io::ReadOptions how = read_options(options);
     const GroupSource source = group_source(options);
     if (source == GroupSource::property) how.group_property = options.groups;
@@ -117,7 +117,7 @@ Input read_input(const std::vector<std::string>& files, const AnswerOptions& opt
     return input;
 }
 
-Input made_input(const std::string& name, io::TriangleMesh mesh, const AnswerOptions& options) {
+Input made_input(const std::string& name, io::TriangleMesh mesh, const QueryOptions& options) {
     const GroupSource source = group_source(options);
     if (source == GroupSource::property && (options.groups != "group" || mesh.groups.empty())) {
         throw Error(ErrorCode::invalid_argument,
@@ -172,19 +172,19 @@ void check_same_faces(const Input& start, const std::string& end_name, const io:
                            "triangle " + std::to_string((other - mesh.triangles.begin()) / 3) + " has other vertices");
 }
 
-AnswerOptions reading_of_motion(AnswerOptions options) {
+QueryOptions reading_of_motion(QueryOptions options) {
     if (options.weld) options.weld = false;
     return with_lines_and_points(std::move(options));
 }
 
-AnswerOptions with_lines_and_points(AnswerOptions options) {
+QueryOptions with_lines_and_points(QueryOptions options) {
     options.lines_and_points = true;
     return options;
 }
 
-MovingInput read_moving_input(const std::string& start, const std::string& end, const AnswerOptions& options) {
+MovingInput read_moving_input(const std::string& start, const std::string& end, const QueryOptions& options) {
     check_standard_input({start, end});
-    const AnswerOptions reading = reading_of_motion(options);
+    const QueryOptions reading = reading_of_motion(options);
     MovingInput input{read_input({start}, reading), read_mesh(end, reading)};
     bring_to_one_unit(start, input.start.first, end, input.end, options);
     check_same_faces(input.start, end, input.end);
@@ -192,33 +192,33 @@ MovingInput read_moving_input(const std::string& start, const std::string& end, 
     return input;
 }
 
-StepOrRest read_step_or_rest(const std::string& start, const std::string& end, const AnswerOptions& options) {
+StepOrRest read_step_or_rest(const std::string& start, const std::string& end, const QueryOptions& options) {
     if (end.empty()) return {read_input({start}, reading_of_motion(options)), {}};
     MovingInput step = read_moving_input(start, end, options);
     return {std::move(step.start), std::move(step.end)};
 }
 
-Search::Search(const AnswerOptions& answer, const Options& options)
-    : answer_(answer),
+Search::Search(const QueryOptions& query_options, const Options& options)
+    : query_options_(query_options),
       threads_(options.threads ? std::make_unique<AllowedThreads>(options.threads) : nullptr),
-      detector_((answer.check(), check_cost_options(options), options)) {
+      detector_((query_options.check(), check_cost_options(options), options)) {
     if (!detector_.fallback().empty())
         print_error(std::string(detector_.fallback()) + "; the cpu backend does the work");
 }
 
 Search::~Search() = default;
 
-IntersectionQuery query_of(const AnswerOptions& answer) {
+IntersectionQuery query_of(const QueryOptions& query_options) {
     IntersectionQuery query;
-    query.neighbours = answer.neighbours;
-    query.kind = answer.kind;
-    query.weld = answer.weld.value_or(false);
-    query.output = answer.contacts ? Output::contacts : Output::pairs;
-    query.filter.groups = answer.wanted.value_or(PairScope::both);
+    query.neighbours = query_options.neighbours;
+    query.kind = query_options.kind;
+    query.weld = query_options.weld.value_or(false);
+    query.output = query_options.contacts ? Output::contacts : Output::pairs;
+    query.filter.groups = query_options.filter.value_or(PairScope::both);
     return query;
 }
 
-IntersectionQuery Search::query() const { return query_of(answer_); }
+IntersectionQuery Search::query() const { return query_of(query_options_); }
 
 Error with_name(const std::string& name, const Error& error) {
     Error named(error.code, name + ": " + error.what(), error.element, error.index, error.bytes_needed,
@@ -282,9 +282,9 @@ decltype(auto) on_scene(const Input& input, const io::TriangleMesh* end, Work wo
 }  // namespace
 
 const Intersections& Search::find(const Input& input) {
-    if (!answer_.part) return find(input, query());
+    if (!query_options_.part) return find(input, query());
     return on_scene(input, nullptr, [&](const Scene& scene) -> const Intersections& {
-        const auto [index, count] = *answer_.part;
+        const auto [index, count] = *query_options_.part;
         detector_.find(detector_.partition(scene, query(), count)[static_cast<std::size_t>(index) - 1], query());
         detector_.swap_result(of_part_);
         index_by_triangle(of_part_, input.first.triangle_count(), input.second ? input.second->triangle_count() : 0);
@@ -293,7 +293,7 @@ const Intersections& Search::find(const Input& input) {
 }
 
 bool Search::any(const Input& input) {
-    if (answer_.part) return find(input).any;
+    if (query_options_.part) return find(input).any;
     return on_scene(input, nullptr, [&](const Scene& scene) { return detector_.any(scene, query()); });
 }
 
@@ -341,10 +341,10 @@ std::string with_name_of_body(const std::string& message, const std::vector<std:
 
 const Intersections& Search::find(const std::string& files, const std::vector<std::string>& names,
                                   std::int64_t first_configuration, const World& world,
-                                  const IntersectionQuery& question) {
+                                  const IntersectionQuery& query) {
     return named(files, [&]() -> const Intersections& {
         try {
-            return detector_.find(world, question);
+            return detector_.find(world, query);
         } catch (const Error& error) {
             throw Error(error.code, with_name_of_body(error.what(), names, first_configuration), error.element,
                         error.index, error.bytes_needed, error.system_error);

@@ -1,6 +1,6 @@
 #pragma once
 
-// From files and options to the answer.
+// From files and options to the result.
 
 #include <memory>
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace crumple::cli {
 
-/// One mesh or two, with groups if they are asked for.
+/// One mesh or two, with groups if they are requested.
 struct Input {
     std::string name;  ///< for messages
     io::TriangleMesh first;
@@ -23,8 +23,8 @@ struct Input {
     std::int64_t triangle_count() const { return first.triangle_count() + (second ? second->triangle_count() : 0); }
 };
 
-/// What is asked of a search for triangles.
-IntersectionQuery query_of(const AnswerOptions& answer);
+/// Query of a search for triangles.
+IntersectionQuery query_of(const QueryOptions& query_options);
 
 /// The error of a search, with what it is about and which option helps.
 Error with_name(const std::string& name, const Error& error);
@@ -39,11 +39,11 @@ void bring_to_one_unit(const std::string& file, io::TriangleMesh& mesh, const st
                        io::TriangleMesh& second, const ReadingOptions& options);
 
 /// Reads one file or two. Throws Error that names the file and the place.
-Input read_input(const std::vector<std::string>& files, const AnswerOptions& options);
+Input read_input(const std::vector<std::string>& files, const QueryOptions& options);
 
 /// A mesh that was made, not read, under the options that a file of it would be read with: its own groups are the
 /// property `group`. Throws as read_input does.
-Input made_input(const std::string& name, io::TriangleMesh mesh, const AnswerOptions& options);
+Input made_input(const std::string& name, io::TriangleMesh mesh, const QueryOptions& options);
 
 /// A mesh, and the same one at the end of a step.
 struct MovingInput {
@@ -55,13 +55,13 @@ struct MovingInput {
 void check_same_faces(const Input& start, const std::string& end_name, const io::TriangleMesh& end);
 
 /// With --weld vertices stay as they are in the files, for those that coincide in one of them need not in another.
-AnswerOptions reading_of_motion(AnswerOptions options);
+QueryOptions reading_of_motion(QueryOptions options);
 
 /// The same with lines and points of OBJ.
-AnswerOptions with_lines_and_points(AnswerOptions options);
+QueryOptions with_lines_and_points(QueryOptions options);
 
 /// Reads both; the groups are those of the start. Throws Error that names the file and the place.
-MovingInput read_moving_input(const std::string& start, const std::string& end, const AnswerOptions& options);
+MovingInput read_moving_input(const std::string& start, const std::string& end, const QueryOptions& options);
 
 /// A mesh, and perhaps the same one at the end of a step.
 struct StepOrRest {
@@ -71,7 +71,7 @@ struct StepOrRest {
     const io::TriangleMesh* end_or_null() const { return end ? &*end : nullptr; }
 };
 /// Reads both, or without an `end` the one as it would be read with it. Throws as read_moving_input does.
-StepOrRest read_step_or_rest(const std::string& start, const std::string& end, const AnswerOptions& options);
+StepOrRest read_step_or_rest(const std::string& start, const std::string& end, const QueryOptions& options);
 
 /// Makes offsets and hit flags of all triangles. `second_triangles`: 0 of one mesh.
 void index_by_triangle(Intersections& found, std::int64_t triangles, std::int64_t second_triangles);
@@ -82,12 +82,13 @@ class AllowedThreads;
 class Search {
    public:
     /// Throws Error (invalid_argument) where options do not go together.
-    Search(const AnswerOptions& answer, const Options& options);
+    Search(const QueryOptions& query_options, const Options& options);
     ~Search();
 
     /// Valid until the next call. Throws Error that names the input.
     const Intersections& find(const Input& input);
-    /// Whether there is any pair. Ends at the first that is found, unless only a part is wanted. Throws as find does.
+    /// Whether there is any pair. Ends at the first that is found, unless only a part is requested. Throws as find
+    /// does.
     bool any(const Input& input);
     /// The result of a query about features: of one mesh, on its way to `end` (which check_same_faces has seen) if that
     /// is given, or of two. Valid until the next call. Throws Error that names the input.
@@ -100,15 +101,15 @@ class Search {
     Statistics stream(const Input& input, FunctionRef<void(const Intersections&)> take) {
         return stream(input, query(), take);
     }
-    /// The answer for bodies that have these names, again and again in each of several configurations, whose first one
+    /// The result for bodies that have these names, again and again in each of several configurations, whose first one
     /// has this number; -1: there is but one. Valid until the next call. Throws Error that names `files`, and the
     /// configuration and body it is about.
     const Intersections& find(const std::string& files, const std::vector<std::string>& names,
-                              std::int64_t first_configuration, const World& world, const IntersectionQuery& question);
+                              std::int64_t first_configuration, const World& world, const IntersectionQuery& query);
 
    private:
     IntersectionQuery query() const;
-    AnswerOptions answer_;
+    QueryOptions query_options_;
     std::unique_ptr<AllowedThreads> threads_;
     Detector detector_;
     Intersections of_part_;

@@ -13,7 +13,7 @@ namespace crumple::cli {
 /// Triangles that take part in some pair.
 std::int64_t count_hits(const Intersections& collisions);
 
-/// The answer in one line: "925 pairs, 941 of 54,928 triangles, 4.4 ms". `what`: triangles or polygons.
+/// The result in one line: "925 pairs, 941 of 54,928 triangles, 4.4 ms". `what`: triangles or polygons.
 std::string summary_of_pairs(std::int64_t pairs, std::int64_t hits, std::int64_t all, const char* what,
                              double milliseconds);
 

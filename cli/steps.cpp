@@ -7,13 +7,13 @@
 namespace crumple::cli {
 
 void Steps::begin(std::string_view step) const {
-    if (!wanted_) return;
+    if (!shown_) return;
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin_;
     say("{:9.2f} s  {}\n", passed.count(), step);
 }
 
-void add_progress_option(CLI::App& app, bool& wanted) {
-    app.add_flag("--progress", wanted,
+void add_progress_option(CLI::App& app, bool& shown) {
+    app.add_flag("--progress", shown,
                  "Print a line to standard error as each step begins, with the seconds that have passed. Of several "
                  "processes: what the first one does, phase by phase");
 }

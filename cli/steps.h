@@ -15,16 +15,16 @@ namespace crumple::cli {
 /// Lines and no bar, for what mpirun hands on is no terminal.
 class Steps {
    public:
-    explicit Steps(bool wanted) : wanted_(wanted) {}
+    explicit Steps(bool shown) : shown_(shown) {}
 
     void begin(std::string_view step) const;
 
    private:
-    bool wanted_;
+    bool shown_;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
 /// `--progress`.
-void add_progress_option(CLI::App& app, bool& wanted);
+void add_progress_option(CLI::App& app, bool& shown);
 
 }  // namespace crumple::cli

@@ -7,10 +7,10 @@
 
 #include "cli/commands.h"
 #include "cli/commands/detect_bodies.h"
-#include "cli/feature_outputs.h"
 #include "cli/ranks/rank_search.h"
 #include "cli/ranks/ranks.h"
 #include "cli/search.h"
+#include "cli/search_command.h"
 #include "cli/statistics_table.h"
 #include "cli/steps.h"
 #include "cli/terminal.h"
@@ -23,7 +23,7 @@ namespace {
 constexpr const char* formats =
     "pairs are written as .txt, .csv, .json or .npz, coloured meshes as .ply, .obj, .glb, .3mf or .html";
 
-struct Detect : FeatureCommand {
+struct Detect : SearchCommand {
     std::vector<std::string> files;
     BodyOptions bodies;
 
@@ -52,7 +52,7 @@ struct Detect : FeatureCommand {
                 fail("-o - --format obj: a coloured .obj needs a file beside it");
             shows_contacts = shows_contacts || list_format(extension) || extension == ".html";
         }
-        if (!answer.contacts || shows_contacts) return;
+        if (!query_options.contacts || shows_contacts) return;
         if (!outputs.paths.empty())
             fail("--contacts: coloured meshes hold no contacts; write a .txt, .csv, .json, .npz or .html");
         if (check) fail("--contacts are not printed with --check, unless by -o");
@@ -73,7 +73,7 @@ struct Detect : FeatureCommand {
 
     std::string summary(std::int64_t pairs, const Intersections& found) const {
         const auto all = static_cast<std::int64_t>(found.hit.size() + found.hit_second.size());
-        return summary_of_pairs(pairs, count_hits(found), all, answer.polygons ? "polygons" : "triangles",
+        return summary_of_pairs(pairs, count_hits(found), all, query_options.polygons ? "polygons" : "triangles",
                                 found.statistics.milliseconds);
     }
 
@@ -83,11 +83,12 @@ struct Detect : FeatureCommand {
         const auto list = outputs.paths.empty() ? io::PairFormat::txt : list_format(extension_of(path, outputs.format));
         if (outputs.paths.size() > 1 || (list != io::PairFormat::txt && list != io::PairFormat::csv))
             fail("--stream writes one list of pairs, as .txt or .csv");
-        if (check || answer.polygons || answer.part) fail("--stream does not go with --check, --polygons or --part");
-        check_outputs(outputs.paths, files, answer);
-        Search search(answer, options);
+        if (check || query_options.polygons || query_options.part)
+            fail("--stream does not go with --check, --polygons or --part");
+        check_outputs(outputs.paths, files, query_options);
+        Search search(query_options, options);
         steps.begin("read");
-        const Input input = read_input(files, answer);
+        const Input input = read_input(files, query_options);
         steps.begin("search and write");
         Intersections all;  // of which only the flags are kept
         all.hit.assign(static_cast<std::size_t>(input.first.triangle_count()), 0);
@@ -101,35 +102,37 @@ struct Detect : FeatureCommand {
             writer.commit();
         };
         if (is_standard(path))
-            to_standard_output([&](std::ostream& out) { write_to(io::PairWriter(out, answer.contacts, *list)); });
+            to_standard_output(
+                [&](std::ostream& out) { write_to(io::PairWriter(out, query_options.contacts, *list)); });
         else
-            write_to(io::PairWriter(path, answer.contacts));
+            write_to(io::PairWriter(path, query_options.contacts));
         if (stats) print_statistics(all.statistics, count_hits(all));
         return finish(all.statistics.pairs > 0, summary(all.statistics.pairs, all));
     }
 
     int run() const {
-        bodies.check(answer);
+        bodies.check(query_options);
         if (Ranks::count() > 1) {
             check_output_formats();
             if (files.size() > 1) refuse_on_ranks("a second mesh");
-            IntersectionQuery query = query_of(answer);
+            IntersectionQuery query = query_of(query_options);
             if (only_status() && !stats) query.output = Output::any;
             return search_on_ranks(*this, files, query);
         }
-        if (stream && answer.of_bodies()) fail("--stream is of triangles, and --groups bodies lists bodies");
-        if (answer.of_bodies()) {
+        if (stream && query_options.of_bodies()) fail("--stream is of triangles, and --groups bodies lists bodies");
+        if (query_options.of_bodies()) {
             if (stats) fail("--stats are of triangles, and --groups bodies lists bodies");
-            return detect_bodies({files, outputs.paths, outputs.format, answer, bodies, options, check, progress});
+            return detect_bodies(
+                {files, outputs.paths, outputs.format, query_options, bodies, options, check, progress});
         }
         if (files.size() > 2) fail("detect takes one FILE or two, or any number with --groups bodies");
         check_output_formats();
         const Steps steps(progress);
         if (stream) return run_stream(steps);
-        check_outputs(outputs.paths, files, answer);
-        Search search(answer, options);
+        check_outputs(outputs.paths, files, query_options);
+        Search search(query_options, options);
         steps.begin("read");
-        const Input input = read_input(files, answer);
+        const Input input = read_input(files, query_options);
         steps.begin("search");
         if (only_status() && !stats) return report(search.any(input), words_of_pairs);
         const Intersections& of_triangles = search.find(input);
@@ -138,8 +141,8 @@ struct Detect : FeatureCommand {
 
         steps.begin("write");
         Intersections of_polygons;
-        if (answer.polygons) of_polygons = io::by_polygon(input.first, input.second_or_null(), of_triangles);
-        const Intersections& found = answer.polygons ? of_polygons : of_triangles;
+        if (query_options.polygons) of_polygons = io::by_polygon(input.first, input.second_or_null(), of_triangles);
+        const Intersections& found = query_options.polygons ? of_polygons : of_triangles;
         for (const std::string& path : outputs.paths) write(path, input, found);
         if (outputs.paths.empty()) to_standard_output([&](std::ostream& out) { io::write_pairs(out, found); });
         return finish(!found.pairs.empty(), summary(static_cast<std::int64_t>(found.pairs.size()), found));
@@ -169,16 +172,17 @@ Command add_detect(CLI::App& app) {
         ->type_name("OUT")
         ->allow_extra_args(false);
     add_format_option(command, detect->outputs.format, "txt|csv|json|npz|ply|glb|3mf|html");
-    add_answer_options(command, detect->answer);
+    add_query_options(command, detect->query_options);
     add_body_options(command, detect->bodies);
-    add_polygons_option(command, detect->answer);
-    command.add_flag("--contacts", detect->answer.contacts, "Also where each pair meets: its kind and its points");
+    add_polygons_option(command, detect->query_options);
+    command.add_flag("--contacts", detect->query_options.contacts,
+                     "Also where each pair meets: its kind and its points");
     command.add_flag(
         "--check", detect->check,
         "Exit with status 1 if anything collides. Without -o that is all that is searched for, and one line is "
         "printed");
     command.add_flag("--stream", detect->stream,
-                     "Write pairs, as .txt or .csv, while they are found, for answers that exceed memory: in an order "
+                     "Write pairs, as .txt or .csv, while they are found, for results that exceed memory: in an order "
                      "of its own, which does not depend on threads");
     command.add_flag("--stats", detect->stats, "Print times and counts of the stages to standard error");
     add_progress_option(command, detect->progress);

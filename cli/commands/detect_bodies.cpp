@@ -43,12 +43,12 @@ void check_output_formats(const BodyTask& task) {
     }
 }
 
-bool wants_pictures(const BodyTask& task) {
+bool has_pictures(const BodyTask& task) {
     return std::any_of(task.outputs.begin(), task.outputs.end(),
                        [&](const std::string& path) { return !list_format(extension_of(path, task.format)); });
 }
 
-/// A world that was read, and what is asked of it.
+/// A world that was read, and queries of it.
 struct Scene {
     io::WorldMesh mesh;
     BodyNames names;
@@ -56,7 +56,7 @@ struct Scene {
     std::vector<BodyPair> excluded;
 
     explicit Scene(const BodyTask& task)
-        : mesh(read_bodies(task.files, task.answer)),
+        : mesh(read_bodies(task.files, task.query_options)),
           names(mesh.bodies),
           files(fmt::format("{}", fmt::join(task.files, ", "))) {
         for (const std::string& text : task.bodies.excluded) excluded.push_back(names.pair(text));
@@ -78,19 +78,19 @@ struct Scene {
                 result[c * mesh.bodies.size() + static_cast<std::size_t>(pair.first)].self = false;
         return result;
     }
-    IntersectionQuery question(const AnswerOptions& answer, Output wants, std::size_t count) const {
-        IntersectionQuery question;
-        question.output = wants;
-        question.neighbours = answer.neighbours;
-        question.kind = answer.kind;
-        question.weld = answer.weld.value_or(false);
-        question.filter.bodies = answer.wanted.value_or(PairScope::between);
+    IntersectionQuery query(const QueryOptions& query_options, Output output, std::size_t count) const {
+        IntersectionQuery query;
+        query.output = output;
+        query.neighbours = query_options.neighbours;
+        query.kind = query_options.kind;
+        query.weld = query_options.weld.value_or(false);
+        query.filter.bodies = query_options.filter.value_or(PairScope::between);
         const auto n = static_cast<std::int32_t>(mesh.bodies.size());
         for (std::int32_t c = 0; c < static_cast<std::int32_t>(count); ++c)
             for (const BodyPair& pair : excluded)
                 if (pair.first != pair.second)
-                    question.filter.excluded_bodies.push_back({c * n + pair.first, c * n + pair.second});
-        return question;
+                    query.filter.excluded_bodies.push_back({c * n + pair.first, c * n + pair.second});
+        return query;
     }
 };
 
@@ -134,15 +134,15 @@ int find_once(const BodyTask& task, Search& search, const Scene& scene, const St
     const io::WorldView view = scene.mesh.view();
     const std::vector<Body> bodies = scene.bodies(1);
     const World world{view.shapes, bodies, view.poses};
-    const bool only_status = task.check && task.outputs.empty(), pictures = wants_pictures(task);
-    IntersectionQuery question = scene.question(task.answer,
-                                                only_status ? Output::any
-                                                : pictures  ? Output::pairs
-                                                            : Output::body_pairs,
-                                                1);
-    question.index = pictures;
+    const bool only_status = task.check && task.outputs.empty(), pictures = has_pictures(task);
+    IntersectionQuery query = scene.query(task.query_options,
+                                          only_status ? Output::any
+                                          : pictures  ? Output::pairs
+                                                      : Output::body_pairs,
+                                          1);
+    query.index = pictures;
     steps.begin("search");
-    const Intersections& found = search.find(scene.files, scene.names.list(), -1, world, question);
+    const Intersections& found = search.find(scene.files, scene.names.list(), -1, world, query);
     if (only_status) return report(found.any);
 
     steps.begin("write");
@@ -192,10 +192,10 @@ int find_configurations(const BodyTask& task, Search& search, const Scene& scene
     const io::WorldView view = scene.mesh.view(1);
     const std::size_t n = view.bodies.size(), count = n ? poses.size() / n : 0;
     const bool only_status = task.check && task.outputs.empty();
-    const Output wants = only_status ? Output::any : task.bodies.any ? Output::any_by_world : Output::body_pairs;
+    const Output output = only_status ? Output::any : task.bodies.any ? Output::any_by_world : Output::body_pairs;
     ConfigurationList list{scene.names.list(), !task.bodies.any};
     std::vector<Body> bodies;
-    IntersectionQuery question;
+    IntersectionQuery query;
     steps.begin("search");
     Progress progress(count);
     for (std::size_t first = 0, size; first < count; first += size) {
@@ -203,12 +203,12 @@ int find_configurations(const BodyTask& task, Search& search, const Scene& scene
         size = std::min(count - first, std::max<std::size_t>(1, bodies_at_once / n));
         if (bodies.size() != size * n) {
             bodies = scene.bodies(size);
-            question = scene.question(task.answer, wants, size);
+            query = scene.query(task.query_options, output, size);
         }
         const std::span<const Pose> batch(&poses[first * n], size * n);
         try {
             const Intersections& found = search.find(scene.files, scene.names.list(), static_cast<std::int64_t>(first),
-                                                     {view.shapes, bodies, batch}, question);
+                                                     {view.shapes, bodies, batch}, query);
             if (only_status && found.any) return progress.clear(), report(true);
             if (!only_status) add(found, size, list);
         } catch (...) {
@@ -230,10 +230,10 @@ int find_configurations(const BodyTask& task, Search& search, const Scene& scene
 
 }  // namespace
 
-void BodyOptions::check(const AnswerOptions& answer) const {
+void BodyOptions::check(const QueryOptions& query_options) const {
     if (any && poses.empty())
         refuse("--any-by-world changes nothing without --poses; --check tells whether anything collides");
-    if (answer.of_bodies()) return;
+    if (query_options.of_bodies()) return;
     if (!excluded.empty()) refuse("--excluded-bodies needs --groups bodies");
     if (!exclude_from.empty()) refuse("--excluded-bodies-from needs --groups bodies");
     if (!poses.empty()) refuse("--poses needs --groups bodies");
@@ -262,8 +262,8 @@ int detect_bodies(const BodyTask& task) {
     for (const std::string* const path : {&task.bodies.exclude_from, &task.bodies.poses})
         if (!path->empty()) inputs.push_back(*path);
     check_standard_input(inputs);
-    check_outputs(task.outputs, inputs, task.answer);
-    Search search(task.answer, task.options);
+    check_outputs(task.outputs, inputs, task.query_options);
+    Search search(task.query_options, task.options);
     const Steps steps(task.progress);
     steps.begin("read");
     const Scene scene(task);

@@ -17,16 +17,16 @@ struct BodyOptions {
     bool any = false;                   ///< with poses: only which configurations collide
 
     /// Throws Error (invalid_argument) for options that change nothing without another one.
-    void check(const AnswerOptions& answer) const;
+    void check(const QueryOptions& query_options) const;
 };
 
 void add_body_options(CLI::App& app, BodyOptions& options);
 
-/// What crumple detect was asked for.
+/// Request to crumple detect.
 struct BodyTask {
     const std::vector<std::string>&files, &outputs;
     const std::string& format;  ///< of `-o -`
-    const AnswerOptions& answer;
+    const QueryOptions& query_options;
     const BodyOptions& bodies;
     const Options& options;
     bool check;     ///< by exit status

@@ -9,17 +9,17 @@
 #include "cli/bodies_of_files.h"
 #include "cli/commands.h"
 #include "cli/commands/list_candidates.h"
-#include "cli/feature_outputs.h"
 #include "cli/ranks/rank_search.h"
 #include "cli/ranks/ranks.h"
 #include "cli/search.h"
+#include "cli/search_command.h"
 #include "cli/statistics_table.h"
 #include "cli/steps.h"
 
 namespace crumple::cli {
 namespace {
 
-struct ImpactsCommand : FeatureCommand {
+struct ImpactsCommand : SearchCommand {
     std::string start, end;
     bool triangle_pairs = false, lists_candidates = false, first = false;
     MotionOptions motion;
@@ -47,7 +47,7 @@ struct ImpactsCommand : FeatureCommand {
         if (lists_candidates) refuse_on_ranks("--candidates");
         if (triangle_pairs) refuse_on_ranks("--triangle-pairs");
         check_impacts();
-        return search_on_ranks(*this, {start, end}, motion.question(answer, wants()));
+        return search_on_ranks(*this, {start, end}, motion.query(query_options, output()));
     }
 
     void check_impacts() const {
@@ -55,20 +55,20 @@ struct ImpactsCommand : FeatureCommand {
         if (end.empty()) refuse("impacts: END is required; see crumple impacts --help");
         check_stream();
     }
-    Output wants() const { return only_status() && !stats ? Output::any : first ? Output::first : Output::pairs; }
+    Output output() const { return only_status() && !stats ? Output::any : first ? Output::first : Output::pairs; }
 
     int list_impacts() const {
         check_impacts();
-        check_outputs(outputs.paths, {start, end}, answer);
-        Search search(answer, feature_options(options));
+        check_outputs(outputs.paths, {start, end}, query_options);
+        Search search(query_options, feature_options(options));
         const Steps steps(progress);
         steps.begin("read");
-        const MovingInput input = read_moving_input(start, end, answer);
+        const MovingInput input = read_moving_input(start, end, query_options);
         steps.begin(stream ? "search and write" : "search");
         if (stream) return stream_impacts(search, input);
-        ImpactQuery question = motion.question(answer, wants());
-        question.triangle_pairs = triangle_pairs;
-        const Impacts& all = search.find(input.start, question, &input.end);
+        ImpactQuery query = motion.query(query_options, output());
+        query.triangle_pairs = triangle_pairs;
+        const Impacts& all = search.find(input.start, query, &input.end);
         if (stats) print_statistics(all.statistics, first ? only_first_remark : found_in(all));
         if (only_status()) return report(all.any, words_of_impacts);
 
@@ -84,7 +84,7 @@ struct ImpactsCommand : FeatureCommand {
 
     int stream_impacts(Search& search, const MovingInput& input) const {
         const auto find = [&](auto take) {
-            return search.stream(input.start, motion.question(answer, Output::pairs), take, &input.end);
+            return search.stream(input.start, motion.query(query_options, Output::pairs), take, &input.end);
         };
         return write_stream<Impacts>(io::ListKind::impacts, words_of_impacts, find, input.start.triangle_count());
     }
@@ -110,21 +110,19 @@ struct ImpactsCommand : FeatureCommand {
     int list_candidates() const {
         outputs.check("candidates", false);
         check_stream();
-        check_outputs(outputs.paths, {start, end}, answer);
-        Search search(answer, feature_options(options));
+        check_outputs(outputs.paths, {start, end}, query_options);
+        Search search(query_options, feature_options(options));
         const Steps steps(progress);
         steps.begin("read");
-        const StepOrRest input = read_step_or_rest(start, end, answer);
+        const StepOrRest input = read_step_or_rest(start, end, query_options);
         steps.begin(stream ? "search and write" : "search");
-        const CandidateQuery question = candidates.question(answer);
+        const CandidateQuery query = candidates.query(query_options);
         const std::int64_t triangles = input.start.triangle_count();
         if (stream) {
-            const auto find = [&](auto take) {
-                return search.stream(input.start, question, take, input.end_or_null());
-            };
+            const auto find = [&](auto take) { return search.stream(input.start, query, take, input.end_or_null()); };
             return write_stream<Candidates>(io::ListKind::candidates, words_of_candidates, find, triangles);
         }
-        const Candidates& found = search.find(input.start, question, input.end_or_null());
+        const Candidates& found = search.find(input.start, query, input.end_or_null());
         if (stats) print_statistics(found.statistics, kinds_of(found));
         steps.begin("write");
         outputs.write([&](auto& to, io::PairFormat format) { io::write_candidates(to, found, format); });
@@ -158,7 +156,7 @@ Command add_impacts(CLI::App& app) {
     add_motion_options(command, impacts->motion);
     command.add_flag("--first", impacts->first, "Only the first impact, which is found faster");
     impacts->of_candidates = add_candidate_options(command, impacts->candidates, "--candidates");
-    add_feature_command_options(
+    add_search_command_options(
         command, *impacts,
         "Exit with status 1 if anything touches. Without -o that is all that is searched for, and one line is printed");
     for (const char* const name : {"--triangle-pairs", "--first", "--min-distance", "--min-distance-share", "--check"})

@@ -18,13 +18,13 @@ Choices<CandidateKind> kinds_by_name() {
 
 }  // namespace
 
-CandidateQuery CandidateOptions::question(const AnswerOptions& answer) const {
-    CandidateQuery question;
-    if (!kinds.empty()) question.kinds = kinds;
-    question.inflation = inflation;
-    question.weld = answer.weld.value_or(false);
-    question.filter.groups = answer.wanted.value_or(PairScope::both);
-    return question;
+CandidateQuery CandidateOptions::query(const QueryOptions& query_options) const {
+    CandidateQuery query;
+    if (!kinds.empty()) query.kinds = kinds;
+    query.inflation = inflation;
+    query.weld = query_options.weld.value_or(false);
+    query.filter.groups = query_options.filter.value_or(PairScope::both);
+    return query;
 }
 
 std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOptions& options,

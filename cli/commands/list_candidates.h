@@ -1,6 +1,6 @@
 #pragma once
 
-// What crumple impacts --candidates asks.
+// Options of crumple impacts --candidates.
 
 #include <vector>
 
@@ -13,7 +13,7 @@ struct CandidateOptions {
     std::vector<CandidateKind> kinds;  ///< empty: those of CCD
     double inflation = 0;
 
-    CandidateQuery question(const AnswerOptions& answer) const;
+    CandidateQuery query(const QueryOptions& query_options) const;
 };
 /// `--inflation` and `--kinds`. `with`: the option that they go with.
 std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOptions& options,

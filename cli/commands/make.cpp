@@ -46,8 +46,8 @@ struct Make {
         if (all_frames && frame) fail("--all-frames and --frame exclude each other");
         if (all_frames && is_standard(output)) fail("--all-frames needs files: -o FILE");
         std::optional<Progress> bar;
-        scenes::Animation animation(scene, parameters, [&](int reached, int wanted) {
-            if (!bar) bar.emplace(static_cast<std::size_t>(all_frames ? last_frame : wanted));
+        scenes::Animation animation(scene, parameters, [&](int reached, int last) {
+            if (!bar) bar.emplace(static_cast<std::size_t>(all_frames ? last_frame : last));
             bar->show(static_cast<std::size_t>(reached), scene);
         });
         const int frames = animation.description().frames;

@@ -6,30 +6,30 @@
 
 #include "cli/bodies_of_files.h"
 #include "cli/commands.h"
-#include "cli/feature_outputs.h"
 #include "cli/near_filters.h"
 #include "cli/ranks/rank_search.h"
 #include "cli/ranks/ranks.h"
 #include "cli/search.h"
+#include "cli/search_command.h"
 #include "cli/statistics_table.h"
 #include "cli/steps.h"
 
 namespace crumple::cli {
 namespace {
 
-struct NearCommand : FeatureCommand {
+struct NearCommand : SearchCommand {
     std::vector<std::string> files;
     NearOptions near;
     NearFilterOptions filters;
 
-    Output wants() const { return only_status() && !stats ? Output::any : Output::pairs; }
+    Output output() const { return only_status() && !stats ? Output::any : Output::pairs; }
 
     int list_on_ranks() const {
         if (files.size() > 1) refuse_on_ranks("a second mesh");
         if (!filters.radii.empty()) refuse_on_ranks("--radii");
         if (!filters.rest.empty()) refuse_on_ranks("--rest");
         if (filters.rings > 0) refuse_on_ranks("--rings");
-        return search_on_ranks(*this, files, near.question(answer, wants()));
+        return search_on_ranks(*this, files, near.query(query_options, output()));
     }
 
     int run() const {
@@ -39,22 +39,23 @@ struct NearCommand : FeatureCommand {
         std::vector<std::string> inputs = files;
         for (const std::string& file : filters.files()) inputs.push_back(file);
         if (Ranks::count() > 1) return list_on_ranks();
-        check_outputs(outputs.paths, inputs, answer);
+        check_outputs(outputs.paths, inputs, query_options);
         check_standard_input(inputs);
-        Search search(answer, feature_options(options));
+        Search search(query_options, feature_options(options));
         const Steps steps(progress);
         steps.begin("read");
-        const AnswerOptions reading = with_lines_and_points(filters.rest.empty() ? answer : reading_of_motion(answer));
+        const QueryOptions reading =
+            with_lines_and_points(filters.rest.empty() ? query_options : reading_of_motion(query_options));
         Input input = read_input(files, reading);
         const NearFilters given(filters, input, reading);
-        ProximityQuery question = near.question(answer, wants());
-        given.tell(question);
+        ProximityQuery query = near.query(query_options, output());
+        given.apply(query);
         steps.begin(stream ? "search and write" : "search");
         if (stream) {
-            const auto find = [&](auto take) { return search.stream(input, question, take); };
+            const auto find = [&](auto take) { return search.stream(input, query, take); };
             return write_stream<Proximities>(io::ListKind::near, words_of_near, find, input.triangle_count());
         }
-        const Proximities& found = search.find(input, question);
+        const Proximities& found = search.find(input, query);
         if (stats) print_statistics(found.statistics, kinds_of(tally_of(found)));
         if (only_status()) return report(found.any, words_of_near);
         steps.begin("write");
@@ -85,7 +86,7 @@ Command add_near(CLI::App& app) {
     add_near_filter_options(command, near->filters);
     radius->excludes("--radii");
     add_output_options(command, near->outputs, "Near pairs", "the mesh with what is near coloured by distance");
-    add_feature_command_options(
+    add_search_command_options(
         command, *near,
         "Exit with status 1 if anything is near. Without -o that is all that is searched for, and one line is printed");
     command.footer(

@@ -15,10 +15,10 @@
 
 #include "cli/commands.h"
 #include "cli/commands/sequence_output.h"
-#include "cli/feature_outputs.h"
 #include "cli/frames.h"
 #include "cli/numbered.h"
 #include "cli/search.h"
+#include "cli/search_command.h"
 #include "cli/signals.h"
 #include "cli/statistics_table.h"
 #include "cli/terminal.h"
@@ -33,14 +33,14 @@ struct Sequence {
     std::vector<std::string> files, outputs;
     std::string scene, format;
     scenes::Parameters parameters;
-    AnswerOptions answer;
+    QueryOptions query_options;
     Options options;
     MotionOptions motion;
     bool json = false, check = false, stats = false, impacts = false;
 
     void check_impacts() const {
         if (motion.any() && !impacts) fail("--min-distance and --min-distance-share need --impacts");
-        if (impacts) refuse_beside_features("--impacts", answer);
+        if (impacts) refuse_beside_features("--impacts", query_options);
     }
 
     int run() const {
@@ -68,9 +68,9 @@ struct Sequence {
         if (scene.empty() && (parameters.triangles || parameters.seed != scenes::Parameters().seed))
             fail("--triangles and --seed are for a --scene");
         Frames frames(files, scene, parameters);
-        check_outputs(files_written(pictures, frames.count()), files, answer);
+        check_outputs(files_written(pictures, frames.count()), files, query_options);
         if (impacts && frames.count() < 2) fail("--impacts is of two frames or more");
-        Search search(answer, impacts ? feature_options(options) : options);
+        Search search(query_options, impacts ? feature_options(options) : options);
         if (standard.empty()) return find(search, frames, tables, {pictures, nullptr, frames.count()});
         int status = done;
         to_standard_output([&](std::ostream& out) {
@@ -101,7 +101,7 @@ struct Sequence {
     const Impacts& find_step(Search& search, Input& start, Input&& end) const {
         check_same_faces(start, end.name, end.first);
         start.name += " to " + end.name;
-        const Impacts& found = search.find(start, motion.question(answer, Output::pairs), &end.first);
+        const Impacts& found = search.find(start, motion.query(query_options, Output::pairs), &end.first);
         start = std::move(end);
         return found;
     }
@@ -124,13 +124,13 @@ struct Sequence {
             for (; i < count && !stop && std::all_of(tables.begin(), tables.end(), well); ++i) {
                 progress.show(i, frames.name(i));
                 if (impacts) {
-                    const AnswerOptions reading = reading_of_motion(answer);
+                    const QueryOptions reading = reading_of_motion(query_options);
                     if (!start) start = frames.load(i, reading);
                     const Impacts& found = find_step(search, *start, frames.load(i + 1, reading));
                     add_row(found.statistics, found.first);
                     continue;
                 }
-                const Input input = frames.load(i, answer);
+                const Input input = frames.load(i, query_options);
                 const Intersections& found = search.find(input);
                 add_row(found.statistics);
                 pictures.add(input, found);
@@ -188,8 +188,8 @@ Command add_sequence(CLI::App& app) {
         "What touches on the way from each frame to the next, a row a step: how many impacts, and the time of "
         "the earliest. Frames have the same faces then");
     add_motion_options(command, sequence->motion);
-    add_answer_options(command, sequence->answer);
-    command.add_flag("--contacts", sequence->answer.contacts,
+    add_query_options(command, sequence->query_options);
+    command.add_flag("--contacts", sequence->query_options.contacts,
                      "Also compute where each pair meets; the time is a part of the stage output");
     command.add_flag("--check", sequence->check,
                      "Exit with status 1 if anything collides in any frame, or touches in any step");

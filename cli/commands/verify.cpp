@@ -1,4 +1,4 @@
-// crumple verify: is a list of pairs the answer?
+// crumple verify: is a list of pairs right?
 
 #include <algorithm>
 #include <iostream>
@@ -24,7 +24,7 @@ struct Comparison {
 };
 
 /// `list` in any order; of one mesh (i, j) is the pair (j, i) too.
-Comparison compare(std::vector<Pair> list, const Array<Pair>& answer, bool one_mesh) {
+Comparison compare(std::vector<Pair> list, const Array<Pair>& right, bool one_mesh) {
     if (one_mesh) {
         for (Pair& pair : list) pair = {std::min(pair.a, pair.b), std::max(pair.a, pair.b)};
     }
@@ -35,32 +35,33 @@ Comparison compare(std::vector<Pair> list, const Array<Pair>& answer, bool one_m
         if (first_repetition) result.repeated.push_back(list[i]);
     }
     list.erase(std::unique(list.begin(), list.end()), list.end());
-    std::set_difference(answer.begin(), answer.end(), list.begin(), list.end(), std::back_inserter(result.missing));
-    std::set_difference(list.begin(), list.end(), answer.begin(), answer.end(), std::back_inserter(result.extra));
+    std::set_difference(right.begin(), right.end(), list.begin(), list.end(), std::back_inserter(result.missing));
+    std::set_difference(list.begin(), list.end(), right.begin(), right.end(), std::back_inserter(result.extra));
     return result;
 }
 
 struct Verify {
     std::vector<std::string> files;  // meshes, then the list
     std::string format;
-    AnswerOptions answer;
+    QueryOptions query_options;
     Options options;
     FeatureCheck features;
 
     int run() const {
-        if (features.wanted(answer)) return verify_features(features, files, format, answer, options);
+        if (features.is_requested(query_options))
+            return verify_features(features, files, format, query_options, options);
         if (!format.empty() && !is_standard(files.back()))
             throw Error(ErrorCode::invalid_argument, "--format is for a list from standard input, -", Element::option);
-        Search search(answer, options);
+        Search search(query_options, options);
         check_standard_input(files);
         std::vector<Pair> list = is_standard(files.back())
                                      ? io::read_pairs(std::cin, "standard input" + (format.empty() ? "" : "." + format))
                                      : io::read_pairs(files.back());
-        const Input input = read_input({files.begin(), files.end() - 1}, answer);
+        const Input input = read_input({files.begin(), files.end() - 1}, query_options);
         Intersections of_polygons;
         const Intersections& found = search.find(input);
-        if (answer.polygons) of_polygons = io::by_polygon(input.first, input.second_or_null(), found);
-        const Array<Pair>& pairs = answer.polygons ? of_polygons.pairs : found.pairs;
+        if (query_options.polygons) of_polygons = io::by_polygon(input.first, input.second_or_null(), found);
+        const Array<Pair>& pairs = query_options.polygons ? of_polygons.pairs : found.pairs;
         const Comparison comparison = compare(std::move(list), pairs, !input.second);
         const bool right = comparison.right();
         const auto colour = fmt::fg(right ? fmt::terminal_color::green : fmt::terminal_color::red);
@@ -84,7 +85,7 @@ Command add_verify(CLI::App& app) {
     const auto verify = std::make_shared<Verify>();
     CLI::App& command = *app.add_subcommand(
         "verify",
-        "Tell whether a list of pairs, impacts, candidates or near pairs is the whole answer and nothing else");
+        "Tell whether a list of pairs, impacts, candidates or near pairs is the whole result and nothing else");
     command
         .add_option("FILE", verify->files,
                     "One mesh or two, then a list of pairs in any order: a .csv, .json or .npz as detect -o writes it, "
@@ -99,8 +100,8 @@ Command add_verify(CLI::App& app) {
         .add_option("--format", verify->format, "What the list holds that comes from standard input; text without it")
         ->type_name("txt|csv|json|npz|npy");
     add_feature_check_options(command, verify->features);
-    add_answer_options(command, verify->answer);
-    add_polygons_option(command, verify->answer);
+    add_query_options(command, verify->query_options);
+    add_polygons_option(command, verify->query_options);
     add_cost_options(command, verify->options);
     command.footer(
         "Prints the counts and the first few of what is missing, extra or repeated; exits with status 1 if anything "

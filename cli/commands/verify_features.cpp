@@ -34,23 +34,23 @@ struct RowComparison {
 
 /// Rows in any order. meet(listed, exact) is called for each that is in both, once.
 template <class Row, class Meet>
-RowComparison<Row> compare_rows(std::vector<Row> list, std::vector<Row> answer, Meet meet) {
+RowComparison<Row> compare_rows(std::vector<Row> list, std::vector<Row> right, Meet meet) {
     const auto before = [](const Row& a, const Row& b) { return features_of(a) < features_of(b); };
     std::stable_sort(list.begin(), list.end(), before);
-    std::sort(answer.begin(), answer.end(), before);
+    std::sort(right.begin(), right.end(), before);
     RowComparison<Row> result;
-    auto exact = answer.begin();
+    auto exact = right.begin();
     for (auto row = list.begin(); row != list.end();) {
-        for (; exact != answer.end() && before(*exact, *row); ++exact) result.missed.push_back(*exact);
+        for (; exact != right.end() && before(*exact, *row); ++exact) result.missed.push_back(*exact);
         const auto next = std::upper_bound(row, list.end(), *row, before);
         if (next - row > 1) result.repeated.push_back(*row);
-        if (exact == answer.end() || before(*row, *exact))
+        if (exact == right.end() || before(*row, *exact))
             result.false_ones.push_back(*row);
         else
             meet(*row, *exact++);
         row = next;
     }
-    result.missed.insert(result.missed.end(), exact, answer.end());
+    result.missed.insert(result.missed.end(), exact, right.end());
     return result;
 }
 
@@ -59,7 +59,7 @@ struct Wrong {
     FeatureRow listed, right;
 };
 
-/// How the two questions call things.
+/// Words for what is listed.
 struct Words {
     const char *what, *larger, *smaller;
     bool flags;  ///< lists of text have them
@@ -72,9 +72,9 @@ std::string verdict(bool right) {
     return fmt::format(on_terminal(1, colour | fmt::emphasis::bold), right ? "right" : "wrong");
 }
 
-int print_verdict(const io::FeatureList& list, const io::FeatureList& answer, const Words& words, bool has_bodies) {
+int print_verdict(const io::FeatureList& list, const io::FeatureList& right_list, const Words& words, bool has_bodies) {
     std::vector<Wrong> larger, smaller;  // than they should be
-    const auto comparison = compare_rows(list.rows, answer.rows, [&](FeatureRow listed, const FeatureRow& exact) {
+    const auto comparison = compare_rows(list.rows, right_list.rows, [&](FeatureRow listed, const FeatureRow& exact) {
         if (!words.flags) listed.flag = exact.flag;
         if (value_of(exact) < value_of(listed)) larger.push_back({listed, exact});
         if (value_of(listed) < value_of(exact)) smaller.push_back({listed, exact});
@@ -82,7 +82,7 @@ int print_verdict(const io::FeatureList& list, const io::FeatureList& answer, co
     const bool right = comparison.right() && larger.empty() && smaller.empty();
     to_standard_output([&](std::ostream& out) {
         out << fmt::format("{}: {} {}, {} missed, {} false, {} {}, {} {}, {} repeated\n", verdict(right),
-                           answer.rows.size(), words.what, comparison.missed.size(), comparison.false_ones.size(),
+                           right_list.rows.size(), words.what, comparison.missed.size(), comparison.false_ones.size(),
                            larger.size(), words.larger, smaller.size(), words.smaller, comparison.repeated.size());
         const auto text = [&](const FeatureRow& row) { return text_of(row, has_bodies); };
         const auto with_right = [&](const Wrong& row) {
@@ -101,12 +101,13 @@ int print_verdict(const io::FeatureList& list, const io::FeatureList& answer, co
     return right ? done : collided;
 }
 
-int print_verdict(const io::CandidateRows& list, const io::CandidateRows& answer) {
-    const auto comparison = compare_rows(list.rows, answer.rows, [](const auto&, const auto&) {});
+int print_verdict(const io::CandidateRows& list, const io::CandidateRows& right_list) {
+    const auto comparison = compare_rows(list.rows, right_list.rows, [](const auto&, const auto&) {});
     const bool right = comparison.right();
     to_standard_output([&](std::ostream& out) {
-        out << fmt::format("{}: {} candidates, {} missed, {} false, {} repeated\n", verdict(right), answer.rows.size(),
-                           comparison.missed.size(), comparison.false_ones.size(), comparison.repeated.size());
+        out << fmt::format("{}: {} candidates, {} missed, {} false, {} repeated\n", verdict(right),
+                           right_list.rows.size(), comparison.missed.size(), comparison.false_ones.size(),
+                           comparison.repeated.size());
         const auto text = [](const io::CandidateRow& row) { return text_of(row, false); };
         print_some(out, "missed", comparison.missed, text);
         print_some(out, "false", comparison.false_ones, text);
@@ -129,46 +130,47 @@ auto read_list(const std::string& path, const std::string& format, bool two_file
 }
 
 int verify_impacts(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
-                   const AnswerOptions& answer, Search& search) {
+                   const QueryOptions& query_options, Search& search) {
     const io::FeatureList list = read_list(
         files.back(), format, false, [](const auto& path) { return io::read_impacts(path); },
         [](auto& in, const auto& name) { return io::read_impacts(in, name); });
-    const MovingInput input = read_moving_input(files[0], files[1], answer);
+    const MovingInput input = read_moving_input(files[0], files[1], query_options);
     // Lists are of features, of pairs of triangles, or of both.
     const auto is_of_triangles = [](const FeatureRow& row) { return row.kind == CandidateKind::face_face; };
     const bool of_triangles = std::any_of(list.rows.begin(), list.rows.end(), is_of_triangles);
     const bool of_features = !of_triangles || !std::all_of(list.rows.begin(), list.rows.end(), is_of_triangles);
-    ImpactQuery question = check.motion.question(answer, Output::pairs);
-    question.triangle_pairs = of_triangles;
-    io::FeatureList right = io::list_of(search.find(input.start, question, &input.end));
+    ImpactQuery query = check.motion.query(query_options, Output::pairs);
+    query.triangle_pairs = of_triangles;
+    io::FeatureList right = io::list_of(search.find(input.start, query, &input.end));
     if (!of_features) std::erase_if(right.rows, [&](const FeatureRow& row) { return !is_of_triangles(row); });
     return print_verdict(list, right, of_features ? of_impacts : of_triangle_pairs, false);
 }
 
 int verify_candidates(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
-                      const AnswerOptions& answer, Search& search) {
+                      const QueryOptions& query_options, Search& search) {
     const io::CandidateRows list = read_list(
         files.back(), format, false, [](const auto& path) { return io::read_candidates(path); },
         [](auto& in, const auto& name) { return io::read_candidates(in, name); });
-    const StepOrRest input = read_step_or_rest(files[0], files.size() == 3 ? files[1] : "", answer);
-    const Candidates& found = search.find(input.start, check.candidate_options.question(answer), input.end_or_null());
+    const StepOrRest input = read_step_or_rest(files[0], files.size() == 3 ? files[1] : "", query_options);
+    const Candidates& found =
+        search.find(input.start, check.candidate_options.query(query_options), input.end_or_null());
     return print_verdict(list, io::list_of(found));
 }
 
 int verify_near(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
-                const AnswerOptions& answer, Search& search) {
+                const QueryOptions& query_options, Search& search) {
     const bool two_files = files.size() == 3;
     const io::FeatureList list = read_list(
         files.back(), format, two_files, [](const auto& path) { return io::read_near(path); },
         [](auto& in, const auto& name) { return io::read_near(in, name); });
-    const Input input = read_input({files.begin(), files.end() - 1}, with_lines_and_points(answer));
-    const Proximities& found = search.find(input, check.near.question(answer, Output::pairs));
+    const Input input = read_input({files.begin(), files.end() - 1}, with_lines_and_points(query_options));
+    const Proximities& found = search.find(input, check.near.query(query_options, Output::pairs));
     return print_verdict(list, io::list_of(found), of_near, two_files);
 }
 
 }  // namespace
 
-bool FeatureCheck::wanted(const AnswerOptions& answer) const {
+bool FeatureCheck::is_requested(const QueryOptions& query_options) const {
     if (motion.any() && !impacts) refuse("--min-distance and --min-distance-share need --impacts");
     if (near.below && !near.radius) refuse("--below needs --radius");
     for (const CLI::Option* const option : of_candidates)
@@ -176,7 +178,7 @@ bool FeatureCheck::wanted(const AnswerOptions& answer) const {
     if (impacts + candidates + near.radius.has_value() > 1)
         refuse("--impacts, --candidates and --radius are of three queries");
     if (!impacts && !candidates && !near.radius) return false;
-    refuse_beside_features(impacts ? "--impacts" : candidates ? "--candidates" : "--radius", answer);
+    refuse_beside_features(impacts ? "--impacts" : candidates ? "--candidates" : "--radius", query_options);
     return true;
 }
 
@@ -198,13 +200,13 @@ void add_feature_check_options(CLI::App& app, FeatureCheck& check) {
 }
 
 int verify_features(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
-                    const AnswerOptions& answer, const Options& options) {
+                    const QueryOptions& query_options, const Options& options) {
     if (check.impacts && files.size() != 3) refuse("verify --impacts takes START, END and a list");
-    Search search(answer, feature_options(options));
+    Search search(query_options, feature_options(options));
     check_standard_input(files);
-    if (check.impacts) return verify_impacts(check, files, format, answer, search);
-    if (check.candidates) return verify_candidates(check, files, format, answer, search);
-    return verify_near(check, files, format, answer, search);
+    if (check.impacts) return verify_impacts(check, files, format, query_options, search);
+    if (check.candidates) return verify_candidates(check, files, format, query_options, search);
+    return verify_near(check, files, format, query_options, search);
 }
 
 }  // namespace crumple::cli

@@ -1,12 +1,12 @@
 #pragma once
 
-// crumple verify --impacts, --candidates and --radius: is a list of impacts, candidates or near pairs the answer?
+// crumple verify --impacts, --candidates and --radius: is a list of impacts, candidates or near pairs right?
 
 #include <string>
 #include <vector>
 
 #include "cli/commands/list_candidates.h"
-#include "cli/feature_outputs.h"
+#include "cli/search_command.h"
 
 namespace crumple::cli {
 
@@ -19,12 +19,12 @@ struct FeatureCheck {
 
     /// Whether it is a list of impacts, candidates or near pairs that is to be checked. Throws Error (invalid_argument)
     /// for options that do not go together.
-    bool wanted(const AnswerOptions& answer) const;
+    bool is_requested(const QueryOptions& query_options) const;
 };
 void add_feature_check_options(CLI::App& app, FeatureCheck& check);
 
 /// Prints what is wrong with the list, the last of the files, and returns the exit status.
 int verify_features(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
-                    const AnswerOptions& answer, const Options& options);
+                    const QueryOptions& query_options, const Options& options);
 
 }  // namespace crumple::cli

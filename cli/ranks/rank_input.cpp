@@ -22,15 +22,15 @@ struct SharedMesh : io::MeshSlice {
 
 /// Reads the blocks of all ranks, or none: a file that some rank cannot read by slices has another format, is a pipe,
 /// or lies where not all ranks see it. Throws Error for what is wrong in a block.
-std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file, const AnswerOptions& answer,
+std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file, const QueryOptions& query_options,
                                         bool for_features) {
     std::optional<io::MeshSlice> slice;
     std::exception_ptr failed;
     try {
-        io::ReadOptions how = read_options(answer);
-        how.group_property = answer.groups;
+        io::ReadOptions how = read_options(query_options);
+        how.group_property = query_options.groups;
         // Groups in a file of their own have no rows of known length.
-        if (!is_standard(file) && (answer.groups.empty() || !std::filesystem::exists(answer.groups)))
+        if (!is_standard(file) && (query_options.groups.empty() || !std::filesystem::exists(query_options.groups)))
             slice = io::read_slice(file, how, link.rank(), link.ranks());
     } catch (...) {
         failed = std::current_exception();
@@ -45,13 +45,13 @@ std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file,
 }
 
 /// Reads all files by slices, or none. Files of a step that do not fit together are left to rank 0, which says why.
-std::optional<SharedMesh> read_slices(RankLink& link, const std::vector<std::string>& files, AnswerOptions answer,
+std::optional<SharedMesh> read_slices(RankLink& link, const std::vector<std::string>& files, QueryOptions query_options,
                                       bool for_features) {
-    std::optional<io::MeshSlice> slice = read_slice(link, files[0], answer, for_features);
+    std::optional<io::MeshSlice> slice = read_slice(link, files[0], query_options, for_features);
     if (!slice) return std::nullopt;
     if (files.size() == 1) return SharedMesh{std::move(*slice), {}};
-    answer.groups.clear();
-    std::optional<io::MeshSlice> end = read_slice(link, files[1], answer, for_features);
+    query_options.groups.clear();
+    std::optional<io::MeshSlice> end = read_slice(link, files[1], query_options, for_features);
     if (!end) return std::nullopt;
     const bool same = slice->vertices.rows == end->vertices.rows && slice->mesh.triangles == end->mesh.triangles;
     if (!link.least(same)) return std::nullopt;
@@ -59,14 +59,14 @@ std::optional<SharedMesh> read_slices(RankLink& link, const std::vector<std::str
 }
 
 /// Reads all on rank 0, which hands blocks of triangles out, and has all vertices.
-SharedMesh read_by_first(RankLink& link, const std::vector<std::string>& files, const AnswerOptions& answer,
-                         const AnswerOptions& reading) {
+SharedMesh read_by_first(RankLink& link, const std::vector<std::string>& files, const QueryOptions& query_options,
+                         const QueryOptions& reading) {
     const bool moves = files.size() > 1;
     StepOrRest input;
     link.agree([&] {
         if (!link.is_first()) return;
         if (moves)
-            input = read_step_or_rest(files[0], files[1], answer);
+            input = read_step_or_rest(files[0], files[1], query_options);
         else
             input.start = read_input(files, reading);
         if (!input.start.first.lines.empty()) refuse_on_ranks("a mesh with lines (l)");
@@ -82,7 +82,7 @@ SharedMesh read_by_first(RankLink& link, const std::vector<std::string>& files, 
     mesh.mesh.groups = link.redistribute(all.groups, block);
     mesh.mesh.vertices = std::move(all.vertices);
     mesh.end = std::move(input.end);
-    mesh.weld = answer.weld.value_or(false);
+    mesh.weld = query_options.weld.value_or(false);
     return mesh;
 }
 
@@ -159,12 +159,13 @@ MeshShare RankInput::share() const {
     return end ? share.moving_to(end->view().vertices) : share;
 }
 
-RankInput read_on_ranks(RankLink& link, const std::vector<std::string>& files, const AnswerOptions& answer,
+RankInput read_on_ranks(RankLink& link, const std::vector<std::string>& files, const QueryOptions& query_options,
                         bool for_features) {
-    AnswerOptions reading = answer;
-    if (for_features) reading = files.size() > 1 ? reading_of_motion(answer) : with_lines_and_points(answer);
+    QueryOptions reading = query_options;
+    if (for_features)
+        reading = files.size() > 1 ? reading_of_motion(query_options) : with_lines_and_points(query_options);
     std::optional<SharedMesh> mesh = read_slices(link, files, reading, for_features);
-    return with_vertices(link, mesh ? std::move(*mesh) : read_by_first(link, files, answer, reading));
+    return with_vertices(link, mesh ? std::move(*mesh) : read_by_first(link, files, query_options, reading));
 }
 
 }  // namespace crumple::cli

@@ -30,7 +30,7 @@ struct RankInput {
 /// where the files are binary PLY of triangles or binary STL; any other, and standard input, rank 0 reads and hands
 /// out. So it does, too, `for_features`, where vertices become one as they are read: their numbers are in the result.
 /// Throws the same Error on all ranks, also for lines and points.
-RankInput read_on_ranks(RankLink& link, const std::vector<std::string>& files, const AnswerOptions& answer,
+RankInput read_on_ranks(RankLink& link, const std::vector<std::string>& files, const QueryOptions& query_options,
                         bool for_features);
 
 }  // namespace crumple::cli

@@ -29,18 +29,18 @@ namespace crumple::cli {
 namespace {
 
 /// Throws Error (invalid_argument) for what ranks do not share, and for options that do not go together.
-void check_options(const FeatureCommand& command) {
-    if (command.answer.of_bodies()) refuse_on_ranks("--groups bodies");
-    if (command.answer.groups == "components") refuse_on_ranks("--groups components");
-    if (command.answer.polygons) refuse_on_ranks("--polygons");
-    if (command.answer.part) refuse_on_ranks("--part");
+void check_options(const SearchCommand& command) {
+    if (command.query_options.of_bodies()) refuse_on_ranks("--groups bodies");
+    if (command.query_options.groups == "components") refuse_on_ranks("--groups components");
+    if (command.query_options.polygons) refuse_on_ranks("--polygons");
+    if (command.query_options.part) refuse_on_ranks("--part");
     if (command.stream) refuse_on_ranks("--stream");
     for (const std::string& path : command.outputs.paths) {
         if (io::has_gzip_name(path)) refuse_on_ranks("-o " + path + ", a compressed file,");
         const std::string extension = extension_of(path, command.outputs.format);
         if (io::pair_format_of(extension) == io::PairFormat::automatic) refuse_on_ranks("a coloured " + extension);
     }
-    command.answer.check();
+    command.query_options.check();
     check_cost_options(command.options);
 }
 
@@ -108,7 +108,7 @@ Description description_of(RankLink& link, const Query& query, const typename Qu
 /// Writes a list to all outputs, or prints it where there are none. Text is written by all ranks, other formats by rank
 /// 0, and so is a list that rank 0 has to `complete`.
 template <class Result>
-void write(RankLink& link, const FeatureOutputs& outputs, const RankList<Result>& list, bool by_first,
+void write(RankLink& link, const ListOutputs& outputs, const RankList<Result>& list, bool by_first,
            const std::function<void(Result&)>& complete) {
     std::optional<Result> all;
     const bool printed = outputs.paths.empty();
@@ -128,17 +128,17 @@ void write(RankLink& link, const FeatureOutputs& outputs, const RankList<Result>
 }
 
 template <class Query>
-int search(RankLink& link, const FeatureCommand& command, const std::vector<std::string>& files, Query query) {
+int search(RankLink& link, const SearchCommand& command, const std::vector<std::string>& files, Query query) {
     constexpr bool of_features = !std::is_same_v<Query, IntersectionQuery>;
     constexpr ListWords words = !of_features                         ? words_of_pairs
                                 : std::is_same_v<Query, ImpactQuery> ? words_of_impacts
                                                                      : words_of_near;
-    link.agree([&] { check_outputs(command.outputs.paths, files, command.answer); });
+    link.agree([&] { check_outputs(command.outputs.paths, files, command.query_options); });
     std::optional<AllowedThreads> threads;
     if (command.options.threads) threads.emplace(command.options.threads);
     const Steps steps(command.progress);
     steps.begin("read");
-    const RankInput input = read_on_ranks(link, files, command.answer, of_features);
+    const RankInput input = read_on_ranks(link, files, command.query_options, of_features);
     query.weld = query.weld || input.weld;
     DistributedOptions options;
     options.detector = of_features ? feature_options(command.options) : command.options;
@@ -154,7 +154,7 @@ int search(RankLink& link, const FeatureCommand& command, const std::vector<std:
     const auto& found = find();
     const auto report = [&] {
         int status = done;
-        link.agree([&] { status = FeatureCommand::report(found.any, words); });
+        link.agree([&] { status = SearchCommand::report(found.any, words); });
         return status;
     };
     if (query.output == Output::any) return report();
@@ -188,7 +188,7 @@ void refuse_on_ranks(const std::string& what) {
 }
 
 template <class Query>
-int search_on_ranks(const FeatureCommand& command, const std::vector<std::string>& files, const Query& query) {
+int search_on_ranks(const SearchCommand& command, const std::vector<std::string>& files, const Query& query) {
     check_options(command);
     try {
         RankLink link;
@@ -203,8 +203,8 @@ int search_on_ranks(const FeatureCommand& command, const std::vector<std::string
     }
 }
 
-template int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const IntersectionQuery&);
-template int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const ImpactQuery&);
-template int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const ProximityQuery&);
+template int search_on_ranks(const SearchCommand&, const std::vector<std::string>&, const IntersectionQuery&);
+template int search_on_ranks(const SearchCommand&, const std::vector<std::string>&, const ImpactQuery&);
+template int search_on_ranks(const SearchCommand&, const std::vector<std::string>&, const ProximityQuery&);
 
 }  // namespace crumple::cli

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/feature_outputs.h"
+#include "cli/search_command.h"
 namespace crumple::cli {
 
 /// Does what a command does once its options are read. Called by all ranks (ranks.h), returns the same status on all.
@@ -13,6 +13,6 @@ namespace crumple::cli {
 /// only the first impact is listed. Throws Error, the same on all ranks: invalid_argument for what is not shared among
 /// ranks, else as the search of one process does.
 template <class Query>
-int search_on_ranks(const FeatureCommand& command, const std::vector<std::string>& files, const Query& query);
+int search_on_ranks(const SearchCommand& command, const std::vector<std::string>& files, const Query& query);
 
 }  // namespace crumple::cli

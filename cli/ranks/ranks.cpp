@@ -14,8 +14,8 @@ int rank_count = 1;
 /// What launchers leave in the environment of the processes that they start. MPI is not initialised without one: that
 /// takes its time, and needs what a machine on which nobody launches anything may not have.
 bool was_launched() {
-    const char* const wanted = std::getenv("CRUMPLE_MPI");
-    if (wanted && std::string_view(wanted) == "0") return false;
+    const char* const setting = std::getenv("CRUMPLE_MPI");
+    if (setting && std::string_view(setting) == "0") return false;
     for (const char* const name : {
              "OMPI_COMM_WORLD_SIZE",  // mpirun of Open MPI
              "PMI_RANK", "PMI_SIZE",  // mpiexec of MPICH and Intel MPI, srun --mpi=pmi2

@@ -1,7 +1,7 @@
 #pragma once
 
-// The processes of MPI that a launcher has started: they answer one question together. A build without CRUMPLE_MPI
-// (ranks_none.cpp), and a process that no launcher has started, is alone.
+// The processes of MPI that a launcher has started: they search together. A build without CRUMPLE_MPI (ranks_none.cpp),
+// and a process that no launcher has started, is alone.
 
 #include <string>
 

@@ -14,11 +14,11 @@ void refuse_on_ranks(const std::string&) {
     throw Error(ErrorCode::communication, "this program was built without CRUMPLE_MPI");
 }
 template <class Query>
-int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const Query&) {
+int search_on_ranks(const SearchCommand&, const std::vector<std::string>&, const Query&) {
     refuse_on_ranks({});
 }
-template int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const IntersectionQuery&);
-template int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const ImpactQuery&);
-template int search_on_ranks(const FeatureCommand&, const std::vector<std::string>&, const ProximityQuery&);
+template int search_on_ranks(const SearchCommand&, const std::vector<std::string>&, const IntersectionQuery&);
+template int search_on_ranks(const SearchCommand&, const std::vector<std::string>&, const ImpactQuery&);
+template int search_on_ranks(const SearchCommand&, const std::vector<std::string>&, const ProximityQuery&);
 
 }  // namespace crumple::cli

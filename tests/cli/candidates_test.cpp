@@ -47,7 +47,7 @@ TEST_F(Candidates, AreWrittenInEveryFormat) {
     EXPECT_EQ(json["vertex_faces"], nlohmann::json::parse("[[3,0]]"));
     EXPECT_EQ(json["face_faces"], nlohmann::json::parse("[[0,1]]"));
     EXPECT_EQ(json["statistics"]["pairs"], 2);
-    EXPECT_FALSE(json.contains("edge_edges")) << "which was not asked for";
+    EXPECT_FALSE(json.contains("edge_edges")) << "which was not requested";
     EXPECT_TRUE(contains(read("a.npz"), "face_faces.npy"));
     EXPECT_FALSE(contains(read("a.npz"), "edge_edges.npy"));
     EXPECT_EQ(crumple(step + " --kinds vertex_face,face_face -o - --format csv").out, read("a.csv"));

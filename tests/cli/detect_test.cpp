@@ -125,15 +125,15 @@ TEST_F(Detect, GroupsMayBeAPropertyOfPly) {
 
 TEST_F(Detect, BackendsThreadsAndClustersChangeNothing) {
     ASSERT_EQ(crumple("make bodies --triangles 3000 -o bodies.ply").status, 0);
-    const std::string answer = pairs("bodies.ply");
-    ASSERT_GT(std::count(answer.begin(), answer.end(), '\n'), 100);
+    const std::string result = pairs("bodies.ply");
+    ASSERT_GT(std::count(result.begin(), result.end(), '\n'), 100);
     for (const char* option : {"--backend reference", "--backend cpu", "--backend auto", "--threads 1", "--threads 7",
                                "--clusters 1", "--clusters 64", "--memory-limit 1GiB"}) {
-        EXPECT_EQ(pairs(std::string("bodies.ply ") + option), answer) << option;
+        EXPECT_EQ(pairs(std::string("bodies.ply ") + option), result) << option;
     }
 }
 
-TEST_F(Detect, PartsTogetherAreTheAnswer) {
+TEST_F(Detect, PartsTogetherAreTheResult) {
     ASSERT_EQ(crumple("make soup --triangles 20000 -o soup.ply").status, 0);
     std::vector<std::string> lines;
     for (const char* part : {"3/3", "1/3", "2/3"}) {
@@ -302,14 +302,14 @@ TEST_F(Detect, MemoryLimitNamesALowerBoundAndWhatToTry) {
         const std::size_t place = outcome.err.find("; try ");
         ASSERT_NE(place, std::string::npos) << outcome.err;
         const std::int64_t next = std::stoll(outcome.err.substr(place + 6));
-        EXPECT_GE(next, 2 * std::stoll(limit)) << "a limit that is followed is not answered by a slightly larger one";
+        EXPECT_GE(next, 2 * std::stoll(limit)) << "a limit that is followed does not lead to a slightly larger one";
         limit = std::to_string(next);
     }
     EXPECT_NE(limit, "1000");
     EXPECT_EQ(pairs("bodies.ply --memory-limit " + limit), pairs("bodies.ply"));
 }
 
-TEST_F(Detect, SettingsOfFuzzyCMeansChangeNoAnswer) {
+TEST_F(Detect, SettingsOfFuzzyCMeansChangeNoResult) {
     ASSERT_EQ(crumple("make bodies --triangles 3000 -o bodies.ply").status, 0);
     const std::string settings = "fuzziness=1.5,max_iterations=0,first_iterations=1,stop=0.5,first_stop=0.5";
     EXPECT_EQ(pairs("bodies.ply --fuzzy-c-means " + settings), pairs("bodies.ply"));

@@ -162,8 +162,8 @@ TEST_F(Impacts, PolygonsMayBeCutOtherwiseAtTheEnd) {
     write("start.off", start + faces);
     write("end.off", end + faces);
     ASSERT_NE(crumple("detect start.off -o a.ply").status, 2);
-    const std::string answer = list("impacts start.off end.off");
-    EXPECT_EQ(answer, list("impacts start.off end.off --triangulation fan"));
+    const std::string result = list("impacts start.off end.off");
+    EXPECT_EQ(result, list("impacts start.off end.off --triangulation fan"));
 }
 
 TEST_F(Impacts, AreRefusedWhereTheyMakeNoSense) {

@@ -162,7 +162,7 @@ TEST_F(Ranks, AreMoreThanTriangles) {
     expect_same("two.stl --contacts");
 }
 
-TEST_F(Ranks, TakeOptionsOfTheAnswer) {
+TEST_F(Ranks, TakeOptionsOfTheQuery) {
     write("a.ply", sheets(std::endian::little));
     for (const std::string options : {"--weld --contacts --neighbours skip", "--precision float32 --kind proper",
                                       "--groups sheet --filter between --threads 2"})

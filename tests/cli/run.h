@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs the built executable, as a user would, on small meshes whose answer is known by hand.
+// Runs the built executable, as a user would, on small meshes whose results are known by hand.
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

@@ -3,33 +3,33 @@
 namespace crumple::cli::test {
 namespace {
 
-/// Questions about features, whose lists are also written while they are found.
+/// Queries of features, whose lists are also written while they are found.
 class StreamOfFeatures : public Moving {
    protected:
-    const std::vector<std::string> questions{"impacts above.off below.off --min-distance 0.5",
-                                             "impacts above.off below.off --candidates --inflation 0.5",
-                                             "impacts above.off --candidates --kinds face_face --inflation 1",
-                                             "near above.off --radius 2", "near above.off below.off --radius 0.5"};
+    const std::vector<std::string> queries{"impacts above.off below.off --min-distance 0.5",
+                                           "impacts above.off below.off --candidates --inflation 0.5",
+                                           "impacts above.off --candidates --kinds face_face --inflation 1",
+                                           "near above.off --radius 2", "near above.off below.off --radius 0.5"};
 };
 
 TEST_F(StreamOfFeatures, HasTheSameLines) {
-    for (const std::string& question : questions) {
-        const std::string expected = sorted_lines(list(question));
+    for (const std::string& query : queries) {
+        const std::string expected = sorted_lines(list(query));
         EXPECT_FALSE(expected.empty());
-        EXPECT_EQ(sorted_lines(list(question + " --stream")), expected) << question;
-        EXPECT_EQ(sorted_lines(list(question + " --stream --memory-limit 1MB")), expected) << question;
-        EXPECT_EQ(sorted_lines(list(question + " --stream --backend reference")), expected) << question;
+        EXPECT_EQ(sorted_lines(list(query + " --stream")), expected) << query;
+        EXPECT_EQ(sorted_lines(list(query + " --stream --memory-limit 1MB")), expected) << query;
+        EXPECT_EQ(sorted_lines(list(query + " --stream --backend reference")), expected) << query;
         for (const std::string file : {"a.txt", "a.csv"}) {
-            EXPECT_EQ(crumple(question + " -o " + file).status, 0);
-            const Outcome outcome = crumple(question + " --stream -o streamed_" + file);
+            EXPECT_EQ(crumple(query + " -o " + file).status, 0);
+            const Outcome outcome = crumple(query + " --stream -o streamed_" + file);
             EXPECT_EQ(outcome.status, 0);
             const auto lines = std::count(expected.begin(), expected.end(), '\n');
             EXPECT_TRUE(outcome.err.starts_with(std::to_string(lines) + ' ')) << outcome.err;
             const std::string in_file = sorted_lines(read(file));
-            EXPECT_EQ(sorted_lines(read("streamed_" + file)), in_file) << question;
-            EXPECT_EQ(sorted_lines(list(question + " --stream -o - --format " + file.substr(2))), in_file) << question;
+            EXPECT_EQ(sorted_lines(read("streamed_" + file)), in_file) << query;
+            EXPECT_EQ(sorted_lines(list(query + " --stream -o - --format " + file.substr(2))), in_file) << query;
         }
-        EXPECT_TRUE(contains(crumple(question + " --stream --stats").err, "sweep"));
+        EXPECT_TRUE(contains(crumple(query + " --stream --stats").err, "sweep"));
     }
 }
 
@@ -42,9 +42,9 @@ TEST_F(StreamOfFeatures, OfNothingIsAnEmptyList) {
 }
 
 TEST_F(StreamOfFeatures, IsOneListOnly) {
-    for (const std::string& question : questions)
+    for (const std::string& query : queries)
         for (const std::string bad : {"-o a.json", "-o a.npz", "-o a.txt -o b.txt", "-o - --format json"})
-            expect_refused(question + " --stream " + bad, "--stream writes one list, as .txt or .csv");
+            expect_refused(query + " --stream " + bad, "--stream writes one list, as .txt or .csv");
     expect_refused("near above.off --radius 1 --stream -o a.glb", "--stream writes one list");
     expect_refused("near above.off --radius 1 --stream --check", "--stream does not go with --check");
     expect_refused("impacts above.off below.off --stream --first", "--stream does not go with --first");

@@ -92,7 +92,7 @@ TEST_F(VerifyFeatures, CandidatesOfAStepOrAtRest) {
         EXPECT_EQ(crumple(std::string("verify --candidates above.off ") + name + at_rest).out,
                   "right: 3 candidates, 0 missed, 0 false, 0 repeated\n");
     EXPECT_TRUE(crumple("verify --candidates above.off a.txt --inflation 0.5").out.starts_with("wrong: "))
-        << "face_face is not asked for";
+        << "face_face is not requested";
     EXPECT_EQ(shell("$crumple verify --candidates above.off - --format json" + at_rest + " < a.json").status, 0);
 }
 

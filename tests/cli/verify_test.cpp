@@ -16,7 +16,7 @@ class Verify : public Cli {
     }
 };
 
-TEST_F(Verify, AcceptsTheAnswerInAnyOrder) {
+TEST_F(Verify, AcceptsTheResultInAnyOrder) {
     for (const char* list : {five_pairs, "2 4\n0 1\n0 3\n", "# mine\n4 2\n1 0\n\n3 0\n"}) {
         const Outcome outcome = verify(list);
         EXPECT_EQ(outcome.status, 0) << list;
@@ -52,7 +52,7 @@ TEST_F(Verify, OrderMattersBetweenTwoMeshes) {
     EXPECT_EQ(verify("1 0\n2 0\n3 1\n4 0\n", "five.off two.off").status, 1);
 }
 
-TEST_F(Verify, TakesTheOptionsThatChangeTheAnswer) {
+TEST_F(Verify, TakesTheOptionsThatChangeTheResult) {
     EXPECT_EQ(verify("0 1\n0 3\n", "five.off", "--neighbours skip").status, 0);
     EXPECT_EQ(verify("0 1\n", "five.off", "--kind proper").status, 0);
     EXPECT_EQ(verify("0 1\n2 4\n", "five.off", "--weld --backend reference").status, 0);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Options, outputs and words that the commands on impacts, candidates and near pairs share.
+// Options, outputs and words that the commands share which search one mesh or two.
 
 #include <array>
 #include <cstdint>
@@ -20,7 +20,7 @@ struct MotionOptions {
     double min_distance = 0, share = 0;
 
     bool any() const { return min_distance > 0 || share > 0; }
-    ImpactQuery question(const AnswerOptions& answer, Output wants) const;
+    ImpactQuery query(const QueryOptions& query_options, Output output) const;
 };
 void add_motion_options(CLI::App& app, MotionOptions& options);
 
@@ -28,19 +28,20 @@ struct NearOptions {
     std::optional<double> radius;
     bool below = false;  ///< the radius itself is too far
 
-    ProximityQuery question(const AnswerOptions& answer, Output wants) const;
+    ProximityQuery query(const QueryOptions& query_options, Output output) const;
 };
 /// `--below`.
 void add_below_option(CLI::App& app, NearOptions& options);
 
-/// Throws Error (invalid_argument) for options of colliding triangles. `question`: "--impacts".
-void refuse_beside_features(const char* question, const AnswerOptions& answer);
+/// Throws Error (invalid_argument) for options of colliding triangles. `option_of_features`:
+/// "--impacts".
+void refuse_beside_features(const char* option_of_features, const QueryOptions& query_options);
 
-/// `--backend auto` is the cpu backend here: no other one that is fast answers these questions.
+/// `--backend auto` is the cpu backend here: no other one that is fast has these queries.
 Options feature_options(Options options);
 
-/// Where an answer goes: lists, and one mesh coloured.
-struct FeatureOutputs {
+/// Outputs of a result: lists, and one mesh coloured.
+struct ListOutputs {
     std::vector<std::string> paths;
     std::string format;
 
@@ -83,11 +84,11 @@ struct FeatureOutputs {
     /// The same where check() has let no picture pass.
     template <class List>
     void write(List list) const {
-        write(list, [](auto&) { throw std::logic_error("no mesh is coloured by this answer"); });
+        write(list, [](auto&) { throw std::logic_error("no mesh is coloured by this result"); });
     }
 };
 /// `-o` and `--format`. `what`: "Impacts", `coloured`: "the start, coloured by time".
-void add_output_options(CLI::App& app, FeatureOutputs& outputs, const std::string& what, const std::string& coloured);
+void add_output_options(CLI::App& app, ListOutputs& outputs, const std::string& what, const std::string& coloured);
 
 /// Words for what is listed.
 struct ListWords {
@@ -100,16 +101,16 @@ inline constexpr ListWords words_of_pairs{"pair", "something collides", "nothing
     words_of_near{"near pair", "something is near", "nothing is near"},
     words_of_candidates{"candidate", "some candidates", "no candidates"};
 
-/// What these commands are given, beside their files and questions.
-struct FeatureCommand {
-    FeatureOutputs outputs;
-    AnswerOptions answer;
+/// Options that these commands share, beside their files and queries.
+struct SearchCommand {
+    ListOutputs outputs;
+    QueryOptions query_options;
     Options options;
     bool check = false, stats = false, stream = false, progress = false;
 
     /// Throws Error (invalid_argument) for options that do not go with `--stream`, if it is given.
     void check_stream() const;
-    /// Writes an answer while it is found: find(take) hands its blocks over. Returns the status.
+    /// Writes a result while it is found: find(take) delivers its blocks. Returns the status.
     template <class Block, class Find>
     int write_stream(io::ListKind of, const ListWords& words, Find find, std::int64_t triangles) const {
         Statistics statistics;
@@ -119,34 +120,34 @@ struct FeatureCommand {
     }
     int finish_stream(const Statistics& statistics, const ListWords& words, std::int64_t triangles) const;
 
-    /// Whether nothing but the status is wanted.
+    /// True if nothing but the status is requested.
     bool only_status() const { return check && outputs.paths.empty(); }
     /// The status, and the line that says so.
     static int report(bool any, const ListWords& words);
-    /// The status once the answer is written; says the summary where that went to files.
+    /// Returns the status once the result is written; prints the summary where that went to files.
     int finish(bool any, const std::string& summary) const;
 };
-/// `--check` with this help, `--stats`, and all that changes how files are read and what an answer costs.
-void add_feature_command_options(CLI::App& app, FeatureCommand& command, const std::string& check);
+/// `--check` with this help, `--stats`, and all that changes how files are read and what a result costs.
+void add_search_command_options(CLI::App& app, SearchCommand& command, const std::string& check);
 
-/// How much there is of an answer, for what is said about it.
+/// Size of a result, for its summary.
 struct Tally {
     std::int64_t count = 0;
     std::array<std::int64_t, feature_kinds> by_kind{};  ///< by FeatureKind
     double milliseconds = 0;
 };
-template <class Answer>
-Tally tally_of(const Answer& answer) {
-    Tally tally{answer.count, {}, answer.statistics.milliseconds};
+template <class Result>
+Tally tally_of(const Result& result) {
+    Tally tally{result.count, {}, result.statistics.milliseconds};
     for (std::size_t k = 0; k < tally.by_kind.size(); ++k)
-        tally.by_kind[k] = static_cast<std::int64_t>(answer.lists[k].pairs.size());
+        tally.by_kind[k] = static_cast<std::int64_t>(result.lists[k].pairs.size());
     return tally;
 }
 
 /// "27 vertex-face, 107 edge-edge"
 std::string kinds_of(const Tally& tally);
 /// The same of those that are listed.
-std::string kinds_of(const Candidates& answer);
+std::string kinds_of(const Candidates& candidates);
 
 /// "134 impacts (27 vertex-face, 107 edge-edge), 3.1 ms", or "nothing touches: 28 triangles, 3.1 ms". `kinds`: as
 /// kinds_of says them; `more`: what follows them.

@@ -1,4 +1,4 @@
-#include "cli/feature_outputs.h"
+#include "cli/search_command.h"
 
 #include <algorithm>
 
@@ -10,14 +10,14 @@
 
 namespace crumple::cli {
 
-ImpactQuery MotionOptions::question(const AnswerOptions& answer, Output wants) const {
-    ImpactQuery question;
-    question.output = wants;
-    question.min_distance = min_distance;
-    question.min_distance_share = share;
-    question.weld = answer.weld.value_or(false);
-    question.filter.groups = answer.wanted.value_or(PairScope::both);
-    return question;
+ImpactQuery MotionOptions::query(const QueryOptions& query_options, Output output) const {
+    ImpactQuery query;
+    query.output = output;
+    query.min_distance = min_distance;
+    query.min_distance_share = share;
+    query.weld = query_options.weld.value_or(false);
+    query.filter.groups = query_options.filter.value_or(PairScope::both);
+    return query;
 }
 
 void add_motion_options(CLI::App& app, MotionOptions& options) {
@@ -32,30 +32,30 @@ void add_motion_options(CLI::App& app, MotionOptions& options) {
         ->type_name("S");
 }
 
-ProximityQuery NearOptions::question(const AnswerOptions& answer, Output wants) const {
-    ProximityQuery question;
-    question.output = wants;
-    question.radius = radius.value_or(0);
-    question.strict = below;
-    question.weld = answer.weld.value_or(false);
-    question.filter.groups = answer.wanted.value_or(PairScope::both);
-    return question;
+ProximityQuery NearOptions::query(const QueryOptions& query_options, Output output) const {
+    ProximityQuery query;
+    query.output = output;
+    query.radius = radius.value_or(0);
+    query.strict = below;
+    query.weld = query_options.weld.value_or(false);
+    query.filter.groups = query_options.filter.value_or(PairScope::both);
+    return query;
 }
 
 void add_below_option(CLI::App& app, NearOptions& options) {
     app.add_flag("--below", options.below, "Near is below the radius; what is at the radius exactly is not");
 }
 
-void refuse_beside_features(const char* question, const AnswerOptions& answer) {
+void refuse_beside_features(const char* option_of_features, const QueryOptions& query_options) {
     const auto refuse_with = [&](const char* option, bool given) {
-        if (given) refuse(std::string(option) + " does not go with " + question);
+        if (given) refuse(std::string(option) + " does not go with " + option_of_features);
     };
-    const AnswerOptions usual;
-    refuse_with("--neighbours", answer.neighbours != usual.neighbours);
-    refuse_with("--kind", answer.kind != usual.kind);
-    refuse_with("--part", answer.part.has_value());
-    refuse_with("--polygons", answer.polygons);
-    refuse_with("--contacts", answer.contacts);
+    const QueryOptions usual;
+    refuse_with("--neighbours", query_options.neighbours != usual.neighbours);
+    refuse_with("--kind", query_options.kind != usual.kind);
+    refuse_with("--part", query_options.part.has_value());
+    refuse_with("--polygons", query_options.polygons);
+    refuse_with("--contacts", query_options.contacts);
 }
 
 Options feature_options(Options options) {
@@ -63,7 +63,7 @@ Options feature_options(Options options) {
     return options;
 }
 
-void FeatureOutputs::check(const std::string& what, bool coloured) const {
+void ListOutputs::check(const std::string& what, bool coloured) const {
     check_format(paths, format);
     for (const std::string& path : paths) {
         const std::string extension = extension_of(path, format);
@@ -73,16 +73,16 @@ void FeatureOutputs::check(const std::string& what, bool coloured) const {
     }
 }
 
-void FeatureOutputs::check_stream() const {
+void ListOutputs::check_stream() const {
     const io::PairFormat list =
         paths.empty() ? io::PairFormat::txt : io::pair_format_of(extension_of(paths.front(), format));
     if (paths.size() > 1 || (list != io::PairFormat::txt && list != io::PairFormat::csv))
         refuse("--stream writes one list, as .txt or .csv");
 }
 
-bool FeatureOutputs::have_files() const { return !std::all_of(paths.begin(), paths.end(), is_standard); }
+bool ListOutputs::have_files() const { return !std::all_of(paths.begin(), paths.end(), is_standard); }
 
-void add_output_options(CLI::App& app, FeatureOutputs& outputs, const std::string& what, const std::string& coloured) {
+void add_output_options(CLI::App& app, ListOutputs& outputs, const std::string& what, const std::string& coloured) {
     app.add_option("-o,--output", outputs.paths,
                    what + " as .txt, .csv, .json or .npz, or " + coloured +
                        ", as .glb; may be repeated. - is standard output, see --format. Without it the text goes there")
@@ -91,18 +91,18 @@ void add_output_options(CLI::App& app, FeatureOutputs& outputs, const std::strin
     add_format_option(app, outputs.format, "txt|csv|json|npz|glb");
 }
 
-int FeatureCommand::report(bool any, const ListWords& words) {
+int SearchCommand::report(bool any, const ListWords& words) {
     to_standard_output([&](std::ostream& out) { out << (any ? words.some : words.none) << '\n'; });
     return any ? collided : done;
 }
 
-void FeatureCommand::check_stream() const {
+void SearchCommand::check_stream() const {
     if (!stream) return;
     if (check) refuse("--stream does not go with --check");
     outputs.check_stream();
 }
 
-int FeatureCommand::finish_stream(const Statistics& statistics, const ListWords& words, std::int64_t triangles) const {
+int SearchCommand::finish_stream(const Statistics& statistics, const ListWords& words, std::int64_t triangles) const {
     const std::string found =
         fmt::format("{} {}{}", grouped(statistics.pairs), words.one, statistics.pairs == 1 ? "" : "s");
     if (stats) print_statistics(statistics, found);
@@ -111,20 +111,20 @@ int FeatureCommand::finish_stream(const Statistics& statistics, const ListWords&
     return finish(statistics.pairs > 0, fmt::format("{}, {:.1f} ms\n", told, statistics.milliseconds));
 }
 
-int FeatureCommand::finish(bool any, const std::string& summary) const {
+int SearchCommand::finish(bool any, const std::string& summary) const {
     if (!stats && (!any || outputs.have_files())) say(summary);
     return check && any ? collided : done;
 }
 
-void add_feature_command_options(CLI::App& app, FeatureCommand& command, const std::string& check) {
+void add_search_command_options(CLI::App& app, SearchCommand& command, const std::string& check) {
     app.add_flag("--check", command.check, check);
     app.add_flag("--stream", command.stream,
-                 "Write the list, as .txt or .csv, while it is found, for answers that exceed memory: in an order of "
+                 "Write the list, as .txt or .csv, while it is found, for results that exceed memory: in an order of "
                  "its own, which does not depend on threads");
     app.add_flag("--stats", command.stats, "Print times and counts of the stages to standard error");
     add_progress_option(app, command.progress);
-    add_reading_options(app, command.answer);
-    add_group_options(app, command.answer);
+    add_reading_options(app, command.query_options);
+    add_group_options(app, command.query_options);
     add_cost_options(app, command.options);
 }
 
@@ -163,13 +163,13 @@ std::string summary_of_impacts(const Tally& tally, const FirstImpact& first, boo
     return summary_of(tally, kinds_of(tally), words_of_impacts, triangles, ", the first at " + time);
 }
 
-std::string kinds_of(const Candidates& answer) {
+std::string kinds_of(const Candidates& candidates) {
     std::string text;
     for (const CandidateKind kind : io::all_kinds) {
-        if (!answer.listed[static_cast<std::size_t>(kind)]) continue;
+        if (!candidates.listed[static_cast<std::size_t>(kind)]) continue;
         std::string name(candidate_kind_name(kind));
         name[name.find('_')] = '-';
-        const std::string count = grouped(static_cast<std::int64_t>(answer[kind].pairs.size()));
+        const std::string count = grouped(static_cast<std::int64_t>(candidates[kind].pairs.size()));
         text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name);
     }
     return text;
