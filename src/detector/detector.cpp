@@ -177,7 +177,7 @@ struct Detector::Implementation : MeshCalls {
         return std::visit(Overloaded{of_mesh, of_two, of_world, of_part}, scene.source());
     }
 
-    template <class Query>
+    template <PairQuery Query>
     std::vector<Part> partition(const Scene& scene, const Query& query, int count, std::stop_token stop) {
         const auto* mesh = std::get_if<MeshView>(&scene.source());
         if constexpr (std::same_as<Query, IntersectionQuery>) {

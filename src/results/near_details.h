@@ -4,9 +4,9 @@
 // feature comes to any other.
 
 #include "base/parallel_for.h"
+#include "crumple/array.h"
+#include "crumple/features.h"
 #include "crumple/proximities.h"
-#include "exact/proximity/resting_features.h"
-#include "queries/feature_request.h"
 #include "scene/prepared_scene.h"
 #include "scene/scene_features.h"
 
