@@ -9,7 +9,6 @@
 #include <cmath>
 #include <string>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "io/bytes/bytes.h"
@@ -82,8 +81,8 @@ std::optional<Layout> layout_of(const RowFile& file, const Source& beginning, co
         }
         if (rows.row_bytes > 0 && rows.count > (file.size() - begin) / rows.row_bytes) return std::nullopt;
         begin += rows.count * rows.row_bytes;
-        if (&element == vertex) layout.vertices = std::move(rows);
-        if (&element == face) layout.faces = std::move(rows);
+        if (&element == vertex) layout.vertices = rows;
+        if (&element == face) layout.faces = rows;
     }
     return begin == file.size() ? std::optional(layout) : std::nullopt;
 }
