@@ -156,6 +156,7 @@ std::optional<MeshSlice> read_ply_slice(RowFile& file, const Source& beginning, 
     slice.mesh = in_precision(options.precision, layout->precision, [&](auto zero) {
         return TriangleMesh{read_vertices<decltype(zero)>(file, *layout, slice.vertices, reader), {}};
     });
+    slice.mesh.triangles.reserve(3 * static_cast<std::size_t>(slice.triangles.size(reader)));
     if (!read_faces(file, *layout, reader, slice)) return std::nullopt;
     return slice;
 }
