@@ -407,6 +407,25 @@ TEST_P(FeaturesOfWorlds, AreNoneWithoutBodies) { compare({.bodies = 0}); }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, FeaturesOfWorlds, testing::Range(0u, played ? 3u : 12u));
 
+TEST(FeaturesOfWorlds, ThatRestHaveTheirImpactsAtTheStart) {
+    Detector detector({.backend = tested_backend}), brute({.backend = Backend::reference});
+    std::int64_t impacts = 0;
+    for (unsigned seed = 0; seed < (played ? 2u : 5u); ++seed) {
+        const auto random = random_world(seed, {.bodies = 4, .triangles = 16, .reach = 0.5});
+        const World world{random->shapes, random->bodies, random->poses};
+        for (const auto& [distance, share] : {std::pair(0.0, 0.0), {0.1, 0.0}, {0.05, 0.5}}) {
+            const ImpactQuery query{.min_distance = distance, .min_distance_share = share};
+            const Impacts& expected = brute.find(world, query);
+            const Impacts& found = detector.find(world, query);
+            EXPECT_TRUE(same_features(found, expected)) << "seed " << seed << ", distance " << distance;
+            for (const ImpactList& list : found.lists)
+                for (std::size_t i = 0; i < list.toi.size(); ++i) EXPECT_TRUE(list.toi[i] == 0 && list.start[i] == 1);
+            impacts += found.count;
+        }
+    }
+    EXPECT_GT(impacts, 100);
+}
+
 /// Rules about groups make a world of it inside; that does not show.
 TEST(FeaturesOfOneMesh, AreThoseOfAMeshWhateverTheRules) {
     MovingSoup<> soup = moving_grid(4, 30, 24, 5);

@@ -267,7 +267,7 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
     const Array<FeatureTest>& tests = worker.tests[k];
     if (tests.empty()) return;
     worker.statistics.double_tests += static_cast<std::int64_t>(tests.size());
-    if (moments == 1 && query_->extent == Extent::all) return measure_tests(kind, worker);
+    if (query_->criterion == Criterion::proximity && query_->extent == Extent::all) return measure_tests(kind, worker);
     FeatureCounts counts;
     const bool first_alone = query_->extent == Extent::first;
     for (const FeatureTest& test : tests) {
