@@ -107,7 +107,7 @@ struct Detector::Implementation : MeshCalls {
             else if constexpr (FeatureQuery<Query>)
                 return find(mesh, query, std::move(stop));
             else
-                return nearest_bodies;  // refused
+                return result_of(query);  // refused
         };
         const auto of_two = [&](const TwoMeshes& meshes) -> const Result& {
             if constexpr (intersections) {

@@ -127,7 +127,7 @@ void RankDetector::settle_question(const MeshShare& share, const VertexView* end
         std::int64_t triangles = 0;
         for (std::size_t r = 0; r < counts_.size(); r += 2) triangles += counts_[r];
         check(!asked_.between_groups || groups_ || triangles == 0,
-              "wanted between needs groups, and no rank has any: nothing lies between different groups");
+              "filter.groups = between needs groups, and no rank has any: nothing lies between different groups");
     });
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* nothing_to_exclude = "excluded_groups need groups, and the mesh has none";
 constexpr const char* no_groups =
-    "wanted between needs groups, and the mesh has none: nothing lies between different groups";
+    "filter.groups = between needs groups, and the mesh has none: nothing lies between different groups";
 
 }  // namespace
 
@@ -123,15 +123,15 @@ void check_query(const MeshView& a, const MeshView* b, const IntersectionQuery& 
           "a filter of bodies needs a world of bodies");
     check(q.filter.groups == PairScope::both || q.filter.groups == PairScope::between ||
               q.filter.groups == PairScope::within,
-          "wanted must be both, between or within");
+          "filter.groups must be both, between or within");
     // An empty mesh may have groups without anybody seeing it, and where one mesh has them, the other is in group 0.
     const auto lacks_groups = [](const MeshView& mesh) { return mesh.triangles.rows > 0 && mesh.groups.empty(); };
     if (!lacks_groups(a) || (b && !lacks_groups(*b))) return;
     check(q.filter.excluded_groups.empty(),
           b ? "excluded_groups need groups, and neither mesh has any" : nothing_to_exclude);
-    check(
-        q.filter.groups != PairScope::between,
-        b ? "wanted between needs groups, and neither mesh has any: nothing lies between different groups" : no_groups);
+    check(q.filter.groups != PairScope::between,
+          b ? "filter.groups = between needs groups, and neither mesh has any: nothing lies between different groups"
+            : no_groups);
 }
 
 void check_groups(const PairFilter& rules, std::int64_t triangles, bool has_groups) {

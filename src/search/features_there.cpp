@@ -31,7 +31,7 @@ void refuse_what_is_not_there(const Shape& shape, const Question& question) {
                     ? "launches tell no closest points and no least distances, weld nothing, and know no rules about "
                       "groups where edges or points are listed: find() does, with a copy on the host"
                     : "launches weld nothing, and know no rules about groups where edges or points are listed: "
-                      "find_candidates does, with a copy on the host",
+                      "find() does, with a copy on the host",
                 Element::option);
 }
 

@@ -217,8 +217,9 @@ TEST(RankErrors, tell_of_ranks_that_ask_different_questions) {
     EXPECT_EQ(seen[1], seen[0]);
     const Seen lonely =
         seen_by_all([](int, MeshPiece&, IntersectionQuery& query) { query.filter.groups = PairScope::between; });
-    EXPECT_EQ(lonely.message,
-              "rank 0: wanted between needs groups, and no rank has any: nothing lies between different groups");
+    EXPECT_EQ(
+        lonely.message,
+        "rank 0: filter.groups = between needs groups, and no rank has any: nothing lies between different groups");
 }
 
 TEST(RankErrors, tell_of_ids_that_only_some_ranks_give) {

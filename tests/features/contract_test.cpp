@@ -147,7 +147,7 @@ TEST_P(FeatureErrors, of_groups_that_there_are_not) {
     PairFilter rules;
     rules.groups = PairScope::between;
     const char* const message =
-        "wanted between needs groups, and the mesh has none: nothing lies between different groups";
+        "filter.groups = between needs groups, and the mesh has none: nothing lies between different groups";
     EXPECT_STREQ(refused(soup_, soup_.end_view(), {.filter = rules}).what(), message);
     EXPECT_STREQ(refused([&] { detector_.find(soup_.view(), ProximityQuery{.filter = rules}); }).what(), message);
     EXPECT_STREQ(refused([&] { detector_.find(soup_.view(), CandidateQuery{.filter = rules}); }).what(), message);

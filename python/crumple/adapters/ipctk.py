@@ -45,11 +45,11 @@ class BroadPhase(ipctk.BroadPhase):
     that intersect themselves; both at one moment only. Sorted, the same on every machine.
 
     Args:
-        boxes: answer with boxes that overlap instead, as ipctk's own broad phases do; by find_candidates, and so
+        boxes: answer with boxes that overlap instead, as ipctk's own broad phases do; by Detector.candidates, and so
             complete and without rounding (docs/candidates.md).
         options: those of crumple.Detector.
 
-    Cost: that of find_near, find_impacts or find_candidates, and about a microsecond for each candidate, which Python
+    Cost: that of Detector.proximities, impacts or candidates, and about a microsecond for each candidate, which Python
     makes an object.
     """
 

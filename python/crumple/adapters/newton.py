@@ -23,7 +23,7 @@ from .._errors import InvalidInput
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from .._near import Nearby
+    from .._features import Proximities
 
 __all__ = ["SelfContactDetector", "SelfContacts"]
 
@@ -74,7 +74,7 @@ class SelfContactDetector:
             triangles once, in any order and direction. None: in lexicographic order.
         options: those of crumple.Detector.
 
-    Raises InvalidInput for edges that are not those of the triangles, and, in `detect`, as find_near does.
+    Raises InvalidInput for edges that are not those of the triangles, and, in `detect`, as Detector.proximities does.
     """
 
     def __init__(self, triangles: Any, edges: Any = None, **options: Any) -> None:
@@ -90,7 +90,7 @@ class SelfContactDetector:
     def detect(self, positions: Any, radius: float) -> SelfContacts:
         """The lists for these positions, (n, 3) of float32 or float64: a wp.array of vec3 on the host, or NumPy's.
 
-        Cost: that of find_near, and some 20 ns an entry.
+        Cost: that of Detector.proximities, and some 20 ns an entry.
         """
         near = self.detector.proximities(positions, self._triangles, radius=radius, strict=True, least=True, index=True)
         pairs, by_face = near.vertex_faces, near.by_face
@@ -104,7 +104,7 @@ class SelfContactDetector:
             *self._edge_lists(near, radius),
         )
 
-    def _edge_lists(self, near: Nearby, radius: float) -> tuple[Any, ...]:
+    def _edge_lists(self, near: Proximities, radius: float) -> tuple[Any, ...]:
         number = self._numbers(near.edges)
         pairs = number[near.edge_edges]
         both = np.concatenate([pairs, pairs[:, ::-1]])
