@@ -65,7 +65,7 @@ void add_reading_options(CLI::App& app, ReadingOptions& options);
 /// `--groups` and `--filter`.
 void add_group_options(CLI::App& app, QueryOptions& options);
 void add_query_options(CLI::App& app, QueryOptions& options);
-/// What changes only the cost.
+/// Adds options that change only the cost.
 void add_cost_options(CLI::App& app, Options& options);
 
 /// Throws Error (invalid_argument) for options that the backend does not use.

@@ -87,7 +87,7 @@ class Search {
 
     /// Valid until the next call. Throws Error that names the input.
     const Intersections& find(const Input& input);
-    /// Whether there is any pair. Ends at the first that is found, unless only a part is requested. Throws as find
+    /// True if there is any pair. Ends at the first that is found, unless only a part is requested. Throws as find
     /// does.
     bool any(const Input& input);
     /// The result of a query about features: of one mesh, on its way to `end` (which check_same_faces has seen) if that

@@ -48,7 +48,7 @@ struct ListOutputs {
     /// Throws Error (invalid_argument) where a file is none of these. `what`: "impacts"; `coloured`: whether there is a
     /// mesh to colour.
     void check(const std::string& what, bool coloured = true) const;
-    /// Whether one of them is a file.
+    /// True if one of them is a file.
     bool have_files() const;
 
     /// list(to, format) and picture(to) write to a path or to a stream. Without outputs the list is printed.
@@ -159,9 +159,9 @@ inline std::string summary_of_near(const Tally& tally, std::int64_t triangles) {
     return summary_of(tally, kinds_of(tally), words_of_near, triangles);
 }
 
-/// Of the lists only their first impact.
+/// Returns only the first impact of the lists.
 Impacts only_first(const Impacts& impacts);
-/// What --stats says of impacts where one is enough.
+/// Remark of --stats on impacts where one is enough.
 inline constexpr const char* only_first_remark = "only the first was looked for";
 
 /// A row as a list of text has it: "vf 8481 17305 0.25", "vf 8481 17305".

@@ -1,6 +1,6 @@
 #pragma once
 
-// What Ctrl-C and kill do.
+// Effects of Ctrl-C and kill.
 
 #include <csignal>
 

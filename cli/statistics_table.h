@@ -22,7 +22,7 @@ void print_times(std::string_view title, std::span<const double> milliseconds,
                  std::string_view (*name_of)(std::size_t));
 void print_row(std::string_view name, const std::string& value, const std::string& remark = {});
 
-/// What --stats prints, to standard error. `hits`: colliding triangles.
+/// Prints the table of --stats to standard error. `hits`: colliding triangles.
 void print_statistics(const Statistics& statistics, std::int64_t hits);
 /// The same with this remark on the pairs.
 void print_statistics(const Statistics& statistics, const std::string& remark);

@@ -37,7 +37,7 @@ bool is_degenerate(const Triangle& triangle) {
         const int turn = orient2d_filtered(a, b, c, axis);
         if (turn == 1 || turn == -1) return false;
     }
-    // What a triangle has in common with itself is itself: an area, or less.
+    // A triangle has itself in common with itself: an area, or less.
     return contact(triangle, triangle).count < 3;
 }
 

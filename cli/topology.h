@@ -1,6 +1,6 @@
 #pragma once
 
-// What can be said about a mesh before any collision: how it hangs together and what is odd about it.
+// Facts about a mesh before any collision: how it hangs together and what is odd about it.
 
 #include <cstdint>
 #include <optional>

@@ -9,7 +9,7 @@
 
 namespace crumple::cli {
 
-/// What only worlds of bodies have.
+/// Options that only worlds of bodies have.
 struct BodyOptions {
     std::vector<std::string> excluded;  ///< "A,B"
     std::string exclude_from;           ///< a file of pairs; empty: none

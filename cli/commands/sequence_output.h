@@ -1,6 +1,6 @@
 #pragma once
 
-// What a sequence leaves behind: a table with a row a frame, and coloured frames.
+// Outputs of a sequence: a table with a row a frame, and coloured frames.
 
 #include <cstddef>
 #include <memory>
@@ -26,7 +26,7 @@ class Table {
 
     /// `first`: of a step, else ignored. Throws Error (file) if the file cannot be made.
     void add(const std::string& frame, const Statistics& statistics, const FirstImpact& first = {});
-    /// Whether everything could be written so far.
+    /// True if everything could be written so far.
     bool well() const { return !out_ || *out_; }
     /// Throws Error (file) if the file could not be written. A table without rows is none.
     void finish();

@@ -22,7 +22,7 @@ auto features_of(const Row& row) {
     return std::tie(row.kind, row.bodies, row.ids);
 }
 
-/// What touches at the start does so before what touches later in the same float64.
+/// Orders values: a touch at the start comes before a later one in the same float64.
 auto value_of(const FeatureRow& row) { return std::tuple(row.value, !row.flag); }
 
 template <class Row>

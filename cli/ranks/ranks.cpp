@@ -11,8 +11,8 @@ namespace {
 
 int rank_count = 1;
 
-/// What launchers leave in the environment of the processes that they start. MPI is not initialised without one: that
-/// takes its time, and needs what a machine on which nobody launches anything may not have.
+/// Looks for the marks that launchers leave in the environment of the processes that they start. MPI is not initialised
+/// without one: that takes its time, and needs what a machine on which nobody launches anything may not have.
 bool was_launched() {
     const char* const setting = std::getenv("CRUMPLE_MPI");
     if (setting && std::string_view(setting) == "0") return false;

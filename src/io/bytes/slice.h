@@ -37,7 +37,7 @@ struct MeshSlice {
 /// Reads the block of one of several readers. The blocks of all are what read_mesh would read, but for welding, which
 /// is left to the one who searches. Nothing for a file whose rows have no places that follow from the header, or that
 /// is odd in any way: read_mesh knows what to make of it. That is, it reads binary PLY of triangles and binary STL.
-/// What it cannot see in its own block, such as a polygon in another one, another reader sees.
+/// Another reader sees what this one cannot see in its own block, such as a polygon.
 ///
 /// Throws Error (file, format) as read_mesh does, for what is wrong in this block. Reads its rows in pieces.
 std::optional<MeshSlice> read_slice(const std::filesystem::path& path, const ReadOptions& options, int reader,
