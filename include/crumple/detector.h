@@ -147,7 +147,7 @@ class CRUMPLE_API Detector {
     ///     auto launched = detector.launch(mesh.moving_to(end), ImpactQuery());
     ///     const DeviceImpacts& impacts = launched.wait();
     ///
-    /// Of intersections of meshes and of worlds whose poses lie there (World::device_poses), and of impacts,
+    /// Takes intersections of meshes and of worlds whose poses lie there (World::device_poses), and impacts,
     /// proximities and candidates of one mesh. Only with the cuda backend. On the stream of the mesh (of the first), or
     /// of the poses, which all arrays, also those of the query, have to be ready on. Consecutive frames of one shape
     /// run as one CUDA graph each, and the host reads one struct of counters after it. The arrays must stay as they are

@@ -24,7 +24,7 @@ struct FeatureBuffers {
     FeatureLeaves<2> moving;
     CandidateBuffers candidates;
     Array<float> vertex_radius, triangle_radius;  ///< FeatureRequest::radii in normalised coordinates, rounded up
-    // Of `output`, but for candidates:
+    // Members of `output`, but for candidates:
     Array<std::int64_t> place;  ///< of the rows of each first feature
     Array<FeatureHit> placed;
 };

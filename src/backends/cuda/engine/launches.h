@@ -56,7 +56,7 @@ class Launches {
     LaunchNumber launch_in_capture(Finder& finder, bool of_worlds, bool same_capture, cudaStream_t stream,
                                    FunctionRef<void()> bind);
     Outcome wait_for_replay(Finder& finder);
-    /// Of those in flight; one more than the newest if there are none.
+    /// Returns the oldest in flight, or one more than the newest if there is none.
     LaunchNumber oldest() const { return newest_ + 1 - flights_.count(); }
     bool capture_is_open() const;
     void refuse_open_capture() const;

@@ -20,7 +20,7 @@ struct RowSlot {
 
     std::optional<FeatureRequest> request;  ///< scene, features and rule are the caller's
     RestShape rest;                         ///< the request's
-    // What accepting has found:
+    // Found when rows were accepted:
     ListEnds ends;
     bool any = false;
     FirstImpact first;
