@@ -181,15 +181,19 @@ class Detector(_core.Detector):
     def _find(self, scene: Any, query: Any, copy: Any = False) -> Any:
         query = checked_query(scene, query)
         found = self._call("find", scene, query)
-        return show(found, scene, query, checked_copy(copy))
+        return show(found, scene, query, copy if copy is False else checked_copy(copy))
 
-    def _call(self, delivery: str, scene: Any, query: Query, *more: Any, before: tuple[Any, ...] = ()) -> Any:
+    def _call(self, delivery: str, scene: Any, query: Query, *more: Any) -> Any:
         """Has the extension module do it, unless queries of this type are not delivered so."""
-        name = type(query)._call
-        if delivery not in type(query)._deliveries:
+        if delivery not in query._deliveries:
             raise InvalidInput(f"{delivery} is not for {type(query).__name__}: docs/supported.md has the table")
-        excluded = excluded_in(scene, query.filter.excluded_bodies)  # type: ignore[attr-defined]
-        return with_names(scene, getattr(self, f"_{delivery}_{name}"), *before, scene, query, excluded, *more)
+        excluded = query.filter.excluded_bodies
+        if excluded is not None:
+            excluded = excluded_in(scene, excluded)
+        try:
+            return getattr(self, f"_{delivery}_{query._call}")(scene, query, excluded, *more)
+        except InvalidInput as error:
+            raise with_names(scene, error) from error.__cause__
 
     @suggesting
     def supports(self, scene: Any, query: Query = _ALL) -> bool:
@@ -198,9 +202,7 @@ class Detector(_core.Detector):
         docs/supported.md has the table. Says nothing of options and sizes.
         """
         scene = scene_of(scene)
-        query = checked_query(scene, query)
-        excluded = excluded_in(scene, query.filter.excluded_bodies)  # type: ignore[attr-defined]
-        return with_names(scene, getattr(self, f"_supports_{query._call}"), scene, query, excluded)
+        return self._call("supports", scene, checked_query(scene, query))
 
     @suggesting
     def any(self, scene: Any, query: Query = _ALL) -> bool:
@@ -233,11 +235,7 @@ class Detector(_core.Detector):
         if not callable(take):
             raise InvalidType(f"take must be callable with a block, not {type(take).__name__}")
         return self._call(
-            "stream",
-            scene,
-            query,
-            block_rows,
-            before=(lambda found: take(show(found, scene, query, False, block=True)),),
+            "stream", scene, query, lambda found: take(show(found, scene, query, False, block=True)), block_rows
         )
 
     @suggesting

@@ -41,11 +41,17 @@ class PairFilter:
 class Query:
     """Base of all queries."""
 
+    filter: PairFilter
     _call: ClassVar[str]  # the name of its calls, and of the method of Detector
-    _deliveries: ClassVar[frozenset[str]] = frozenset({"find"})
+    _deliveries: ClassVar[frozenset[str]] = frozenset({"find", "supports"})
+    _read: ClassVar[Any] = None  # of an object: the query as the extension module has read it
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The members: pickles and copies have nothing else."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
 
 
-_OF_PAIRS = frozenset({"find", "any", "stream", "partition", "launch"})
+_OF_PAIRS = frozenset({"find", "supports", "any", "stream", "partition", "launch"})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -220,7 +226,7 @@ class CandidateQuery(Query):
     filter: PairFilter = PairFilter()
 
     _call: ClassVar[str] = "candidates"
-    _deliveries: ClassVar[frozenset[str]] = frozenset({"find", "stream", "launch"})
+    _deliveries: ClassVar[frozenset[str]] = frozenset({"find", "supports", "stream", "launch"})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -252,9 +258,10 @@ def query_of(query: type[Query], options: dict[str, Any]) -> Query:
     """A query with these members; the same object for the same words and numbers, which saves microseconds."""
     if not options:
         return _PLAIN[query]
-    if not all(type(value) in _SIMPLE for value in options.values()):
+    types = tuple(map(type, options.values()))
+    if not _SIMPLE.issuperset(types):
         return query(**options)
-    key = (query, *((name, type(value), value) for name, value in options.items()))  # True is not 1 here
+    key = (query, types, tuple(options.items()))  # with types: True is not 1 here
     made = _made.get(key)
     if made is None:
         if len(_made) >= 256:
@@ -278,11 +285,11 @@ def keywords_of(query: type) -> Callable[[Function], Function]:
 
         @functools.wraps(method)
         def call(*arguments: Any, **named: Any) -> Any:
-            for name in named:
-                if name not in known:
-                    close = get_close_matches(name, known - {"self"}, n=1)
-                    meant = f". Did you mean '{close[0]}'?" if close else ""
-                    raise TypeError(f"{method.__qualname__}() got an unexpected keyword argument '{name}'{meant}")
+            if not known.issuperset(named):
+                name = next(name for name in named if name not in known)
+                close = get_close_matches(name, known - {"self"}, n=1)
+                meant = f". Did you mean '{close[0]}'?" if close else ""
+                raise TypeError(f"{method.__qualname__}() got an unexpected keyword argument '{name}'{meant}")
             return method(*arguments, **named)
 
         call.__signature__ = signature.replace(parameters=[*own, *members])  # type: ignore[attr-defined]

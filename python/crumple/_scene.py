@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -29,15 +28,19 @@ from ._world import World
 Scene = World | _core.Part | Mesh | tuple[Mesh, Mesh]
 
 
-def scene_of(given: Any, second: Any = None, **attributes: Any) -> Scene:
+def scene_of(
+    given: Any, second: Any = None, *, end: Any = None, groups: Any = None, edges: Any = None, points: Any = None
+) -> Scene:
     """A scene of one object, of two meshes, or of vertices and faces; with attributes of a mesh.
 
     One object is a crumple.World, a crumple.Part, a list or tuple of two meshes, or what as_mesh takes.
     """
-    attributes = {name: value for name, value in attributes.items() if value is not None} if attributes else {}
-    is_whole = isinstance(given, (World, _core.Part))
-    if second is None and not attributes and (is_whole or isinstance(given, Mesh)):
+    is_plain = second is None and end is None and groups is None and edges is None and points is None
+    if is_plain and isinstance(given, (World, Mesh, _core.Part)):
         return given
+    given_attributes = {"end": end, "groups": groups, "edges": edges, "points": points}
+    attributes = {name: value for name, value in given_attributes.items() if value is not None}
+    is_whole = isinstance(given, (World, _core.Part))
     if is_whole:
         for name in [*attributes, *([] if second is None else ["a second argument"])]:
             raise InvalidType(f"{name} is for meshes, but the scene is a crumple.{type(given).__name__}")
@@ -68,9 +71,7 @@ def kind_of(scene: Scene) -> str:
 
 
 def excluded_in(scene: Scene, excluded: Any) -> Any:
-    """Pairs of bodies that are excluded, by their indices, or None."""
-    if excluded is None:
-        return None
+    """Pairs of bodies that are excluded, by their indices."""
     if not isinstance(scene, World):
         raise InvalidInput("excluded_bodies are bodies of a crumple.World")
     from ._world_arrays import excluded_pairs
@@ -78,15 +79,12 @@ def excluded_in(scene: Scene, excluded: Any) -> Any:
     return excluded_pairs(excluded, scene.distinct, scene.index)
 
 
-def with_names(scene: Scene, call: Callable[..., Any], *given: Any) -> Any:
-    """What call(*given) gives, whose errors then name the body of a world."""
-    try:
-        return call(*given)
-    except InvalidInput as error:
-        named = _named(scene, str(error)) if isinstance(scene, World) else str(error)
-        if named == str(error):
-            raise
-        raise type(error)(named, code=error.code, element=error.element, index=error.index) from None
+def with_names(scene: Scene, error: InvalidInput) -> InvalidInput:
+    """The error, which names the body if the scene is a world."""
+    named = _named(scene, str(error)) if isinstance(scene, World) else str(error)
+    if named == str(error):
+        return error
+    return type(error)(named, code=error.code, element=error.element, index=error.index)
 
 
 def _of_shape(number: int) -> str:
@@ -119,11 +117,12 @@ def checked_query(scene: Any, query: Any) -> Any:
     """The query, with its kinds as a tuple, and a radius that fits the scene."""
     if not isinstance(query, Query):
         raise InvalidType(f"query must be one of crumple's, such as crumple.ImpactQuery(), not {_name_of(query)}")
-    filters = query.filter  # type: ignore[attr-defined]
-    if not isinstance(filters, PairFilter):
-        raise InvalidType(f"filter must be a crumple.PairFilter, not {_name_of(filters)}")
+    if not isinstance(query.filter, PairFilter):
+        raise InvalidType(f"filter must be a crumple.PairFilter, not {_name_of(query.filter)}")
+    if type(query) is IntersectionQuery:
+        return query
     if isinstance(query, CandidateQuery):
-        return replace(query, kinds=_kinds(query.kinds))
+        return query if type(query.kinds) is tuple else replace(query, kinds=_kinds(query.kinds))
     if isinstance(query, ProximityQuery):
         _check_radius(scene, query)
     return query
@@ -168,28 +167,25 @@ _OPTIONS = ("index", "triangle_pairs", "closest", "least")
 
 def show(found: Any, scene: Any, query: Any, copy: bool, block: bool = False) -> Any:
     """The result of a query, of the extension module's."""
-    kind = kind_of(scene)
-    of_bodies = kind == "world" or (kind == "meshes" and not isinstance(query, IntersectionQuery))
-    if isinstance(query, FirstImpactQuery):
-        first = None if found is None else FirstImpact(*found)
-        return first if first is None or of_bodies else first._replace(bodies=None)
-    if isinstance(query, FreeStepQuery):
-        return FreeStep(*found)
-    request = _request_of(query, kind, of_bodies, copy, block)
-    return RESULTS[query._call](found, request, *(_kept(scene, kind) if isinstance(query, IntersectionQuery) else ()))
-
-
-def _request_of(query: Any, *how: Any) -> Request:
-    """The request of this query; cached by the query, which callers use many times."""
-    known = query.__dict__.setdefault("_request", {})
+    known = query.__dict__.setdefault("_requests", {})  # callers use a query many times
+    how = (type(scene), copy, block)
     request = known.get(how)
     if request is None:
-        kind, of_bodies, copy, block = how
-        output = getattr(query, "output", "pairs")
-        listed = output in ("pairs", "contacts")
-        options = frozenset(name for name in _OPTIONS if listed and getattr(query, name, False))
-        request = known[how] = Request(kind, of_bodies, output, options, getattr(query, "kinds", ()), copy, block)
-    return request
+        request = known[how] = _request_of(query, kind_of(scene), copy, block)
+    if type(query) is IntersectionQuery:
+        return Intersections(found, request, *_kept(scene, request.scene))
+    if isinstance(query, FirstImpactQuery):
+        first = None if found is None else FirstImpact(*found)
+        return first if first is None or request.of_bodies else first._replace(bodies=None)
+    return FreeStep(*found) if isinstance(query, FreeStepQuery) else RESULTS[query._call](found, request)
+
+
+def _request_of(query: Any, kind: str, copy: bool, block: bool) -> Request:
+    of_bodies = kind == "world" or (kind == "meshes" and not isinstance(query, IntersectionQuery))
+    output = getattr(query, "output", "pairs")
+    listed = output in ("pairs", "contacts")
+    options = frozenset(name for name in _OPTIONS if listed and getattr(query, name, False))
+    return Request(kind, of_bodies, output, options, getattr(query, "kinds", ()), copy, block)
 
 
 def _kept(scene: Any, kind: str) -> tuple[Any, ...]:

@@ -204,27 +204,6 @@ class World(_core.World):
         """The shapes, as World was given them or as it made them of meshes."""
         return self._shapes
 
-    @property
-    def poses(self) -> Any:
-        """The array of poses as it was given, or None: all as given. Of configurations, (k, m, 3, 4) or (k, m, 4, 4).
-
-        Others may be set at any time: one for each body, as in World; a search that runs meanwhile keeps its own.
-        """
-        return super().poses
-
-    @poses.setter
-    def poses(self, poses: Any) -> None:
-        self._place(poses)
-
-    @property
-    def end_poses(self) -> Any:
-        """The same at the end of a step, as given and as it may be set; None: as `poses`."""
-        return super().end_poses
-
-    @end_poses.setter
-    def end_poses(self, poses: Any) -> None:
-        self._place_end(poses)
-
     def _column(self, name: str) -> Any:
         """A column of the world; of configurations, that of the bodies that move repeated, and the rest of it."""
         if self._base is None:

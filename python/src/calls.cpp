@@ -105,7 +105,7 @@ std::int64_t rows_of(const Intersections& block) { return static_cast<std::int64
 
 /// Calls `take` with a copy of each block, with the GIL.
 template <class Query>
-Statistics stream(nb::handle self, nb::handle take, nb::handle scene, nb::handle query, nb::handle excluded,
+Statistics stream(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded, nb::handle take,
                   nb::handle block_rows) {
     using Block = typename Query::Result;
     const std::int64_t rows = integer<std::int64_t>("block_rows", block_rows);
@@ -134,7 +134,7 @@ void bind_find(nb::class_<SharedDetector>& detector, const std::string& name) {
 
 template <class Query>
 void bind_stream(nb::class_<SharedDetector>& detector, const std::string& name) {
-    detector.def(("_stream_" + name).c_str(), stream<Query>, "take"_a, "scene"_a, "query"_a, "excluded"_a.none(),
+    detector.def(("_stream_" + name).c_str(), stream<Query>, "scene"_a, "query"_a, "excluded"_a.none(), "take"_a,
                  "block_rows"_a.none());
 }
 

@@ -1,7 +1,9 @@
 #include "queries.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
+#include <typeinfo>
 
 #include "arguments.h"
 #include "arrays.h"
@@ -35,8 +37,6 @@ void read_step(nb::handle given, ImpactQuery& query) {
     query.weld = flag_of(given, "weld");
     query.filter = filter_of(given);
 }
-
-}  // namespace
 
 void read(nb::handle given, IntersectionQuery& query) {
     query.output = output_of(given, intersection_output_names);
@@ -87,5 +87,59 @@ void read(nb::handle given, DistanceQuery& query) {
     query.radius = real_of(given, "radius");
     query.filter = filter_of(given);
 }
+
+bool is_constant(nb::handle value);
+
+// Whether no member of a dataclass can come to be another: names that begin with an underscore are no members.
+bool is_frozen(nb::handle object) {
+    for (const auto [name, value] : nb::cast<nb::dict>(object.attr("__dict__")))
+        if (const std::string_view member = text("member", name);
+            !member.starts_with('_') && member != "filter" && !is_constant(value))
+            return false;
+    return true;
+}
+
+bool is_constant(nb::handle value) {
+    PyObject* const v = value.ptr();
+    if (PyTuple_CheckExact(v)) return std::ranges::all_of(nb::borrow<nb::tuple>(value), is_constant);
+    return value.is_none() || PyBool_Check(v) || PyUnicode_CheckExact(v) || PyLong_CheckExact(v) ||
+           PyFloat_CheckExact(v);
+}
+
+// Finds the query that was kept by keep(), or null. Every class of queries has the attribute, which is None.
+template <class Query>
+const Query* kept(nb::handle given) {
+    const nb::object capsule = given.attr("_read");
+    return static_cast<const Query*>(PyCapsule_IsValid(capsule.ptr(), typeid(Query).name())
+                                         ? PyCapsule_GetPointer(capsule.ptr(), typeid(Query).name())
+                                         : nullptr);
+}
+
+// Keeps what was read, in the object that it was read from.
+template <class Query>
+void keep(nb::handle given, const Query& query) {
+    const nb::capsule capsule(new Query(query), typeid(Query).name(),
+                              [](void* p) noexcept { delete static_cast<Query*>(p); });
+    if (PyObject_GenericSetAttr(given.ptr(), nb::str("_read").ptr(), capsule.ptr())) throw nb::python_error();
+}
+
+}  // namespace
+
+template <class Query>
+Query read(nb::handle given) {
+    if (const Query* const known = kept<Query>(given)) return *known;
+    Query query;
+    read(given, query);
+    if (is_frozen(given) && is_frozen(given.attr("filter"))) keep(given, query);
+    return query;
+}
+
+template IntersectionQuery read(nb::handle);
+template ImpactQuery read(nb::handle);
+template FirstImpactQuery read(nb::handle);
+template FreeStepQuery read(nb::handle);
+template ProximityQuery read(nb::handle);
+template CandidateQuery read(nb::handle);
+template DistanceQuery read(nb::handle);
 
 }  // namespace crumple::python

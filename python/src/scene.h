@@ -73,8 +73,8 @@ std::vector<BodyPair> excluded_in(const BorrowedScene& scene, nanobind::handle e
 template <class Query>
 struct BorrowedQuery {
     /// `excluded`: as excluded_in() takes them, by index.
-    BorrowedQuery(nanobind::handle given, const BorrowedScene& scene, nanobind::handle excluded) {
-        python::read(given, query);
+    BorrowedQuery(nanobind::handle given, const BorrowedScene& scene, nanobind::handle excluded)
+        : query(read<Query>(given)) {
         arrays.read(given, scene, query);
         query.filter.excluded_bodies = excluded_in(scene, excluded);
     }

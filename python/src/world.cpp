@@ -252,6 +252,15 @@ std::vector<BodyPair> excluded_bodies(const Bodies& bodies, nb::handle pairs) {
     return result;
 }
 
+using When = BorrowedPoses::When;
+
+// Replaces poses. Those that were there are dropped last: that may run code of Python.
+void place(nb::handle self, BorrowedPoses BorrowedWorld::*member, nb::handle poses, When when) {
+    BorrowedWorld& world = given_world(self);
+    BorrowedPoses given = looked_at(poses, *world.bodies, when);
+    std::swap(world.*member, given);
+}
+
 void bind_world(nb::module_& module) {
     nb::class_<BorrowedShape>(module, "Shape", "Triangles that bodies are made of; crumple.Shape is one.")
         .def("__init__", make_shape, "mesh"_a, "which"_a, "name"_a, "end"_a.none(), "lists"_a, "radii"_a.none(),
@@ -273,24 +282,18 @@ void bind_world(nb::module_& module) {
         .def("__len__", [](nb::handle self) { return given_world(self).bodies->bodies.size(); })
         .def_prop_ro("_moving", [](nb::handle self) { return given_world(self).bodies->moving; })
         .def_prop_ro("_count", [](nb::handle self) { return given_world(self).bodies->configurations; })
-        .def_prop_ro("poses", [](nb::handle self) { return given_world(self).poses.object(); })
-        .def(
-            "_place",
-            [](nb::handle self, nb::handle poses) {
-                BorrowedWorld& world = given_world(self);
-                BorrowedPoses given = looked_at(poses, *world.bodies);
-                std::swap(world.poses, given);  // what was there is dropped last: that may run code of Python
-            },
-            "poses"_a.none())
-        .def_prop_ro("end_poses", [](nb::handle self) { return given_world(self).end_poses.object(); })
-        .def(
-            "_place_end",
-            [](nb::handle self, nb::handle poses) {
-                BorrowedWorld& world = given_world(self);
-                BorrowedPoses given = looked_at(poses, *world.bodies, BorrowedPoses::When::end);
-                std::swap(world.end_poses, given);
-            },
-            "poses"_a.none());
+        .def_prop_rw(
+            "poses", [](nb::handle self) { return given_world(self).poses.object(); },
+            [](nb::handle self, nb::handle poses) { place(self, &BorrowedWorld::poses, poses, When::start); },
+            nb::for_setter("poses"_a.none()),
+            "The array of poses as it was given, or None: all as given.\n\n"
+            "Of configurations, (k, m, 3, 4) or (k, m, 4, 4). Others may be set at any time: one for each body, as in\n"
+            "World; a search that runs meanwhile keeps its own.")
+        .def_prop_rw(
+            "end_poses", [](nb::handle self) { return given_world(self).end_poses.object(); },
+            [](nb::handle self, nb::handle poses) { place(self, &BorrowedWorld::end_poses, poses, When::end); },
+            nb::for_setter("poses"_a.none()),
+            "The same at the end of a step, as given and as it may be set; None: as `poses`.");
 }
 
 }  // namespace crumple::python

@@ -1,6 +1,9 @@
 """Arguments other than arrays, and groups: what is wrong is named, in calls, options, files and parts."""
 
+import copy
+import pickle
 import re
+from dataclasses import FrozenInstanceError, fields
 
 import numpy as np
 import pytest
@@ -349,3 +352,22 @@ def test_a_part_that_nothing_was_put_into_is_refused(detector):
     ):
         with pytest.raises(crumple.InvalidInput, match="is a crumple.Part that nothing was put into$"):
             look()
+
+
+def test_excluded_groups_that_change_between_calls_are_read_again(detector):
+    mesh = soup(100, size=0.4)._replace(groups=np.arange(100) % 3)
+    excluded = [(0, 1)]
+    query = crumple.IntersectionQuery(filter=crumple.PairFilter(excluded_groups=excluded))
+    few = len(detector.find(mesh, query))
+    excluded.clear()
+    assert few < len(detector.find(mesh, query)) == len(detector.intersections(mesh))
+
+
+@pytest.mark.parametrize("query", [crumple.IntersectionQuery(output="count"), crumple.ProximityQuery(radius=0.125)])
+def test_queries_that_were_used_are_copied_and_pickled_like_others(query, detector):
+    found = detector.find(MESH, query)
+    for same in (pickle.loads(pickle.dumps(query)), copy.copy(query), copy.deepcopy(query)):
+        assert same == query and vars(same) == {field.name: getattr(query, field.name) for field in fields(query)}
+        assert detector.find(MESH, same).count == found.count
+    with pytest.raises(FrozenInstanceError):
+        query.weld = True

@@ -186,8 +186,7 @@ namespace {
 // A query as crumple/_queries.py has it, read before ranks wait for each other. `excluded`: (n, 2) of int32 or None.
 template <class Query>
 void make_query(Query* place, nb::handle given, nb::handle excluded) {
-    Query query;
-    read(given, query);
+    Query query = read<Query>(given);
     if constexpr (std::is_same_v<Query, ProximityQuery>)
         if (!given.attr("radii").is_none() || !given.attr("rest").is_none())
             refuse("radii and rest are for one process");
