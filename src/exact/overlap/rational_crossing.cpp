@@ -75,13 +75,13 @@ std::array<Rational, 3> in_face(const std::array<Integer, 3>& volume) {
     return {quotient(volume[1], sum), quotient(volume[2], sum), quotient(volume[0], sum)};
 }
 
-/// Adds what one triangle [p0, x, y] of the chain does, p0 being the first corner: its share of the face's area, a
-/// third of it at each corner.
+/// Adds `times` a triangle [p0, x, y] of the chain, p0 being the first corner: its share of the face's area at each of
+/// its corners.
 void add(const std::array<Rational, 3>& x, const std::array<Rational, 3>& y, int times, RationalWeights& weights) {
-    const Rational third = Rational(times) * (x[1] * y[2] - x[2] * y[1]) / 3;
-    weights[0] += third * (1 + x[0] + y[0]);
-    weights[1] += third * (x[1] + y[1]);
-    weights[2] += third * (x[2] + y[2]);
+    const Rational share = Rational(times) * (x[1] * y[2] - x[2] * y[1]);
+    weights[0] += share * (1 + x[0] + y[0]);
+    weights[1] += share * (x[1] + y[1]);
+    weights[2] += share * (x[2] + y[2]);
 }
 
 }  // namespace

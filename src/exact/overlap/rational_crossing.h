@@ -16,7 +16,7 @@ using Rational = mp::cpp_rational;
 using IntegerTriangle = std::array<Vec3<Integer>, 3>;
 
 /// For the winding number w of the other surface on a face of area |f|, and the hat functions φ_k of its corners:
-/// ∫ w φ_k dA / |f|. Their sum is the mean of w on the face.
+/// 3 ∫ w φ_k dA / |f|. So a face on which w is constant has three times w.
 using RationalWeights = std::array<Rational, 3>;
 
 /// Where a crossing is: barycentric coordinates in both faces.

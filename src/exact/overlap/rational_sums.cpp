@@ -13,15 +13,15 @@ Vec3<Rational> rational(const Vec3<Integer>& v) {
 }  // namespace
 
 void RationalSums::add(const IntegerTriangle& face, const RationalWeights& weights, bool of_first) {
-    const Rational mean = weights[0] + weights[1] + weights[2];
+    const Rational sum = weights[0] + weights[1] + weights[2];
     const Vec3<Rational> p0 = rational(face[0]), p1 = rational(face[1]), p2 = rational(face[2]);
     const Vec3<Rational> at = weights[0] * p0 + weights[1] * p1 + weights[2] * p2;
     const Rational cone(mp::cpp_int(dot(face[0], cross(face[1], face[2]))));
-    volume += cone * mean;
+    volume += cone * sum;
     moment = moment + cone * at;
     if (!of_first) return;
     const Vec3<Rational> normal = rational(cross(face[1] - face[0], face[2] - face[0]));
-    area = area + mean * normal;
+    area = area + sum * normal;
     torque = torque + cross(at, normal);
 }
 
