@@ -6,7 +6,6 @@
 // quotient by 15.01 u². The constants below are larger by a tenth at least, and `above` by more than all roundings of a
 // bound itself. Nothing may overflow, and no product of two parts may underflow.
 
-#include <array>
 #include <limits>
 
 #include "geometry/double_word.h"
@@ -50,25 +49,9 @@ CRUMPLE_HD inline Enclosed operator/(const Enclosed& x, const Enclosed& y) {
     return {quotient, detail::above * (error + 0x1p-102 * std::abs(quotient.high))};
 }
 
-using EnclosedVec3 = std::array<Enclosed, 3>;
-
-CRUMPLE_HD inline EnclosedVec3 difference(const Vec3d& p, const Vec3d& q) {
+/// p − q, exactly.
+CRUMPLE_HD inline Vec3<Enclosed> enclosed_difference(const Vec3d& p, const Vec3d& q) {
     return {Enclosed::difference(p.x, q.x), Enclosed::difference(p.y, q.y), Enclosed::difference(p.z, q.z)};
-}
-CRUMPLE_HD inline EnclosedVec3 operator+(const EnclosedVec3& p, const EnclosedVec3& q) {
-    return {p[0] + q[0], p[1] + q[1], p[2] + q[2]};
-}
-CRUMPLE_HD inline EnclosedVec3 operator-(const EnclosedVec3& p, const EnclosedVec3& q) {
-    return {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
-}
-CRUMPLE_HD inline EnclosedVec3 operator*(const Enclosed& s, const EnclosedVec3& p) {
-    return {s * p[0], s * p[1], s * p[2]};
-}
-CRUMPLE_HD inline Enclosed dot(const EnclosedVec3& p, const EnclosedVec3& q) {
-    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-}
-CRUMPLE_HD inline EnclosedVec3 cross(const EnclosedVec3& p, const EnclosedVec3& q) {
-    return {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
 }
 
 }  // namespace crumple

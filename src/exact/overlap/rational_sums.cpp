@@ -12,7 +12,7 @@ Vec3<Rational> rational(const Vec3<Integer>& v) {
 
 }  // namespace
 
-void RationalSums::add(const IntegerTriangle& face, const RationalWeights& weights, bool of_first) {
+void RationalSums::add(const IntegerTriangle& face, const FaceWeights<Rational>& weights, bool of_first) {
     const Rational sum = weights[0] + weights[1] + weights[2];
     const Vec3<Rational> p0 = rational(face[0]), p1 = rational(face[1]), p2 = rational(face[2]);
     const Vec3<Rational> at = weights[0] * p0 + weights[1] * p1 + weights[2] * p2;

@@ -15,7 +15,7 @@ struct RationalSums {
     Vec3<Rational> area;    ///< Σ N f = 6 S, over the faces of the first
     Vec3<Rational> torque;  ///< Σ (m0 p0 + m1 p1 + m2 p2) × N = 6 T about the origin, over the faces of the first
 
-    void add(const IntegerTriangle& face, const RationalWeights& weights, bool of_first);
+    void add(const IntegerTriangle& face, const FaceWeights<Rational>& weights, bool of_first);
 };
 
 }  // namespace crumple

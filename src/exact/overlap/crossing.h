@@ -1,0 +1,101 @@
+#pragma once
+
+// What a segment in which two faces cross says of winding numbers, for any type of number that is exact or has a bound.
+// Compiled for host and device.
+//
+// On a face, the winding number of the other surface is the sum of cones from the face's first corner over what it
+// jumps at (docs/overlap.md): over what is left of edges 01 and 12 behind each crossing, and over each segment. So each
+// pair of faces contributes alone, in any order.
+
+#include <array>
+#include <cstddef>
+
+#include "exact/overlap/face_crossing.h"
+
+namespace crumple {
+
+CRUMPLE_HD constexpr std::size_t next_corner(std::size_t i) { return i == 2 ? 0 : i + 1; }
+
+/// The second and the third barycentric coordinate of a point in a face.
+template <class Number>
+struct PointInFace {
+    Number u{}, v{};
+};
+
+/// For a winding number w on a face of area |f|, and the hat functions φ_k of its corners: 3 ∫ w φ_k dA / |f|. So a
+/// face on which w is constant has three times w.
+template <class Number>
+using FaceWeights = std::array<Number, 3>;
+
+/// Where an edge crosses a face.
+template <class Number>
+struct EdgeCrossing {
+    Number t;  ///< of the edge's way
+    PointInFace<Number> in_face;
+};
+
+template <class Number>
+struct Crossing {
+    FaceCrossing jumps;
+    // Where there is a segment. Seen on a, what is inside b's surface is on its left; seen on b, it runs from end to
+    // start.
+    PointInFace<Number> start_in_a, end_in_a, start_in_b, end_in_b;
+    FaceWeights<Number> a{}, b{};  ///< what it adds to the weights
+};
+
+namespace detail {
+
+template <class Number>
+CRUMPLE_HD PointInFace<Number> on_edge(std::size_t edge, const Number& t) {
+    if (edge == 0) return {t, Number(0)};
+    if (edge == 1) return {Number(1) - t, t};
+    return {Number(0), Number(1) - t};
+}
+
+/// Adds a triangle [p0, x, y], p0 being the first corner.
+template <class Number>
+CRUMPLE_HD void add_cone(const PointInFace<Number>& x, const PointInFace<Number>& y, FaceWeights<Number>& weights) {
+    const Number share = x.u * y.v - x.v * y.u, u = x.u + y.u, v = x.v + y.v;
+    weights[0] = weights[0] + share * (Number(3) - (u + v));
+    weights[1] = weights[1] + share * u;
+    weights[2] = weights[2] + share * v;
+}
+
+/// Adds `jump` times the cone over what is left of edge 01 or 12 behind a point on it.
+template <class Number>
+CRUMPLE_HD void add_edge(std::size_t edge, int jump, const PointInFace<Number>& at, FaceWeights<Number>& weights) {
+    if (edge == 0)
+        for (Number& weight : weights) weight = weight + Number(jump);
+    if (edge != 1) return;
+    const Number share = Number(jump) * at.u;
+    weights[0] = weights[0] + share;
+    weights[1] = weights[1] + share * at.u;
+    weights[2] = weights[2] + share * (Number(1) + at.v);
+}
+
+}  // namespace detail
+
+/// Fills in what the jumps of a segment say. edge_of_a(i) is where edge i of a crosses b, edge_of_b(i) likewise.
+template <class Number, class EdgeOfA, class EdgeOfB>
+CRUMPLE_HD void add_segment(EdgeOfA edge_of_a, EdgeOfB edge_of_b, Crossing<Number>& crossing) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (const int jump = crossing.jumps.a[i]) {
+            const EdgeCrossing<Number> at = edge_of_a(i);
+            const PointInFace<Number> in_a = detail::on_edge(i, at.t);
+            (jump > 0 ? crossing.end_in_a : crossing.start_in_a) = in_a;
+            (jump > 0 ? crossing.end_in_b : crossing.start_in_b) = at.in_face;
+            detail::add_edge(i, jump, in_a, crossing.a);
+        }
+        if (const int jump = crossing.jumps.b[i]) {
+            const EdgeCrossing<Number> at = edge_of_b(i);
+            const PointInFace<Number> in_b = detail::on_edge(i, at.t);
+            (jump > 0 ? crossing.start_in_a : crossing.end_in_a) = at.in_face;
+            (jump > 0 ? crossing.start_in_b : crossing.end_in_b) = in_b;
+            detail::add_edge(i, jump, in_b, crossing.b);
+        }
+    }
+    detail::add_cone(crossing.start_in_a, crossing.end_in_a, crossing.a);
+    detail::add_cone(crossing.end_in_b, crossing.start_in_b, crossing.b);
+}
+
+}  // namespace crumple

@@ -1,0 +1,76 @@
+#include "exact/overlap/fixed_sum.h"
+
+#include <cmath>
+
+namespace crumple {
+
+void FixedSum::carry() {
+    additions_ = 0;
+    for (std::size_t i = 0; i + 1 < digits; ++i) {
+        const std::int64_t over = digits_[i] >> digit_bits;
+        digits_[i] -= over * (std::int64_t{1} << digit_bits);
+        digits_[i + 1] += over;
+    }
+}
+
+void FixedSum::add_product(const FixedSum& sum, double factor) {
+    FixedSum carried = sum;
+    carried.carry();
+    for (std::size_t i = 0; i < digits; ++i) {
+        if (carried.digits_[i] == 0) continue;
+        const double digit = std::ldexp(static_cast<double>(carried.digits_[i]), digit_bits * static_cast<int>(i) - 1074);
+        const TwoTerms product = two_product(digit, factor);
+        add(product.high);
+        add(product.low);
+    }
+    error_ = detail::above * (error_ + std::abs(factor) * sum.error_);
+}
+
+std::optional<double> FixedSum::rounded_quotient(std::int32_t divisor) const {
+    FixedSum low = *this, high = *this;
+    low.add(-error_);
+    high.add(error_);
+    const double rounded = low.nearest_quotient(divisor);
+    if (rounded == high.nearest_quotient(divisor)) return rounded;
+    return std::nullopt;
+}
+
+double FixedSum::nearest_quotient(std::int32_t divisor) const {
+    FixedSum magnitude = *this;
+    magnitude.carry();
+    const bool negative = magnitude.digits_.back() < 0;
+    if (negative) {
+        for (std::int64_t& digit : magnitude.digits_) digit = -digit;
+        magnitude.carry();
+    }
+    // Long division, from the top; what remains tells of digits beyond the last.
+    const auto by = static_cast<std::uint64_t>(divisor);
+    std::uint64_t remainder = 0;
+    std::size_t top = digits;
+    for (std::size_t i = digits; i-- > 0;) {
+        const std::uint64_t number = remainder << digit_bits | static_cast<std::uint64_t>(magnitude.digits_[i]);
+        magnitude.digits_[i] = static_cast<std::int64_t>(number / by);
+        remainder = number % by;
+        if (top == digits && magnitude.digits_[i] != 0) top = i;
+    }
+    if (top == digits) return 0;
+    // The leading 64 bits, the last of them set if anything follows, and rounded once.
+    const auto digit = [&](std::size_t back) {
+        return back <= top ? static_cast<std::uint64_t>(magnitude.digits_[top - back]) : 0;
+    };
+    const int leading = std::countl_zero(digit(0)) - digit_bits;  // zeros of the first digit
+    std::uint64_t head = digit(0) << digit_bits | digit(1), tail = digit(2);
+    bool more = remainder != 0;
+    for (std::size_t back = 3; back <= top; ++back) more |= digit(back) != 0;
+    if (leading > 0) {
+        head = head << leading | tail >> (digit_bits - leading);
+        tail = tail << leading & digit_mask;
+    }
+    if (tail != 0 || more) head |= 1;
+    const int exponent = digit_bits * (static_cast<int>(top) - 1) - leading - 1074;
+    // Round to 53 bits by hand: a conversion of 64 bits rounds once, and scaling is exact for normal numbers.
+    const double rounded = std::ldexp(static_cast<double>(head), exponent);
+    return negative ? -rounded : rounded;
+}
+
+}  // namespace crumple

@@ -1,0 +1,69 @@
+#pragma once
+
+// Sums of float64 numbers without rounding: fixed point, wide enough for all of them. Addition of integers knows no
+// order, so that a sum is the same however it is split. Host only.
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <optional>
+
+#include "exact/overlap/enclosed.h"
+
+namespace crumple {
+
+class FixedSum {
+   public:
+    void add(double x) {
+        const auto bits = std::bit_cast<std::uint64_t>(x);
+        const auto exponent = static_cast<int>(bits >> 52 & 2047);
+        const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
+        const std::uint64_t mantissa = exponent ? fraction | std::uint64_t{1} << 52 : fraction;
+        const int place = exponent ? exponent - 1 : 0;  // of the last bit, from 2^-1074
+        const auto digit = static_cast<std::size_t>(place) / digit_bits;
+        const int shift = place % digit_bits;
+        // A mantissa of 53 bits, shifted by up to 31, in three digits.
+        const std::uint64_t low = mantissa << shift, high = shift ? mantissa >> (64 - shift) : 0;
+        const std::int64_t sign = bits >> 63 ? -1 : 1;
+        digits_[digit] += sign * static_cast<std::int64_t>(low & digit_mask);
+        digits_[digit + 1] += sign * static_cast<std::int64_t>(low >> digit_bits);
+        digits_[digit + 2] += sign * static_cast<std::int64_t>(high);
+        if (++additions_ == most_additions) carry();
+    }
+    void add(const Enclosed& x) {
+        add(x.value.high);
+        add(x.value.low);
+        error_ = detail::above * (error_ + x.error);
+    }
+    void add(const FixedSum& other) {
+        FixedSum carried = other;
+        carried.carry();
+        carry();
+        for (std::size_t i = 0; i < digits; ++i) digits_[i] += carried.digits_[i];
+        ++additions_;
+        error_ = detail::above * (error_ + other.error_);
+    }
+    /// Adds a sum times a number; nothing may overflow or underflow.
+    void add_product(const FixedSum& sum, double factor);
+
+    double error() const { return error_; }
+
+    /// The float64 number nearest to the sum divided by a whole number, ties to even, if that is certain.
+    std::optional<double> rounded_quotient(std::int32_t divisor) const;
+
+   private:
+    static constexpr int digit_bits = 32;
+    static constexpr std::uint64_t digit_mask = 0xffffffff;
+    static constexpr std::size_t digits = 2110 / digit_bits + 5;  ///< 2^-1074 to beyond 2^1024 times any number of terms
+    static constexpr std::int64_t most_additions = std::int64_t{1} << 30;
+
+    /// Brings all digits but the last to 0 .. 2^32 - 1.
+    void carry();
+    double nearest_quotient(std::int32_t divisor) const;
+
+    std::array<std::int64_t, digits> digits_{};
+    std::int64_t additions_ = 0;
+    double error_ = 0;  ///< the sum is at most so far from what was to be added
+};
+
+}  // namespace crumple

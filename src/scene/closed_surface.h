@@ -1,0 +1,82 @@
+#pragma once
+
+// A surface of triangles as winding numbers need it: whether it is closed, and its vertices in an order in which
+// winding numbers are constant but for few steps.
+//
+// The edges have a spanning forest, and vertices the place in which a walk down the forest first meets them. What lies
+// behind an edge of the forest is an interval of places: so a crossing of that edge by another surface changes the
+// winding numbers of an interval, and crossings of other edges need not be looked at. Faces are sorted by the place of
+// their first corner.
+//
+//   places        0 ........................... places() - 1      vertices that no triangle names have none
+//   components    [0, end0) [end0, end1) ...                      a tree each
+//   faces         those of place 0, of place 1, ...
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "base/parallel_for.h"
+#include "crumple/array.h"
+#include "scene/scene_features.h"
+
+namespace crumple {
+
+/// An edge that is named more often in one direction than in the other.
+struct OpenEdge {
+    Edge edge;
+    std::int32_t triangle;  ///< the lowest that names it
+};
+
+class ClosedSurface {
+   public:
+    explicit ClosedSurface(MemoryMeter* meter);
+
+    /// Of a scene of one mesh. What is known is kept while the corners stay the same. O(triangles).
+    void prepare(const PreparedScene& scene, ParallelFor& workers);
+
+    /// The open edges, in the order of their vertices; a surface without any is closed. Cost: O(triangles).
+    Array<OpenEdge> open_edges() const;
+    bool closed() const { return closed_; }
+
+    std::int32_t places() const { return static_cast<std::int32_t>(vertex_at_.size()); }
+    std::int32_t place(std::int32_t vertex) const { return place_[vertex]; }
+    std::int32_t vertex_at(std::int32_t place) const { return vertex_at_[place]; }
+    /// The places behind a place in the forest, that one included: [place, end).
+    std::int32_t end_of(std::int32_t place) const { return end_of_[place]; }
+    /// Where components begin, and where the last one ends.
+    const Array<std::int32_t>& components() const { return components_; }
+
+    /// The faces whose first corner is at a place in [begin, end).
+    std::span<const std::int32_t> faces(std::int32_t begin, std::int32_t end) const {
+        return {faces_.data() + first_face_[begin], faces_.data() + first_face_[end]};
+    }
+    const std::int32_t* corners(std::int32_t face) const { return features_.corners() + 3 * std::int64_t{face}; }
+
+    /// Whether an edge of a face, 01, 12 or 20, belongs to the forest, and is looked at by this face of those that have
+    /// it: 1 if it leads down, −1 if it leads up, else 0.
+    int forest_edge(std::int32_t face, std::size_t edge) const {
+        return (down_[face] >> edge & 1) - (down_[face] >> (edge + 3) & 1);
+    }
+
+    /// Gives all memory back.
+    void release();
+
+   private:
+    std::int32_t direction(std::int32_t triangle, std::size_t edge) const;
+    void check_closed();
+    void walk();
+    void mark_edges();
+    void sort_faces();
+
+    SceneFeatures features_;
+    std::uint64_t revision_ = 0;  ///< of the features that the rest is made of
+    bool closed_ = false;
+    Array<std::int32_t> place_, vertex_at_, end_of_, components_;
+    Array<std::int32_t> faces_, first_face_;
+    Array<std::uint8_t> down_;  ///< by face: bit k: edge k leads down; bit 3 + k: it leads up
+    // Scratch:
+    Array<std::int32_t> sum_, first_, neighbour_, parent_, next_;
+};
+
+}  // namespace crumple
