@@ -1,36 +1,54 @@
 #include "search/overlap_row.h"
 
 #include <algorithm>
+#include <optional>
 
+#include "exact/overlap/pair_terms.h"
+#include "exact/overlap/quick_crossing.h"
 #include "exact/overlap/rational_crossing.h"
+#include "exact/overlap/rational_sum.h"
 
 namespace crumple {
 namespace {
+
+/// Adds what a face or a pair of faces does to the sums of its row.
+template <class Sum, class Number>
+void add(const VolumeTerms<Number>& terms, OverlapTotals<Sum>& totals) {
+    totals.volume.add(terms.volume);
+    for (int axis = 0; axis < 3; ++axis) totals.moment[static_cast<std::size_t>(axis)].add(terms.moment[axis]);
+}
+template <class Sum, class Number>
+void add(const CurveTerms<Number>& terms, OverlapTotals<Sum>& totals) {
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto k = static_cast<std::size_t>(axis);
+        totals.area[k].add(terms.area[axis]);
+        totals.torque[k].add(terms.torque[axis]);
+    }
+}
 
 PlacedFace<Enclosed> placed(const FaceCorners& p, const Vec3<Enclosed>& normal, const Vec3d& origin) {
     return {{enclosed_difference(p[0], origin), enclosed_difference(p[1], origin), enclosed_difference(p[2], origin)},
             normal};
 }
-
-void add(const VolumeTerms<Enclosed>& terms, OverlapSums& sums) {
-    sums.volume.add(terms.volume);
-    for (int axis = 0; axis < 3; ++axis) sums.moment[static_cast<std::size_t>(axis)].add(terms.moment[axis]);
+PlacedFace<Rational> placed_rationally(const FaceCorners& p, const Vec3d& origin) {
+    const auto from_origin = [&](const Vec3d& q) {
+        return Vec3<Rational>{Rational(q.x) - Rational(origin.x), Rational(q.y) - Rational(origin.y),
+                              Rational(q.z) - Rational(origin.z)};
+    };
+    PlacedFace<Rational> face{{from_origin(p[0]), from_origin(p[1]), from_origin(p[2])}, {}};
+    face.normal = cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]);
+    return face;
 }
 
-void add(const CurveTerms<Enclosed>& terms, int times, OverlapSums& sums) {
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto k = static_cast<std::size_t>(axis);
-        for (int i = 0; i < times; ++i) sums.area[k].add(terms.area[axis]), sums.torque[k].add(terms.torque[axis]);
-    }
+template <class Number>
+CurveTerms<Number> curve(const PlacedFace<Number>& a, const Crossing<Number>& crossing) {
+    CurveTerms<Number> terms;
+    terms.add(a.at(crossing.start_in_a), a.at(crossing.end_in_a));
+    return terms;
 }
 
-/// What a face adds to the winding number of its surface, which is shifted, at p.
-int winding_along_ray(const Vec3d& p, const FaceCorners& face, Shift shift) {
-    if (max(face[0].x, max(face[1].x, face[2].x)) < p.x) return 0;
-    for (int axis = 1; axis < 3; ++axis) {
-        if (min(face[0][axis], min(face[1][axis], face[2][axis])) > p[axis]) return 0;
-        if (max(face[0][axis], max(face[1][axis], face[2][axis])) < p[axis]) return 0;
-    }
+/// What a face adds to the winding number of its surface, which is shifted, at p: by filters and expansions.
+int quick_winding_along_ray(const Vec3d& p, const FaceCorners& face, Shift shift) {
     const int along = orient2d(face[0], face[1], face[2], 0);
     if (along == 0) return 0;
     const auto sign = [](double x, double y) { return (x > y) - (x < y); };
@@ -47,6 +65,30 @@ int winding_along_ray(const Vec3d& p, const FaceCorners& face, Shift shift) {
     int side = corner ? 0 : orient3d(face[0], face[1], face[2], p);
     if (side == 0) side = -sign_of(shift) * along;
     return side == -along ? along : 0;
+}
+
+bool misses_ray(const Vec3d& p, const FaceCorners& face) {
+    if (max(face[0].x, max(face[1].x, face[2].x)) < p.x) return true;
+    for (int axis = 1; axis < 3; ++axis) {
+        if (min(face[0][axis], min(face[1][axis], face[2][axis])) > p[axis]) return true;
+        if (max(face[0][axis], max(face[1][axis], face[2][axis])) < p[axis]) return true;
+    }
+    return false;
+}
+
+/// In the unit that is common to both.
+struct CommonUnit {
+    int exponent;
+    CommonUnit(const FaceCorners& p, const FaceCorners& q)
+        : exponent(common_exponent(std::array{p[0], p[1], p[2], q[0], q[1], q[2]})) {}
+    IntegerTriangle operator()(const FaceCorners& p) const {
+        return {scaled(p[0], exponent), scaled(p[1], exponent), scaled(p[2], exponent)};
+    }
+};
+
+RationalCrossing cross_rationally(const FaceCorners& a, const FaceCorners& b, Shift shift) {
+    const CommonUnit unit(a, b);
+    return cross_rationally(unit(a), unit(b), shift);
 }
 
 }  // namespace
@@ -72,50 +114,56 @@ const std::vector<WindingInterval>& WindingSteps::intervals() {
     return intervals_;
 }
 
-void OverlapOfBodies::find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
-                           const Vec3d& origin, OverlapSums& sums) {
+OverlapNumbers OverlapOfBodies::find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
+                                     const Vec3d& origin) {
     origin_ = origin;
     of_a_.clear();
     of_b_.clear();
-    sums = {};
-    sums.surfaces_meet = !pairs.empty();
-    add_pairs(a, b, pairs, sums);
-    add_components(a, b, Shift::forward, of_a_);
-    add_components(b, a, Shift::backward, of_b_);
-    add_inside(a, of_a_, sums);
-    add_inside(b, of_b_, sums);
+    OverlapNumbers numbers;
+    if (a.in_range && b.in_range) {
+        quick_ = {};
+        add_quickly(a, b, pairs);
+        add_components(a, b, Shift::forward, of_a_);
+        add_components(b, a, Shift::backward, of_b_);
+        add_inside(a, of_a_);
+        add_inside(b, of_b_);
+        const auto round = [](const FixedSum& sum, int divisor) { return sum.rounded_quotient(divisor); };
+        if (finish(quick_, origin, round, numbers)) return numbers;
+    }
+    ++rational_rows_;
+    return find_rationally(a, b, pairs);
 }
 
-void OverlapOfBodies::add_pairs(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
-                                OverlapSums& sums) {
+void OverlapOfBodies::add_jumps(const PlacedSurface& a, const PlacedSurface& b, const Pair& pair,
+                                const FaceCrossing& jumps) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        of_a_.add_jump(*a.surface, pair.a, k, jumps.a[k]);
+        of_b_.add_jump(*b.surface, pair.b, k, jumps.b[k]);
+    }
+}
+
+void OverlapOfBodies::add_quickly(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs) {
     for (std::size_t i = 0; i < pairs.size();) {
+        cancellation_.check();
         const std::int32_t face_a = pairs[i].a;
         const CrossedFace crossed_a(a.corners(face_a));
         const PlacedFace<Enclosed> placed_a = placed(crossed_a.corner, crossed_a.normal(), origin_);
         for (; i < pairs.size() && pairs[i].a == face_a; ++i) {
-            const std::int32_t face_b = pairs[i].b;
-            const CrossedFace crossed_b(b.corners(face_b));
-            const QuickCrossing crossing = cross_quickly(crossed_a, crossed_b, Shift::forward);
-            for (std::size_t k = 0; k < 3; ++k) {
-                of_a_.add_jump(*a.surface, face_a, k, crossing.jumps.a[k]);
-                of_b_.add_jump(*b.surface, face_b, k, crossing.jumps.b[k]);
-            }
-            const auto add_curve = [&](const QuickCrossing& of, int times) {
-                CurveTerms<Enclosed> terms;
-                terms.add(placed_a.at(of.start_in_a), placed_a.at(of.end_in_a));
-                add(terms, times, sums);
-            };
+            const CrossedFace crossed_b(b.corners(pairs[i].b));
+            QuickCrossing crossing = cross_quickly(crossed_a, crossed_b, Shift::forward);
+            add_jumps(a, b, pairs[i], crossing.jumps);
             if (crossing.jumps.segment) {
                 VolumeTerms<Enclosed> terms;
                 terms.add(placed_a, crossing.a);
                 terms.add(placed(crossed_b.corner, crossed_b.normal(), origin_), crossing.b);
-                add(terms, sums);
-                add_curve(crossing, crossing.tied ? 1 : 2);
+                add(terms, quick_);
+                const CurveTerms<Enclosed> segment = curve(placed_a, crossing);
+                add(segment, quick_);
+                if (!crossing.tied) add(segment, quick_);
             }
-            if (crossing.tied) {
-                const QuickCrossing other = cross_quickly(crossed_a, crossed_b, Shift::backward);
-                if (other.jumps.segment) add_curve(other, 1);
-            }
+            if (!crossing.tied) continue;
+            crossing = cross_quickly(crossed_a, crossed_b, Shift::backward);
+            if (crossing.jumps.segment) add(curve(placed_a, crossing), quick_);
         }
     }
 }
@@ -123,26 +171,78 @@ void OverlapOfBodies::add_pairs(const PlacedSurface& a, const PlacedSurface& b, 
 void OverlapOfBodies::add_components(const PlacedSurface& of, const PlacedSurface& other, Shift shift,
                                      WindingSteps& steps) {
     const auto& first = of.surface->components();
+    const bool quick = of.in_range && other.in_range;
     for (std::size_t c = 0; c + 1 < first.size(); ++c) {
         const Vec3d p = of.points[of.surface->vertex_at(first[c])];
         if (!overlap(Bounds{p, p}, other.box)) continue;
+        cancellation_.check();
         std::int32_t winding = 0;
-        for (const std::int32_t face : other.surface->faces(0, other.surface->places()))
-            winding += winding_along_ray(p, other.corners(face), shift);
+        for (const std::int32_t f : other.surface->faces(0, other.surface->places())) {
+            const FaceCorners face = other.corners(f);
+            if (misses_ray(p, face)) continue;
+            const CommonUnit unit({p, p, p}, face);
+            winding += quick ? quick_winding_along_ray(p, face, shift)
+                             : winding_along_ray(scaled(p, unit.exponent), unit(face), shift);
+        }
         steps.add(first[c], first[c + 1], winding);
     }
 }
 
-void OverlapOfBodies::add_inside(const PlacedSurface& of, WindingSteps& steps, OverlapSums& sums) {
+void OverlapOfBodies::add_inside(const PlacedSurface& of, WindingSteps& steps) {
     for (const WindingInterval& interval : steps.intervals()) {
-        sums.windings = true;
+        cancellation_.check();
         for (const std::int32_t face : of.surface->faces(interval.begin, interval.end)) {
             VolumeTerms<Enclosed> terms;
             const FaceCorners p = of.corners(face);
             terms.add(placed(p, CrossedFace(p).normal(), origin_), interval.winding);
-            add(terms, sums);
+            add(terms, quick_);
         }
     }
+}
+
+OverlapNumbers OverlapOfBodies::find_rationally(const PlacedSurface& a, const PlacedSurface& b,
+                                                std::span<const Pair> pairs) {
+    of_a_.clear();
+    of_b_.clear();
+    OverlapTotals<RationalSum> totals;
+    std::unordered_map<std::int32_t, FaceWeights<Rational>> on_a, on_b;
+    for (const Pair& pair : pairs) {
+        cancellation_.check();
+        const FaceCorners p = a.corners(pair.a), q = b.corners(pair.b);
+        const PlacedFace<Rational> placed_a = placed_rationally(p, origin_);
+        for (const Shift shift : {Shift::forward, Shift::backward}) {
+            const RationalCrossing crossing = cross_rationally(p, q, shift);
+            if (shift == Shift::forward) {
+                add_jumps(a, b, pair, crossing.jumps);
+                for (std::size_t k = 0; k < 3 && crossing.jumps.segment; ++k) {
+                    on_a[pair.a][k] += crossing.a[k];
+                    on_b[pair.b][k] += crossing.b[k];
+                }
+            }
+            if (crossing.jumps.segment) add(curve(placed_a, crossing), totals);
+        }
+    }
+    add_components(a, b, Shift::forward, of_a_);
+    add_components(b, a, Shift::backward, of_b_);
+    const auto add_faces = [&](const PlacedSurface& of, WindingSteps& steps, auto& weights) {
+        for (const WindingInterval& interval : steps.intervals())
+            for (const std::int32_t face : of.surface->faces(interval.begin, interval.end))
+                for (Rational& weight : weights[face]) weight += interval.winding;
+        for (const auto& [face, weight] : weights) {
+            cancellation_.check();
+            VolumeTerms<Rational> terms;
+            terms.add(placed_rationally(of.corners(face), origin_), weight);
+            add(terms, totals);
+        }
+    };
+    add_faces(a, of_a_, on_a);
+    add_faces(b, of_b_, on_b);
+    OverlapNumbers numbers;
+    const auto round = [&](const RationalSum& sum, int divisor) {
+        return std::optional(sum.rounded_quotient(divisor, cancellation_));
+    };
+    finish(totals, origin_, round, numbers);
+    return numbers;
 }
 
 }  // namespace crumple

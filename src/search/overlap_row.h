@@ -13,9 +13,10 @@
 
 #include "base/cancellation.h"
 #include "crumple/intersections.h"
+#include "exact/overlap/face_crossing.h"
 #include "exact/overlap/fixed_sum.h"
-#include "exact/overlap/pair_terms.h"
-#include "exact/overlap/quick_crossing.h"
+#include "exact/overlap/overlap_totals.h"
+#include "geometry/triangle.h"
 #include "scene/closed_surface.h"
 #include "scene/placement.h"
 
@@ -28,7 +29,7 @@ struct PlacedSurface {
     Bounds box = no_bounds;
     bool in_range = true;  ///< of double words
 
-    FaceCorners corners(std::int32_t face) const {
+    std::array<Vec3d, 3> corners(std::int32_t face) const {
         const std::int32_t* c = surface->corners(face);
         return {points[c[0]], points[c[1]], points[c[2]]};
     }
@@ -62,28 +63,30 @@ class WindingSteps {
     std::vector<WindingInterval> intervals_;
 };
 
-struct OverlapSums {
-    FixedSum volume;                   ///< 18 V
-    std::array<FixedSum, 3> moment;    ///< 24 (∫ x − O V)
-    std::array<FixedSum, 3> area;      ///< 4 S
-    std::array<FixedSum, 3> torque;    ///< −12 T about O
-    bool surfaces_meet = false;
-    bool windings = false;             ///< whether any vertex has a winding number other than 0
-};
-
 class OverlapOfBodies {
    public:
-    /// `pairs`: all pairs of triangles of a and b that have a common point.
-    void find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs, const Vec3d& origin,
-              OverlapSums& sums);
+    explicit OverlapOfBodies(Cancellation& cancellation) : cancellation_(cancellation) {}
+
+    /// `pairs`: all pairs of triangles of a and b that have a common point, in their order. Sums are about `origin`.
+    OverlapNumbers find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
+                        const Vec3d& origin);
+
+    /// Rows whose sums did not tell how they round, so that they were added up in rationals.
+    std::int64_t rational_rows() const { return rational_rows_; }
 
    private:
-    void add_pairs(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs, OverlapSums& sums);
+    void add_quickly(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs);
+    OverlapNumbers find_rationally(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs);
     void add_components(const PlacedSurface& of, const PlacedSurface& other, Shift shift, WindingSteps& steps);
-    void add_inside(const PlacedSurface& of, WindingSteps& steps, OverlapSums& sums);
+    void add_jumps(const PlacedSurface& a, const PlacedSurface& b, const Pair& pair, const FaceCrossing& jumps);
+    void add_inside(const PlacedSurface& of, WindingSteps& steps);
 
+    Cancellation& cancellation_;
+    std::int64_t rational_rows_ = 0;
+    // Of the row at work:
     Vec3d origin_;
     WindingSteps of_a_, of_b_;
+    OverlapTotals<FixedSum> quick_;
 };
 
 }  // namespace crumple

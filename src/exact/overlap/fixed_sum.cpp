@@ -13,36 +13,42 @@ void FixedSum::carry() {
     }
 }
 
+bool FixedSum::make_magnitude() {
+    carry();
+    const bool negative = digits_.back() < 0;
+    if (negative) {
+        for (std::int64_t& digit : digits_) digit = -digit;
+        carry();
+    }
+    return negative;
+}
+
 void FixedSum::add_product(const FixedSum& sum, double factor) {
-    FixedSum carried = sum;
-    carried.carry();
+    FixedSum magnitude = sum;
+    const double signed_factor = magnitude.make_magnitude() ? -factor : factor;
     for (std::size_t i = 0; i < digits; ++i) {
-        if (carried.digits_[i] == 0) continue;
-        const double digit = std::ldexp(static_cast<double>(carried.digits_[i]), digit_bits * static_cast<int>(i) - 1074);
-        const TwoTerms product = two_product(digit, factor);
+        if (magnitude.digits_[i] == 0) continue;
+        const int place = digit_bits * static_cast<int>(i) - 1074;
+        const TwoTerms product =
+            two_product(std::ldexp(static_cast<double>(magnitude.digits_[i]), place), signed_factor);
         add(product.high);
         add(product.low);
     }
     error_ = detail::above * (error_ + std::abs(factor) * sum.error_);
 }
 
-std::optional<double> FixedSum::rounded_quotient(std::int32_t divisor) const {
+std::optional<RoundedSum> FixedSum::rounded_quotient(std::int32_t divisor) const {
     FixedSum low = *this, high = *this;
     low.add(-error_);
     high.add(error_);
     const double rounded = low.nearest_quotient(divisor);
-    if (rounded == high.nearest_quotient(divisor)) return rounded;
+    if (rounded == high.nearest_quotient(divisor)) return RoundedSum{rounded, Scaled(rounded)};
     return std::nullopt;
 }
 
 double FixedSum::nearest_quotient(std::int32_t divisor) const {
     FixedSum magnitude = *this;
-    magnitude.carry();
-    const bool negative = magnitude.digits_.back() < 0;
-    if (negative) {
-        for (std::int64_t& digit : magnitude.digits_) digit = -digit;
-        magnitude.carry();
-    }
+    const bool negative = magnitude.make_magnitude();
     // Long division, from the top; what remains tells of digits beyond the last.
     const auto by = static_cast<std::uint64_t>(divisor);
     std::uint64_t remainder = 0;

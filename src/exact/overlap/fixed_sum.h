@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "exact/overlap/enclosed.h"
+#include "exact/overlap/scaled.h"
 
 namespace crumple {
 
@@ -49,7 +50,7 @@ class FixedSum {
     double error() const { return error_; }
 
     /// The float64 number nearest to the sum divided by a whole number, ties to even, if that is certain.
-    std::optional<double> rounded_quotient(std::int32_t divisor) const;
+    std::optional<RoundedSum> rounded_quotient(std::int32_t divisor) const;
 
    private:
     static constexpr int digit_bits = 32;
@@ -59,6 +60,8 @@ class FixedSum {
 
     /// Brings all digits but the last to 0 .. 2^32 - 1.
     void carry();
+    /// Carries, and makes the sum positive; returns whether it was negative.
+    bool make_magnitude();
     double nearest_quotient(std::int32_t divisor) const;
 
     std::array<std::int64_t, digits> digits_{};

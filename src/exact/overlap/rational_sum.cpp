@@ -1,0 +1,100 @@
+#include "exact/overlap/rational_sum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace crumple {
+namespace {
+
+/// numerator / denominator · 2^exponent, the denominator positive, with as many bits as float64 has from `least_unit`
+/// on: mantissa and the exponent of its last place.
+std::pair<std::int64_t, int> round(const mp::cpp_int& numerator, const mp::cpp_int& denominator, int exponent,
+                                   int least_unit) {
+    if (numerator == 0) return {0, 0};
+    constexpr int precision = std::numeric_limits<double>::digits;
+    const auto shifted = [](const mp::cpp_int& x, int shift) { return shift > 0 ? mp::cpp_int(x << shift) : x; };
+    const mp::cpp_int magnitude = mp::abs(numerator);
+    int power = static_cast<int>(msb(magnitude)) - static_cast<int>(msb(denominator));
+    if (shifted(magnitude, -power) < shifted(denominator, power)) --power;
+    // Now 2^power ≤ quotient < 2^(power + 1).
+    const int unit = std::max(power + exponent - precision + 1, least_unit);
+    const mp::cpp_int divisor = shifted(denominator, unit - exponent);
+    mp::cpp_int places, remainder;
+    divide_qr(shifted(magnitude, exponent - unit), divisor, places, remainder);
+    const int half = mp::cpp_int(2 * remainder).compare(divisor);
+    if (half > 0 || (half == 0 && bit_test(places, 0))) ++places;
+    const auto rounded = static_cast<std::int64_t>(places);
+    return {numerator < 0 ? -rounded : rounded, unit};
+}
+
+RoundedSum round(const mp::cpp_int& numerator, const mp::cpp_int& denominator, int exponent) {
+    constexpr int least = std::numeric_limits<double>::min_exponent - std::numeric_limits<double>::digits;  // 2^-1074
+    const auto [places, unit] = round(numerator, denominator, exponent, least);
+    const auto [mantissa, power] = round(numerator, denominator, exponent, std::numeric_limits<int>::min() / 2);
+    return {places == 0 ? 0 : std::ldexp(static_cast<double>(places), unit),
+            Scaled(static_cast<double>(mantissa), power)};
+}
+
+bool same(const RoundedSum& x, const RoundedSum& y) {
+    return x.value == y.value && x.scaled.mantissa == y.scaled.mantissa && x.scaled.exponent == y.scaled.exponent;
+}
+
+/// The quotient, rounded down.
+mp::cpp_int floor_quotient(const mp::cpp_int& numerator, const mp::cpp_int& denominator) {
+    mp::cpp_int quotient, remainder;
+    divide_qr(numerator, denominator, quotient, remainder);
+    return remainder < 0 ? mp::cpp_int(quotient - 1) : quotient;
+}
+
+}  // namespace
+
+void RationalSum::add(const Rational& term) {
+    if (term == 0) return;
+    const mp::cpp_int below = denominator(term);
+    mp::cpp_int& above = numerator_of_[below];
+    above += numerator(term);
+    if (above == 0) numerator_of_.erase(below);
+}
+
+void RationalSum::add_product(const RationalSum& sum, double factor) {
+    const Rational exact(factor);
+    for (const auto& [below, above] : sum.numerator_of_) add(Rational(above, below) * exact);
+}
+
+RoundedSum RationalSum::rounded_quotient(int divisor, Cancellation& cancellation) const {
+    if (numerator_of_.empty()) return {};
+    constexpr int bits = 400;
+    int largest = std::numeric_limits<int>::min();
+    for (const auto& [below, above] : numerator_of_)
+        largest = std::max(largest, static_cast<int>(msb(mp::abs(above))) - static_cast<int>(msb(below)));
+    const int unit = largest - bits;
+    mp::cpp_int low = 0;
+    for (const auto& [below, above] : numerator_of_) {
+        cancellation.check();
+        low += unit < 0 ? floor_quotient(above << -unit, below) : floor_quotient(above, below << unit);
+    }
+    const auto terms = static_cast<std::int64_t>(numerator_of_.size());
+    const RoundedSum least = round(low, divisor, unit);
+    if (same(least, round(low + terms, divisor, unit))) return least;
+    const Rational sum = total(cancellation);
+    return round(numerator(sum), denominator(sum) * divisor, 0);
+}
+
+Rational RationalSum::total(Cancellation& cancellation) const {
+    std::vector<Rational> sums;
+    sums.reserve(numerator_of_.size());
+    for (const auto& [below, above] : numerator_of_) sums.emplace_back(above, below);
+    // A balanced tree, so that few additions are of large numbers.
+    while (sums.size() > 1) {
+        for (std::size_t i = 0; 2 * i < sums.size(); ++i) {
+            cancellation.check();
+            sums[i] = 2 * i + 1 < sums.size() ? Rational(sums[2 * i] + sums[2 * i + 1]) : sums[2 * i];
+        }
+        sums.resize((sums.size() + 1) / 2);
+    }
+    return sums.empty() ? Rational(0) : sums[0];
+}
+
+}  // namespace crumple

@@ -1,0 +1,32 @@
+#pragma once
+
+// Sums of many rational numbers, rounded correctly, whatever their denominators. Host only.
+
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "base/cancellation.h"
+#include "exact/overlap/rational_crossing.h"
+#include "exact/overlap/scaled.h"
+
+namespace crumple {
+
+class RationalSum {
+   public:
+    void add(const Rational& term);
+    /// Adds a sum times a number.
+    void add_product(const RationalSum& sum, double factor);
+
+    /// The sum divided by a whole number, rounded to nearest, ties to even. All terms are first rounded far below the
+    /// sum, which decides unless the sum is 0 or a tie; then they are added up. Terms of one denominator are one term
+    /// already. Cost: some microseconds a denominator, and for ties what the products of all denominators take.
+    RoundedSum rounded_quotient(int divisor, Cancellation& cancellation) const;
+
+   private:
+    Rational total(Cancellation& cancellation) const;
+
+    std::unordered_map<mp::cpp_int, mp::cpp_int> numerator_of_;  ///< by denominator
+};
+
+}  // namespace crumple
