@@ -22,8 +22,8 @@ ClosedSurface::ClosedSurface(MemoryMeter* meter)
 void ClosedSurface::release() {
     features_.release();
     revision_ = 0;
-    for (auto* array : {&place_, &vertex_at_, &end_of_, &components_, &faces_, &first_face_, &sum_, &first_, &neighbour_,
-                        &parent_, &next_})
+    for (auto* array : {&place_, &vertex_at_, &end_of_, &components_, &faces_, &first_face_, &sum_, &first_,
+                        &neighbour_, &parent_, &next_})
         array->release();
     down_.release();
 }

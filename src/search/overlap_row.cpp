@@ -91,6 +91,31 @@ RationalCrossing cross_rationally(const FaceCorners& a, const FaceCorners& b, Sh
     return cross_rationally(unit(a), unit(b), shift);
 }
 
+Enclosed enclosed(const Rational& x) {
+    const auto high = x.convert_to<double>();
+    const Rational rest = x - Rational(high);
+    const auto low = rest.convert_to<double>();
+    const Rational beyond = abs(rest - Rational(low));
+    const TwoTerms value = two_sum(high, low);
+    return {value, beyond == 0 ? 0 : (1 + 0x1p-40) * beyond.convert_to<double>() + 0x1p-1070};
+}
+PointInFace<Enclosed> enclosed(const PointInFace<Rational>& p) { return {enclosed(p.u), enclosed(p.v)}; }
+FaceWeights<Enclosed> enclosed(const FaceWeights<Rational>& w) {
+    return {enclosed(w[0]), enclosed(w[1]), enclosed(w[2])};
+}
+
+/// With numbers that are certain.
+QuickCrossing cross_certainly(const CrossedFace& a, const CrossedFace& b, Shift shift) {
+    QuickCrossing crossing = cross_quickly(a, b, shift);
+    if (crossing.certain) return crossing;
+    const RationalCrossing exact = cross_rationally(a.corner, b.corner, shift);
+    crossing.start_in_a = enclosed(exact.start_in_a);
+    crossing.end_in_a = enclosed(exact.end_in_a);
+    crossing.a = enclosed(exact.a);
+    crossing.b = enclosed(exact.b);
+    return crossing;
+}
+
 }  // namespace
 
 void WindingSteps::add_jump(const ClosedSurface& surface, std::int32_t face, std::size_t edge, int jump) {
@@ -150,7 +175,7 @@ void OverlapOfBodies::add_quickly(const PlacedSurface& a, const PlacedSurface& b
         const PlacedFace<Enclosed> placed_a = placed(crossed_a.corner, crossed_a.normal(), origin_);
         for (; i < pairs.size() && pairs[i].a == face_a; ++i) {
             const CrossedFace crossed_b(b.corners(pairs[i].b));
-            QuickCrossing crossing = cross_quickly(crossed_a, crossed_b, Shift::forward);
+            const QuickCrossing crossing = cross_certainly(crossed_a, crossed_b, Shift::forward);
             add_jumps(a, b, pairs[i], crossing.jumps);
             if (crossing.jumps.segment) {
                 VolumeTerms<Enclosed> terms;
@@ -162,8 +187,8 @@ void OverlapOfBodies::add_quickly(const PlacedSurface& a, const PlacedSurface& b
                 if (!crossing.tied) add(segment, quick_);
             }
             if (!crossing.tied) continue;
-            crossing = cross_quickly(crossed_a, crossed_b, Shift::backward);
-            if (crossing.jumps.segment) add(curve(placed_a, crossing), quick_);
+            const QuickCrossing other = cross_certainly(crossed_a, crossed_b, Shift::backward);
+            if (other.jumps.segment) add(curve(placed_a, other), quick_);
         }
     }
 }

@@ -52,7 +52,8 @@ CRUMPLE_HD inline Enclosed operator/(const Enclosed& x, const Enclosed& y) {
     const DoubleWord quotient = x.value / y.value;
     const double error = (x.error + std::abs(quotient.high) * y.error) / least;
     const TwoTerms back = two_product(quotient.high, y.value.high);
-    const bool exact = quotient.low == 0 && x.value.low == 0 && y.value.low == 0 && back.low == 0 && back.high == x.value.high;
+    const bool exact =
+        quotient.low == 0 && x.value.low == 0 && y.value.low == 0 && back.low == 0 && back.high == x.value.high;
     return {quotient, detail::above * (error + (exact ? 0 : 0x1p-102 * std::abs(quotient.high)))};
 }
 

@@ -22,9 +22,7 @@ namespace crumple {
 enum class Shift : std::int8_t { backward = -1, forward = 1 };
 
 CRUMPLE_HD constexpr int sign_of(Shift shift) { return static_cast<int>(shift); }
-CRUMPLE_HD constexpr Shift opposite(Shift shift) {
-    return shift == Shift::forward ? Shift::backward : Shift::forward;
-}
+CRUMPLE_HD constexpr Shift opposite(Shift shift) { return shift == Shift::forward ? Shift::backward : Shift::forward; }
 
 /// What the winding number of the other surface grows by along edges 01, 12, 20 of a face: 0 where the edge does not
 /// cross the other face.

@@ -38,6 +38,7 @@ void FixedSum::add_product(const FixedSum& sum, double factor) {
 }
 
 std::optional<RoundedSum> FixedSum::rounded_quotient(std::int32_t divisor) const {
+    if (!std::isfinite(error_)) return std::nullopt;
     FixedSum low = *this, high = *this;
     low.add(-error_);
     high.add(error_);

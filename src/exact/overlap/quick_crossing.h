@@ -79,8 +79,7 @@ class QuickSigns {
     CRUMPLE_HD int side(const CrossedFace& face, const Vec3d& p, Shift shift) {
         int sign = face.plane.side(p);
         const auto& q = face.corner;
-        if (sign == undecided)
-            sign = p == q[0] || p == q[1] || p == q[2] ? 0 : orient3d_exact(q[0], q[1], q[2], p);
+        if (sign == undecided) sign = p == q[0] || p == q[1] || p == q[2] ? 0 : orient3d_exact(q[0], q[1], q[2], p);
         if (sign != 0) return sign;
         tied = true;
         return -sign_of(shift) * face.first_sign;
@@ -104,7 +103,8 @@ inline constexpr double largest_weight_error = 0x1p-80, least_quotient = 0x1p-25
 /// Where the edge p → p' crosses a face.
 CRUMPLE_HD inline EdgeCrossing<Enclosed> cross_edge(const Vec3d& p, const Vec3d& p_end, const FaceCorners& face,
                                                     const Vec3<Enclosed>& normal) {
-    const Enclosed from = dot(normal, enclosed_difference(p, face[0])), to = dot(normal, enclosed_difference(p_end, face[0]));
+    const Enclosed from = dot(normal, enclosed_difference(p, face[0])),
+                   to = dot(normal, enclosed_difference(p_end, face[0]));
     const Enclosed all = from - to;
     const Vec3<Enclosed> along = enclosed_difference(p_end, p), q0 = enclosed_difference(face[0], p);
     return {from / all,
@@ -135,8 +135,8 @@ CRUMPLE_HD inline QuickCrossing cross_quickly(const CrossedFace& a, const Crosse
     add_segment<Enclosed>([&](std::size_t i) { return cross_edge(a, i, b, normal_b); },
                           [&](std::size_t i) { return cross_edge(b, i, a, normal_a); }, crossing);
     for (std::size_t k = 0; k < 3; ++k)
-        crossing.certain &= crossing.a[k].error <= detail::largest_weight_error &&
-                            crossing.b[k].error <= detail::largest_weight_error;
+        crossing.certain &=
+            crossing.a[k].error <= detail::largest_weight_error && crossing.b[k].error <= detail::largest_weight_error;
     return crossing;
 }
 

@@ -36,7 +36,8 @@ class IntegerSigns {
     int b_side(std::size_t i) const { return side(plane_a_, b_[i], opposite(shift_)); }
     int edges(std::size_t i, std::size_t j) const {
         const int sign = sign_of(volume(i, j));
-        return sign != 0 ? sign : sign_of(shift_) * first_sign(cross(b_[next_corner(j)] - b_[j], a_[next_corner(i)] - a_[i]));
+        return sign != 0 ? sign
+                         : sign_of(shift_) * first_sign(cross(b_[next_corner(j)] - b_[j], a_[next_corner(i)] - a_[i]));
     }
 
     Integer a_distance(std::size_t i) const { return plane_b_(a_[i]); }

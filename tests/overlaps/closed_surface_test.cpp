@@ -1,0 +1,108 @@
+// Whether surfaces are closed, and the order of their vertices in which winding numbers are constant but for few steps.
+
+#include "scene/closed_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+#include <vector>
+
+#include "search/overlap_row.h"
+
+namespace crumple {
+namespace {
+
+struct Mesh {
+    std::int64_t vertices;
+    std::vector<std::int32_t> triangles;
+    ClosedSurface surface{nullptr};
+
+    Mesh(std::int64_t n, std::vector<std::int32_t> t) : vertices(n), triangles(std::move(t)) {
+        const std::vector<double> xyz(static_cast<std::size_t>(3 * n), 0.0);
+        ParallelFor workers;
+        SceneBuffers buffers;
+        const MeshView view(xyz.data(), n, triangles.data(), static_cast<std::int64_t>(triangles.size() / 3));
+        surface.prepare(prepare_scene(view, nullptr, false, workers, buffers), workers);
+    }
+};
+
+std::vector<std::int32_t> tetrahedron(std::int32_t first) {
+    std::vector<std::int32_t> t{0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+    for (std::int32_t& v : t) v += first;
+    return t;
+}
+
+TEST(ClosedSurface, ATetrahedronIsClosedAndWithoutAFaceIsNot) {
+    EXPECT_TRUE(Mesh(4, tetrahedron(0)).surface.closed());
+    EXPECT_TRUE(Mesh(4, tetrahedron(0)).surface.open_edges().empty());
+    std::vector<std::int32_t> open = tetrahedron(0);
+    open.resize(9);
+    const Mesh mesh(4, open);
+    EXPECT_FALSE(mesh.surface.closed());
+    const Array<OpenEdge> edges = mesh.surface.open_edges();
+    ASSERT_EQ(edges.size(), 3u);
+    EXPECT_EQ(edges[0].edge, (Edge{0, 2}));
+    EXPECT_EQ(edges[0].triangle, 0);
+    EXPECT_EQ(edges[2].edge, (Edge{2, 3}));
+    EXPECT_EQ(edges[2].triangle, 2);
+}
+
+TEST(ClosedSurface, ClosedIsWhatNamesEachEdgeAsOftenInBothDirections) {
+    EXPECT_TRUE(Mesh(3, {0, 1, 2, 0, 2, 1}).surface.closed());   // a membrane of two sides
+    EXPECT_FALSE(Mesh(3, {0, 1, 2, 0, 1, 2}).surface.closed());  // twice the same side
+    EXPECT_TRUE(Mesh(4, {0, 1, 2, 0, 2, 1, 3, 3, 1}).surface.closed() ==
+                Mesh(4, {0, 1, 2, 0, 2, 1}).surface.closed());  // a face that goes there and back
+    EXPECT_TRUE(Mesh(0, {}).surface.closed());
+}
+
+TEST(ClosedSurface, AComponentIsAnIntervalOfPlacesAndLooseVerticesHaveNone) {
+    std::vector<std::int32_t> triangles = tetrahedron(1);
+    for (const std::int32_t v : tetrahedron(6)) triangles.push_back(v);
+    const Mesh mesh(10, triangles);  // vertices 0 and 5 are loose
+    EXPECT_EQ(mesh.surface.places(), 8);
+    ASSERT_EQ(mesh.surface.components().size(), 3u);
+    EXPECT_EQ(mesh.surface.components()[1], 4);
+    EXPECT_EQ(mesh.surface.place(0), -1);
+    EXPECT_EQ(mesh.surface.place(5), -1);
+    std::set<std::int32_t> places;
+    for (const std::int32_t v : {1, 2, 3, 4}) places.insert(mesh.surface.place(v));
+    EXPECT_EQ(places, (std::set<std::int32_t>{0, 1, 2, 3}));
+    EXPECT_EQ(mesh.surface.faces(0, 4).size(), 4u);
+    EXPECT_EQ(mesh.surface.faces(0, 8).size(), 8u);
+}
+
+// Gives vertices random numbers, takes their differences along edges for jumps, and wants the numbers back.
+TEST(ClosedSurface, StepsAlongTheForestGiveWindingNumbersBack) {
+    std::mt19937 random(3);
+    for (int round = 0; round < 50; ++round) {
+        const std::int32_t n = 4 + static_cast<std::int32_t>(random() % 40);
+        std::vector<std::int32_t> triangles;
+        for (std::int32_t t = 0; t < 2 * n; ++t)
+            for (int k = 0; k < 3; ++k)
+                triangles.push_back(static_cast<std::int32_t>(random() % static_cast<unsigned>(n)));
+        const Mesh mesh(n, triangles);
+        std::vector<std::int32_t> winding(static_cast<std::size_t>(n));
+        for (std::int32_t& w : winding) w = static_cast<std::int32_t>(random() % 3) - 1;
+        const auto of = [&](std::int32_t v) { return winding[static_cast<std::size_t>(v)]; };
+
+        WindingSteps steps;
+        const auto& first = mesh.surface.components();
+        for (std::size_t c = 0; c + 1 < first.size(); ++c)
+            steps.add(first[c], first[c + 1], of(mesh.surface.vertex_at(first[c])));
+        for (std::int32_t t = 0; t < 2 * n; ++t)
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::int32_t* c = mesh.surface.corners(t);
+                steps.add_jump(mesh.surface, t, k, of(c[(k + 1) % 3]) - of(c[k]));
+            }
+        std::vector<std::int32_t> found(static_cast<std::size_t>(mesh.surface.places()), 0);
+        for (const WindingInterval& interval : steps.intervals())
+            for (std::int32_t p = interval.begin; p < interval.end; ++p)
+                found[static_cast<std::size_t>(p)] = interval.winding;
+        for (std::int32_t p = 0; p < mesh.surface.places(); ++p)
+            ASSERT_EQ(found[static_cast<std::size_t>(p)], of(mesh.surface.vertex_at(p)));
+    }
+}
+
+}  // namespace
+}  // namespace crumple

@@ -1,0 +1,112 @@
+// How faces cross: signs and numbers in double words against rationals.
+
+#include <gtest/gtest.h>
+
+#include "base/float_environment.h"
+#include "exact/overlap/quick_crossing.h"
+#include "exact/overlap/rational_crossing.h"
+#include "geometry/random_pairs.h"
+
+namespace crumple {
+namespace {
+
+bool in_range(const Triangle& t) {
+    for (const Vec3d& p : t.point)
+        for (int axis = 0; axis < 3; ++axis)
+            if (p[axis] != 0 && !(std::abs(p[axis]) >= 0x1p-150 && std::abs(p[axis]) <= 0x1p150)) return false;
+    return true;
+}
+
+RationalCrossing truth(const TrianglePair& pair, Shift shift) {
+    const int unit = common_exponent(std::array{pair.a.point[0], pair.a.point[1], pair.a.point[2], pair.b.point[0],
+                                                pair.b.point[1], pair.b.point[2]});
+    const auto integers = [&](const Triangle& t) {
+        return IntegerTriangle{scaled(t.point[0], unit), scaled(t.point[1], unit), scaled(t.point[2], unit)};
+    };
+    return cross_rationally(integers(pair.a), integers(pair.b), shift);
+}
+
+bool encloses(const Enclosed& x, const Rational& exact) {
+    if (!std::isfinite(x.error)) return true;
+    return abs(Rational(x.value.high) + Rational(x.value.low) - exact) <= Rational(x.error);
+}
+
+class CrossingOfEachKind : public testing::TestWithParam<Kind> {
+   protected:
+    RandomPairs random{GetParam(), 23};
+    int rounds() const { return rounds_of(GetParam(), 4'000); }
+};
+
+TEST_P(CrossingOfEachKind, SignsAreExactAndBoundsHold) {
+    const FloatEnvironment environment;
+    int segments = 0;
+    for (int round = 0; round < rounds(); ++round) {
+        const TrianglePair pair = random();
+        if (!in_range(pair.a) || !in_range(pair.b)) continue;
+        for (const Shift shift : {Shift::forward, Shift::backward}) {
+            const RationalCrossing exact = truth(pair, shift);
+            const QuickCrossing quick = cross_quickly(CrossedFace(pair.a.point), CrossedFace(pair.b.point), shift);
+            ASSERT_EQ(quick.jumps.a, exact.jumps.a) << pair;
+            ASSERT_EQ(quick.jumps.b, exact.jumps.b) << pair;
+            ASSERT_EQ(quick.jumps.segment, exact.jumps.segment) << pair;
+            if (!exact.jumps.segment) continue;
+            ++segments;
+            for (std::size_t k = 0; k < 3; ++k) {
+                EXPECT_TRUE(encloses(quick.a[k], exact.a[k])) << pair;
+                EXPECT_TRUE(encloses(quick.b[k], exact.b[k])) << pair;
+            }
+            EXPECT_TRUE(encloses(quick.start_in_a.u, exact.start_in_a.u)) << pair;
+            EXPECT_TRUE(encloses(quick.end_in_b.v, exact.end_in_b.v)) << pair;
+        }
+    }
+    const bool has_range = GetParam() != Kind::huge && GetParam() != Kind::tiny && GetParam() != Kind::mixed;
+    const bool has_insides = GetParam() < Kind::collapsed;
+    if (has_range && has_insides) {
+        EXPECT_GT(segments, 0);
+    }
+}
+
+TEST_P(CrossingOfEachKind, PairsThatAreNotTiedCrossAlikeUnderBothShifts) {
+    const FloatEnvironment environment;
+    for (int round = 0; round < rounds() / 4; ++round) {
+        const TrianglePair pair = random();
+        if (!in_range(pair.a) || !in_range(pair.b)) continue;
+        const CrossedFace a(pair.a.point), b(pair.b.point);
+        const QuickCrossing one = cross_quickly(a, b, Shift::forward), other = cross_quickly(a, b, Shift::backward);
+        EXPECT_EQ(one.tied, other.tied) << pair;
+        if (one.tied) continue;
+        EXPECT_EQ(one.jumps.a, other.jumps.a) << pair;
+        EXPECT_EQ(one.jumps.b, other.jumps.b) << pair;
+    }
+}
+
+// With a and b exchanged, b is the one that is not shifted: that is the opposite shift.
+TEST_P(CrossingOfEachKind, ExchangedFacesCrossAlike) {
+    const FloatEnvironment environment;
+    for (int round = 0; round < rounds() / 8; ++round) {
+        const TrianglePair pair = random();
+        const RationalCrossing one = truth(pair, Shift::forward), other = truth({pair.b, pair.a}, Shift::backward);
+        EXPECT_EQ(one.jumps.a, other.jumps.b) << pair;
+        EXPECT_EQ(one.jumps.b, other.jumps.a) << pair;
+        EXPECT_EQ(one.a, other.b) << pair;
+        EXPECT_EQ(one.b, other.a) << pair;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, CrossingOfEachKind, testing::ValuesIn(all_kinds));
+
+TEST(Crossing, AFaceThatCutsTheCornerOffHasTheWeightsOfTheTriangleBeyond) {
+    // The plane x = 1/2 with its outside towards larger x cuts the corner (1, 0, 0) off: inside is what has x < 1/2.
+    const CrossedFace a({Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}}),
+        b({Vec3d{0.5, -4, -4}, {0.5, 4, -4}, {0.5, 0, 8}});
+    const QuickCrossing crossing = cross_quickly(a, b, Shift::forward);
+    ASSERT_TRUE(crossing.jumps.segment);
+    EXPECT_EQ(crossing.jumps.a, (EdgeJumps{-1, 1, 0}));
+    double sum = 0;
+    for (const Enclosed& weight : crossing.a) sum += weight.value.high;
+    EXPECT_EQ(sum, -3 * 0.25);  // a quarter of the face has a winding number that is less by 1
+    EXPECT_EQ(crossing.a[1].value.high, -(0.25 * (1 + 0.5 + 0.5)));
+}
+
+}  // namespace
+}  // namespace crumple

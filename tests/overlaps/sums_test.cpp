@@ -1,0 +1,122 @@
+// Sums without rounding, and what they round to.
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "exact/overlap/fixed_sum.h"
+#include "exact/overlap/rational_sum.h"
+
+namespace crumple {
+namespace {
+
+double random_double(std::mt19937_64& random, int least, int most) {
+    const double mantissa = std::uniform_real_distribution<double>(0.5, 1)(random) * (random() % 2 ? 1 : -1);
+    return std::ldexp(mantissa, std::uniform_int_distribution<int>(least, most)(random));
+}
+
+double rounded(const Rational& x) {
+    Cancellation none;
+    RationalSum sum;
+    sum.add(x);
+    return sum.rounded_quotient(1, none).value;
+}
+
+TEST(FixedSum, SumsAreExactWhateverTheirMagnitudes) {
+    std::mt19937_64 random(7);
+    for (int round = 0; round < 300; ++round) {
+        FixedSum sum;
+        Rational exact = 0;
+        const int terms = 1 + static_cast<int>(random() % 40);
+        for (int i = 0; i < terms; ++i) {
+            const double x = round % 2 ? random_double(random, -1073, 1000) : random_double(random, -60, 60);
+            sum.add(x);
+            exact += Rational(x);
+            if (random() % 4 == 0) sum.add(-x), exact -= Rational(x);
+        }
+        for (const int divisor : {1, 3, 6, 18, 72}) {
+            const Rational quotient = exact / divisor;
+            const auto known = sum.rounded_quotient(divisor);
+            ASSERT_TRUE(known);
+            EXPECT_EQ(known->value, rounded(quotient)) << divisor;
+        }
+    }
+}
+
+TEST(FixedSum, PartsAddUpToTheWhole) {
+    std::mt19937_64 random(8);
+    FixedSum whole, first, second;
+    for (int i = 0; i < 100; ++i) {
+        const double x = random_double(random, -300, 300);
+        whole.add(x);
+        (i % 3 ? first : second).add(x);
+    }
+    first.add(second);
+    EXPECT_EQ(first.rounded_quotient(7)->value, whole.rounded_quotient(7)->value);
+}
+
+TEST(FixedSum, ProductsOfNegativeAndPositiveSumsAreExact) {
+    std::mt19937_64 random(9);
+    for (int round = 0; round < 200; ++round) {
+        FixedSum sum, product;
+        Rational exact = 0;
+        for (int i = 0; i < 5; ++i) {
+            const double x = random_double(random, -200, 200);
+            sum.add(x);
+            exact += Rational(x);
+        }
+        const double factor = random_double(random, -100, 100);
+        product.add_product(sum, factor);
+        EXPECT_EQ(product.rounded_quotient(1)->value, rounded(exact * Rational(factor)));
+    }
+}
+
+TEST(FixedSum, WhatTheBoundLeavesOpenIsNotRounded) {
+    FixedSum sum;
+    sum.add(Enclosed({1, 0}, 0x1p-60));
+    ASSERT_TRUE(sum.rounded_quotient(1));
+    EXPECT_EQ(sum.rounded_quotient(1)->value, 1);
+    sum.add(Enclosed({0x1p-53, 0}, 0));  // half a unit in the last place
+    EXPECT_FALSE(sum.rounded_quotient(1));
+    FixedSum nothing;
+    nothing.add(Enclosed({0, 0}, 0x1p-200));
+    EXPECT_FALSE(nothing.rounded_quotient(1));
+}
+
+TEST(RationalSum, TiesAndZeroAreDecidedByAddingUp) {
+    Cancellation none;
+    RationalSum zero;
+    for (int i = 2; i < 40; ++i) zero.add(Rational(1, i)), zero.add(Rational(-1, i + 40));
+    Rational rest = 0;
+    for (int i = 2; i < 40; ++i) rest += Rational(1, i) - Rational(1, i + 40);
+    zero.add(-rest);
+    EXPECT_EQ(zero.rounded_quotient(5, none).value, 0);
+    RationalSum tie;
+    tie.add(Rational(1, 3));
+    tie.add(Rational(2, 3));
+    tie.add(Rational(1, mp::cpp_int(1) << 53));
+    EXPECT_EQ(tie.rounded_quotient(1, none).value, 1);  // to even
+    tie.add(Rational(1, mp::cpp_int(1) << 900));
+    EXPECT_EQ(tie.rounded_quotient(1, none).value, 1 + 0x1p-52);
+}
+
+TEST(RationalSum, NumbersBeyondFloat64HaveAnExponentApart) {
+    Cancellation none;
+    RationalSum small, large;
+    small.add(Rational(3, mp::cpp_int(1) << 2000));
+    large.add(Rational(mp::cpp_int(3) << 2000));
+    const RoundedSum below = small.rounded_quotient(1, none), above = large.rounded_quotient(1, none);
+    EXPECT_EQ(below.value, 0);
+    EXPECT_EQ(above.value, std::numeric_limits<double>::infinity());
+    EXPECT_EQ((below.scaled * above.scaled).value(), 9);
+    EXPECT_EQ((above.scaled / above.scaled).value(), 1);
+    small.add(Rational(1, mp::cpp_int(1) << 1074));
+    EXPECT_EQ(small.rounded_quotient(1, none).value, 0x1p-1074);
+}
+
+}  // namespace
+}  // namespace crumple
