@@ -14,19 +14,14 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
+#include <span>
 
 #include "base/parallel_for.h"
 #include "crumple/array.h"
+#include "scene/open_surface.h"
 #include "scene/scene_features.h"
 
 namespace crumple {
-
-/// An edge that is named more often in one direction than in the other.
-struct OpenEdge {
-    Edge edge;
-    std::int32_t triangle;  ///< the lowest that names it
-};
 
 class ClosedSurface {
    public:

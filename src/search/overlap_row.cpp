@@ -126,7 +126,7 @@ void WindingSteps::add_jump(const ClosedSurface& surface, std::int32_t face, std
     add(place, surface.end_of(place), direction * jump);
 }
 
-const std::vector<WindingInterval>& WindingSteps::intervals() {
+void WindingSteps::finish() {
     std::sort(steps_.begin(), steps_.end());
     intervals_.clear();
     std::int32_t winding = 0;
@@ -136,27 +136,48 @@ const std::vector<WindingInterval>& WindingSteps::intervals() {
         for (; i < steps_.size() && steps_[i].place == place; ++i) winding += steps_[i].change;
         if (winding != 0) intervals_.push_back({place, place, winding});
     }
-    return intervals_;
 }
 
-OverlapNumbers OverlapOfBodies::find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
-                                     const Vec3d& origin) {
+OverlapRow OverlapOfBodies::find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
+                                 const Vec3d& origin) {
     origin_ = origin;
-    of_a_.clear();
-    of_b_.clear();
-    OverlapNumbers numbers;
+    OverlapRow row;
+    bool known = false;
     if (a.in_range && b.in_range) {
+        begin();
         quick_ = {};
         add_quickly(a, b, pairs);
-        add_components(a, b, Shift::forward, of_a_);
-        add_components(b, a, Shift::backward, of_b_);
+        find_windings(a, b);
+        row.exists = !pairs.empty() || !of_a_.intervals().empty() || !of_b_.intervals().empty();
+        if (!row.exists) return row;
         add_inside(a, of_a_);
         add_inside(b, of_b_);
-        const auto round = [](const FixedSum& sum, int divisor) { return sum.rounded_quotient(divisor); };
-        if (finish(quick_, origin, round, numbers)) return numbers;
+        known = finish(quick_, origin, [](const FixedSum& sum, int by) { return sum.rounded_quotient(by); }, row.numbers);
     }
-    ++rational_rows_;
-    return find_rationally(a, b, pairs);
+    if (!known) {
+        ++rational_rows_;
+        const OverlapTotals<RationalSum> totals = add_rationally(a, b, pairs);
+        row.exists = !pairs.empty() || !of_a_.intervals().empty() || !of_b_.intervals().empty();
+        const auto round = [&](const RationalSum& sum, int divisor) {
+            return std::optional(sum.rounded_quotient(divisor, cancellation_));
+        };
+        finish(totals, origin, round, row.numbers);
+    }
+    row.relation = relate(a, b, pairs, row.numbers);
+    return row;
+}
+
+void OverlapOfBodies::begin() {
+    crossings_ = false;
+    of_a_.clear();
+    of_b_.clear();
+}
+
+void OverlapOfBodies::find_windings(const PlacedSurface& a, const PlacedSurface& b) {
+    add_components(a, b, Shift::forward, of_a_);
+    add_components(b, a, Shift::backward, of_b_);
+    of_a_.finish();
+    of_b_.finish();
 }
 
 void OverlapOfBodies::add_jumps(const PlacedSurface& a, const PlacedSurface& b, const Pair& pair,
@@ -178,6 +199,7 @@ void OverlapOfBodies::add_quickly(const PlacedSurface& a, const PlacedSurface& b
             const QuickCrossing crossing = cross_certainly(crossed_a, crossed_b, Shift::forward);
             add_jumps(a, b, pairs[i], crossing.jumps);
             if (crossing.jumps.segment) {
+                crossings_ = true;
                 VolumeTerms<Enclosed> terms;
                 terms.add(placed_a, crossing.a);
                 terms.add(placed(crossed_b.corner, crossed_b.normal(), origin_), crossing.b);
@@ -213,7 +235,7 @@ void OverlapOfBodies::add_components(const PlacedSurface& of, const PlacedSurfac
     }
 }
 
-void OverlapOfBodies::add_inside(const PlacedSurface& of, WindingSteps& steps) {
+void OverlapOfBodies::add_inside(const PlacedSurface& of, const WindingSteps& steps) {
     for (const WindingInterval& interval : steps.intervals()) {
         cancellation_.check();
         for (const std::int32_t face : of.surface->faces(interval.begin, interval.end)) {
@@ -225,10 +247,9 @@ void OverlapOfBodies::add_inside(const PlacedSurface& of, WindingSteps& steps) {
     }
 }
 
-OverlapNumbers OverlapOfBodies::find_rationally(const PlacedSurface& a, const PlacedSurface& b,
-                                                std::span<const Pair> pairs) {
-    of_a_.clear();
-    of_b_.clear();
+OverlapTotals<RationalSum> OverlapOfBodies::add_rationally(const PlacedSurface& a, const PlacedSurface& b,
+                                                           std::span<const Pair> pairs) {
+    begin();
     OverlapTotals<RationalSum> totals;
     std::unordered_map<std::int32_t, FaceWeights<Rational>> on_a, on_b;
     for (const Pair& pair : pairs) {
@@ -237,19 +258,18 @@ OverlapNumbers OverlapOfBodies::find_rationally(const PlacedSurface& a, const Pl
         const PlacedFace<Rational> placed_a = placed_rationally(p, origin_);
         for (const Shift shift : {Shift::forward, Shift::backward}) {
             const RationalCrossing crossing = cross_rationally(p, q, shift);
-            if (shift == Shift::forward) {
-                add_jumps(a, b, pair, crossing.jumps);
-                for (std::size_t k = 0; k < 3 && crossing.jumps.segment; ++k) {
-                    on_a[pair.a][k] += crossing.a[k];
-                    on_b[pair.b][k] += crossing.b[k];
-                }
+            if (shift == Shift::forward) add_jumps(a, b, pair, crossing.jumps);
+            if (!crossing.jumps.segment) continue;
+            crossings_ = true;
+            add(curve(placed_a, crossing), totals);
+            for (std::size_t k = 0; k < 3 && shift == Shift::forward; ++k) {
+                on_a[pair.a][k] += crossing.a[k];
+                on_b[pair.b][k] += crossing.b[k];
             }
-            if (crossing.jumps.segment) add(curve(placed_a, crossing), totals);
         }
     }
-    add_components(a, b, Shift::forward, of_a_);
-    add_components(b, a, Shift::backward, of_b_);
-    const auto add_faces = [&](const PlacedSurface& of, WindingSteps& steps, auto& weights) {
+    find_windings(a, b);
+    const auto add_faces = [&](const PlacedSurface& of, const WindingSteps& steps, auto& weights) {
         for (const WindingInterval& interval : steps.intervals())
             for (const std::int32_t face : of.surface->faces(interval.begin, interval.end))
                 for (Rational& weight : weights[face]) weight += interval.winding;
@@ -262,12 +282,81 @@ OverlapNumbers OverlapOfBodies::find_rationally(const PlacedSurface& a, const Pl
     };
     add_faces(a, of_a_, on_a);
     add_faces(b, of_b_, on_b);
-    OverlapNumbers numbers;
-    const auto round = [&](const RationalSum& sum, int divisor) {
-        return std::optional(sum.rounded_quotient(divisor, cancellation_));
+    return totals;
+}
+
+namespace {
+
+/// Between which numbers six times the volume of a body lies.
+struct VolumeBounds {
+    double low = 0, high = 0;
+};
+VolumeBounds bounds_of_volume(const PlacedSurface& body, const Vec3d& origin) {
+    double sum = 0, magnitude = 0;
+    for (const std::int32_t f : body.surface->faces(0, body.surface->places())) {
+        const FaceCorners p = body.corners(f);
+        const Vec3d x = p[0] - origin, y = p[1] - origin, z = p[2] - origin;
+        sum += dot(x, cross(y, z));
+        const Vec3d size_x = abs(x), size_y = abs(y), size_z = abs(z);
+        magnitude += size_x.x * (size_y.y * size_z.z + size_y.z * size_z.y) +
+                     size_x.y * (size_y.z * size_z.x + size_y.x * size_z.z) +
+                     size_x.z * (size_y.x * size_z.y + size_y.y * size_z.x);
+    }
+    // A term passes eight roundings at most, and each sum as many as there are faces.
+    const double faces = static_cast<double>(body.surface->faces(0, body.surface->places()).size());
+    const double error = 0x1p-52 * (faces + 16) * magnitude;
+    return {sum - error, sum + error};
+}
+
+Rational six_volumes_of(const PlacedSurface& body) {
+    const auto faces = body.surface->faces(0, body.surface->places());
+    int exponent = 0;
+    for (const std::int32_t f : faces) exponent = std::min(exponent, common_exponent(body.corners(f)));
+    Integer total = 0;
+    for (const std::int32_t f : faces) {
+        const FaceCorners p = body.corners(f);
+        total += dot(scaled(p[0], exponent), cross(scaled(p[1], exponent), scaled(p[2], exponent)));
+    }
+    return Rational(mp::cpp_int(total), mp::cpp_int(1) << (-3 * exponent));
+}
+
+}  // namespace
+
+// Whether all of a body lies where the winding number of the other is 1 or -1, and nothing of the other lies in it: then
+// its volume is that of the overlap.
+bool OverlapOfBodies::is_inside(const PlacedSurface& of, const WindingSteps& steps, const WindingSteps& others) const {
+    const auto& intervals = steps.intervals();
+    return !crossings_ && others.intervals().empty() && intervals.size() == 1 && std::abs(intervals[0].winding) == 1 &&
+           intervals[0].begin == 0 && intervals[0].end == of.surface->places();
+}
+
+OverlapRelation OverlapOfBodies::relate(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
+                                        const OverlapNumbers& numbers) {
+    const Scaled& volume = numbers.volume.scaled;
+    if (volume.mantissa == 0) return pairs.empty() ? OverlapRelation::overlapping : OverlapRelation::touching;
+    std::optional<OverlapTotals<RationalSum>> exact;
+    const auto has_that_volume = [&](const PlacedSurface& body) {
+        if (a.in_range && b.in_range) {
+            const VolumeBounds own = bounds_of_volume(body, origin_);
+            const double size = 6 * std::abs(volume.value());
+            const double least = std::max(std::max(own.low, -own.high), 0.0), most = std::max(own.high, -own.low);
+            if (size * (1 + 0x1p-50) < least || size * (1 - 0x1p-50) > most) return false;
+        }
+        if (!exact) exact = add_rationally(a, b, pairs);
+        const Rational six = six_volumes_of(body);
+        for (const int sign : {1, -1}) {
+            RationalSum difference;
+            difference.add_product(exact->volume, 1);
+            difference.add(Rational(3 * sign) * six);
+            if (difference.rounded_quotient(1, cancellation_).scaled.mantissa == 0) return true;
+        }
+        return false;
     };
-    finish(totals, origin_, round, numbers);
-    return numbers;
+    const bool first = is_inside(a, of_a_, of_b_) || has_that_volume(a);
+    const bool second = is_inside(b, of_b_, of_a_) || has_that_volume(b);
+    if (first && second) return OverlapRelation::equal;
+    if (first) return OverlapRelation::first_inside;
+    return second ? OverlapRelation::second_inside : OverlapRelation::overlapping;
 }
 
 }  // namespace crumple

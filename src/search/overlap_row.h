@@ -16,7 +16,9 @@
 #include "exact/overlap/face_crossing.h"
 #include "exact/overlap/fixed_sum.h"
 #include "exact/overlap/overlap_totals.h"
+#include "exact/overlap/rational_sum.h"
 #include "geometry/triangle.h"
+#include "results/overlap_output.h"
 #include "scene/closed_surface.h"
 #include "scene/placement.h"
 
@@ -51,8 +53,10 @@ class WindingSteps {
     }
     /// What an edge of a face that changes the winding number does.
     void add_jump(const ClosedSurface& surface, std::int32_t face, std::size_t edge, int jump);
+    /// Makes the intervals of the steps.
+    void finish();
     /// The intervals whose winding number is not 0, in their order.
-    const std::vector<WindingInterval>& intervals();
+    const std::vector<WindingInterval>& intervals() const { return intervals_; }
 
    private:
     struct Step {
@@ -68,23 +72,29 @@ class OverlapOfBodies {
     explicit OverlapOfBodies(Cancellation& cancellation) : cancellation_(cancellation) {}
 
     /// `pairs`: all pairs of triangles of a and b that have a common point, in their order. Sums are about `origin`.
-    OverlapNumbers find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
-                        const Vec3d& origin);
+    OverlapRow find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs, const Vec3d& origin);
 
     /// Rows whose sums did not tell how they round, so that they were added up in rationals.
     std::int64_t rational_rows() const { return rational_rows_; }
 
    private:
+    void begin();
+    void find_windings(const PlacedSurface& a, const PlacedSurface& b);
     void add_quickly(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs);
-    OverlapNumbers find_rationally(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs);
+    OverlapTotals<RationalSum> add_rationally(const PlacedSurface& a, const PlacedSurface& b,
+                                              std::span<const Pair> pairs);
     void add_components(const PlacedSurface& of, const PlacedSurface& other, Shift shift, WindingSteps& steps);
     void add_jumps(const PlacedSurface& a, const PlacedSurface& b, const Pair& pair, const FaceCrossing& jumps);
-    void add_inside(const PlacedSurface& of, WindingSteps& steps);
+    void add_inside(const PlacedSurface& of, const WindingSteps& steps);
+    bool is_inside(const PlacedSurface& of, const WindingSteps& steps, const WindingSteps& others) const;
+    OverlapRelation relate(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
+                           const OverlapNumbers& numbers);
 
     Cancellation& cancellation_;
     std::int64_t rational_rows_ = 0;
     // Of the row at work:
     Vec3d origin_;
+    bool crossings_ = false;  ///< whether any two faces cross
     WindingSteps of_a_, of_b_;
     OverlapTotals<FixedSum> quick_;
 };

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "crumple/array.h"
+#include "crumple/intersections.h"
+#include "crumple/query.h"
+#include "crumple/world.h"
+
+namespace crumple {
+
+struct Overlaps;
+
+/// What is done with a body whose surface is not closed, where its winding numbers are needed.
+enum class OpenSurfaces : std::uint8_t {
+    error,  ///< Error (invalid_argument) that names the body, an open edge and a triangle at it
+    skip,   ///< its pairs have no rows
+};
+
+/// How much closed bodies overlap, where, and which way out (docs/overlap.md). A value: it owns what it names.
+///
+/// A surface is closed if each edge is named as often in one direction as in the other; triangles are counter-clockwise
+/// seen from outside. All that is said of volumes counts by winding numbers: where two bodies pass through themselves,
+/// their overlap counts as often as both cover it together.
+struct OverlapQuery {
+    using Result = Overlaps;
+
+    /// `any`, `any_by_world`, `body_pairs` (which bodies overlap, and their relation) or `pairs` (all numbers).
+    Output output = Output::pairs;
+    /// Only pairs of bodies that overlap by at least this volume, in magnitude: finite, 0 or more; in the units of the
+    /// world, cubed. Exact as given. 0: those that touch, too.
+    double min_volume = 0;
+    OpenSurfaces open = OpenSurfaces::error;
+    bool weld = false;  ///< vertices of a shape at equal positions are one: closes seams, as of STL files
+    /// Bodies are whole: groups of triangles (Shape::groups) are not looked at.
+    PairFilter filter = {};
+};
+
+/// How two bodies lie to each other, decided exactly. Volumes are those by winding numbers, in magnitude.
+enum class OverlapRelation : std::uint8_t {
+    touching,       ///< the surfaces meet, the volume of the overlap is 0
+    overlapping,    ///< none of the others
+    first_inside,   ///< the overlap has the volume of the first body
+    second_inside,  ///< the overlap has the volume of the second body
+    equal,          ///< the overlap has the volume of both
+};
+
+/// Result of an OverlapQuery: a row for each pair of bodies whose surfaces meet, or of which one has a component inside
+/// the other. First body < second body; rows in that order, so that worlds follow each other, and pairs among bodies
+/// that are in all worlds are last. Volumes, area vectors and torques are exact sums, rounded once; what is derived of
+/// them is within 2 units in the last place. The same bytes from every backend, thread count and instruction set. A
+/// plain value: copy it to keep it beyond the detector's next call.
+struct Overlaps {
+    bool any = false;        ///< whether there is any row
+    std::int64_t count = 0;  ///< rows, where they are listed; else 0
+
+    Array<std::uint8_t> world_hit;  ///< one a world: it has a row (not for Output::any)
+
+    Array<BodyPair> bodies;
+    Array<OverlapRelation> relation;
+
+    // For Output::pairs:
+    Array<double> volume;                   ///< ∫ w_first w_second dx, of winding numbers w
+    Array<std::array<double, 3>> centroid;  ///< of the overlap; NaN where the volume is 0
+    /// The derivative of the volume where the first body moves: ∫ n dA over what of its surface lies inside the second
+    /// body, with n outwards. The mean of the limits from both sides, where surfaces lie on each other. Moved along its
+    /// opposite, the first body leaves fastest; the second body has the opposite vector.
+    Array<std::array<double, 3>> area_vector;
+    Array<std::array<double, 3>> normal;  ///< the area vector's direction: the contact normal; NaN where it is 0
+    Array<double> mean_depth;             ///< volume over the length of the area vector; NaN where that is 0
+    /// The derivative of the volume where the first body turns about `torque_point`: ∫ (x - p) × n dA.
+    Array<std::array<double, 3>> torque;
+    Array<std::array<double, 3>> torque_point;  ///< the centroid; where there is none, a point between the bodies
+
+    Statistics statistics;
+};
+
+}  // namespace crumple

@@ -1,0 +1,30 @@
+#pragma once
+
+// What is said of a surface that has to be closed and is not.
+
+#include <cstdint>
+#include <string>
+
+#include "crumple/error.h"
+#include "crumple/features.h"
+
+namespace crumple {
+
+/// An edge that is named more often in one direction than in the other.
+struct OpenEdge {
+    Edge edge;
+    std::int32_t triangle;  ///< the lowest that names it
+};
+
+/// `first`: the lowest of the open edges of a body.
+[[noreturn]] inline void fail_open_surface(std::int32_t body, std::size_t edges, const OpenEdge& first) {
+    throw Error(ErrorCode::invalid_argument,
+                "body " + std::to_string(body) + ": its surface is not closed: " + std::to_string(edges) +
+                    " edges are named more often in one direction than in the other, the first between vertices " +
+                    std::to_string(first.edge.a) + " and " + std::to_string(first.edge.b) + ", of triangle " +
+                    std::to_string(first.triangle) +
+                    "; OverlapQuery::weld closes seams, OverlapQuery::open leaves such bodies out",
+                Element::body, body);
+}
+
+}  // namespace crumple

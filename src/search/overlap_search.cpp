@@ -1,0 +1,182 @@
+#include "search/overlap_search.h"
+
+#include <algorithm>
+#include <atomic>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "crumple/error.h"
+#include "results/intersection_output.h"
+#include "results/overlap_output.h"
+
+namespace crumple {
+namespace {
+
+/// The middle of what two boxes have in common: sums about it cancel least.
+Vec3d middle_of(const Bounds& a, const Bounds& b) {
+    Vec3d middle;
+    for (int axis = 0; axis < 3; ++axis) {
+        middle[axis] = 0.5 * max(a.low[axis], b.low[axis]) + 0.5 * min(a.high[axis], b.high[axis]);
+        if (!(std::abs(middle[axis]) >= 0x1p-150)) middle[axis] = 0;
+    }
+    return middle;
+}
+
+bool in_double_word_range(const Vec3d& p) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (p[axis] != 0 && !(std::abs(p[axis]) >= 0x1p-150 && std::abs(p[axis]) <= 0x1p150)) return false;
+    return true;
+}
+
+}  // namespace
+
+OverlapSearch::OverlapSearch(MemoryMeter& meter, Cancellation& cancellation)
+    : meter_(meter),
+      cancellation_(cancellation),
+      outline_(&meter),
+      rules_(&meter),
+      buffers_(&meter),
+      found_(metered(&meter)),
+      pairs_(&meter) {}
+
+void OverlapSearch::release() {
+    outline_ = WorldOutline(&meter_);
+    rules_ = BodyRules(&meter_);
+    buffers_ = SceneBuffers(&meter_);
+    surfaces_.clear();
+    found_ = metered(&meter_);
+    pairs_.release();
+    candidates_.clear();
+}
+
+void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World& world, const OverlapQuery& query,
+                         Overlaps& result) {
+    query_ = query;
+    outline_.read(world, query.filter);
+    rules_.prepare(query.filter);
+    clear(result);
+    if (query.output != Output::any) result.world_hit.assign(static_cast<std::size_t>(outline_.worlds()), 0);
+    read_surfaces(backend);
+    IntersectionQuery intersections;
+    intersections.filter = query.filter;
+    worlds.find(backend, world, intersections, found_);
+    result.statistics = found_.statistics;
+    sort_pairs();
+    list_candidates();
+
+    std::vector<OverlapRow> rows(candidates_.size());
+    std::atomic<std::int64_t> rational{0};
+    backend.parallel_for(candidates_.size(), [&](std::size_t i) {
+        cancellation_.check();
+        std::int64_t rational_rows = 0;
+        rows[i] = row_of(candidates_[i], rational_rows);
+        rational.fetch_add(rational_rows, std::memory_order_relaxed);
+    });
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        if (rows[i].exists && std::abs(rows[i].numbers.volume.value) >= query.min_volume)
+            add_row(query, candidates_[i].bodies, outline_.body(candidates_[i].bodies.first).world, rows[i], result);
+    result.statistics.rational_tests += rational;
+    result.count = static_cast<std::int64_t>(result.bodies.size());
+}
+
+void OverlapSearch::read_surfaces(BackendBase& backend) {
+    const auto& shapes = outline_.world().shapes;
+    surfaces_.resize(shapes.size());
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+        cancellation_.check();
+        if (!surfaces_[s]) surfaces_[s] = std::make_unique<Surface>(&meter_);
+        Surface& surface = *surfaces_[s];
+        const PreparedScene scene =
+            prepare_scene(MeshView(shapes[s].vertices, shapes[s].triangles), nullptr, query_.weld, backend, buffers_);
+        surface.closed.prepare(scene, backend);
+        surface.empty = shapes[s].triangles.rows == 0;
+        surface.box = CentredBox({scene.low, scene.high});
+    }
+}
+
+// From the order of first body, its triangle, second body, its triangle, to that of pairs of bodies.
+void OverlapSearch::sort_pairs() {
+    std::vector<std::size_t> order(found_.pairs.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto before = [&](std::size_t i, std::size_t j) { return found_.bodies[i] < found_.bodies[j]; };
+    if (!std::is_sorted(order.begin(), order.end(), before)) std::stable_sort(order.begin(), order.end(), before);
+    pairs_.resize_discard(order.size());
+    candidates_.clear();
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const BodyPair& bodies = found_.bodies[order[i]];
+        if (candidates_.empty() || candidates_.back().bodies != bodies) candidates_.push_back({bodies, i, i});
+        candidates_.back().end = i + 1;
+        pairs_[i] = found_.pairs[order[i]];
+    }
+}
+
+// Adds the pairs of bodies whose surfaces do not meet, but whose boxes overlap.
+void OverlapSearch::list_candidates() {
+    const std::size_t meet = candidates_.size();
+    const std::int32_t worlds = outline_.worlds(), rest = outline_.first_body(worlds);
+    std::vector<Bounds> box(static_cast<std::size_t>(outline_.bodies()), no_bounds);
+    for (std::int32_t b = 0; b < outline_.bodies(); ++b)
+        if (!surface(b).empty) box[static_cast<std::size_t>(b)] = outline_.placement(b)(surface(b).box);
+    const auto add = [&](std::int32_t a, std::int32_t b) {
+        if (!overlap(box[static_cast<std::size_t>(a)], box[static_cast<std::size_t>(b)]) || !rules_.between(a, b)) return;
+        if (!rules_.groups(outline_.body(a).group, outline_.body(b).group)) return;
+        const auto end = candidates_.begin() + static_cast<std::ptrdiff_t>(meet);
+        const auto before = [](const Candidate& c, const BodyPair& bodies) { return c.bodies < bodies; };
+        const auto at = std::lower_bound(candidates_.begin(), end, BodyPair{a, b}, before);
+        if (at == end || at->bodies != BodyPair{a, b}) candidates_.push_back({{a, b}, 0, 0});
+    };
+    for (std::int32_t w = 0; w <= worlds; ++w) {
+        const std::int32_t end = w < worlds ? outline_.first_body(w + 1) : outline_.bodies();
+        for (std::int32_t a = outline_.first_body(w); a < end; ++a) {
+            cancellation_.check();
+            for (std::int32_t b = a + 1; b < end; ++b) add(a, b);
+            for (std::int32_t b = rest; w < worlds && b < outline_.bodies(); ++b) add(a, b);
+        }
+    }
+    std::sort(candidates_.begin(), candidates_.end(),
+              [](const Candidate& x, const Candidate& y) { return x.bodies < y.bodies; });
+    for (const Candidate& candidate : candidates_) {
+        if (query_.open == OpenSurfaces::skip) continue;
+        check_closed(candidate.bodies.first);
+        check_closed(candidate.bodies.second);
+    }
+    std::erase_if(candidates_, [&](const Candidate& candidate) {
+        return !surface(candidate.bodies.first).closed.closed() || !surface(candidate.bodies.second).closed.closed();
+    });
+}
+
+void OverlapSearch::check_closed(std::int32_t body) const {
+    const ClosedSurface& closed = surface(body).closed;
+    if (closed.closed()) return;
+    const Array<OpenEdge> open = closed.open_edges();
+    fail_open_surface(body, open.size(), open[0]);
+}
+
+PlacedSurface OverlapSearch::place(std::int32_t body, std::vector<Vec3d>& points) const {
+    const Shape& shape = outline_.shape(body);
+    const VertexReader position = reader_of(shape);
+    const Placement pose = outline_.placement(body);
+    PlacedSurface placed;
+    placed.surface = &surface(body).closed;
+    points.resize(static_cast<std::size_t>(shape.vertices.rows));
+    for (std::size_t v = 0; v < points.size(); ++v) {
+        points[v] = pose(position(static_cast<std::int64_t>(v)));
+        placed.box.widen(points[v]);
+        placed.in_range &= in_double_word_range(points[v]);
+    }
+    placed.points = points.data();
+    return placed;
+}
+
+OverlapRow OverlapSearch::row_of(const Candidate& candidate, std::int64_t& rational_rows) const {
+    std::vector<Vec3d> points_a, points_b;
+    const PlacedSurface a = place(candidate.bodies.first, points_a), b = place(candidate.bodies.second, points_b);
+    OverlapOfBodies overlap(cancellation_);
+    const OverlapRow row = overlap.find(a, b, {pairs_.data() + candidate.begin, candidate.end - candidate.begin},
+                                        middle_of(a.box, b.box));
+    rational_rows = overlap.rational_rows();
+    return row;
+}
+
+}  // namespace crumple
