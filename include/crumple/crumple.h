@@ -12,6 +12,7 @@
 #include "crumple/intersections.h"
 #include "crumple/mesh.h"
 #include "crumple/options.h"
+#include "crumple/overlaps.h"
 #include "crumple/proximities.h"
 #include "crumple/query.h"
 #include "crumple/scene.h"

@@ -18,6 +18,7 @@
 #include "crumple/intersections.h"
 #include "crumple/mesh.h"
 #include "crumple/options.h"
+#include "crumple/overlaps.h"
 #include "crumple/part.h"
 #include "crumple/proximities.h"
 #include "crumple/scene.h"
@@ -34,14 +35,15 @@ concept PairQuery = OneOf<Query, IntersectionQuery, ImpactQuery, ProximityQuery>
 template <class Query>
 concept RowQuery = PairQuery<Query> || OneOf<Query, CandidateQuery>;
 template <class Query>
-concept AnyQuery = RowQuery<Query> || OneOf<Query, DistanceQuery, FirstImpactQuery, FreeStepQuery>;
+concept AnyQuery =
+    RowQuery<Query> || OneOf<Query, DistanceQuery, OverlapQuery, FirstImpactQuery, FreeStepQuery>;
 
 template <RowQuery Query>
 class LaunchTicket;
 
 /// Searches scenes, exactly and completely. The type of a query says what is searched for, and gives the type of the
 /// result: IntersectionQuery, ImpactQuery, FirstImpactQuery, FreeStepQuery, ProximityQuery, CandidateQuery,
-/// DistanceQuery; without a type it is about intersections. Keeps buffers and cluster centres between calls, so a
+/// DistanceQuery, OverlapQuery; without a type it is about intersections. Keeps buffers and cluster centres between calls, so a
 /// detector that is fed the frames of a simulation is faster than a new one for each; the topology may change freely.
 ///
 /// A detector is used by one thread at a time; different detectors work at the same time. Results are references to

@@ -34,7 +34,7 @@ struct Detector::Implementation : MeshCalls {
     template <class Query>
     const char* refusal(const Scene& scene) const {
         constexpr bool intersections = std::same_as<Query, IntersectionQuery>;
-        constexpr bool distances = std::same_as<Query, DistanceQuery>;
+        constexpr bool distances = std::same_as<Query, DistanceQuery>, overlaps = std::same_as<Query, OverlapQuery>;
         const auto* mesh = std::get_if<MeshView>(&scene.source());
         const auto* two = std::get_if<TwoMeshes>(&scene.source());
         const auto* world = std::get_if<World>(&scene.source());
@@ -42,9 +42,11 @@ struct Detector::Implementation : MeshCalls {
         const bool some_on_device = (mesh && on_device(*mesh)) || (two && (on_device(two->a) || on_device(two->b)));
         const bool on_cuda = working == Backend::cuda;
         if (distances && on_cuda) return "distances of bodies need the cpu backend (Options::backend)";
+        if (overlaps && on_cuda) return "overlaps of bodies need the cpu backend (Options::backend)";
+        if (overlaps && mesh) return "overlaps are those of bodies: a world, or two meshes";
         if (distances && mesh) return "distances are those of bodies: a world, or two meshes";
         if (std::same_as<Query, FreeStepQuery> && !mesh) return "a free step is that of one mesh";
-        if ((distances || std::same_as<Query, CandidateQuery>)&&!mesh && !two && !world)
+        if ((distances || overlaps || std::same_as<Query, CandidateQuery>)&&!mesh && !two && !world)
             return "parts know intersections, impacts and proximities";
         if (some_on_device && !on_cuda) return "meshes in device memory need the cuda backend (Options::backend)";
         if (some_on_device && two && !intersections) return "two meshes lie in host memory, except for intersections";
@@ -275,6 +277,7 @@ const Intersections& LaunchTicket<Query>::download() const requires std::same_as
 CRUMPLE_FOR_EACH_LISTED(CRUMPLE_FIND)
 CRUMPLE_FIND(CandidateQuery)
 CRUMPLE_FIND(DistanceQuery)
+CRUMPLE_FIND(OverlapQuery)
 CRUMPLE_FIND(FirstImpactQuery)
 CRUMPLE_FIND(FreeStepQuery)
 CRUMPLE_FOR_EACH_LISTED(CRUMPLE_ANY)
@@ -305,6 +308,10 @@ void Detector::swap_result(Candidates& other) {
 template <>
 void Detector::swap_result(Distances& other) {
     implementation_->swap_result(implementation_->nearest_bodies, other);
+}
+template <>
+void Detector::swap_result(Overlaps& other) {
+    implementation_->swap_result(implementation_->overlaps, other);
 }
 void Detector::set_poll(std::function<void()> poll) { implementation_->cancellation.set_poll(std::move(poll)); }
 const Options& Detector::options() const { return implementation_->options; }

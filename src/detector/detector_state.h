@@ -17,9 +17,11 @@
 #include "results/feature_output.h"
 #include "results/intersection_output.h"
 #include "results/nearest_output.h"
+#include "results/overlap_output.h"
 #include "results/world_output.h"
 #include "search/feature_search.h"
 #include "search/nearest_bodies.h"
+#include "search/overlap_search.h"
 #include "search/world_search.h"
 
 namespace crumple {
@@ -33,10 +35,12 @@ struct DetectorState {
     Proximities nearby = metered_nearby(&meter);
     Candidates candidates = metered_candidates(&meter);
     Distances nearest_bodies = metered_nearest(&meter);
+    Overlaps overlaps = metered_overlaps(&meter);
     Cancellation cancellation;
     ShapeTrees named{meter};
     WorldSearch worlds{meter, cancellation, named};
     NearestSearch nearest{meter, cancellation, named};
+    OverlapSearch overlap_search{meter, cancellation};
     FeatureSearch features{meter, cancellation};
     Backend working = Backend::cpu;  ///< what `backend` is
     std::unique_ptr<BackendBase> backend;
@@ -49,6 +53,7 @@ struct DetectorState {
     Proximities& result_of(const ProximityQuery&) { return nearby; }
     Candidates& result_of(const CandidateQuery&) { return candidates; }
     Distances& result_of(const DistanceQuery&) { return nearest_bodies; }
+    Overlaps& result_of(const OverlapQuery&) { return overlaps; }
 
     explicit DetectorState(const Options& o) : options(o) {
         check_options(o);
@@ -87,6 +92,8 @@ struct DetectorState {
         nearest.release();
         named.release();
         nearest_bodies = metered_nearest(&meter);
+        overlap_search.release();
+        overlaps = metered_overlaps(&meter);
         features.release();
         impacts = metered_impacts(&meter);
         nearby = metered_nearby(&meter);

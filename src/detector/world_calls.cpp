@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "backends/reference/reference_distances.h"
+#include "backends/reference/reference_overlaps.h"
 #include "backends/reference/reference_worlds.h"
 #include "base/stopwatch.h"
 #include "scene/lone_bodies.h"
@@ -109,6 +110,19 @@ const Distances& WorldCalls::find(const World& world, const DistanceQuery& query
     statistics.peak_memory_bytes = meter.peak;
     statistics.milliseconds = watch.lap();
     return nearest_bodies;
+}
+
+const Overlaps& WorldCalls::find(const World& world, const OverlapQuery& query, std::stop_token stop) {
+    answered(overlaps, std::move(stop), [&](bool) {
+        check_question(query, world);
+        check_bodies_have_triangles(world, query.filter, false, "only triangles enclose a volume");
+        if (working == Backend::reference)
+            find_overlaps_by_brute_force(world, query, meter, cancellation, overlaps);
+        else
+            overlap_search.find(*backend, worlds, world, query, overlaps);
+    });
+    overlaps.statistics.pairs = overlaps.count;
+    return overlaps;
 }
 
 template <class Query>

@@ -31,6 +31,7 @@ struct WorldCalls : DetectorState {
     Statistics stream(const World& world, const IntersectionQuery& query, Sink<IntersectionQuery> take,
                       std::int64_t block_rows, std::stop_token stop);
     const Distances& find(const World& world, const DistanceQuery& query, std::stop_token stop);
+    const Overlaps& find(const World& world, const OverlapQuery& query, std::stop_token stop);
     template <FeatureQuery Query>
     const typename Query::Result& find(const World& world, const Query& query, std::stop_token stop) {
         return find_features(world, query, true, std::move(stop));

@@ -117,6 +117,18 @@ void check_question(const DistanceQuery& q) {
     check(q.filter.bodies != PairScope::within, "bodies must not be within: distances are between bodies");
 }
 
+void check_question(const OverlapQuery& q, const World& world) {
+    check(q.output == Output::any || q.output == Output::any_by_world || q.output == Output::body_pairs ||
+              q.output == Output::pairs,
+          "output must be any, any_by_world, body_pairs or pairs");
+    const bool by_groups = q.filter.groups != PairScope::both || !q.filter.excluded_groups.empty();
+    for (const Shape& shape : world.shapes)
+        check(!by_groups || shape.groups.empty(),
+              "a filter of groups needs bodies without groups of triangles: overlaps are those of whole bodies");
+    check(q.min_volume >= 0 && std::isfinite(q.min_volume), "min_volume must be finite and 0 or more");
+    check(q.filter.bodies != PairScope::within, "bodies must not be within: overlaps are between bodies");
+}
+
 void check_query(const MeshView& a, const MeshView* b, const IntersectionQuery& q) {
     check_question(q);
     check(q.filter.bodies == PairScope::both && q.filter.excluded_bodies.empty(),

@@ -7,6 +7,7 @@
 #include "crumple/impacts.h"
 #include "crumple/mesh.h"
 #include "crumple/options.h"
+#include "crumple/overlaps.h"
 #include "crumple/proximities.h"
 #include "crumple/world.h"
 
@@ -24,6 +25,7 @@ void check_question(const ImpactQuery& question, bool world);
 void check_question(const ProximityQuery& question, bool world);
 void check_question(const CandidateQuery& question, bool world);
 void check_question(const DistanceQuery& question);
+void check_question(const OverlapQuery& query, const World& world);
 /// Of a single mesh, with so many triangles.
 void check_groups(const PairFilter& rules, std::int64_t triangles, bool has_groups);
 /// Whether a world's poses do.

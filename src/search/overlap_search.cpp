@@ -173,9 +173,10 @@ OverlapRow OverlapSearch::row_of(const Candidate& candidate, std::int64_t& ratio
     std::vector<Vec3d> points_a, points_b;
     const PlacedSurface a = place(candidate.bodies.first, points_a), b = place(candidate.bodies.second, points_b);
     OverlapOfBodies overlap(cancellation_);
-    const OverlapRow row = overlap.find(a, b, {pairs_.data() + candidate.begin, candidate.end - candidate.begin},
+    OverlapRow row = overlap.find(a, b, {pairs_.data() + candidate.begin, candidate.end - candidate.begin},
                                         middle_of(a.box, b.box));
     rational_rows = overlap.rational_rows();
+    if (mirrored(candidate.bodies.first) != mirrored(candidate.bodies.second)) reverse(row.numbers);
     return row;
 }
 

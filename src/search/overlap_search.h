@@ -16,6 +16,7 @@
 #include "crumple/overlaps.h"
 #include "scene/body_rules.h"
 #include "scene/closed_surface.h"
+#include "scene/orientation.h"
 #include "scene/world_outline.h"
 #include "search/overlap_row.h"
 #include "search/world_search.h"
@@ -50,6 +51,8 @@ class OverlapSearch {
     void sort_pairs();
     void list_candidates();
     void check_closed(std::int32_t body) const;
+    /// Whether the pose of a body turns it inside out; its faces are meant to be reversed then.
+    bool mirrored(std::int32_t body) const { return orientation_of(outline_.placement(body)) < 0; }
     PlacedSurface place(std::int32_t body, std::vector<Vec3d>& points) const;
     OverlapRow row_of(const Candidate& candidate, std::int64_t& rational_rows) const;
     const Surface& surface(std::int32_t body) const {

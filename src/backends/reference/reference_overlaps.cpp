@@ -14,6 +14,7 @@
 #include "results/overlap_output.h"
 #include "scene/body_rules.h"
 #include "scene/open_surface.h"
+#include "scene/orientation.h"
 #include "scene/world_outline.h"
 #include "scene/world_scene.h"
 
@@ -241,7 +242,9 @@ void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query,
                 open = true;
             }
             if (open) continue;
-            const OverlapRow row = BruteForceOverlap(p, q, cancellation).row();
+            OverlapRow row = BruteForceOverlap(p, q, cancellation).row();
+            const auto mirrored = [&](std::int32_t body) { return orientation_of(outline.placement(body)) < 0; };
+            if (mirrored(a) != mirrored(b)) reverse(row.numbers);
             if (row.exists && std::abs(row.numbers.volume.value) >= query.min_volume)
                 add_row(query, {a, b}, one.world, row, result);
         }

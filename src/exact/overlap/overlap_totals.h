@@ -3,6 +3,7 @@
 // From the sums over an overlap to the numbers that a result has, for any type of sum that knows when it rounds for
 // certain (docs/overlap.md).
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -31,6 +32,16 @@ struct OverlapNumbers {
     Vec3d normal;       ///< NaN where the area vector is 0
     double mean_depth = std::numeric_limits<double>::quiet_NaN();
 };
+
+/// Turns one of the bodies inside out.
+inline void reverse(OverlapNumbers& numbers) {
+    const auto negate = [](double& x) { x = 0 - x; };
+    negate(numbers.volume.value);
+    negate(numbers.volume.scaled.mantissa);
+    negate(numbers.mean_depth);
+    for (Vec3d* v : {&numbers.area_vector, &numbers.torque, &numbers.normal})
+        for (int axis = 0; axis < 3; ++axis) negate((*v)[axis]);
+}
 
 namespace detail {
 

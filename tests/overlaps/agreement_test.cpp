@@ -1,0 +1,120 @@
+// Overlaps of bodies against brute force in rational arithmetic.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "crumple/crumple.h"
+#include "rounds.h"
+#include "worlds/random_worlds.h"
+
+namespace crumple {
+namespace {
+
+using test::Dice;
+
+/// Closed bodies: each of some tetrahedra and boxes, which may meet, on a grid or not, some of them inside out.
+struct ClosedBodies {
+    std::vector<test::Soup<double>> soups;
+    std::vector<Shape> shapes;
+    std::vector<Body> bodies;
+    std::vector<Pose> poses;
+
+    World view() const { return {shapes, bodies, poses}; }
+};
+
+void add_tetrahedron(Dice& dice, bool grid, double size, test::Soup<double>& soup) {
+    const auto first = static_cast<std::int32_t>(soup.vertices.size());
+    for (int v = 0; v < 4; ++v) {
+        auto& p = soup.vertices.emplace_back();
+        for (double& x : p) x = grid ? dice.below(5) : dice.between(0, size);
+    }
+    const std::array<std::array<std::int32_t, 3>, 4> faces{{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
+    for (const auto& [a, b, c] : faces) soup.triangles.push_back({first + a, first + b, first + c});
+}
+
+void add_box(Dice& dice, bool grid, double size, test::Soup<double>& soup) {
+    const auto first = static_cast<std::int32_t>(soup.vertices.size());
+    std::array<double, 3> low{}, high{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        low[k] = grid ? dice.below(3) : dice.between(0, size);
+        high[k] = grid ? low[k] + 1 + dice.below(2) : low[k] + dice.between(0, size);
+    }
+    for (int v = 0; v < 8; ++v) {
+        auto& p = soup.vertices.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k) p[k] = v >> k & 1 ? high[k] : low[k];
+    }
+    const std::array<std::array<std::int32_t, 3>, 12> faces{{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
+                                                             {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
+                                                             {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}}};
+    for (const auto& [a, b, c] : faces) soup.triangles.push_back({first + a, first + b, first + c});
+}
+
+ClosedBodies closed_bodies(unsigned seed, int bodies, bool grid, bool posed) {
+    Dice dice(seed);
+    ClosedBodies all;
+    all.soups.resize(static_cast<std::size_t>(bodies));
+    for (auto& soup : all.soups)
+        for (int part = 1 + dice.below(2); part > 0; --part)
+            dice.chance(0.5) ? add_box(dice, grid, 2, soup) : add_tetrahedron(dice, grid, 3, soup);
+    for (int b = 0; b < bodies; ++b) {
+        all.shapes.emplace_back(all.soups[static_cast<std::size_t>(b)].view());
+        all.bodies.push_back({.shape = b, .group = dice.below(2)});
+        all.poses.push_back(posed ? test::random_pose(dice, 0.5) : Pose{});
+    }
+    return all;
+}
+
+template <class Number>
+bool same(const Array<Number>& x, const Array<Number>& y) {
+    return x.size() == y.size() && (x.empty() || std::memcmp(x.data(), y.data(), x.size() * sizeof(Number)) == 0);
+}
+bool same_overlaps(const Overlaps& x, const Overlaps& y) {
+    return x.any == y.any && x.count == y.count && same(x.world_hit, y.world_hit) && same(x.bodies, y.bodies) &&
+           same(x.relation, y.relation) && same(x.volume, y.volume) && same(x.centroid, y.centroid) &&
+           same(x.area_vector, y.area_vector) && same(x.normal, y.normal) && same(x.mean_depth, y.mean_depth) &&
+           same(x.torque, y.torque) && same(x.torque_point, y.torque_point);
+}
+
+class OverlapAgreement : public testing::TestWithParam<int> {
+   protected:
+    Detector detector_{Options{.backend = Backend::cpu, .threads = GetParam()}};
+    Detector reference_{Options{.backend = Backend::reference}};
+    std::array<int, 5> relations_{};
+
+    void compare(const World& world, const OverlapQuery& query = {}) {
+        const Overlaps& found = detector_.find(world, query);
+        ASSERT_TRUE(same_overlaps(found, reference_.find(world, query)));
+        for (const OverlapRelation relation : found.relation) ++relations_[static_cast<std::size_t>(relation)];
+    }
+};
+
+TEST_P(OverlapAgreement, of_bodies_on_a_grid) {
+    for (unsigned seed = 0; seed < (sanitized ? 6u : 30u); ++seed) {
+        SCOPED_TRACE(seed);
+        const ClosedBodies bodies = closed_bodies(seed, 3, true, false);
+        compare(bodies.view());
+    }
+    for (const int rows : relations_) EXPECT_GT(rows, 0);
+}
+TEST_P(OverlapAgreement, of_bodies_anywhere) {
+    for (unsigned seed = 100; seed < (sanitized ? 103u : 115u); ++seed) {
+        SCOPED_TRACE(seed);
+        const ClosedBodies bodies = closed_bodies(seed, 3, false, true);
+        compare(bodies.view(), {.filter = {.groups = seed % 3 == 0 ? PairScope::between : PairScope::both}});
+    }
+    EXPECT_GT(relations_[1], 10);
+}
+TEST_P(OverlapAgreement, of_worlds_and_less_output) {
+    ClosedBodies bodies = closed_bodies(7, 6, true, false);
+    for (std::size_t b = 0; b < 6; ++b) bodies.bodies[b].world = b == 5 ? -1 : static_cast<std::int32_t>(b / 2);
+    for (const Output output : {Output::any, Output::any_by_world, Output::body_pairs, Output::pairs})
+        for (const double least : {0.0, 0.5, 100.0}) compare(bodies.view(), {.output = output, .min_volume = least});
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, OverlapAgreement, testing::Values(1, 3));
+
+}  // namespace
+}  // namespace crumple
