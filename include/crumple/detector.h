@@ -35,16 +35,16 @@ concept PairQuery = OneOf<Query, IntersectionQuery, ImpactQuery, ProximityQuery>
 template <class Query>
 concept RowQuery = PairQuery<Query> || OneOf<Query, CandidateQuery>;
 template <class Query>
-concept AnyQuery =
-    RowQuery<Query> || OneOf<Query, DistanceQuery, OverlapQuery, FirstImpactQuery, FreeStepQuery>;
+concept AnyQuery = RowQuery<Query> || OneOf<Query, DistanceQuery, OverlapQuery, FirstImpactQuery, FreeStepQuery>;
 
 template <RowQuery Query>
 class LaunchTicket;
 
 /// Searches scenes, exactly and completely. The type of a query says what is searched for, and gives the type of the
 /// result: IntersectionQuery, ImpactQuery, FirstImpactQuery, FreeStepQuery, ProximityQuery, CandidateQuery,
-/// DistanceQuery, OverlapQuery; without a type it is about intersections. Keeps buffers and cluster centres between calls, so a
-/// detector that is fed the frames of a simulation is faster than a new one for each; the topology may change freely.
+/// DistanceQuery, OverlapQuery; without a type it is about intersections. Keeps buffers and cluster centres between
+/// calls, so a detector that is fed the frames of a simulation is faster than a new one for each; the topology may
+/// change freely.
 ///
 /// A detector is used by one thread at a time; different detectors work at the same time. Results are references to
 /// what the detector owns, valid until its next call, move or destruction. Every call throws crumple::Error on bad

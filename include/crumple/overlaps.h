@@ -12,13 +12,14 @@ namespace crumple {
 
 struct Overlaps;
 
-/// What is done with a body whose surface is not closed, where its winding numbers are needed.
+/// Treatment of a body whose surface is not closed, where its winding numbers are needed.
 enum class OpenSurfaces : std::uint8_t {
     error,  ///< Error (invalid_argument) that names the body, an open edge and a triangle at it
     skip,   ///< its pairs have no rows
 };
 
-/// How much closed bodies overlap, where, and which way out (docs/overlap.md). A value: it owns what it names.
+/// Query for how much closed bodies overlap, where, and which way out (docs/overlap.md). A value: it owns what it
+/// names.
 ///
 /// A surface is closed if each edge is named as often in one direction as in the other; triangles are counter-clockwise
 /// seen from outside. All that is said of volumes counts by winding numbers: where two bodies pass through themselves,
@@ -37,7 +38,7 @@ struct OverlapQuery {
     PairFilter filter = {};
 };
 
-/// How two bodies lie to each other, decided exactly. Volumes are those by winding numbers, in magnitude.
+/// Relation of two bodies, decided exactly. Volumes are integrals of winding numbers, in magnitude.
 enum class OverlapRelation : std::uint8_t {
     touching,       ///< the surfaces meet, the volume of the overlap is 0
     overlapping,    ///< none of the others

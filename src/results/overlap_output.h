@@ -1,13 +1,13 @@
 #pragma once
 
-// The result about overlaps, as it is put together.
+// Assembles results of overlap queries.
 
 #include "crumple/overlaps.h"
 #include "exact/overlap/overlap_totals.h"
 
 namespace crumple {
 
-/// What is found of one pair of bodies.
+/// Result for one pair of bodies.
 struct OverlapRow {
     bool exists = false;  ///< the surfaces meet, or one has a component inside the other
     OverlapRelation relation = OverlapRelation::overlapping;

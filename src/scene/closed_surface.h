@@ -27,7 +27,7 @@ class ClosedSurface {
    public:
     explicit ClosedSurface(MemoryMeter* meter);
 
-    /// Of a scene of one mesh. What is known is kept while the corners stay the same. O(triangles).
+    /// Reads a scene of one mesh. Nothing is computed anew while the corners stay the same. O(triangles).
     void prepare(const PreparedScene& scene, ParallelFor& workers);
 
     /// The open edges, in the order of their vertices; a surface without any is closed. Cost: O(triangles).
@@ -39,7 +39,7 @@ class ClosedSurface {
     std::int32_t vertex_at(std::int32_t place) const { return vertex_at_[place]; }
     /// The places behind a place in the forest, that one included: [place, end).
     std::int32_t end_of(std::int32_t place) const { return end_of_[place]; }
-    /// Where components begin, and where the last one ends.
+    /// First places of components, and the end of the last one.
     const Array<std::int32_t>& components() const { return components_; }
 
     /// The faces whose first corner is at a place in [begin, end).
@@ -48,8 +48,8 @@ class ClosedSurface {
     }
     const std::int32_t* corners(std::int32_t face) const { return features_.corners() + 3 * std::int64_t{face}; }
 
-    /// Whether an edge of a face, 01, 12 or 20, belongs to the forest, and is looked at by this face of those that have
-    /// it: 1 if it leads down, −1 if it leads up, else 0.
+    /// Returns 1 if an edge of a face, 01, 12 or 20, leads down the forest, −1 if it leads up; 0 if it does not belong
+    /// to the forest, or another face that has it stands for it.
     int forest_edge(std::int32_t face, std::size_t edge) const {
         return (down_[face] >> edge & 1) - (down_[face] >> (edge + 3) & 1);
     }

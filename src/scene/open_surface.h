@@ -1,6 +1,6 @@
 #pragma once
 
-// What is said of a surface that has to be closed and is not.
+// Error about a surface that has to be closed and is not.
 
 #include <cstdint>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
 
-// Whether a pose turns bodies inside out. Host only.
+// Decides whether a pose turns bodies inside out. Host only.
 
 #include "exact/integer.h"
 #include "scene/placement.h"

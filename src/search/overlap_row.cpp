@@ -47,7 +47,7 @@ CurveTerms<Number> curve(const PlacedFace<Number>& a, const Crossing<Number>& cr
     return terms;
 }
 
-/// What a face adds to the winding number of its surface, which is shifted, at p: by filters and expansions.
+/// Returns the share of a face in the winding number of its surface, which is shifted, at p: by filters and expansions.
 int quick_winding_along_ray(const Vec3d& p, const FaceCorners& face, Shift shift) {
     const int along = orient2d(face[0], face[1], face[2], 0);
     if (along == 0) return 0;
@@ -152,7 +152,8 @@ OverlapRow OverlapOfBodies::find(const PlacedSurface& a, const PlacedSurface& b,
         if (!row.exists) return row;
         add_inside(a, of_a_);
         add_inside(b, of_b_);
-        known = finish(quick_, origin, [](const FixedSum& sum, int by) { return sum.rounded_quotient(by); }, row.numbers);
+        known = finish(
+            quick_, origin, [](const FixedSum& sum, int by) { return sum.rounded_quotient(by); }, row.numbers);
     }
     if (!known) {
         ++rational_rows_;
@@ -322,8 +323,8 @@ Rational six_volumes_of(const PlacedSurface& body) {
 
 }  // namespace
 
-// Whether all of a body lies where the winding number of the other is 1 or -1, and nothing of the other lies in it: then
-// its volume is that of the overlap.
+// True if all of a body lies where the winding number of the other is 1 or -1, and nothing of the other lies in it:
+// then its volume is that of the overlap.
 bool OverlapOfBodies::is_inside(const PlacedSurface& of, const WindingSteps& steps, const WindingSteps& others) const {
     const auto& intervals = steps.intervals();
     return !crossings_ && others.intervals().empty() && intervals.size() == 1 && std::abs(intervals[0].winding) == 1 &&

@@ -51,7 +51,7 @@ class WindingSteps {
         steps_.push_back({begin, winding});
         steps_.push_back({end, -winding});
     }
-    /// What an edge of a face that changes the winding number does.
+    /// Adds the change of the winding number along an edge of a face.
     void add_jump(const ClosedSurface& surface, std::int32_t face, std::size_t edge, int jump);
     /// Makes the intervals of the steps.
     void finish();
@@ -92,9 +92,9 @@ class OverlapOfBodies {
 
     Cancellation& cancellation_;
     std::int64_t rational_rows_ = 0;
-    // Of the row at work:
+    // State of the current row:
     Vec3d origin_;
-    bool crossings_ = false;  ///< whether any two faces cross
+    bool crossings_ = false;  ///< true if any two faces cross
     WindingSteps of_a_, of_b_;
     OverlapTotals<FixedSum> quick_;
 };

@@ -119,7 +119,8 @@ void OverlapSearch::list_candidates() {
     for (std::int32_t b = 0; b < outline_.bodies(); ++b)
         if (!surface(b).empty) box[static_cast<std::size_t>(b)] = outline_.placement(b)(surface(b).box);
     const auto add = [&](std::int32_t a, std::int32_t b) {
-        if (!overlap(box[static_cast<std::size_t>(a)], box[static_cast<std::size_t>(b)]) || !rules_.between(a, b)) return;
+        if (!overlap(box[static_cast<std::size_t>(a)], box[static_cast<std::size_t>(b)]) || !rules_.between(a, b))
+            return;
         if (!rules_.groups(outline_.body(a).group, outline_.body(b).group)) return;
         const auto end = candidates_.begin() + static_cast<std::ptrdiff_t>(meet);
         const auto before = [](const Candidate& c, const BodyPair& bodies) { return c.bodies < bodies; };
@@ -173,8 +174,8 @@ OverlapRow OverlapSearch::row_of(const Candidate& candidate, std::int64_t& ratio
     std::vector<Vec3d> points_a, points_b;
     const PlacedSurface a = place(candidate.bodies.first, points_a), b = place(candidate.bodies.second, points_b);
     OverlapOfBodies overlap(cancellation_);
-    OverlapRow row = overlap.find(a, b, {pairs_.data() + candidate.begin, candidate.end - candidate.begin},
-                                        middle_of(a.box, b.box));
+    OverlapRow row =
+        overlap.find(a, b, {pairs_.data() + candidate.begin, candidate.end - candidate.begin}, middle_of(a.box, b.box));
     rational_rows = overlap.rational_rows();
     if (mirrored(candidate.bodies.first) != mirrored(candidate.bodies.second)) reverse(row.numbers);
     return row;

@@ -1,7 +1,7 @@
 #pragma once
 
-// How much the bodies of worlds overlap, on any backend that runs on the host: the backend finds the pairs of triangles
-// that intersect, and each pair of bodies becomes a row by sums over these (search/overlap_row.h).
+// Finds the overlaps of bodies of worlds, on any backend that runs on the host: the backend finds the pairs of
+// triangles that intersect, and each pair of bodies becomes a row by sums over these (search/overlap_row.h).
 //
 //   shapes  -----------------------------> surfaces: closed?, and the order of their vertices; kept between calls
 //   bodies  --worlds, by the backend----->  pairs of triangles, by pair of bodies
@@ -51,7 +51,7 @@ class OverlapSearch {
     void sort_pairs();
     void list_candidates();
     void check_closed(std::int32_t body) const;
-    /// Whether the pose of a body turns it inside out; its faces are meant to be reversed then.
+    /// True if the pose of a body turns it inside out; its faces are meant to be reversed then.
     bool mirrored(std::int32_t body) const { return orientation_of(outline_.placement(body)) < 0; }
     PlacedSurface place(std::int32_t body, std::vector<Vec3d>& points) const;
     OverlapRow row_of(const Candidate& candidate, std::int64_t& rational_rows) const;
@@ -61,7 +61,7 @@ class OverlapSearch {
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
-    // Of the call that runs:
+    // State of the current call:
     OverlapQuery query_;
     WorldOutline outline_;
     BodyRules rules_;

@@ -46,9 +46,18 @@ void add_box(Dice& dice, bool grid, double size, test::Soup<double>& soup) {
         auto& p = soup.vertices.emplace_back();
         for (std::size_t k = 0; k < 3; ++k) p[k] = v >> k & 1 ? high[k] : low[k];
     }
-    const std::array<std::array<std::int32_t, 3>, 12> faces{{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
-                                                             {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
-                                                             {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}}};
+    const std::array<std::array<std::int32_t, 3>, 12> faces{{{0, 2, 1},
+                                                             {1, 2, 3},
+                                                             {4, 5, 6},
+                                                             {5, 7, 6},
+                                                             {0, 1, 4},
+                                                             {1, 5, 4},
+                                                             {2, 6, 3},
+                                                             {3, 6, 7},
+                                                             {0, 4, 2},
+                                                             {2, 4, 6},
+                                                             {1, 3, 5},
+                                                             {3, 7, 5}}};
     for (const auto& [a, b, c] : faces) soup.triangles.push_back({first + a, first + b, first + c});
 }
 

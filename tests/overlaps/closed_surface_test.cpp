@@ -1,4 +1,4 @@
-// Whether surfaces are closed, and the order of their vertices in which winding numbers are constant but for few steps.
+// Closed and open surfaces, and the order of vertices in which winding numbers are constant but for few steps.
 
 #include "scene/closed_surface.h"
 

@@ -1,4 +1,4 @@
-// How faces cross: signs and numbers in double words against rationals.
+// Crossings of faces: signs and numbers in double words against rationals.
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a segment in which two faces cross says of winding numbers, for any type of number that is exact or has a bound.
-// Compiled for host and device.
+// Derives the winding numbers on two faces from the segment in which they cross, for any type of number that is exact
+// or has a bound. Compiled for host and device.
 //
 // On a face, the winding number of the other surface is the sum of cones from the face's first corner over what it
 // jumps at (docs/overlap.md): over what is left of edges 01 and 12 behind each crossing, and over each segment. So each
@@ -27,7 +27,7 @@ struct PointInFace {
 template <class Number>
 using FaceWeights = std::array<Number, 3>;
 
-/// Where an edge crosses a face.
+/// Point at which an edge crosses a face.
 template <class Number>
 struct EdgeCrossing {
     Number t;  ///< of the edge's way
@@ -37,10 +37,9 @@ struct EdgeCrossing {
 template <class Number>
 struct Crossing {
     FaceCrossing jumps;
-    // Where there is a segment. Seen on a, what is inside b's surface is on its left; seen on b, it runs from end to
-    // start.
+    // Segment, if there is one. On a, the inside of b's surface is on its left; on b, it runs from end to start.
     PointInFace<Number> start_in_a, end_in_a, start_in_b, end_in_b;
-    FaceWeights<Number> a{}, b{};  ///< what it adds to the weights
+    FaceWeights<Number> a{}, b{};  ///< added to the weights of each face
 };
 
 namespace detail {

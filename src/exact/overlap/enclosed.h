@@ -6,8 +6,8 @@
 // quotient by 15.01 u². The constants below are larger by a tenth at least, and `above` by more than all roundings of a
 // bound itself. Nothing may overflow, and no product of two parts may underflow.
 //
-// Of two numbers that are float64 numbers exactly, sums and products are exact, and quotients are where nothing
-// remains: so small whole numbers, as in many scenes made by hand, have a bound of 0.
+// Sums and products of two numbers that are float64 numbers exactly are exact, and so are quotients without remainder.
+// So small whole numbers, as in many scenes made by hand, have a bound of 0.
 
 #include <limits>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// How a face of one closed surface crosses a face of another, from signs alone. Compiled for host and device.
+// Decides how a face of one closed surface crosses a face of another, from signs alone. Compiled for host and device.
 //
 // The second surface is shifted by (e, e², e³), e → 0+, or by the opposite of that: then nothing touches, whatever
 // meets crosses, and every sign of the shifted placement is that of the placement as given, or, where that is 0, that
@@ -18,14 +18,14 @@
 
 namespace crumple {
 
-/// Which way a surface is shifted.
+/// Direction in which a surface is shifted.
 enum class Shift : std::int8_t { backward = -1, forward = 1 };
 
 CRUMPLE_HD constexpr int sign_of(Shift shift) { return static_cast<int>(shift); }
 CRUMPLE_HD constexpr Shift opposite(Shift shift) { return shift == Shift::forward ? Shift::backward : Shift::forward; }
 
-/// What the winding number of the other surface grows by along edges 01, 12, 20 of a face: 0 where the edge does not
-/// cross the other face.
+/// Change of the winding number of the other surface along edges 01, 12, 20 of a face: 0 where the edge does not cross
+/// the other face.
 using EdgeJumps = std::array<std::int8_t, 3>;
 
 struct FaceCrossing {

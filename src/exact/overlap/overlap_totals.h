@@ -14,7 +14,7 @@
 
 namespace crumple {
 
-/// Of terms about the origin O. Curves are summed for both shifts.
+/// Sums of terms about the origin O. Curves are summed for both shifts.
 template <class Sum>
 struct OverlapTotals {
     Sum volume;                 ///< 18 V

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a pair of faces adds to the integrals over an overlap (docs/overlap.md), for any type of number that is exact or
+// Terms of a pair of faces in the integrals over an overlap (docs/overlap.md), for any type of number that is exact or
 // has a bound. Compiled for host and device.
 
 #include "exact/overlap/crossing.h"

@@ -1,8 +1,8 @@
 #pragma once
 
-// How two faces of closed surfaces cross under a shift, and what that says of winding numbers: signs by filters and
-// expansions, numbers in double words with bounds. For coordinates in the range of double words; what the bounds leave
-// too open is up to rational_crossing.h. Compiled for host and device.
+// Crosses two faces of closed surfaces under a shift: signs by filters and expansions, numbers in double words with
+// bounds. For coordinates in the range of double words; where bounds are too wide, rational_crossing.h decides.
+// Compiled for host and device.
 
 #include <array>
 #include <cstddef>
@@ -60,7 +60,7 @@ class QuickSigns {
         : has_inside_a(a.first_sign != 0), has_inside_b(b.first_sign != 0), a_(a), b_(b), shift_(shift) {}
 
     bool has_inside_a, has_inside_b;
-    /// Whether a sign is that of the shift, so that it is the opposite for the opposite shift.
+    /// True if a sign is that of the shift, so that it is the opposite for the opposite shift.
     bool tied = false;
 
     CRUMPLE_HD int a_side(std::size_t i) { return side(b_, a_.corner[i], shift_); }
@@ -100,7 +100,7 @@ namespace detail {
 /// Weights with larger bounds are uncertain; smaller quotients might underflow where they are multiplied.
 inline constexpr double largest_weight_error = 0x1p-80, least_quotient = 0x1p-250;
 
-/// Where the edge p → p' crosses a face.
+/// Returns the point at which the edge p → p' crosses a face.
 CRUMPLE_HD inline EdgeCrossing<Enclosed> cross_edge(const Vec3d& p, const Vec3d& p_end, const FaceCorners& face,
                                                     const Vec3<Enclosed>& normal) {
     const Enclosed from = dot(normal, enclosed_difference(p, face[0])),

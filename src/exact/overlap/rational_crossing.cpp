@@ -18,7 +18,7 @@ struct Plane {
 
     explicit Plane(const IntegerTriangle& p) : normal(cross(p[1] - p[0], p[2] - p[0])), origin(p[0]) {}
     Integer operator()(const Point& p) const { return dot(normal, p - origin); }
-    /// Of a point that lies in the plane, which is shifted.
+    /// Returns the side of a point that lies in the plane, which is shifted.
     int side_in_plane(Shift shift) const { return -sign_of(shift) * first_sign(normal); }
 };
 

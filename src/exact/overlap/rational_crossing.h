@@ -1,7 +1,7 @@
 #pragma once
 
-// How two faces of closed surfaces cross under a shift, and what that says of winding numbers, in rational arithmetic:
-// for every finite float64 coordinate. The yardstick for everything faster, and what that falls back on. Host only.
+// Crosses two faces of closed surfaces under a shift in rational arithmetic, for every finite float64 coordinate: the
+// reference for everything faster, and its fallback. Host only.
 
 #include <array>
 
@@ -20,8 +20,8 @@ using RationalCrossing = Crossing<Rational>;
 /// b is shifted. Both triangles in one unit. Cost: some 20 us for ordinary coordinates.
 RationalCrossing cross_rationally(const IntegerTriangle& a, const IntegerTriangle& b, Shift shift);
 
-/// What a face adds to the winding number of its surface at p: ±1 if the ray from p along +x meets it. The surface is
-/// shifted. In one unit.
+/// Returns the share of a face in the winding number of its surface at p: ±1 if the ray from p along +x meets it. The
+/// surface is shifted. In one unit.
 int winding_along_ray(const Vec3<Integer>& p, const IntegerTriangle& face, Shift shift);
 
 }  // namespace crumple
