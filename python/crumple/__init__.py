@@ -56,12 +56,15 @@ from ._queries import (
     FuzzyCMeans,
     ImpactQuery,
     IntersectionQuery,
+    OverlapQuery,
     PairFilter,
     ProximityQuery,
 )
 from ._results import ContactKind as ContactKind
 from ._results import Contacts as Contacts
 from ._results import Distances
+from ._overlaps import OverlapRelation as OverlapRelation
+from ._overlaps import Overlaps
 from ._world import Body, World
 
 
@@ -87,6 +90,7 @@ free_step = _of_one_call(Detector.free_step)
 proximities = _of_one_call(Detector.proximities)
 candidates = _of_one_call(Detector.candidates)
 distances = _of_one_call(Detector.distances)
+overlaps = _of_one_call(Detector.overlaps)
 
 #: Everything that one calls or makes. Classes that are only returned, such as Contacts, are attributes of the package.
 __all__ = [
@@ -114,6 +118,8 @@ __all__ = [
     "InvalidType",
     "MemoryLimit",
     "Mesh",
+    "OverlapQuery",
+    "Overlaps",
     "PairFilter",
     "Part",
     "Proximities",
@@ -131,6 +137,7 @@ __all__ = [
     "intersections",
     "list_devices",
     "make_scene",
+    "overlaps",
     "pair_distances",
     "pair_impacts",
     "proximities",

@@ -20,6 +20,7 @@ from ._queries import (
     FuzzyCMeans,
     ImpactQuery,
     IntersectionQuery,
+    OverlapQuery,
     ProximityQuery,
     Query,
     check_fuzzy_c_means,
@@ -27,6 +28,7 @@ from ._queries import (
     query_of,
 )
 from ._results import Distances
+from ._overlaps import Overlaps
 from ._scene import checked_copy, checked_query, excluded_in, scene_of, show, step_of, with_names
 
 Backend = Literal["automatic", "cpu", "cuda", "reference"]
@@ -156,6 +158,8 @@ class Detector(_core.Detector):
     def find(self, scene: Any, query: CandidateQuery, *, copy: bool = False) -> Candidates: ...
     @overload
     def find(self, scene: Any, query: DistanceQuery, *, copy: bool = False) -> Distances: ...
+    @overload
+    def find(self, scene: Any, query: OverlapQuery, *, copy: bool = False) -> Overlaps: ...
     @suggesting
     def find(self, scene: Any, query: Query = _ALL, *, copy: bool = False) -> Any:
         """Finds everything in a scene that a query describes.
@@ -406,3 +410,13 @@ class Detector(_core.Detector):
             copy: as of find.
         """
         return self._find(scene_of(world, second), query_of(DistanceQuery, options), copy)
+
+    @keywords_of(OverlapQuery)
+    def overlaps(self, world: Any, second: Any = None, *, copy: bool = False, **options: Any) -> Overlaps:
+        """Overlaps of the closed bodies of a world, or of two meshes, each pair of them: find with an OverlapQuery.
+
+        Args:
+            world, second: a World; or two meshes.
+            copy: as of find.
+        """
+        return self._find(scene_of(world, second), query_of(OverlapQuery, options), copy)

@@ -219,6 +219,21 @@ class _CheckDistances(_Check):
         self._that(np.isfinite(found.points).all(), "points")
 
 
+class _CheckOverlaps(_Check):
+    def all(self) -> None:
+        found, output = self._found, self._request.output
+        self._that(output in ("any", "any_by_world", "body_pairs", "pairs"), "output")
+        rows = len(found.bodies) if output in ("body_pairs", "pairs") else 0
+        self._that(len(found.bodies) == len(found.relation) == found.count == rows, "count")
+        numbers = (found.volume, found.centroid, found.area_vector, found.normal, found.mean_depth)
+        lengths = {len(array) for array in (*numbers, found.torque, found.torque_point)}
+        self._that(lengths == {rows if output == "pairs" else 0}, "lengths")
+        first, second = found.bodies[:, 0].astype(np.int64), found.bodies[:, 1].astype(np.int64)
+        self._that((0 <= first).all() and (first < second).all(), "bodies")
+        self._that((np.diff(first << 32 | second) > 0).all(), "bodies")
+        self._that((found.relation < 5).all(), "relation")
+
+
 class _CheckIntersections(_Check):
     """Checks of worlds, and of meshes before the extension module checks their pairs."""
 
@@ -264,6 +279,7 @@ _CHECKS: dict[str, type[_Check]] = {
     "Proximities": _CheckFeatures,
     "Candidates": _CheckCandidates,
     "Distances": _CheckDistances,
+    "Overlaps": _CheckOverlaps,
 }
 
 

@@ -249,6 +249,33 @@ class DistanceQuery(Query):
     _call: ClassVar[str] = "distances"
 
 
+@dataclass(frozen=True, kw_only=True)
+class OverlapQuery(Query):
+    """How much closed bodies of a world overlap, where, and which way out -> Overlaps.
+
+    Surfaces are closed: each edge is named as often in one direction as in the other. Triangles are counter-clockwise
+    seen from outside.
+
+    Args:
+        output: "any": whether any two bodies overlap; "any_by_world": in which worlds; "body_pairs": which bodies, and
+            their relation; "pairs": all numbers.
+        min_volume: only pairs of bodies whose overlap has at least this volume, in magnitude.
+        open: a body whose surface is not closed is an "error", which names an edge, or its pairs have no rows ("skip").
+        weld: vertices of a shape at equal positions are one, which closes seams, as of STL files.
+        filter: which pairs of bodies.
+
+    With the cpu and the reference backend. More: docs/overlap.md.
+    """
+
+    output: Literal["any", "any_by_world", "body_pairs", "pairs"] = "pairs"
+    min_volume: float = 0.0
+    open: Literal["error", "skip"] = "error"
+    weld: bool = False
+    filter: PairFilter = PairFilter()
+
+    _call: ClassVar[str] = "overlaps"
+
+
 _PLAIN = {query: query() for query in Query.__subclasses__()}
 _SIMPLE = frozenset({str, bool, int, float, type(None)})
 _made: dict[tuple[Any, ...], Query] = {}

@@ -21,6 +21,7 @@ from ._queries import (
     ProximityQuery,
     Query,
 )
+from ._overlaps import Overlaps
 from ._results import Distances, Request, Result
 from ._world import World
 
@@ -161,6 +162,7 @@ RESULTS: dict[str, type[Result]] = {
     "proximities": Proximities,
     "candidates": Candidates,
     "distances": Distances,
+    "overlaps": Overlaps,
 }
 _OPTIONS = ("index", "triangle_pairs", "closest", "least")
 

@@ -156,6 +156,7 @@ void bind_calls(nb::class_<SharedDetector>& detector) {
     bind_find<CandidateQuery>(detector, "candidates");
     bind_stream<CandidateQuery>(detector, "candidates");
     bind_find<DistanceQuery>(detector, "distances");
+    bind_find<OverlapQuery>(detector, "overlaps");
     bind_find<FirstImpactQuery>(detector, "first_impact");
     bind_find<FreeStepQuery>(detector, "free_step");
 }

@@ -124,7 +124,8 @@ class SharedDetector {
     void wait_for_another_turn();
 
     Detector detector_;
-    std::tuple<Two<Intersections>, Two<Impacts>, Two<Proximities>, Two<Candidates>, Two<Distances>> answers_;
+    std::tuple<Two<Intersections>, Two<Impacts>, Two<Proximities>, Two<Candidates>, Two<Distances>, Two<Overlaps>>
+        answers_;
     std::vector<Pose> poses_, end_poses_;
     std::shared_ptr<void> launched_[2];
     std::optional<std::stop_source> stop_;  ///< of the turn; each has its own

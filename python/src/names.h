@@ -46,6 +46,12 @@ inline constexpr Names<Output, 4> impact_output_names{
     {{"any", Output::any}, {"any_by_world", Output::any_by_world}, {"first", Output::first}, {"pairs", Output::pairs}}};
 inline constexpr Names<Output, 3> proximity_output_names{
     {{"any", Output::any}, {"any_by_world", Output::any_by_world}, {"pairs", Output::pairs}}};
+inline constexpr Names<Output, 4> overlap_output_names{{{"any", Output::any},
+                                                        {"any_by_world", Output::any_by_world},
+                                                        {"body_pairs", Output::body_pairs},
+                                                        {"pairs", Output::pairs}}};
+inline constexpr Names<OpenSurfaces, 2> open_surfaces_names{
+    {{"error", OpenSurfaces::error}, {"skip", OpenSurfaces::skip}}};
 inline constexpr Names<CandidateKind, 6> candidate_kind_names{{{"vertex_face", CandidateKind::vertex_face},
                                                                {"edge_edge", CandidateKind::edge_edge},
                                                                {"edge_face", CandidateKind::edge_face},

@@ -88,6 +88,14 @@ void read(nb::handle given, DistanceQuery& query) {
     query.filter = filter_of(given);
 }
 
+void read(nb::handle given, OverlapQuery& query) {
+    query.output = output_of(given, overlap_output_names);
+    query.min_volume = real_of(given, "min_volume");
+    query.open = named(open_surfaces_names, "open", given.attr("open"));
+    query.weld = flag_of(given, "weld");
+    query.filter = filter_of(given);
+}
+
 bool is_constant(nb::handle value);
 
 // Whether no member of a dataclass can come to be another: names that begin with an underscore are no members.
@@ -141,5 +149,6 @@ template FreeStepQuery read(nb::handle);
 template ProximityQuery read(nb::handle);
 template CandidateQuery read(nb::handle);
 template DistanceQuery read(nb::handle);
+template OverlapQuery read(nb::handle);
 
 }  // namespace crumple::python

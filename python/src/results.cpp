@@ -227,6 +227,30 @@ void bind_distances(nb::module_& module) {
         "points", [](const R& r) -> auto& { return r.points; }, 2U, 3U);
 }
 
+void bind_overlaps(nb::module_& module) {
+    using R = Overlaps;
+    Binding<R> result(module, "Overlaps", "Storage of a crumple.Overlaps.");
+    result.value("any", [](const R& r) { return r.any; });
+    result.value("count", [](const R& r) { return r.count; });
+    result.array<bool>(
+        "world_hit", [](const R& r) -> auto& { return r.world_hit; });
+    result.array<std::int32_t>(
+        "bodies", [](const R& r) -> auto& { return r.bodies; }, 2U);
+    result.array<std::uint8_t>(
+        "relation", [](const R& r) -> auto& { return r.relation; });
+    const auto numbers = [&](const char* name, auto member, auto... columns) {
+        result.array<double>(
+            name, [member](const R& r) -> auto& { return r.*member; }, columns...);
+    };
+    numbers("volume", &R::volume);
+    numbers("centroid", &R::centroid, 3U);
+    numbers("area_vector", &R::area_vector, 3U);
+    numbers("normal", &R::normal, 3U);
+    numbers("mean_depth", &R::mean_depth);
+    numbers("torque", &R::torque, 3U);
+    numbers("torque_point", &R::torque_point, 3U);
+}
+
 }  // namespace
 
 void bind_results(nb::module_& module) {
@@ -236,6 +260,7 @@ void bind_results(nb::module_& module) {
     bind_proximities(module);
     bind_candidates(module);
     bind_distances(module);
+    bind_overlaps(module);
 }
 
 }  // namespace crumple::python
