@@ -79,8 +79,10 @@ bool misses_ray(const Vec3d& p, const FaceCorners& face) {
 /// In the unit that is common to both.
 struct CommonUnit {
     int exponent;
-    CommonUnit(const FaceCorners& p, const FaceCorners& q)
-        : exponent(common_exponent(std::array{p[0], p[1], p[2], q[0], q[1], q[2]})) {}
+    CommonUnit(const FaceCorners& p, const FaceCorners& q) {
+        const std::array corners{p[0], p[1], p[2], q[0], q[1], q[2]};
+        exponent = common_exponent(corners);
+    }
     IntegerTriangle operator()(const FaceCorners& p) const {
         return {scaled(p[0], exponent), scaled(p[1], exponent), scaled(p[2], exponent)};
     }
@@ -312,7 +314,10 @@ VolumeBounds bounds_of_volume(const PlacedSurface& body, const Vec3d& origin) {
 Rational six_volumes_of(const PlacedSurface& body) {
     const auto faces = body.surface->faces(0, body.surface->places());
     int exponent = 0;
-    for (const std::int32_t f : faces) exponent = std::min(exponent, common_exponent(body.corners(f)));
+    for (const std::int32_t f : faces) {
+        const FaceCorners p = body.corners(f);
+        exponent = std::min(exponent, common_exponent(p));
+    }
     Integer total = 0;
     for (const std::int32_t f : faces) {
         const FaceCorners p = body.corners(f);

@@ -95,6 +95,7 @@ TEST(ClosedSurface, StepsAlongTheForestGiveWindingNumbersBack) {
                 const std::int32_t* c = mesh.surface.corners(t);
                 steps.add_jump(mesh.surface, t, k, of(c[(k + 1) % 3]) - of(c[k]));
             }
+        steps.finish();
         std::vector<std::int32_t> found(static_cast<std::size_t>(mesh.surface.places()), 0);
         for (const WindingInterval& interval : steps.intervals())
             for (std::int32_t p = interval.begin; p < interval.end; ++p)

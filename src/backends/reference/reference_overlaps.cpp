@@ -130,7 +130,7 @@ class BruteForceOverlap {
         Weights weights(of.face.size());
         for (std::size_t f = 0; f < of.face.size(); ++f) {
             cancellation_.check();
-            const Vec3d& p = of.corners(f)[0];
+            const Vec3d p = of.corners(f)[0];
             int winding = 0;
             for (std::size_t g = 0; g < other.face.size(); ++g)
                 winding += winding_along_ray(scaled(p, exponent_), in_units(other.corners(g), exponent_), shift);
