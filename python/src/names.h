@@ -12,6 +12,7 @@
 #include "crumple/impacts.h"
 #include "crumple/io.h"
 #include "crumple/options.h"
+#include "crumple/overlaps.h"
 #include "crumple/proximities.h"
 #include "crumple/world.h"
 
