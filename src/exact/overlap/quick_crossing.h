@@ -66,20 +66,29 @@ class QuickSigns {
     CRUMPLE_HD int a_side(std::size_t i) { return side(b_, a_.corner[i], shift_); }
     CRUMPLE_HD int b_side(std::size_t i) { return side(a_, b_.corner[i], opposite(shift_)); }
     CRUMPLE_HD int edges(std::size_t i, std::size_t j) {
-        const Vec3d &p = a_.corner[i], &p_end = a_.corner[next_corner(i)];
-        const Vec3d &q = b_.corner[j], &q_end = b_.corner[next_corner(j)];
-        const bool meet = p == q || p == q_end || p_end == q || p_end == q_end;
-        const int sign = meet ? 0 : orient3d(p, p_end, q, q_end);
+        const int sign = sign_of_edges(i, j);
         if (sign != 0) return sign;
         tied = true;
-        return sign_of(shift_) * detail::first_cross_sign(q, q_end, p, p_end);
+        const auto &p = a_.corner, &q = b_.corner;
+        return sign_of(shift_) * detail::first_cross_sign(q[j], q[next_corner(j)], p[i], p[next_corner(i)]);
+    }
+
+    /// The signs of the placement as given, which may be 0.
+    CRUMPLE_HD static int sign_of_side(const CrossedFace& face, const Vec3d& p) {
+        const int sign = face.plane.side(p);
+        const auto& q = face.corner;
+        if (sign != undecided) return sign;
+        return p == q[0] || p == q[1] || p == q[2] ? 0 : orient3d_exact(q[0], q[1], q[2], p);
+    }
+    CRUMPLE_HD int sign_of_edges(std::size_t i, std::size_t j) const {
+        const Vec3d &p = a_.corner[i], &p_end = a_.corner[next_corner(i)];
+        const Vec3d &q = b_.corner[j], &q_end = b_.corner[next_corner(j)];
+        return p == q || p == q_end || p_end == q || p_end == q_end ? 0 : orient3d(p, p_end, q, q_end);
     }
 
    private:
     CRUMPLE_HD int side(const CrossedFace& face, const Vec3d& p, Shift shift) {
-        int sign = face.plane.side(p);
-        const auto& q = face.corner;
-        if (sign == undecided) sign = p == q[0] || p == q[1] || p == q[2] ? 0 : orient3d_exact(q[0], q[1], q[2], p);
+        const int sign = sign_of_side(face, p);
         if (sign != 0) return sign;
         tied = true;
         return -sign_of(shift) * face.first_sign;
@@ -100,16 +109,29 @@ namespace detail {
 /// Weights with larger bounds are uncertain; smaller quotients might underflow where they are multiplied.
 inline constexpr double largest_weight_error = 0x1p-80, least_quotient = 0x1p-250;
 
+/// What is known of an edge p → p' that crosses a face: which numbers are exactly 0 in the placement as given. So a
+/// crossing at a vertex or on an edge has whole numbers without error, and sums of such numbers can be 0 for certain.
+struct KnownZeros {
+    bool from = false, to = false;                  ///< distances of p and p' from the plane
+    std::array<bool, 3> edge{false, false, false};  ///< the edge and edge k of the face lie in a plane
+};
+
 /// Returns the point at which the edge p → p' crosses a face.
 CRUMPLE_HD inline EdgeCrossing<Enclosed> cross_edge(const Vec3d& p, const Vec3d& p_end, const FaceCorners& face,
-                                                    const Vec3<Enclosed>& normal) {
-    const Enclosed from = dot(normal, enclosed_difference(p, face[0])),
-                   to = dot(normal, enclosed_difference(p_end, face[0]));
-    const Enclosed all = from - to;
-    const Vec3<Enclosed> along = enclosed_difference(p_end, p), q0 = enclosed_difference(face[0], p);
-    return {from / all,
-            {-(dot(along, cross(enclosed_difference(face[2], p), q0)) / all),
-             -(dot(along, cross(q0, enclosed_difference(face[1], p))) / all)}};
+                                                    const Vec3<Enclosed>& normal, const KnownZeros& zero) {
+    const auto distance = [&](bool is_zero, const Vec3d& x) {
+        return is_zero ? Enclosed(0) : dot(normal, enclosed_difference(x, face[0]));
+    };
+    const Enclosed from = distance(zero.from, p), to = distance(zero.to, p_end), all = from - to;
+    const Vec3<Enclosed> along = enclosed_difference(p_end, p);
+    // The barycentric coordinate of the corner opposite edge k, from corner q to r.
+    const auto coordinate = [&](std::size_t k, const Vec3d& q, const Vec3d& r) {
+        if (zero.edge[k]) return Enclosed(0);
+        if (zero.edge[next_corner(k)] && zero.edge[next_corner(next_corner(k))]) return Enclosed(1);
+        return -(dot(along, cross(enclosed_difference(q, p), enclosed_difference(r, p))) / all);
+    };
+    return {zero.from ? Enclosed(0) : zero.to ? Enclosed(1) : from / all,
+            {coordinate(2, face[2], face[0]), coordinate(0, face[0], face[1])}};
 }
 
 CRUMPLE_HD inline bool may_be_multiplied(const EdgeCrossing<Enclosed>& at) {
@@ -127,13 +149,27 @@ CRUMPLE_HD inline QuickCrossing cross_quickly(const CrossedFace& a, const Crosse
     crossing.tied = signs.tied;
     if (!crossing.jumps.segment) return crossing;
     const Vec3<Enclosed> normal_a = a.normal(), normal_b = b.normal();
-    const auto cross_edge = [&](const CrossedFace& of, std::size_t i, const CrossedFace& face, const auto& normal) {
-        const auto at = detail::cross_edge(of.corner[i], of.corner[next_corner(i)], face.corner, normal);
+    const auto cross_edge = [&](const CrossedFace& of, std::size_t i, const CrossedFace& face, const auto& normal,
+                                auto sign_of_edges) {
+        const Vec3d &p = of.corner[i], &p_end = of.corner[next_corner(i)];
+        detail::KnownZeros zero;
+        if (signs.tied) {
+            zero.from = QuickSigns::sign_of_side(face, p) == 0;
+            zero.to = QuickSigns::sign_of_side(face, p_end) == 0;
+            for (std::size_t k = 0; k < 3; ++k) zero.edge[k] = sign_of_edges(k) == 0;
+        }
+        const auto at = detail::cross_edge(p, p_end, face.corner, normal, zero);
         crossing.certain &= detail::may_be_multiplied(at);
         return at;
     };
-    add_segment<Enclosed>([&](std::size_t i) { return cross_edge(a, i, b, normal_b); },
-                          [&](std::size_t i) { return cross_edge(b, i, a, normal_a); }, crossing);
+    add_segment<Enclosed>(
+        [&](std::size_t i) {
+            return cross_edge(a, i, b, normal_b, [&](std::size_t k) { return signs.sign_of_edges(i, k); });
+        },
+        [&](std::size_t i) {
+            return cross_edge(b, i, a, normal_a, [&](std::size_t k) { return signs.sign_of_edges(k, i); });
+        },
+        crossing);
     for (std::size_t k = 0; k < 3; ++k)
         crossing.certain &=
             crossing.a[k].error <= detail::largest_weight_error && crossing.b[k].error <= detail::largest_weight_error;
