@@ -12,6 +12,12 @@ namespace crumple {
 
 struct Overlaps;
 
+/// Vertex of a body, by its index in the body's shape.
+struct BodyVertex {
+    std::int32_t body, vertex;
+    friend bool operator==(const BodyVertex&, const BodyVertex&) = default;
+};
+
 /// Treatment of a body whose surface is not closed, where its winding numbers are needed.
 enum class OpenSurfaces : std::uint8_t {
     error,  ///< Error (invalid_argument) that names the body, an open edge and a triangle at it
@@ -34,6 +40,11 @@ struct OverlapQuery {
     double min_volume = 0;
     OpenSurfaces open = OpenSurfaces::error;
     bool weld = false;  ///< vertices of a shape at equal positions are one: closes seams, as of STL files
+    /// Also the overlap of each body with itself, if Body::self is set: rows (i, i), volumes of bodies, and whether they
+    /// are solids. Always of a scene that is one mesh.
+    bool self_overlaps = false;
+    bool gradient = false;  ///< also derivatives of volumes by vertices
+    bool windings = false;  ///< also winding numbers at vertices
     /// Bodies are whole: groups of triangles (Shape::groups) are not looked at.
     PairFilter filter = {};
 };
@@ -62,7 +73,8 @@ struct Overlaps {
     Array<OverlapRelation> relation;
 
     // For Output::pairs:
-    Array<double> volume;                   ///< ∫ w_first w_second dx, of winding numbers w
+    /// ∫ w_first w_second dx, of winding numbers w; of a body with itself ½ ∫ (w² − w) dx, what it covers twice.
+    Array<double> volume;
     Array<std::array<double, 3>> centroid;  ///< of the overlap; NaN where the volume is 0
     /// The derivative of the volume where the first body moves: ∫ n dA over what of its surface lies inside the second
     /// body, with n outwards. The mean of the limits from both sides, where surfaces lie on each other. Moved along its
@@ -73,6 +85,24 @@ struct Overlaps {
     /// The derivative of the volume where the first body turns about `torque_point`: ∫ (x - p) × n dA.
     Array<std::array<double, 3>> torque;
     Array<std::array<double, 3>> torque_point;  ///< the centroid; where there is none, a point between the bodies
+
+    /// For OverlapQuery::gradient: the derivatives of volume i by the vertices of both bodies are gradient[j], j from
+    /// gradient_offsets[i] to gradient_offsets[i + 1], by body and vertex; those that are 0 are left out. Their sum
+    /// over the first body is the area vector. Where a shape is welded, the lowest of equal vertices stands for all.
+    Array<std::int64_t> gradient_offsets;
+    Array<BodyVertex> gradient_vertices;
+    Array<std::array<double, 3>> gradient;  ///< each coordinate correctly rounded
+
+    /// For OverlapQuery::windings: the winding numbers of the other body's surface at the vertices of each body, in the
+    /// same way. Of a vertex that lies on the other surface the number holds for the second body shifted by (e, e², e³),
+    /// e → 0+.
+    Array<std::int64_t> winding_offsets;
+    Array<BodyVertex> winding_vertices;
+    Array<std::int32_t> windings;
+
+    // For OverlapQuery::self_overlaps, by body:
+    Array<double> body_volume;    ///< ∫ w dx, correctly rounded; NaN of a body whose surface is not closed
+    Array<std::uint8_t> is_solid;  ///< 1 if all winding numbers are 0 or 1, but for regions of no volume
 
     Statistics statistics;
 };

@@ -43,7 +43,6 @@ struct Detector::Implementation : MeshCalls {
         const bool on_cuda = working == Backend::cuda;
         if (distances && on_cuda) return "distances of bodies need the cpu backend (Options::backend)";
         if (overlaps && on_cuda) return "overlaps of bodies need the cpu backend (Options::backend)";
-        if (overlaps && mesh) return "overlaps are those of bodies: a world, or two meshes";
         if (distances && mesh) return "distances are those of bodies: a world, or two meshes";
         if (std::same_as<Query, FreeStepQuery> && !mesh) return "a free step is that of one mesh";
         if ((distances || overlaps || std::same_as<Query, CandidateQuery>)&&!mesh && !two && !world)
@@ -108,6 +107,12 @@ struct Detector::Implementation : MeshCalls {
                 return find(mesh, nullptr, query, std::move(stop));
             else if constexpr (FeatureQuery<Query>)
                 return find(mesh, query, std::move(stop));
+            else if constexpr (std::same_as<Query, OverlapQuery>)
+                return as_world(mesh, nullptr, [&](const World& world) -> const Result& {
+                    OverlapQuery with_itself = query;
+                    with_itself.self_overlaps = true;
+                    return find(world, with_itself, std::move(stop));
+                });
             else
                 return result_of(query);  // refused
         };

@@ -1,5 +1,6 @@
 #include "results/overlap_output.h"
 
+#include <limits>
 #include <utility>
 
 namespace crumple {
@@ -17,6 +18,14 @@ void for_each_array(Overlaps& mine, Overlaps& theirs, Act act) {
     act(mine.mean_depth, theirs.mean_depth);
     act(mine.torque, theirs.torque);
     act(mine.torque_point, theirs.torque_point);
+    act(mine.gradient_offsets, theirs.gradient_offsets);
+    act(mine.gradient_vertices, theirs.gradient_vertices);
+    act(mine.gradient, theirs.gradient);
+    act(mine.winding_offsets, theirs.winding_offsets);
+    act(mine.winding_vertices, theirs.winding_vertices);
+    act(mine.windings, theirs.windings);
+    act(mine.body_volume, theirs.body_volume);
+    act(mine.is_solid, theirs.is_solid);
 }
 
 std::array<double, 3> array_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
@@ -46,6 +55,39 @@ void clear(Overlaps& result) {
     result.statistics = {};
 }
 
+void orient(int first, int second, OverlapRow& row) {
+    const auto negate = [](double& x) { x = 0 - x; };
+    const auto negate_all = [&](Vec3d& v) {
+        for (int axis = 0; axis < 3; ++axis) negate(v[axis]);
+    };
+    for (VertexWinding& vertex : row.windings[0]) vertex.winding *= second;
+    for (VertexWinding& vertex : row.windings[1]) vertex.winding *= first;
+    if (first == second) return;
+    OverlapNumbers& numbers = row.numbers;
+    negate(numbers.volume.value);
+    negate(numbers.mean_depth);
+    for (Vec3d* v : {&numbers.area_vector, &numbers.torque, &numbers.normal}) negate_all(*v);
+    for (auto& vertices : row.gradient)
+        for (VertexVector& vertex : vertices) negate_all(vertex.value);
+}
+
+void begin(const OverlapQuery& query, std::int32_t worlds, std::int32_t bodies, Overlaps& result) {
+    clear(result);
+    if (query.output != Output::any) result.world_hit.assign(static_cast<std::size_t>(worlds), 0);
+    if (query.output != Output::pairs) return;
+    if (query.gradient) result.gradient_offsets.push_back(0);
+    if (query.windings) result.winding_offsets.push_back(0);
+    if (!query.self_overlaps) return;
+    result.body_volume.assign(static_cast<std::size_t>(bodies), std::numeric_limits<double>::quiet_NaN());
+    result.is_solid.assign(static_cast<std::size_t>(bodies), 0);
+}
+
+void add_body(std::int32_t body, const OverlapRow& row, Overlaps& result) {
+    if (result.body_volume.empty()) return;
+    result.body_volume[body] = row.body_volume;
+    result.is_solid[body] = row.numbers.volume.scaled.mantissa == 0;
+}
+
 void add_row(const OverlapQuery& query, const BodyPair& bodies, std::int32_t world, const OverlapRow& row,
              Overlaps& result) {
     result.any = true;
@@ -63,6 +105,20 @@ void add_row(const OverlapQuery& query, const BodyPair& bodies, std::int32_t wor
     result.mean_depth.push_back(numbers.mean_depth);
     result.torque.push_back(array_of(numbers.torque));
     result.torque_point.push_back(array_of(numbers.point));
+    const auto add_offset = [](auto& offsets, std::size_t end) { offsets.push_back(static_cast<std::int64_t>(end)); };
+    for (std::size_t side = 0; side < 2; ++side) {
+        const std::int32_t body = side == 0 ? bodies.first : bodies.second;
+        for (const auto& [vertex, value] : row.gradient[side]) {
+            result.gradient_vertices.push_back({body, vertex});
+            result.gradient.push_back(array_of(value));
+        }
+        for (const auto& [vertex, winding] : row.windings[side]) {
+            result.winding_vertices.push_back({body, vertex});
+            result.windings.push_back(winding);
+        }
+    }
+    if (query.gradient) add_offset(result.gradient_offsets, result.gradient.size());
+    if (query.windings) add_offset(result.winding_offsets, result.windings.size());
 }
 
 }  // namespace crumple

@@ -2,17 +2,35 @@
 
 // Assembles results of overlap queries.
 
+#include <array>
+#include <vector>
+
 #include "crumple/overlaps.h"
 #include "exact/overlap/overlap_totals.h"
 
 namespace crumple {
+
+struct VertexVector {
+    std::int32_t vertex;
+    Vec3d value;
+};
+struct VertexWinding {
+    std::int32_t vertex, winding;
+};
 
 /// Result for one pair of bodies.
 struct OverlapRow {
     bool exists = false;  ///< the surfaces meet, or one has a component inside the other
     OverlapRelation relation = OverlapRelation::overlapping;
     OverlapNumbers numbers;
+    // As far as requested, of the first and the second body, in the order of vertices:
+    std::array<std::vector<VertexVector>, 2> gradient;
+    std::array<std::vector<VertexWinding>, 2> windings;
+    double body_volume = 0;  ///< of a body with itself: its own volume
 };
+
+/// Turns bodies inside out whose orientation is −1.
+void orient(int first, int second, OverlapRow& row);
 
 /// Empty, with arrays that are all counted by `meter`.
 Overlaps metered_overlaps(MemoryMeter* meter);
@@ -20,6 +38,11 @@ Overlaps metered_overlaps(MemoryMeter* meter);
 void hand_over(Overlaps& mine, Overlaps& theirs);
 /// Forgets all.
 void clear(Overlaps& result);
+
+/// Begins a result without rows. Numbers by body are those of bodies whose surfaces are not closed.
+void begin(const OverlapQuery& query, std::int32_t worlds, std::int32_t bodies, Overlaps& result);
+/// Adds what the row of a body with itself says of that body.
+void add_body(std::int32_t body, const OverlapRow& row, Overlaps& result);
 
 /// Adds a row, as far as the query's output has it. `world`: that of the row, or −1.
 void add_row(const OverlapQuery& query, const BodyPair& bodies, std::int32_t world, const OverlapRow& row,

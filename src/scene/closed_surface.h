@@ -34,6 +34,7 @@ class ClosedSurface {
     Array<OpenEdge> open_edges() const;
     bool closed() const { return closed_; }
 
+    std::int32_t face_count() const { return static_cast<std::int32_t>(features_.faces()); }
     std::int32_t places() const { return static_cast<std::int32_t>(vertex_at_.size()); }
     std::int32_t place(std::int32_t vertex) const { return place_[vertex]; }
     std::int32_t vertex_at(std::int32_t place) const { return vertex_at_[place]; }

@@ -3,100 +3,111 @@
 // The overlap of two bodies: sums over the pairs of their triangles that intersect, and over the triangles of each that
 // lie inside the other (docs/overlap.md).
 //
-//   pairs --crossings, double words or rationals--> terms, and steps of winding numbers along the edges they cross
+//   pairs --crossings, double words or rationals--> weights of faces, and steps of winding numbers along edges
 //   components --a ray each--> winding numbers of their first vertices
 //   steps --sorted--> intervals of places whose winding number is constant --> faces inside
-//   all terms --fixed point--> sums, each rounded once where its bound allows, else found again in rationals
+//   weights --times cones and normals--> terms --fixed point--> sums, each rounded once where its bound allows, else found
+//                                                               again in rationals
 
+#include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/cancellation.h"
 #include "crumple/intersections.h"
-#include "exact/overlap/face_crossing.h"
+#include "exact/overlap/enclosed.h"
 #include "exact/overlap/fixed_sum.h"
 #include "exact/overlap/overlap_totals.h"
 #include "exact/overlap/rational_sum.h"
-#include "geometry/triangle.h"
 #include "results/overlap_output.h"
-#include "scene/closed_surface.h"
-#include "scene/placement.h"
+#include "search/overlap_weights.h"
+#include "search/overlap_windings.h"
 
 namespace crumple {
 
-/// A body where it is.
-struct PlacedSurface {
-    const ClosedSurface* surface = nullptr;
-    const Vec3d* points = nullptr;  ///< by vertex
-    Bounds box = no_bounds;
-    bool in_range = true;  ///< of double words
+inline constexpr std::array both_shifts{Shift::forward, Shift::backward};
 
-    std::array<Vec3d, 3> corners(std::int32_t face) const {
-        const std::int32_t* c = surface->corners(face);
-        return {points[c[0]], points[c[1]], points[c[2]]};
+/// One surface under one shift: winding numbers of the other at its vertices, and weights of its faces.
+template <class Number>
+struct ShiftedSurface {
+    WindingSteps steps;
+    WeightedFaces<Number> weights;
+
+    void clear() {
+        steps.clear();
+        weights.clear();
     }
 };
 
-/// A winding number that is constant on an interval of places.
-struct WindingInterval {
-    std::int32_t begin, end, winding;
-};
-
-/// Intervals of places of one surface, by the steps of winding numbers at their ends.
-class WindingSteps {
-   public:
-    void clear() { steps_.clear(); }
-    void add(std::int32_t begin, std::int32_t end, std::int32_t winding) {
-        if (winding == 0) return;
-        steps_.push_back({begin, winding});
-        steps_.push_back({end, -winding});
-    }
-    /// Adds the change of the winding number along an edge of a face.
-    void add_jump(const ClosedSurface& surface, std::int32_t face, std::size_t edge, int jump);
-    /// Makes the intervals of the steps.
-    void finish();
-    /// The intervals whose winding number is not 0, in their order.
-    const std::vector<WindingInterval>& intervals() const { return intervals_; }
-
-   private:
-    struct Step {
-        std::int32_t place, change;
-        friend auto operator<=>(const Step&, const Step&) = default;
-    };
-    std::vector<Step> steps_;
-    std::vector<WindingInterval> intervals_;
-};
+/// Both surfaces under one shift.
+template <class Number>
+using ShiftedSurfaces = std::array<ShiftedSurface<Number>, 2>;
 
 class OverlapOfBodies {
    public:
+    struct Request {
+        bool gradient = false, windings = false;
+        int orientation = 1;  ///< of a body with itself: −1 if its faces are meant to be reversed
+    };
+
     explicit OverlapOfBodies(Cancellation& cancellation) : cancellation_(cancellation) {}
 
     /// `pairs`: all pairs of triangles of a and b that have a common point, in their order. Sums are about `origin`.
-    OverlapRow find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs, const Vec3d& origin);
+    OverlapRow find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs, const Vec3d& origin,
+                    const Request& request);
 
-    /// Rows whose sums did not tell how they round, so that they were added up in rationals.
+    /// The overlap of a body with itself: half of what its winding number squared exceeds the winding number by.
+    /// `pairs`: all pairs of its triangles that have a common point, in both orders, but for pairs of one triangle.
+    OverlapRow find_self(const PlacedSurface& body, std::span<const Pair> pairs, const Vec3d& origin,
+                         const Request& request);
+
+    /// The integral of the winding number of a body, correctly rounded.
+    double volume_of(const PlacedSurface& body, const Vec3d& origin, int orientation);
+
+    /// Rows of which some number needed rational arithmetic.
     std::int64_t rational_rows() const { return rational_rows_; }
 
    private:
-    void begin();
-    void find_windings(const PlacedSurface& a, const PlacedSurface& b);
-    void add_quickly(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs);
-    OverlapTotals<RationalSum> add_rationally(const PlacedSurface& a, const PlacedSurface& b,
-                                              std::span<const Pair> pairs);
-    void add_components(const PlacedSurface& of, const PlacedSurface& other, Shift shift, WindingSteps& steps);
-    void add_jumps(const PlacedSurface& a, const PlacedSurface& b, const Pair& pair, const FaceCrossing& jumps);
-    void add_inside(const PlacedSurface& of, const WindingSteps& steps);
-    bool is_inside(const PlacedSurface& of, const WindingSteps& steps, const WindingSteps& others) const;
-    OverlapRelation relate(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
-                           const OverlapNumbers& numbers);
+    struct ExactOverlap {
+        std::array<ShiftedSurfaces<Rational>, 2> shifted;  ///< forward, backward
+        OverlapTotals<RationalSum> totals;
+    };
+
+    OverlapRow find(const Request& request);
+    bool in_range() const { return surfaces_[0]->in_range && surfaces_[1]->in_range; }
+    const ClosedSurface& topology(std::size_t side) const { return *surfaces_[side]->surface; }
+    void add_quickly(const Request& request);
+    const ExactOverlap& exact_overlap();
+    template <class Number>
+    void add_jumps(const Pair& pair, const FaceCrossing& jumps, ShiftedSurfaces<Number>& surfaces) const;
+    template <class Number>
+    void add_windings(Shift shift, ShiftedSurfaces<Number>& surfaces) const;
+    template <class Number, class Sum, class Place>
+    void add_faces(ShiftedSurfaces<Number>& surfaces, OverlapTotals<Sum>& totals, Place place) const;
+    const WindingSteps& steps(std::size_t side) const;
+    bool is_inside(std::size_t side) const;
+    OverlapRelation relate(const OverlapNumbers& numbers);
+    template <class Number, class Wanted>
+    WeightedFaces<Number> all_weights(std::size_t side, std::array<ShiftedSurfaces<Number>, 2>& shifted,
+                                      Wanted wanted) const;
+    /// What the sums of a gradient have to be divided by.
+    int divisor() const { return self_ ? 24 : 12; }
+    std::vector<VertexVector> gradient(std::size_t side);
+    std::vector<VertexVector> rational_gradient(std::size_t side, const std::vector<std::int32_t>& vertices);
+    std::vector<VertexWinding> windings(std::size_t side) const;
 
     Cancellation& cancellation_;
     std::int64_t rational_rows_ = 0;
     // State of the current row:
+    std::array<const PlacedSurface*, 2> surfaces_{};
+    std::span<const Pair> pairs_;
     Vec3d origin_;
+    int self_ = 0;  ///< the orientation of a body that is with itself, else 0
     bool crossings_ = false;  ///< true if any two faces cross
-    WindingSteps of_a_, of_b_;
-    OverlapTotals<FixedSum> quick_;
+    std::array<ShiftedSurfaces<Enclosed>, 2> quick_;  ///< forward; for gradients also backward
+    OverlapTotals<FixedSum> quick_totals_;
+    std::optional<ExactOverlap> exact_;
 };
 
 }  // namespace crumple

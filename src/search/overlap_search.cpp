@@ -23,6 +23,29 @@ Vec3d middle_of(const Bounds& a, const Bounds& b) {
     return middle;
 }
 
+/// Pairs of triangles of one surface that have a common point, in both orders: those that were found, which lack
+/// neighbours that meet in no more than what they share, and all neighbours.
+std::vector<Pair> pairs_within(const ClosedSurface& surface, std::span<const Pair> found) {
+    std::vector<Pair> pairs;
+    for (const auto& [a, b] : found) {
+        pairs.push_back({a, b});
+        pairs.push_back({b, a});
+    }
+    std::vector<std::pair<std::int32_t, std::int32_t>> corners;  // vertex, triangle
+    for (std::int32_t face = 0; face < surface.face_count(); ++face)
+        for (std::size_t k = 0; k < 3; ++k) corners.emplace_back(surface.corners(face)[k], face);
+    std::sort(corners.begin(), corners.end());
+    for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {
+        while (end < corners.size() && corners[end].first == corners[begin].first) ++end;
+        for (std::size_t i = begin; i < end; ++i)
+            for (std::size_t j = begin; j < end; ++j)
+                if (corners[i].second != corners[j].second) pairs.push_back({corners[i].second, corners[j].second});
+    }
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    return pairs;
+}
+
 bool in_double_word_range(const Vec3d& p) {
     for (int axis = 0; axis < 3; ++axis)
         if (p[axis] != 0 && !(std::abs(p[axis]) >= 0x1p-150 && std::abs(p[axis]) <= 0x1p150)) return false;
@@ -55,11 +78,11 @@ void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World&
     query_ = query;
     outline_.read(world, query.filter);
     rules_.prepare(query.filter);
-    clear(result);
-    if (query.output != Output::any) result.world_hit.assign(static_cast<std::size_t>(outline_.worlds()), 0);
+    begin(query, outline_.worlds(), outline_.bodies(), result);
     read_surfaces(backend);
     IntersectionQuery intersections;
     intersections.filter = query.filter;
+    if (!query.self_overlaps) intersections.filter.bodies = PairScope::between;
     worlds.find(backend, world, intersections, found_);
     result.statistics = found_.statistics;
     sort_pairs();
@@ -73,9 +96,12 @@ void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World&
         rows[i] = row_of(candidates_[i], rational_rows);
         rational.fetch_add(rational_rows, std::memory_order_relaxed);
     });
-    for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const BodyPair& bodies = candidates_[i].bodies;
+        if (bodies.first == bodies.second) add_body(bodies.first, rows[i], result);
         if (rows[i].exists && std::abs(rows[i].numbers.volume.value) >= query.min_volume)
-            add_row(query, candidates_[i].bodies, outline_.body(candidates_[i].bodies.first).world, rows[i], result);
+            add_row(query, bodies, outline_.body(bodies.first).world, rows[i], result);
+    }
     result.statistics.rational_tests += rational;
     result.count = static_cast<std::int64_t>(result.bodies.size());
 }
@@ -119,8 +145,8 @@ void OverlapSearch::list_candidates() {
     for (std::int32_t b = 0; b < outline_.bodies(); ++b)
         if (!surface(b).empty) box[static_cast<std::size_t>(b)] = outline_.placement(b)(surface(b).box);
     const auto add = [&](std::int32_t a, std::int32_t b) {
-        if (!overlap(box[static_cast<std::size_t>(a)], box[static_cast<std::size_t>(b)]) || !rules_.between(a, b))
-            return;
+        if (!overlap(box[static_cast<std::size_t>(a)], box[static_cast<std::size_t>(b)])) return;
+        if (a != b && !rules_.between(a, b)) return;
         if (!rules_.groups(outline_.body(a).group, outline_.body(b).group)) return;
         const auto end = candidates_.begin() + static_cast<std::ptrdiff_t>(meet);
         const auto before = [](const Candidate& c, const BodyPair& bodies) { return c.bodies < bodies; };
@@ -131,6 +157,7 @@ void OverlapSearch::list_candidates() {
         const std::int32_t end = w < worlds ? outline_.first_body(w + 1) : outline_.bodies();
         for (std::int32_t a = outline_.first_body(w); a < end; ++a) {
             cancellation_.check();
+            if (query_.self_overlaps && rules_.within(a, outline_.body(a).self)) add(a, a);
             for (std::int32_t b = a + 1; b < end; ++b) add(a, b);
             for (std::int32_t b = rest; w < worlds && b < outline_.bodies(); ++b) add(a, b);
         }
@@ -172,12 +199,23 @@ PlacedSurface OverlapSearch::place(std::int32_t body, std::vector<Vec3d>& points
 
 OverlapRow OverlapSearch::row_of(const Candidate& candidate, std::int64_t& rational_rows) const {
     std::vector<Vec3d> points_a, points_b;
-    const PlacedSurface a = place(candidate.bodies.first, points_a), b = place(candidate.bodies.second, points_b);
+    const auto [first, second] = candidate.bodies;
+    const PlacedSurface a = place(first, points_a);
+    const std::span<const Pair> pairs(pairs_.data() + candidate.begin, candidate.end - candidate.begin);
     OverlapOfBodies overlap(cancellation_);
-    OverlapRow row =
-        overlap.find(a, b, {pairs_.data() + candidate.begin, candidate.end - candidate.begin}, middle_of(a.box, b.box));
+    OverlapOfBodies::Request request{.gradient = query_.gradient, .windings = query_.windings};
+    OverlapRow row;
+    if (first == second) {
+        request.orientation = orientation(first);
+        const Vec3d middle = middle_of(a.box, a.box);
+        row = overlap.find_self(a, pairs_within(*a.surface, pairs), middle, request);
+        row.body_volume = overlap.volume_of(a, middle, request.orientation);
+    } else {
+        const PlacedSurface b = place(second, points_b);
+        row = overlap.find(a, b, pairs, middle_of(a.box, b.box), request);
+    }
+    orient(orientation(first), orientation(second), row);
     rational_rows = overlap.rational_rows();
-    if (mirrored(candidate.bodies.first) != mirrored(candidate.bodies.second)) reverse(row.numbers);
     return row;
 }
 

@@ -51,8 +51,8 @@ class OverlapSearch {
     void sort_pairs();
     void list_candidates();
     void check_closed(std::int32_t body) const;
-    /// True if the pose of a body turns it inside out; its faces are meant to be reversed then.
-    bool mirrored(std::int32_t body) const { return orientation_of(outline_.placement(body)) < 0; }
+    /// Returns −1 if the pose of a body turns it inside out: its faces are meant to be reversed then.
+    int orientation(std::int32_t body) const { return orientation_of(outline_.placement(body)) < 0 ? -1 : 1; }
     PlacedSurface place(std::int32_t body, std::vector<Vec3d>& points) const;
     OverlapRow row_of(const Candidate& candidate, std::int64_t& rational_rows) const;
     const Surface& surface(std::int32_t body) const {

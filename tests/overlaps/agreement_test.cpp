@@ -72,7 +72,7 @@ ClosedBodies closed_bodies(unsigned seed, int bodies, bool grid, bool posed) {
     if (dice.chance(0.2)) all.soups[1] = all.soups[0];
     for (int b = 0; b < bodies; ++b) {
         all.shapes.emplace_back(all.soups[static_cast<std::size_t>(b)].view());
-        all.bodies.push_back({.shape = b, .group = dice.below(2)});
+        all.bodies.push_back({.shape = b, .group = dice.below(2), .self = true});
         all.poses.push_back(posed ? test::random_pose(dice, 0.5) : Pose{});
     }
     return all;
@@ -95,6 +95,14 @@ std::string difference(const Overlaps& x, const Overlaps& y) {
     if (differ(x.mean_depth, y.mean_depth)) return "mean_depth";
     if (differ(x.torque, y.torque)) return "torque";
     if (differ(x.torque_point, y.torque_point)) return "torque_point";
+    if (differ(x.gradient_offsets, y.gradient_offsets)) return "gradient_offsets";
+    if (differ(x.gradient_vertices, y.gradient_vertices)) return "gradient_vertices";
+    if (differ(x.gradient, y.gradient)) return "gradient";
+    if (differ(x.winding_offsets, y.winding_offsets)) return "winding_offsets";
+    if (differ(x.winding_vertices, y.winding_vertices)) return "winding_vertices";
+    if (differ(x.windings, y.windings)) return "windings";
+    if (differ(x.body_volume, y.body_volume)) return "body_volume";
+    if (differ(x.is_solid, y.is_solid)) return "is_solid";
     return {};
 }
 
@@ -116,6 +124,7 @@ TEST_P(OverlapAgreement, of_bodies_on_a_grid) {
         SCOPED_TRACE(seed);
         const ClosedBodies bodies = closed_bodies(seed, 3, true, false);
         compare(bodies.view());
+        compare(bodies.view(), {.self_overlaps = true, .gradient = true, .windings = true});
     }
     for (const int rows : relations_) EXPECT_GT(rows, 0);
 }
@@ -124,6 +133,7 @@ TEST_P(OverlapAgreement, of_bodies_anywhere) {
         SCOPED_TRACE(seed);
         const ClosedBodies bodies = closed_bodies(seed, 3, false, true);
         compare(bodies.view(), {.filter = {.groups = seed % 3 == 0 ? PairScope::between : PairScope::both}});
+        compare(bodies.view(), {.self_overlaps = seed % 2 == 0, .gradient = true, .windings = true});
     }
     EXPECT_GT(relations_[1], 10);
 }

@@ -90,11 +90,12 @@ TEST(ClosedSurface, StepsAlongTheForestGiveWindingNumbersBack) {
         const auto& first = mesh.surface.components();
         for (std::size_t c = 0; c + 1 < first.size(); ++c)
             steps.add(first[c], first[c + 1], of(mesh.surface.vertex_at(first[c])));
-        for (std::int32_t t = 0; t < 2 * n; ++t)
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::int32_t* c = mesh.surface.corners(t);
-                steps.add_jump(mesh.surface, t, k, of(c[(k + 1) % 3]) - of(c[k]));
-            }
+        for (std::int32_t t = 0; t < 2 * n; ++t) {
+            const std::int32_t* c = mesh.surface.corners(t);
+            EdgeJumps jumps;
+            for (std::size_t k = 0; k < 3; ++k) jumps[k] = static_cast<std::int8_t>(of(c[(k + 1) % 3]) - of(c[k]));
+            steps.add_jumps(mesh.surface, t, jumps);
+        }
         steps.finish();
         std::vector<std::int32_t> found(static_cast<std::size_t>(mesh.surface.places()), 0);
         for (const WindingInterval& interval : steps.intervals())

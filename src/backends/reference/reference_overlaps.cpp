@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <tuple>
 #include <vector>
 
@@ -25,6 +26,8 @@ namespace {
 struct PosedBody {
     std::vector<Vec3d> point;
     std::vector<std::array<std::int32_t, 3>> face;
+    std::vector<std::int32_t> name;  ///< by vertex: the lowest vertex that it is one with
+    std::set<std::int32_t> used;     ///< names of vertices at which there is an edge
     std::map<Edge, OpenEdge> open;
     Bounds box = no_bounds;
 
@@ -36,7 +39,7 @@ struct PosedBody {
 
 void find_open_edges(const std::vector<Vec3d>& given, bool weld, PosedBody& body) {
     std::map<std::tuple<double, double, double>, std::int32_t> first_at;
-    std::vector<std::int32_t> name;
+    auto& name = body.name;
     for (std::size_t v = 0; v < given.size(); ++v) {
         const auto at = std::tuple(given[v].x + 0.0, given[v].y + 0.0, given[v].z + 0.0);  // -0 + 0 is +0
         const auto own = static_cast<std::int32_t>(v);
@@ -48,6 +51,7 @@ void find_open_edges(const std::vector<Vec3d>& given, bool weld, PosedBody& body
             const auto v = [&](std::size_t corner) { return name[static_cast<std::size_t>(body.face[t][corner])]; };
             const std::int32_t a = v(k), b = v((k + 1) % 3);
             if (a == b) continue;
+            body.used.insert({a, b});
             const Edge edge{std::min(a, b), std::max(a, b)};
             directions[edge] += a < b ? 1 : -1;
             body.open.try_emplace(edge, OpenEdge{edge, static_cast<std::int32_t>(t)});
@@ -98,8 +102,9 @@ PlacedFace<Rational> placed(const std::array<Vec3d, 3>& p, const Vec3d& origin) 
 
 class BruteForceOverlap {
    public:
-    BruteForceOverlap(const PosedBody& a, const PosedBody& b, Cancellation& cancellation)
-        : a_(a), b_(b), cancellation_(cancellation) {
+    /// `self`: 0, or the orientation of a body that is both a and b.
+    BruteForceOverlap(const PosedBody& a, const PosedBody& b, int self, Cancellation& cancellation)
+        : a_(a), b_(b), self_(self), cancellation_(cancellation) {
         std::vector<Vec3d> points = a.point;
         points.insert(points.end(), b.point.begin(), b.point.end());
         exponent_ = common_exponent(points);
@@ -111,14 +116,17 @@ class BruteForceOverlap {
 
     OverlapRow row() {
         OverlapRow row;
-        for (const Shift shift : {Shift::forward, Shift::backward}) add(shift);
+        for (const Shift shift : {Shift::forward, Shift::backward}) add(shift, row);
+        row.body_volume = self_ * rounded(six_volumes_of(a_), 6) + 0.0;
         row.exists = meet_ || enclosed_;
         if (!row.exists) return row;
         const auto round = [&](const RationalSum& sum, int divisor) {
             return std::optional(sum.rounded_quotient(divisor, cancellation_));
         };
-        finish(totals_, origin_, round, row.numbers);
-        row.relation = relation();
+        finish(totals_, origin_, self_ != 0, round, row.numbers);
+        if (self_ != 0) row.exists = row.numbers.volume.scaled.mantissa != 0;
+        row.relation = self_ != 0 ? OverlapRelation::overlapping : relation();
+        for (std::size_t side = 0; side < 2; ++side) row.gradient[side] = gradient(side);
         return row;
     }
 
@@ -140,14 +148,19 @@ class BruteForceOverlap {
         return weights;
     }
 
-    void add(Shift shift) {
+    void add(Shift shift, OverlapRow& row) {
         const bool forward = shift == Shift::forward;
         bool enclosed = false;
         Weights on_a = uncrossed(a_, b_, shift, enclosed), on_b = uncrossed(b_, a_, opposite(shift), enclosed);
-        if (forward) enclosed_ = enclosed;
+        if (forward) {
+            enclosed_ = enclosed;
+            row.windings = {windings(a_, b_, shift), windings(b_, a_, opposite(shift))};
+            if (self_ != 0) row.windings[1].clear();
+        }
         for (std::size_t f = 0; f < a_.face.size(); ++f)
             for (std::size_t g = 0; g < b_.face.size(); ++g) {
                 cancellation_.check();
+                if (self_ != 0 && f == g) continue;
                 const auto p = a_.corners(f), q = b_.corners(g);
                 if (!boxes_meet(p, q)) continue;
                 meet_ = meet_ || triangles_meet(p, q);
@@ -170,6 +183,63 @@ class BruteForceOverlap {
             }
         }
         for (std::size_t g = 0; g < b_.face.size() && forward; ++g) add_volume(placed(b_.corners(g), origin_), on_b[g]);
+        add_gradient(a_, on_a, gradient_[0]);
+        add_gradient(b_, on_b, gradient_[self_ != 0 ? 0 : 1]);
+        if (self_ == 0) return;
+        const FaceWeights<Rational> one{-self_, -self_, -self_};
+        for (std::size_t f = 0; f < a_.face.size() && forward; ++f) add_volume(placed(a_.corners(f), origin_), one);
+        add_gradient(a_, Weights(a_.face.size(), one), gradient_[0]);
+    }
+
+    using Gradient = std::map<std::int32_t, std::array<RationalSum, 3>>;
+
+    void add_gradient(const PosedBody& body, const Weights& weights, Gradient& gradient) {
+        for (std::size_t f = 0; f < body.face.size(); ++f) {
+            const Vec3<Rational> normal = placed(body.corners(f), origin_).normal;
+            for (std::size_t k = 0; k < 3; ++k)
+                for (int axis = 0; axis < 3; ++axis)
+                    gradient[body.name[static_cast<std::size_t>(body.face[f][k])]][static_cast<std::size_t>(axis)].add(
+                        weights[f][k] * normal[axis]);
+        }
+    }
+
+    std::vector<VertexVector> gradient(std::size_t side) const {
+        std::vector<VertexVector> rows;
+        for (const auto& [vertex, sums] : gradient_[side]) {
+            VertexVector row{vertex, {}};
+            bool zero = true;
+            for (int axis = 0; axis < 3; ++axis) {
+                const RoundedSum sum =
+                    sums[static_cast<std::size_t>(axis)].rounded_quotient(self_ != 0 ? 24 : 12, cancellation_);
+                row.value[axis] = sum.value;
+                zero = zero && sum.scaled.mantissa == 0;
+            }
+            if (!zero) rows.push_back(row);
+        }
+        return rows;
+    }
+
+    std::vector<VertexWinding> windings(const PosedBody& of, const PosedBody& other, Shift shift) const {
+        std::vector<VertexWinding> rows;
+        for (const std::int32_t vertex : of.used) {
+            int winding = 0;
+            for (std::size_t g = 0; g < other.face.size(); ++g)
+                winding += winding_along_ray(of.point[static_cast<std::size_t>(vertex)], other.corners(g), shift);
+            if (winding != 0) rows.push_back({vertex, winding});
+        }
+        return rows;
+    }
+
+    static double rounded(const Rational& x, int divisor) {
+        Cancellation none;
+        RationalSum sum;
+        sum.add(x);
+        return sum.rounded_quotient(divisor, none).value;
+    }
+    Rational six_volumes_of(const PosedBody& body) const {
+        Rational six = 0;
+        for (std::size_t f = 0; f < body.face.size(); ++f) six += placed(body.corners(f), origin_).cone();
+        return six;
     }
 
     void add_volume(const PlacedFace<Rational>& face, const FaceWeights<Rational>& weights) {
@@ -192,9 +262,7 @@ class BruteForceOverlap {
     OverlapRelation relation() const {
         if (volume_ == 0) return meet_ ? OverlapRelation::touching : OverlapRelation::overlapping;
         const auto has_that_volume = [&](const PosedBody& body) {
-            Rational six = 0;
-            for (std::size_t f = 0; f < body.face.size(); ++f) six += placed(body.corners(f), origin_).cone();
-            return abs(volume_) == 3 * abs(six);
+            return abs(volume_) == 3 * abs(six_volumes_of(body));
         };
         const bool first = has_that_volume(a_), second = has_that_volume(b_);
         if (first && second) return OverlapRelation::equal;
@@ -203,12 +271,14 @@ class BruteForceOverlap {
     }
 
     const PosedBody &a_, &b_;
+    int self_;
     Cancellation& cancellation_;
     int exponent_ = 0;
     Vec3d origin_;
     bool meet_ = false, enclosed_ = false;
     Rational volume_ = 0;  ///< 18 times it
     OverlapTotals<RationalSum> totals_;
+    std::array<Gradient, 2> gradient_;
 };
 
 }  // namespace
@@ -219,19 +289,19 @@ void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query,
     outline.read(world, query.filter);
     BodyRules rules(&meter);
     rules.prepare(query.filter);
-    clear(result);
+    begin(query, outline.worlds(), outline.bodies(), result);
     result.statistics.backend = "reference";
     result.statistics.simd = "scalar";
     result.statistics.triangles = outline.triangles();
-    if (query.output != Output::any) result.world_hit.assign(static_cast<std::size_t>(outline.worlds()), 0);
     std::vector<PosedBody> bodies;
     bodies.reserve(static_cast<std::size_t>(outline.bodies()));
     for (std::int32_t b = 0; b < outline.bodies(); ++b) bodies.push_back(posed_body(outline, b, query.weld));
     for (std::int32_t a = 0; a < outline.bodies(); ++a) {
-        for (std::int32_t b = a + 1; b < outline.bodies(); ++b) {
+        for (std::int32_t b = query.self_overlaps ? a : a + 1; b < outline.bodies(); ++b) {
             const Body &one = outline.body(a), &other = outline.body(b);
             if (one.world != other.world && other.world != -1) continue;
-            if (!rules.between(a, b) || !rules.groups(one.group, other.group)) continue;
+            if (!(a == b ? rules.within(a, one.self) : rules.between(a, b))) continue;
+            if (!rules.groups(one.group, other.group)) continue;
             const PosedBody &p = bodies[static_cast<std::size_t>(a)], &q = bodies[static_cast<std::size_t>(b)];
             if (!overlap(p.box, q.box)) continue;
             bool open = false;
@@ -242,9 +312,14 @@ void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query,
                 open = true;
             }
             if (open) continue;
-            OverlapRow row = BruteForceOverlap(p, q, cancellation).row();
-            const auto mirrored = [&](std::int32_t body) { return orientation_of(outline.placement(body)) < 0; };
-            if (mirrored(a) != mirrored(b)) reverse(row.numbers);
+            const auto orientation = [&](std::int32_t body) {
+                return orientation_of(outline.placement(body)) < 0 ? -1 : 1;
+            };
+            OverlapRow row = BruteForceOverlap(p, q, a == b ? orientation(a) : 0, cancellation).row();
+            if (a == b) add_body(a, row, result);
+            orient(orientation(a), orientation(b), row);
+            if (!query.gradient) row.gradient = {};
+            if (!query.windings) row.windings = {};
             if (row.exists && std::abs(row.numbers.volume.value) >= query.min_volume)
                 add_row(query, {a, b}, one.world, row, result);
         }

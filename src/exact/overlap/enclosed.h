@@ -10,6 +10,7 @@
 // So small whole numbers, as in many scenes made by hand, have a bound of 0.
 
 #include <limits>
+#include <optional>
 
 #include "geometry/double_word.h"
 
@@ -55,6 +56,16 @@ CRUMPLE_HD inline Enclosed operator/(const Enclosed& x, const Enclosed& y) {
     const bool exact =
         quotient.low == 0 && x.value.low == 0 && y.value.low == 0 && back.low == 0 && back.high == x.value.high;
     return {quotient, detail::above * (error + (exact ? 0 : 0x1p-102 * std::abs(quotient.high)))};
+}
+
+/// The float64 number nearest to x / divisor, ties to even, if that is certain.
+inline std::optional<double> nearest_quotient(const Enclosed& x, double divisor) {
+    const Enclosed quotient = x / Enclosed(divisor);
+    const auto [high, low] = quotient.value;
+    if (quotient.error == 0) return high + 0.0;  // never -0
+    const double error = detail::above * quotient.error + 0x1p-52 * std::abs(low);
+    const double least = high + (low - error), most = high + (low + error);
+    return least == most ? std::optional(least + 0.0) : std::nullopt;
 }
 
 /// p − q, exactly.

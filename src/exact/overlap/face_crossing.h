@@ -18,6 +18,8 @@
 
 namespace crumple {
 
+using FaceCorners = std::array<Vec3d, 3>;
+
 /// Direction in which a surface is shifted.
 enum class Shift : std::int8_t { backward = -1, forward = 1 };
 

@@ -33,16 +33,6 @@ struct OverlapNumbers {
     double mean_depth = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Turns one of the bodies inside out.
-inline void reverse(OverlapNumbers& numbers) {
-    const auto negate = [](double& x) { x = 0 - x; };
-    negate(numbers.volume.value);
-    negate(numbers.volume.scaled.mantissa);
-    negate(numbers.mean_depth);
-    for (Vec3d* v : {&numbers.area_vector, &numbers.torque, &numbers.normal})
-        for (int axis = 0; axis < 3; ++axis) negate((*v)[axis]);
-}
-
 namespace detail {
 
 /// The length of a vector of three scaled numbers, not all 0, and the vector divided by it, each within 2 units in the
@@ -73,9 +63,9 @@ struct ScaledDirection {
 }  // namespace detail
 
 /// Fills in the numbers. `round(sum, divisor)` is a RoundedSum, or nothing where the sum does not tell: then false is
-/// returned.
+/// returned. `self`: the sums are twice those of a body's overlap with itself.
 template <class Sum, class Round>
-bool finish(const OverlapTotals<Sum>& totals, const Vec3d& origin, Round round, OverlapNumbers& numbers) {
+bool finish(const OverlapTotals<Sum>& totals, const Vec3d& origin, bool self, Round round, OverlapNumbers& numbers) {
     const auto next = [](std::size_t k) { return k == 2 ? std::size_t{0} : k + 1; };
     const auto all = [&](const std::array<Sum, 3>& sums, int divisor, std::array<RoundedSum, 3>& rounded) {
         for (std::size_t k = 0; k < 3; ++k) {
@@ -89,8 +79,9 @@ bool finish(const OverlapTotals<Sum>& totals, const Vec3d& origin, Round round, 
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
     const auto volume = round(totals.volume, 18);
-    if (!volume) return false;
-    numbers.volume = *volume;
+    const auto own_volume = self ? round(totals.volume, 36) : volume;
+    if (!volume || !own_volume) return false;
+    numbers.volume = *own_volume;
     numbers.centroid = {nan, nan, nan};
     numbers.point = origin;
     if (volume->scaled.mantissa != 0) {

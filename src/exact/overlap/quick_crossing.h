@@ -14,8 +14,6 @@
 
 namespace crumple {
 
-using FaceCorners = std::array<Vec3d, 3>;
-
 namespace detail {
 
 /// Sign of component `axis` of (q − p) × (s − r). Four roundings.

@@ -58,6 +58,15 @@ class IntegerSigns {
     Shift shift_;
 };
 
+/// Converts to the unit that is common to all corners.
+template <std::size_t N>
+std::array<Vec3<Integer>, N> in_common_unit(const std::array<Vec3d, N>& points) {
+    const int exponent = common_exponent(points);
+    std::array<Vec3<Integer>, N> result;
+    for (std::size_t i = 0; i < N; ++i) result[i] = scaled(points[i], exponent);
+    return result;
+}
+
 Rational quotient(const Integer& x, const Integer& y) { return Rational(mp::cpp_int(x)) / mp::cpp_int(y); }
 
 }  // namespace
@@ -93,6 +102,16 @@ int winding_along_ray(const Vec3<Integer>& p, const IntegerTriangle& face, Shift
     int side = sign_of(plane(p));
     if (side == 0) side = plane.side_in_plane(shift);
     return side == -along ? along : 0;
+}
+
+RationalCrossing cross_rationally(const FaceCorners& a, const FaceCorners& b, Shift shift) {
+    const auto p = in_common_unit<6>({a[0], a[1], a[2], b[0], b[1], b[2]});
+    return cross_rationally(IntegerTriangle{p[0], p[1], p[2]}, IntegerTriangle{p[3], p[4], p[5]}, shift);
+}
+
+int winding_along_ray(const Vec3d& p, const FaceCorners& face, Shift shift) {
+    const auto q = in_common_unit<4>({p, face[0], face[1], face[2]});
+    return winding_along_ray(q[0], IntegerTriangle{q[1], q[2], q[3]}, shift);
 }
 
 }  // namespace crumple

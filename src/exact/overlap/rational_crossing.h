@@ -20,8 +20,11 @@ using RationalCrossing = Crossing<Rational>;
 /// b is shifted. Both triangles in one unit. Cost: some 20 us for ordinary coordinates.
 RationalCrossing cross_rationally(const IntegerTriangle& a, const IntegerTriangle& b, Shift shift);
 
+RationalCrossing cross_rationally(const FaceCorners& a, const FaceCorners& b, Shift shift);
+
 /// Returns the share of a face in the winding number of its surface at p: ±1 if the ray from p along +x meets it. The
 /// surface is shifted. In one unit.
 int winding_along_ray(const Vec3<Integer>& p, const IntegerTriangle& face, Shift shift);
+int winding_along_ray(const Vec3d& p, const FaceCorners& face, Shift shift);
 
 }  // namespace crumple

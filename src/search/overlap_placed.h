@@ -1,0 +1,67 @@
+#pragma once
+
+// Faces from the origin of the sums, and volumes of bodies, in double words and in rationals. Host only.
+
+#include <algorithm>
+#include <cmath>
+
+#include "exact/overlap/pair_terms.h"
+#include "exact/overlap/quick_crossing.h"
+#include "exact/overlap/rational_crossing.h"
+#include "search/overlap_windings.h"
+
+namespace crumple {
+
+inline PlacedFace<Enclosed> placed_quickly(const FaceCorners& p, const Vec3d& origin) {
+    return {{enclosed_difference(p[0], origin), enclosed_difference(p[1], origin), enclosed_difference(p[2], origin)},
+            cross(enclosed_difference(p[1], p[0]), enclosed_difference(p[2], p[0]))};
+}
+
+inline PlacedFace<Rational> placed_rationally(const FaceCorners& p, const Vec3d& origin) {
+    const auto from_origin = [&](const Vec3d& q) {
+        return Vec3<Rational>{Rational(q.x) - Rational(origin.x), Rational(q.y) - Rational(origin.y),
+                              Rational(q.z) - Rational(origin.z)};
+    };
+    PlacedFace<Rational> face{{from_origin(p[0]), from_origin(p[1]), from_origin(p[2])}, {}};
+    face.normal = cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]);
+    return face;
+}
+
+/// Numbers between which six times the volume of a body lies.
+struct VolumeBounds {
+    double low = 0, high = 0;
+};
+inline VolumeBounds bounds_of_volume(const PlacedSurface& body, const Vec3d& origin) {
+    double sum = 0, magnitude = 0;
+    for (const std::int32_t f : body.surface->faces(0, body.surface->places())) {
+        const FaceCorners p = body.corners(f);
+        const Vec3d x = p[0] - origin, y = p[1] - origin, z = p[2] - origin;
+        sum += dot(x, cross(y, z));
+        const Vec3d size_x = abs(x), size_y = abs(y), size_z = abs(z);
+        magnitude += size_x.x * (size_y.y * size_z.z + size_y.z * size_z.y) +
+                     size_x.y * (size_y.z * size_z.x + size_y.x * size_z.z) +
+                     size_x.z * (size_y.x * size_z.y + size_y.y * size_z.x);
+    }
+    // A term passes eight roundings at most, and each sum as many as there are faces.
+    const double faces = static_cast<double>(body.surface->faces(0, body.surface->places()).size());
+    const double error = 0x1p-52 * (faces + 16) * magnitude;
+    return {sum - error, sum + error};
+}
+
+/// Six times the volume of a body.
+inline Rational six_volumes_of(const PlacedSurface& body) {
+    const auto faces = body.surface->faces(0, body.surface->places());
+    int exponent = 0;
+    for (const std::int32_t f : faces) {
+        const FaceCorners p = body.corners(f);
+        exponent = std::min(exponent, common_exponent(p));
+    }
+    Integer total = 0;
+    for (const std::int32_t f : faces) {
+        const FaceCorners p = body.corners(f);
+        total += dot(scaled(p[0], exponent), cross(scaled(p[1], exponent), scaled(p[2], exponent)));
+    }
+    return Rational(mp::cpp_int(total), mp::cpp_int(1) << (-3 * exponent));
+}
+
+}  // namespace crumple

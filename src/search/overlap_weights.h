@@ -1,0 +1,69 @@
+#pragma once
+
+// Weights of the faces of one surface by the winding numbers of another (exact/overlap/crossing.h): those that crossings
+// give, added up by face, and those of the faces inside, on which the winding number is constant.
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "exact/overlap/crossing.h"
+#include "search/overlap_windings.h"
+
+namespace crumple {
+
+template <class Number>
+class WeightedFaces {
+   public:
+    void clear() { faces_.clear(); }
+    void add(std::int32_t face, const FaceWeights<Number>& weights) { faces_.push_back({face, weights}); }
+
+    /// Makes one entry of those of each face.
+    void combine() {
+        const auto before = [](const Entry& x, const Entry& y) { return x.face < y.face; };
+        if (!std::is_sorted(faces_.begin(), faces_.end(), before))
+            std::stable_sort(faces_.begin(), faces_.end(), before);
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < faces_.size();) {
+            Entry& entry = faces_[count++] = faces_[i];
+            for (++i; i < faces_.size() && faces_[i].face == entry.face; ++i)
+                for (std::size_t k = 0; k < 3; ++k) entry.weights[k] = entry.weights[k] + faces_[i].weights[k];
+        }
+        faces_.resize(count);
+    }
+    /// Adds the winding number at its first corner to each entry.
+    void add_windings(const ClosedSurface& surface, const WindingSteps& steps) {
+        for (Entry& entry : faces_)
+            if (const int winding = steps.winding_at(surface.place(surface.corners(entry.face)[0])))
+                for (Number& weight : entry.weights) weight = weight + Number(winding);
+    }
+
+    /// Calls crossed(face, weights) for each entry, and inside(face, winding) for all other faces on which the winding
+    /// number is not 0. After combine().
+    template <class Crossed, class Inside>
+    void for_each(const ClosedSurface& surface, const WindingSteps& steps, Crossed crossed, Inside inside) {
+        if (!steps.intervals().empty()) is_crossed_.resize(static_cast<std::size_t>(surface.face_count()), 0);
+        const auto mark = [&](std::uint8_t value) {
+            for (const Entry& entry : faces_)
+                if (!is_crossed_.empty()) is_crossed_[static_cast<std::size_t>(entry.face)] = value;
+        };
+        for (const Entry& entry : faces_) crossed(entry.face, entry.weights);
+        mark(1);
+        for (const WindingInterval& interval : steps.intervals())
+            for (const std::int32_t face : surface.faces(interval.begin, interval.end))
+                if (!is_crossed_[static_cast<std::size_t>(face)]) inside(face, interval.winding);
+        mark(0);
+    }
+
+    struct Entry {
+        std::int32_t face;
+        FaceWeights<Number> weights;
+    };
+    const std::vector<Entry>& entries() const { return faces_; }
+
+   private:
+    std::vector<Entry> faces_;
+    std::vector<std::uint8_t> is_crossed_;  ///< by face; 0 between calls
+};
+
+}  // namespace crumple

@@ -1,0 +1,67 @@
+#pragma once
+
+// Winding numbers of one surface at the vertices of another: constant on intervals of the order in which a walk down the
+// forest of edges meets the vertices (scene/closed_surface.h), but for steps where the surfaces cross.
+
+#include <cstdint>
+#include <vector>
+
+#include "base/cancellation.h"
+#include "exact/overlap/face_crossing.h"
+#include "geometry/triangle.h"
+#include "scene/closed_surface.h"
+#include "scene/placement.h"
+
+namespace crumple {
+
+/// A body where it is.
+struct PlacedSurface {
+    const ClosedSurface* surface = nullptr;
+    const Vec3d* points = nullptr;  ///< by vertex
+    Bounds box = no_bounds;
+    bool in_range = true;  ///< of double words
+
+    std::array<Vec3d, 3> corners(std::int32_t face) const {
+        const std::int32_t* c = surface->corners(face);
+        return {points[c[0]], points[c[1]], points[c[2]]};
+    }
+};
+
+/// A winding number that is constant on an interval of places.
+struct WindingInterval {
+    std::int32_t begin, end, winding;
+};
+
+/// Intervals of places of one surface, by the steps of winding numbers at their ends.
+class WindingSteps {
+   public:
+    void clear() {
+        steps_.clear();
+        intervals_.clear();
+    }
+    void add(std::int32_t begin, std::int32_t end, std::int32_t winding) {
+        if (winding == 0) return;
+        steps_.push_back({begin, winding});
+        steps_.push_back({end, -winding});
+    }
+    /// Adds the changes of the winding number along the edges of a face.
+    void add_jumps(const ClosedSurface& surface, std::int32_t face, const EdgeJumps& jumps);
+    /// Adds the winding number of `other`, which is shifted, at the first vertex of each component of `of`.
+    void add_components(const PlacedSurface& of, const PlacedSurface& other, Shift shift, Cancellation& cancellation);
+    /// Makes the intervals of the steps.
+    void finish();
+
+    /// The intervals whose winding number is not 0, in their order.
+    const std::vector<WindingInterval>& intervals() const { return intervals_; }
+    std::int32_t winding_at(std::int32_t place) const;
+
+   private:
+    struct Step {
+        std::int32_t place, change;
+        friend auto operator<=>(const Step&, const Step&) = default;
+    };
+    std::vector<Step> steps_;
+    std::vector<WindingInterval> intervals_;
+};
+
+}  // namespace crumple
