@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <variant>
 #include <vector>
 
@@ -68,11 +69,13 @@ struct Found {
     double volume = 0, mean_depth = std::nan("");
     std::array<double, 3> centroid{}, area_vector{}, normal{}, torque{}, torque_point{};
     bool in_rationals = false;
+    std::array<std::map<std::int32_t, std::array<double, 3>>, 2> gradient;  ///< by vertex; of those that are not 0
+    std::array<std::map<std::int32_t, std::int32_t>, 2> windings;
 };
 
 Found overlap_of(const Surface& a, const Surface& b) {
     Detector detector;
-    const Overlaps& overlaps = detector.find({a.view(), b.view()}, OverlapQuery());
+    const Overlaps& overlaps = detector.find({a.view(), b.view()}, OverlapQuery{.gradient = true, .windings = true});
     Found found;
     found.centroid.fill(std::nan(""));
     found.normal.fill(std::nan(""));
@@ -85,7 +88,31 @@ Found overlap_of(const Surface& a, const Surface& b) {
     found.normal = overlaps.normal[0];
     found.torque = overlaps.torque[0];
     found.torque_point = overlaps.torque_point[0];
+    for (std::size_t i = 0; i < overlaps.gradient.size(); ++i) {
+        const auto [body, vertex] = overlaps.gradient_vertices[i];
+        found.gradient[static_cast<std::size_t>(body)][vertex] = overlaps.gradient[i];
+    }
+    for (std::size_t i = 0; i < overlaps.windings.size(); ++i) {
+        const auto [body, vertex] = overlaps.winding_vertices[i];
+        found.windings[static_cast<std::size_t>(body)][vertex] = overlaps.windings[i];
+    }
     return found;
+}
+
+void expect_windings(const std::map<std::int32_t, std::int32_t>& found, const Json& expected, const std::string& what) {
+    for (std::size_t v = 0; v < expected.size(); ++v) {
+        const auto at = found.find(static_cast<std::int32_t>(v));
+        EXPECT_EQ(at == found.end() ? 0 : at->second, expected[v].get<std::int32_t>()) << what << ", vertex " << v;
+    }
+}
+
+void expect_gradient(const std::map<std::int32_t, std::array<double, 3>>& found, const Json& expected,
+                     const std::string& what) {
+    for (std::size_t v = 0; v < expected.size(); ++v) {
+        const auto at = found.find(static_cast<std::int32_t>(v));
+        for (std::size_t k = 0; k < 3; ++k)
+            EXPECT_EQ(at == found.end() ? 0 : at->second[k], from_hexadecimal(expected[v][k])) << what << ", vertex " << v;
+    }
 }
 
 void expect_near(double found, const Rational& exact, const std::string& what) {
@@ -97,7 +124,7 @@ TEST(OverlapTruth, SmallCasesHaveTheExactNumbersRoundedOnce) {
     const Json cases = cases_of("small.json");
     if (cases.is_null()) GTEST_SKIP() << "no exact results";
     std::int64_t rational = 0;
-    int compared = 0;
+    int compared = 0, gradients = 0;
     for (const Json& c : cases) {
         if (c.at("B").is_null()) continue;
         const std::string name = c.at("name");
@@ -125,6 +152,13 @@ TEST(OverlapTruth, SmallCasesHaveTheExactNumbersRoundedOnce) {
                 EXPECT_TRUE(std::isnan(found.centroid[k])) << name;
             }
         }
+        expect_windings(found.windings[0], c.at("winding_of_B_at_A"), name);
+        expect_windings(found.windings[1], c.at("winding_of_A_at_B"), name);
+        if (c.contains("gradient_of_A_mean_float64")) {
+            expect_gradient(found.gradient[0], c.at("gradient_of_A_mean_float64"), name);
+            expect_gradient(found.gradient[1], c.at("gradient_of_B_mean_float64"), name);
+            ++gradients;
+        }
         const Rational square = area[0] * area[0] + area[1] * area[1] + area[2] * area[2];
         if (square == 0) {
             EXPECT_TRUE(std::isnan(found.mean_depth) && std::isnan(found.normal[0])) << name;
@@ -137,7 +171,32 @@ TEST(OverlapTruth, SmallCasesHaveTheExactNumbersRoundedOnce) {
         }
     }
     EXPECT_GE(compared, 40);
+    EXPECT_GE(gradients, 12);
     EXPECT_LT(rational, compared / 2) << "double words decide most cases";
+}
+
+TEST(OverlapTruth, SurfacesOverlapThemselvesByTheExactVolume) {
+    const Json cases = cases_of("small.json");
+    if (cases.is_null()) GTEST_SKIP() << "no exact results";
+    int compared = 0;
+    for (const Json& c : cases) {
+        if (!c.at("B").is_null()) continue;
+        const std::string name = c.at("name");
+        Surface surface;
+        read(c.at("A"), surface);
+        Detector detector;
+        const Overlaps& found = detector.find(surface.view(), OverlapQuery{.windings = true});
+        const double expected = from_hexadecimal(c.at("self_overlap_float64"));
+        EXPECT_EQ(found.count == 0 ? 0 : found.volume[0], expected) << name;
+        EXPECT_EQ(found.body_volume[0], rounded(fraction(c.at("signed_volume")))) << name;
+        EXPECT_EQ(found.is_solid[0] != 0, expected == 0) << name;
+        std::map<std::int32_t, std::int32_t> windings;
+        for (std::size_t i = 0; i < found.windings.size(); ++i)
+            windings[found.winding_vertices[i].vertex] = found.windings[i];
+        if (found.count) expect_windings(windings, c.at("winding_of_B_at_A"), name);
+        ++compared;
+    }
+    EXPECT_GE(compared, 3);
 }
 
 TEST(OverlapTruth, RealMeshesHaveTheExactVolumeRoundedOnce) {
