@@ -40,7 +40,7 @@ struct OverlapQuery {
     double min_volume = 0;
     OpenSurfaces open = OpenSurfaces::error;
     bool weld = false;  ///< vertices of a shape at equal positions are one: closes seams, as of STL files
-    /// Also the overlap of each body with itself, if Body::self is set: rows (i, i), volumes of bodies, and whether they
+    /// Also the overlap of each body with itself, whatever Body::self: rows (i, i), volumes of bodies, and whether they
     /// are solids. Always of a scene that is one mesh.
     bool self_overlaps = false;
     bool gradient = false;  ///< also derivatives of volumes by vertices

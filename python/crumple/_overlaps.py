@@ -5,10 +5,15 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import ClassVar
 
-from ._results import Result, bools, float64, int32, uint8
+from ._results import Result, bools, float64, int32, int64, uint8
 
 _FROM = {"world_hit": "any_by_world", "bodies": "body_pairs", "relation": "body_pairs"}
 _ORDER = ("any", "any_by_world", "body_pairs", "pairs")
+_OPTION = {
+    **dict.fromkeys(("gradient", "gradient_vertices", "gradient_offsets"), "gradient"),
+    **dict.fromkeys(("windings", "winding_vertices", "winding_offsets"), "windings"),
+    **dict.fromkeys(("body_volume", "is_solid"), "self_overlaps"),
+}
 
 
 class OverlapRelation(IntEnum):
@@ -52,7 +57,28 @@ class Overlaps(Result):
     )
     torque_point = float64("(k, 3) float64: the centroid; where there is none, a point between the bodies.", (3,))
 
+    gradient = float64(
+        "(m, 3) float64: derivatives of volumes by vertices, those that are not 0, for OverlapQuery(gradient=True).",
+        (3,),
+    )
+    gradient_vertices = int32("(m, 2) int32: of each of `gradient` the body, and the vertex of its shape.", (2,))
+    gradient_offsets = int64("(k + 1,) int64: row i has gradient[gradient_offsets[i] : gradient_offsets[i + 1]].")
+    windings = int32(
+        "(m,) int32: winding numbers of the other body at vertices, those that are not 0, for OverlapQuery(windings=True)."
+    )
+    winding_vertices = int32("(m, 2) int32: of each of `windings` the body, and the vertex of its shape.", (2,))
+    winding_offsets = int64("(k + 1,) int64: row i has windings[winding_offsets[i] : winding_offsets[i + 1]].")
+    body_volume = float64(
+        "(bodies,) float64: the volume of each body, NaN of one that is not closed; of a mesh, or for "
+        " OverlapQuery(self_overlaps=True)."
+    )
+    is_solid = bools("(bodies,) bool: whether all winding numbers of a body are 0 or 1; with `body_volume`.")
+
     def _check(self, name: str) -> None:
+        option = _OPTION.get(name)
+        of_mesh = option == "self_overlaps" and self._request.scene == "mesh"
+        if option is not None and option not in self._request.options and not of_mesh:
+            self._refuse(name, f"{option}=True")
         least = _FROM.get(name, "pairs")
         if _ORDER.index(self._request.output) < _ORDER.index(least):
             self._refuse(name, f'output="{least}"')

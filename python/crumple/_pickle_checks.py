@@ -229,9 +229,20 @@ class _CheckOverlaps(_Check):
         lengths = {len(array) for array in (*numbers, found.torque, found.torque_point)}
         self._that(lengths == {rows if output == "pairs" else 0}, "lengths")
         first, second = found.bodies[:, 0].astype(np.int64), found.bodies[:, 1].astype(np.int64)
-        self._that((0 <= first).all() and (first < second).all(), "bodies")
+        has, of_mesh = self._request.options.__contains__, self._request.scene == "mesh"
+        itself = has("self_overlaps") or of_mesh
+        self._that((0 <= first).all() and (first <= second if itself else first < second).all(), "bodies")
         self._that((np.diff(first << 32 | second) > 0).all(), "bodies")
         self._that((found.relation < 5).all(), "relation")
+        for option, offsets, vertices, values in (
+            ("gradient", found.gradient_offsets, found.gradient_vertices, found.gradient),
+            ("windings", found.winding_offsets, found.winding_vertices, found.windings),
+        ):
+            if has(option):
+                self._offsets(offsets, rows, len(values), option)
+            self._that(len(values) == len(vertices) and (has(option) or not len(values)), option)
+            self._that((vertices >= 0).all(), option)
+        self._that(len(found.body_volume) == len(found.is_solid) and (itself or not len(found.is_solid)), "is_solid")
 
 
 class _CheckIntersections(_Check):

@@ -259,9 +259,13 @@ class OverlapQuery(Query):
     Args:
         output: "any": whether any two bodies overlap; "any_by_world": in which worlds; "body_pairs": which bodies, and
             their relation; "pairs": all numbers.
-        min_volume: only pairs of bodies whose overlap has at least this volume, in magnitude.
+        min_volume: only pairs of bodies whose overlap has at least this volume, in magnitude, as it is rounded.
         open: a body whose surface is not closed is an "error", which names an edge, or its pairs have no rows ("skip").
         weld: vertices of a shape at equal positions are one, which closes seams, as of STL files.
+        self_overlaps: also the overlap of each body with itself, whatever its self_collisions: rows (i, i), volumes of
+            bodies, and whether they are solids. Always of a scene that is one mesh.
+        gradient: also the derivatives of volumes by the vertices.
+        windings: also winding numbers at the vertices.
         filter: which pairs of bodies.
 
     With the cpu and the reference backend. More: docs/overlap.md.
@@ -271,6 +275,9 @@ class OverlapQuery(Query):
     min_volume: float = 0.0
     open: Literal["error", "skip"] = "error"
     weld: bool = False
+    self_overlaps: bool = False
+    gradient: bool = False
+    windings: bool = False
     filter: PairFilter = PairFilter()
 
     _call: ClassVar[str] = "overlaps"

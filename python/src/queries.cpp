@@ -93,6 +93,9 @@ void read(nb::handle given, OverlapQuery& query) {
     query.min_volume = real_of(given, "min_volume");
     query.open = named(open_surfaces_names, "open", given.attr("open"));
     query.weld = flag_of(given, "weld");
+    query.self_overlaps = flag_of(given, "self_overlaps");
+    query.gradient = flag_of(given, "gradient");
+    query.windings = flag_of(given, "windings");
     query.filter = filter_of(given);
 }
 

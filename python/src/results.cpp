@@ -248,6 +248,20 @@ void bind_overlaps(nb::module_& module) {
     numbers("normal", &R::normal, 3U);
     numbers("mean_depth", &R::mean_depth);
     numbers("torque", &R::torque, 3U);
+    numbers("gradient", &R::gradient, 3U);
+    numbers("body_volume", &R::body_volume);
+    result.array<std::int64_t>(
+        "gradient_offsets", [](const R& r) -> auto& { return r.gradient_offsets; });
+    result.array<std::int32_t>(
+        "gradient_vertices", [](const R& r) -> auto& { return r.gradient_vertices; }, 2U);
+    result.array<std::int64_t>(
+        "winding_offsets", [](const R& r) -> auto& { return r.winding_offsets; });
+    result.array<std::int32_t>(
+        "winding_vertices", [](const R& r) -> auto& { return r.winding_vertices; }, 2U);
+    result.array<std::int32_t>(
+        "windings", [](const R& r) -> auto& { return r.windings; });
+    result.array<bool>(
+        "is_solid", [](const R& r) -> auto& { return r.is_solid; });
     numbers("torque_point", &R::torque_point, 3U);
 }
 

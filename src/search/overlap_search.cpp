@@ -73,16 +73,19 @@ void OverlapSearch::release() {
     candidates_.clear();
 }
 
-void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World& world, const OverlapQuery& query,
+void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World& given, const OverlapQuery& query,
                          Overlaps& result) {
     query_ = query;
+    World world = given;
+    std::vector<Body> bodies(given.bodies.begin(), given.bodies.end());
+    for (Body& body : bodies) body.self = query.self_overlaps;
+    world.bodies = bodies;
     outline_.read(world, query.filter);
     rules_.prepare(query.filter);
     begin(query, outline_.worlds(), outline_.bodies(), result);
     read_surfaces(backend);
     IntersectionQuery intersections;
     intersections.filter = query.filter;
-    if (!query.self_overlaps) intersections.filter.bodies = PairScope::between;
     worlds.find(backend, world, intersections, found_);
     result.statistics = found_.statistics;
     sort_pairs();
@@ -157,7 +160,7 @@ void OverlapSearch::list_candidates() {
         const std::int32_t end = w < worlds ? outline_.first_body(w + 1) : outline_.bodies();
         for (std::int32_t a = outline_.first_body(w); a < end; ++a) {
             cancellation_.check();
-            if (query_.self_overlaps && rules_.within(a, outline_.body(a).self)) add(a, a);
+            if (rules_.within(a, query_.self_overlaps)) add(a, a);
             for (std::int32_t b = a + 1; b < end; ++b) add(a, b);
             for (std::int32_t b = rest; w < worlds && b < outline_.bodies(); ++b) add(a, b);
         }

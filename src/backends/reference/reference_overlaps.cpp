@@ -300,7 +300,7 @@ void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query,
         for (std::int32_t b = query.self_overlaps ? a : a + 1; b < outline.bodies(); ++b) {
             const Body &one = outline.body(a), &other = outline.body(b);
             if (one.world != other.world && other.world != -1) continue;
-            if (!(a == b ? rules.within(a, one.self) : rules.between(a, b))) continue;
+            if (!(a == b ? rules.within(a, query.self_overlaps) : rules.between(a, b))) continue;
             if (!rules.groups(one.group, other.group)) continue;
             const PosedBody &p = bodies[static_cast<std::size_t>(a)], &q = bodies[static_cast<std::size_t>(b)];
             if (!overlap(p.box, q.box)) continue;
