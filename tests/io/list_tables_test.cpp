@@ -1,5 +1,7 @@
 // Tables of rows and of arrays that no list of results has: the codecs know nothing of what they write and read.
 
+#include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "files.h"
@@ -14,7 +16,7 @@ RowTable animals() {
             {{"bird", {{FieldType::id_of_body, 1, "bird"}, {FieldType::number, 3}, {FieldType::flag, 4, {}, false}}},
              {"fish",
               {{FieldType::id, 2, "plant"}, {FieldType::id, 1, "fish"}, {FieldType::number, 3}, {FieldType::flag, 4}}}},
-            true};
+            1};
 }
 
 std::string written(bool csv) {
@@ -67,6 +69,39 @@ TEST(ListTables, rows_that_do_not_fit_are_errors_that_name_the_line) {
     EXPECT_EQ(read("bird,7,\n", "a.csv"), "a.csv, line 1: 3 columns in place of 5");
 }
 
+TEST(ListTables, words_of_a_csv_may_stand_in_quotes) {
+    const RowTable table{{"name", "weight"},
+                         {{"", {{FieldType::word, 0, "name"}, {FieldType::number, 1, {}, true, true}}}}};
+    const std::vector<std::string> names{"a,b", "say \"x\"", " blank ", "two\nlines", "plain", "name"};
+    std::ostringstream out;
+    {
+        RowWriter writer(out, table, true);
+        writer.write_heading();
+        for (const std::string& name : names)
+            writer.add(0, std::vector<ListValue>{name, std::numeric_limits<double>::quiet_NaN()});
+    }
+    EXPECT_EQ(out.str(), "name,weight\n\"a,b\",\n\"say \"\"x\"\"\",\n\" blank \",\n\"two\nlines\",\nplain,\nname,\n");
+    std::istringstream in(out.str());
+    const Source source(in, "a.csv");
+    std::vector<std::string> read;
+    read_csv_rows(source, table, [&](std::size_t, std::span<const ListValue> values) -> std::string {
+        read.emplace_back(std::get<std::string_view>(values[0]));
+        return std::isnan(std::get<double>(values[1])) ? "" : "an empty cell is no number";
+    });
+    EXPECT_EQ(read, names);
+}
+
+TEST(ListTables, quotes_that_do_not_fit_are_errors) {
+    const RowTable table{{"name"}, {{"", {{FieldType::word, 0, "name"}}}}};
+    const auto error = [&](const char* bytes) {
+        std::istringstream in(bytes);
+        const Source source(in, "a.csv");
+        return std::string(error_of([&] { read_csv_rows(source, table, [](auto, auto) { return ""; }); }).what());
+    };
+    EXPECT_EQ(error("a\n\"b\nc\n"), "a.csv, line 2: a quote is not closed");
+    EXPECT_EQ(error("\"a\" b\n"), "a.csv, line 1: ' b' follows a word in quotes");
+}
+
 const ListArray points{"points", NumberType::float64, 3}, counts{"counts", NumberType::int64, 1, {"count"}},
     flags{"flags", NumberType::uint8};
 
@@ -89,6 +124,17 @@ TEST(ListTables, arrays_of_every_type_come_back) {
         EXPECT_EQ(found["counts"].ids, (std::vector<std::int32_t>{0, 7, INT32_MAX})) << name;
         EXPECT_EQ(found["flags"].numbers, std::vector<double>{1}) << name;
     }
+}
+
+TEST(ListTables, null_of_json_is_infinity_or_nan) {
+    std::istringstream in(R"({"far": [null], "gaps": [null]})");
+    const Source source(in, "a.json");
+    ListArray gaps{"gaps", NumberType::float64};
+    gaps.may_be_nan = true;
+    const ListArray arrays[] = {{"far", NumberType::float64}, gaps};
+    NumbersByName found = read_list_json(source, arrays);
+    EXPECT_TRUE(std::isinf(found["far"].numbers.at(0)));
+    EXPECT_TRUE(std::isnan(found["gaps"].numbers.at(0)));
 }
 
 TEST(ListTables, ids_out_of_range_are_errors_that_name_the_row) {

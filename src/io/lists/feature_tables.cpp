@@ -35,7 +35,7 @@ RowTable FeatureWords::rows() const {
         table.sections.push_back(std::move(section));
     }
     if (has_values()) table.columns.insert(table.columns.end(), {std::string(value), std::string(flag)});
-    table.may_lack_last = has_values();
+    table.may_lack = has_values() ? 1 : 0;
     return table;
 }
 

@@ -43,6 +43,7 @@ struct ListArray {
     std::array<std::string_view, 2> nouns = {};  ///< name the ids of a row in messages
     std::string_view row_noun = {};              ///< names a row in messages: "pair"
     bool integers_only = false;                  ///< ids that are written as other numbers are refused
+    bool may_be_nan = false;                     ///< null of a .json is NaN, else infinity
 
     bool has_ids() const { return type == NumberType::int32 || type == NumberType::int64; }
 };

@@ -17,7 +17,7 @@ void write_number(Sink& sink, Number number) {
     if constexpr (std::is_integral_v<Number>)
         sink << std::int64_t{number};
     else
-        std::isfinite(number) ? sink << number : sink << "null";  // JSON has no infinity
+        std::isfinite(number) ? sink << number : sink << "null";  // JSON has neither infinity nor NaN
 }
 
 void write_array(Sink& sink, const ListMember& array) {
@@ -41,7 +41,10 @@ class ArraysHandler : public nlohmann::json_sax<nlohmann::json> {
 
     NumbersByName take() { return std::move(found_); }
 
-    bool null() override { return number(std::numeric_limits<double>::infinity()); }
+    bool null() override {
+        using Limits = std::numeric_limits<double>;
+        return number(inside_ && inside_->array().may_be_nan ? Limits::quiet_NaN() : Limits::infinity());
+    }
     bool boolean(bool value) override { return number(value, false); }
     bool number_float(double value, const std::string&) override { return number(value, false); }
     bool number_integer(std::int64_t value) override { return number(static_cast<double>(value)); }

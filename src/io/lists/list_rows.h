@@ -36,6 +36,7 @@ struct ListField {
     std::size_t column;              ///< place in a row of .csv
     std::string_view noun = {};      ///< names an id in messages: "face"
     bool is_written_as_text = true;  ///< else .txt goes without it
+    bool may_be_nan = false;         ///< of a number: NaN is an empty cell of a .csv
 };
 
 struct ListSection {
@@ -46,7 +47,7 @@ struct ListSection {
 struct RowTable {
     std::vector<std::string> columns;  ///< heading of the .csv; those of keywords come first
     std::vector<ListSection> sections;
-    bool may_lack_last = false;  ///< rows without their last field are read
+    std::size_t may_lack = 0;    ///< rows without so many of their last fields are read
     bool may_have_more = false;  ///< what follows the fields is not read, and text may have commas between words
 };
 
@@ -65,6 +66,9 @@ class RowWriter {
     bool csv_;
     std::vector<const ListValue*> cells_;  ///< values of a row; null: an empty cell
 };
+
+/// A cell of a .csv: in quotes where a comma, a quote, an end of a line or a blank at either end would be misread.
+std::string csv_cell(std::string_view text);
 
 /// Takes a row that has been read, and returns what is wrong with it, or nothing.
 using TakeRow = std::function<std::string(std::size_t section, std::span<const ListValue> values)>;

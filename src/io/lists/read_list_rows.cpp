@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <charconv>
+#include <deque>
+#include <limits>
 #include <utility>
 
 #include "io/bytes/text.h"
@@ -53,7 +55,7 @@ class RowReader {
 
     void read_csv() {
         for (line_ = source_.text_begin(); line_ != source_.end();) {
-            const char* const end = std::find(line_, source_.end(), '\n');
+            const char* const end = end_of_record();
             const std::string_view line(line_, static_cast<std::size_t>(end - line_));
             split(line);
             const bool heading = line_ == source_.text_begin() && is_heading();
@@ -68,18 +70,50 @@ class RowReader {
 
     bool is_heading() const {
         if (has_keywords()) return words_[0] == table_.columns[0];
+        if (table_.sections[0].fields[0].type == FieldType::word)
+            return words_.size() <= table_.columns.size() &&
+                   std::equal(words_.begin(), words_.end(), table_.columns.begin());
         return words_[0].find_first_of("+-0123456789") != 0;
+    }
+
+    /// The end of the line, or of a later one if the line ends within quotes.
+    const char* end_of_record() const {
+        const char *begin = line_, *end = line_;
+        for (bool within_quotes = false;; begin = end++) {
+            end = std::find(end, source_.end(), '\n');
+            within_quotes ^= std::count(begin, end, '"') % 2 == 1;
+            if (!within_quotes || end == source_.end()) return end;
+        }
     }
 
     void split(std::string_view line) {
         words_.clear();
+        unquoted_.clear();
         for (bool ended = false; !ended;) {
+            line.remove_prefix(std::min(line.find_first_not_of(csv_blanks), line.size()));
+            const bool quoted = line.starts_with('"');
+            if (quoted) take_quoted(line);
             const std::size_t comma = line.find(',');
             std::string_view word = line.substr(0, comma);
+            word = word.substr(0, word.find_last_not_of(csv_blanks) + 1);
+            if (quoted && !word.empty()) fail(in_quotes(word) + " follows a word in quotes");
+            words_.push_back(quoted ? std::string_view(unquoted_.back()) : word);
             ended = comma == line.npos;
             line.remove_prefix(ended ? line.size() : comma + 1);
-            word.remove_prefix(std::min(word.find_first_not_of(csv_blanks), word.size()));
-            words_.push_back(word.substr(0, word.find_last_not_of(csv_blanks) + 1));
+        }
+    }
+
+    /// Takes the word in quotes that the line begins with from it. A doubled quote is one of the word.
+    void take_quoted(std::string_view& line) {
+        std::string& word = unquoted_.emplace_back();
+        for (line.remove_prefix(1);;) {
+            const std::size_t quote = line.find('"');
+            if (quote == line.npos) fail("a quote is not closed");
+            word += line.substr(0, quote);
+            line.remove_prefix(quote + 1);
+            if (!line.starts_with('"')) return;
+            word += '"';
+            line.remove_prefix(1);
         }
     }
 
@@ -98,7 +132,7 @@ class RowReader {
     /// Words of the section's fields, out of those of all columns.
     void take_csv() {
         const std::size_t section = section_of(words_[0]), most = table_.columns.size();
-        const std::size_t least = table_.may_lack_last ? most - 1 : most;
+        const std::size_t least = most - table_.may_lack;
         if (!table_.may_have_more && (words_.size() < least || words_.size() > most))
             fail(std::to_string(words_.size()) + " columns in place of " + std::to_string(most));
         picked_.clear();
@@ -113,7 +147,7 @@ class RowReader {
 
     void take(std::size_t section, std::span<const std::string_view> words) {
         const auto& fields = table_.sections[section].fields;
-        if (words.size() + (table_.may_lack_last ? 1 : 0) < fields.size()) fail_too_short(section, words.size());
+        if (words.size() + table_.may_lack < fields.size()) fail_too_short(section, words.size());
         values_.clear();
         for (std::size_t i = 0; i < std::min(words.size(), fields.size()); ++i)
             values_.push_back(value_of(words[i], fields[i]));
@@ -136,6 +170,7 @@ class RowReader {
     ListValue value_of(std::string_view word, const ListField& field) const {
         switch (field.type) {
             case FieldType::number:
+                if (word.empty() && field.may_be_nan) return std::numeric_limits<double>::quiet_NaN();
                 if (const auto number = number_of(word)) return *number;
                 fail(in_quotes(word) + " is no number");
             case FieldType::flag:
@@ -154,6 +189,7 @@ class RowReader {
     const TakeRow& take_;
     const char* line_ = nullptr;
     std::vector<std::string_view> words_, picked_;
+    std::deque<std::string> unquoted_;  ///< words that stood in quotes
     std::vector<ListValue> values_;
 };
 
