@@ -49,7 +49,7 @@ Point point_of(const io::TriangleMesh& mesh, std::int32_t vertex) {
 }
 
 /// Coordinates by the shortest decimals that give the mesh's numbers back.
-std::string text_of(const io::TriangleMesh& mesh, const Point& p) {
+std::string text_of_point(const io::TriangleMesh& mesh, const Point& p) {
     if (mesh.precision() == ScalarType::float64) return fmt::format("{}", fmt::join(p, " "));
     return fmt::format("{} {} {}", static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]));
 }
@@ -102,8 +102,8 @@ constexpr std::size_t most_edges = 3;  // that are shown
 
 /// "3-5, from (0 0 0) to (1 0 0)", by the numbers of vertices in the file.
 std::string describe(const io::TriangleMesh& mesh, const Edge& edge) {
-    return fmt::format("{}-{}, from ({}) to ({})", edge.a, edge.b, text_of(mesh, point_of(mesh, edge.a)),
-                       text_of(mesh, point_of(mesh, edge.b)));
+    return fmt::format("{}-{}, from ({}) to ({})", edge.a, edge.b, text_of_point(mesh, point_of(mesh, edge.a)),
+                       text_of_point(mesh, point_of(mesh, edge.b)));
 }
 
 class Printer {
@@ -119,7 +119,8 @@ class Printer {
         row("triangles", grouped(report.triangles));
         row("precision", report.precision);
         if (report.box)
-            row("box", fmt::format("{} to {}", text_of(mesh, report.box->low), text_of(mesh, report.box->high)));
+            row("box",
+                fmt::format("{} to {}", text_of_point(mesh, report.box->low), text_of_point(mesh, report.box->high)));
         row("degenerate triangles", some(report.degenerate));
         row("duplicated triangles", some(report.duplicated));
         row("open edges", grouped(std::ssize(report.edges.open)));
