@@ -86,7 +86,8 @@ void for_each_record(const io::Source& source, Take take) {
 
 void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what, Element::option); }
 
-io::WorldMesh read_bodies(const std::vector<std::string>& files, const ReadingOptions& options) {
+io::WorldMesh read_bodies(const std::vector<std::string>& files, const ReadingOptions& options,
+                          std::vector<std::string>* file_of_body) {
     check_standard_input(files);
     io::WorldMesh all;
     CommonUnit unit(options.strict);
@@ -98,6 +99,7 @@ io::WorldMesh read_bodies(const std::vector<std::string>& files, const ReadingOp
         for (io::NamedBody& body : world.bodies) body.shape += first;
         std::move(world.shapes.begin(), world.shapes.end(), std::back_inserter(all.shapes));
         std::move(world.bodies.begin(), world.bodies.end(), std::back_inserter(all.bodies));
+        if (file_of_body) file_of_body->resize(all.bodies.size(), file);
     }
     io::make_names_unique(all.bodies);
     return all;

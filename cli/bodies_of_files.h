@@ -15,8 +15,10 @@ namespace crumple::cli {
 [[noreturn]] void refuse(const std::string& what);
 
 /// Reads files as worlds and puts them together, in order; prints what is odd about them. Names that two files have are
-/// made unique. Throws Error that names the file and the place.
-io::WorldMesh read_bodies(const std::vector<std::string>& files, const ReadingOptions& options);
+/// made unique. `file_of_body`, which may be null, becomes the file of each body. Throws Error that names the file and
+/// the place.
+io::WorldMesh read_bodies(const std::vector<std::string>& files, const ReadingOptions& options,
+                          std::vector<std::string>* file_of_body = nullptr);
 
 /// Bodies by name.
 class BodyNames {

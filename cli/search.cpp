@@ -323,33 +323,48 @@ template Statistics Search::stream(const Input&, const CandidateQuery&, Function
 
 namespace {
 
-/// "body 7: ..." with the name of that body, and with the number of its configuration.
-std::string with_name_of_body(const std::string& message, const std::vector<std::string>& names,
-                              std::int64_t first_configuration) {
+/// The message with members of queries as the options that they are here.
+std::string in_words_of_options(std::string message) {
+    constexpr std::pair<std::string_view, std::string_view> options[] = {{"OverlapQuery::weld", "--weld"},
+                                                                         {"OverlapQuery::open", "--open skip"}};
+    for (const auto& [member, option] : options)
+        if (const std::size_t at = message.find(member); at != message.npos) message.replace(at, member.size(), option);
+    return message;
+}
+
+/// The message with the files it is about. "body 7: ..." has the name of that body, its file, and the number of its
+/// configuration.
+std::string with_origin(const std::string& message, const BodyOrigins& origins, std::int64_t first_configuration) {
     constexpr std::string_view title = "body ";
-    if (!message.starts_with(title) || names.empty()) return message;
+    const std::size_t count = origins.names.size();
     std::size_t body = 0;
     const char* const end = message.data() + message.size();
-    const auto [rest, error] = std::from_chars(message.data() + title.size(), end, body);
-    if (error != std::errc() || rest == end || *rest != ':') return message;
-    const auto configuration = first_configuration + static_cast<std::int64_t>(body / names.size());
-    return (first_configuration < 0 ? "" : "configuration " + std::to_string(configuration) + ", ") + "body " +
-           io::in_quotes(names[body % names.size()]) + std::string(rest, end);
+    const char* rest = end;
+    if (message.starts_with(title) && count > 0) {
+        const auto number = std::from_chars(message.data() + title.size(), end, body);
+        if (number.ec == std::errc()) rest = number.ptr;
+    }
+    if (rest == end || *rest != ':') return origins.files + ": " + message;
+    const auto configuration = first_configuration + static_cast<std::int64_t>(body / count);
+    return origins.file_of_body[body % count] + ": " +
+           (first_configuration < 0 ? "" : "configuration " + std::to_string(configuration) + ", ") + "body " +
+           io::in_quotes(origins.names[body % count]) + std::string(rest, end);
 }
 
 }  // namespace
 
-const Intersections& Search::find(const std::string& files, const std::vector<std::string>& names,
-                                  std::int64_t first_configuration, const World& world,
-                                  const IntersectionQuery& query) {
-    return named(files, [&]() -> const Intersections& {
-        try {
-            return detector_.find(world, query);
-        } catch (const Error& error) {
-            throw Error(error.code, with_name_of_body(error.what(), names, first_configuration), error.element,
-                        error.index, error.bytes_needed, error.system_error);
-        }
-    });
+template <class Query>
+const typename Query::Result& Search::find(const BodyOrigins& origins, std::int64_t first_configuration,
+                                           const World& world, const Query& query) {
+    try {
+        return detector_.find(world, query);
+    } catch (const Error& error) {
+        throw Error(error.code, with_origin(in_words_of_options(error.what()), origins, first_configuration),
+                    error.element, error.index, error.bytes_needed, error.system_error);
+    }
 }
+
+template const Intersections& Search::find(const BodyOrigins&, std::int64_t, const World&, const IntersectionQuery&);
+template const Overlaps& Search::find(const BodyOrigins&, std::int64_t, const World&, const OverlapQuery&);
 
 }  // namespace crumple::cli

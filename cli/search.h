@@ -76,6 +76,12 @@ StepOrRest read_step_or_rest(const std::string& start, const std::string& end, c
 /// Makes offsets and hit flags of all triangles. `second_triangles`: 0 of one mesh.
 void index_by_triangle(Intersections& found, std::int64_t triangles, std::int64_t second_triangles);
 
+/// Where the bodies of a world come from, for messages.
+struct BodyOrigins {
+    std::string files;  ///< all of them
+    std::vector<std::string> names, file_of_body;
+};
+
 class AllowedThreads;
 
 /// A detector that stays warm from one input to the next.
@@ -101,11 +107,12 @@ class Search {
     Statistics stream(const Input& input, FunctionRef<void(const Intersections&)> take) {
         return stream(input, query(), take);
     }
-    /// The result for bodies that have these names, again and again in each of several configurations, whose first one
-    /// has this number; -1: there is but one. Valid until the next call. Throws Error that names `files`, and the
+    /// The result for bodies of these origins, again and again in each of several configurations, whose first one has
+    /// this number; -1: there is but one. Valid until the next call. Throws Error that names the files, or the file,
     /// configuration and body it is about.
-    const Intersections& find(const std::string& files, const std::vector<std::string>& names,
-                              std::int64_t first_configuration, const World& world, const IntersectionQuery& query);
+    template <class Query>
+    const typename Query::Result& find(const BodyOrigins& origins, std::int64_t first_configuration, const World& world,
+                                       const Query& query);
 
    private:
     IntersectionQuery query() const;

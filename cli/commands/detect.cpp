@@ -111,7 +111,7 @@ struct Detect : SearchCommand {
     }
 
     int run() const {
-        bodies.check(query_options);
+        check_detect_body_options(bodies, query_options);
         if (Ranks::count() > 1) {
             check_output_formats();
             if (files.size() > 1) refuse_on_ranks("a second mesh");
@@ -173,7 +173,7 @@ Command add_detect(CLI::App& app) {
         ->allow_extra_args(false);
     add_format_option(command, detect->outputs.format, "txt|csv|json|npz|ply|glb|3mf|html");
     add_query_options(command, detect->query_options);
-    add_body_options(command, detect->bodies);
+    add_detect_body_options(command, detect->bodies);
     add_polygons_option(command, detect->query_options);
     command.add_flag("--contacts", detect->query_options.contacts,
                      "Also where each pair meets: its kind and its points");

@@ -5,22 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "cli/command_options.h"
+#include "cli/bodies/body_scene.h"
 
 namespace crumple::cli {
 
-/// Options that only worlds of bodies have.
-struct BodyOptions {
-    std::vector<std::string> excluded;  ///< "A,B"
-    std::string exclude_from;           ///< a file of pairs; empty: none
-    std::string poses;                  ///< a file of poses; empty: those of the files
-    bool any = false;                   ///< with poses: only which configurations collide
-
-    /// Throws Error (invalid_argument) for options that change nothing without another one.
-    void check(const QueryOptions& query_options) const;
-};
-
-void add_body_options(CLI::App& app, BodyOptions& options);
+/// Adds the options of bodies in the words of crumple detect.
+void add_detect_body_options(CLI::App& app, BodyOptions& options);
+/// Throws Error (invalid_argument) for options of bodies that change nothing without another one.
+void check_detect_body_options(const BodyOptions& options, const QueryOptions& query_options);
 
 /// Request to crumple detect.
 struct BodyTask {

@@ -29,6 +29,7 @@ struct ConfigurationList {
     std::vector<std::size_t> ends = {};       ///< of its pairs, in `pairs`
     std::vector<BodyPair> pairs = {};
     double milliseconds = 0;
+    const char* verb = "collides";  ///< what configurations do, for headings
 
     std::int64_t colliding() const;
 };

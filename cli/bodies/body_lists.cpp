@@ -1,4 +1,4 @@
-#include "cli/body_lists.h"
+#include "cli/bodies/body_lists.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,19 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/bodies_of_files.h"
+#include "io/lists/list_rows.h"
 
 namespace crumple::cli {
 namespace {
 
 std::string as_json(const nlohmann::json& value) {
     return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
-std::string as_csv(const std::string& text) {
-    if (text.find_first_of(",\"\n\r") == text.npos) return text;
-    std::string result = "\"";
-    for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
-    return result + '"';
 }
 
 /// Clocks tell no more than microseconds.
@@ -33,7 +27,7 @@ std::string json_pair(const std::vector<std::string>& names, const BodyPair& pai
 }
 
 void write_configuration(std::ostream& out, const ConfigurationList& list, std::size_t c) {
-    out << R"({"collides":)" << (list.collides[c] ? "true" : "false");
+    out << "{\"" << list.verb << "\":" << (list.collides[c] ? "true" : "false");
     if (list.has_pairs) {
         out << R"(,"pairs":[)";
         const std::size_t begin = c ? list.ends[c - 1] : 0;
@@ -60,7 +54,7 @@ void write_list(std::ostream& out, const BodyList& list, ListFormat format) {
     }
     const bool csv = format == ListFormat::csv;
     const auto written = [&](std::int32_t b) {
-        return csv ? as_csv(name(list.names, b)) : quoted_name(name(list.names, b));
+        return csv ? io::csv_cell(name(list.names, b)) : quoted_name(name(list.names, b));
     };
     if (csv) out << "first,second\n";
     for (const BodyPair& pair : list.pairs)
@@ -80,7 +74,7 @@ void write_list(std::ostream& out, const ConfigurationList& list, ListFormat for
     }
     const bool csv = format == ListFormat::csv;
     const char between = csv ? ',' : ' ';
-    if (csv) out << "configuration,collides" << (list.has_pairs ? ",pairs\n" : "\n");
+    if (csv) out << "configuration," << list.verb << (list.has_pairs ? ",pairs\n" : "\n");
     for (std::size_t c = 0; c < count; ++c) {
         out << c << between << (csv ? (list.collides[c] ? "1" : "0") : (list.collides[c] ? "yes" : "no"));
         if (list.has_pairs) out << between << list.ends[c] - (c ? list.ends[c - 1] : 0);

@@ -1,0 +1,79 @@
+#include "cli/bodies/body_scene.h"
+
+#include <cctype>
+#include <iostream>
+
+namespace crumple::cli {
+
+void BodyOptions::add_files(std::vector<std::string>& files) const {
+    for (const std::string* const path : {&exclude_from, &poses})
+        if (!path->empty()) files.push_back(*path);
+}
+
+std::string help_under(const std::string& condition, std::string help) {
+    if (condition.empty() && !help.empty())
+        help[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(help[0])));
+    return condition + help;
+}
+
+std::vector<const CLI::Option*> add_body_options(CLI::App& app, BodyOptions& options, const BodyOptionWords& words) {
+    return {app.add_option("--excluded-bodies", options.excluded,
+                           help_under(words.condition, std::string(words.excluded) + ". May be repeated"))
+                ->type_name("A,B")
+                ->allow_extra_args(false),
+            app.add_option("--excluded-bodies-from", options.exclude_from,
+                           "The same for all pairs in a file, two names a line with a tab between, as detect --groups "
+                           "bodies lists them")
+                ->type_name("FILE"),
+            app.add_option("--poses", options.poses,
+                           help_under(words.condition,
+                                      "many configurations instead of that of the files. A row of 12 numbers, those of "
+                                      "(A | t) by rows, for each body, configuration after configuration; text or "
+                                      ".npy. " +
+                                          std::string(words.rows)))
+                ->type_name("FILE"),
+            app.add_flag(
+                "--any-by-world", options.any,
+                std::string("With --poses: only ") + words.any + " in each configuration, which is a world; faster")};
+}
+
+BodyScene::BodyScene(const std::vector<std::string>& files, const ReadingOptions& reading, const BodyOptions& options)
+    : mesh_(read_bodies(files, reading, &origins_.file_of_body)) {
+    origins_.files = fmt::format("{}", fmt::join(files, ", "));
+    const BodyNames names(mesh_.bodies);
+    origins_.names = names.list();
+    for (const std::string& text : options.excluded) excluded_.push_back(names.pair(text));
+    if (options.exclude_from.empty()) return;
+    const std::vector<BodyPair> more = names.read_pairs(options.exclude_from);
+    excluded_.insert(excluded_.end(), more.begin(), more.end());
+}
+
+std::vector<Body> BodyScene::bodies(std::size_t count, bool self) const {
+    std::vector<Body> result;
+    result.reserve(count * mesh_.bodies.size());
+    for (std::size_t c = 0; c < count; ++c)
+        for (const io::NamedBody& body : mesh_.bodies)
+            result.push_back({.shape = body.shape, .world = static_cast<std::int32_t>(c), .self = self});
+    for (const BodyPair& pair : excluded_)
+        for (std::size_t c = 0; c < count && pair.first == pair.second; ++c)
+            result[c * mesh_.bodies.size() + static_cast<std::size_t>(pair.first)].self = false;
+    return result;
+}
+
+std::vector<BodyPair> BodyScene::excluded(std::size_t count) const {
+    std::vector<BodyPair> result;
+    const auto n = static_cast<std::int32_t>(mesh_.bodies.size());
+    for (std::int32_t c = 0; c < static_cast<std::int32_t>(count); ++c)
+        for (const BodyPair& pair : excluded_)
+            if (pair.first != pair.second) result.push_back({c * n + pair.first, c * n + pair.second});
+    return result;
+}
+
+std::vector<Pose> BodyScene::read_poses(const std::string& path) const {
+    std::vector<Pose> poses =
+        is_standard(path) ? io::read_poses(std::cin, "standard input", names()) : io::read_poses(path, names());
+    if (names().empty() && !poses.empty()) refuse("--poses " + path + ": there is no body to pose");
+    return poses;
+}
+
+}  // namespace crumple::cli
