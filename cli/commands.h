@@ -10,7 +10,7 @@ namespace crumple::cli {
 
 enum Status : int {
     done = 0,
-    collided = 1,       ///< --check: something collides, touches or is near; verify: the list is wrong
+    collided = 1,       ///< --check: something collides, touches, is near or overlaps; verify: the list is wrong
     failed = 2,         ///< wrong use, bad input, a file that cannot be written
     out_of_memory = 3,  ///< under --memory-limit the message tells how many bytes are needed
     interrupted = 130   ///< Ctrl-C
@@ -26,6 +26,7 @@ struct Command {
 Command add_detect(CLI::App& app);
 Command add_impacts(CLI::App& app);
 Command add_near(CLI::App& app);
+Command add_overlap(CLI::App& app);
 Command add_sequence(CLI::App& app);
 Command add_info(CLI::App& app);
 Command add_verify(CLI::App& app);

@@ -20,12 +20,12 @@ struct Group {
 const std::vector<Group>& groups() {
     static const std::vector<Group> all{
         {"Options",
-         {"output", "check", "contacts", "radius", "first", "triangle-pairs", "candidates", "groups", "filter",
-          "help"}},
+         {"output", "check", "contacts", "radius", "first", "triangle-pairs", "candidates", "overlaps", "body-pairs",
+          "groups", "filter", "help"}},
         {"What counts",
          {"neighbours", "kind", "polygons", "part", "min-distance", "min-distance-share", "inflation", "kinds", "below",
-          "radii", "rings", "rest", "rest-radius"}},
-        {"Bodies (with --groups bodies)", {"excluded-bodies", "excluded-bodies-from", "poses", "any-by-world"}},
+          "radii", "rings", "rest", "rest-radius", "min-volume", "open"}},
+        {"Bodies", {"excluded-bodies", "excluded-bodies-from", "poses", "any-by-world"}},
         {"Reading files", {"unit", "weld", "no-weld", "precision", "triangulation", "strict"}},
         {"Writing, and telling what is done", {"format", "stream", "stats", "progress"}},
         {"Threads, memory and CUDA",

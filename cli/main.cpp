@@ -21,16 +21,18 @@ using namespace crumple::cli;
 
 int run(int argc, char** argv) {
     CLI::App app(
-        "Crumple finds every pair of colliding triangles, every impact of a step, and all that is near, exactly.",
+        "Crumple finds every pair of colliding triangles, every impact of a step, all that is near, and how much "
+        "bodies overlap, exactly.",
         "crumple");
     app.formatter(std::make_shared<Help>());
     app.set_version_flag("--version", "crumple " CRUMPLE_VERSION, "Print the version and exit");
     app.require_subcommand(0, 1);  // so that a file may be called like a command
     app.footer(
-        "Exit status: 0 done; 1 something collides, touches or is near (with --check) or a list is wrong (verify);\n"
+        "Exit status: 0 done; 1 something collides, touches, is near or overlaps (with --check) or a list is wrong "
+        "(verify);\n"
         "2 wrong use or bad input; 3 out of memory, with the bytes that are needed; 130 interrupted.\n\n"
         "Example: crumple detect bunny.ply -o pairs.txt --stats");
-    const std::array commands{add_detect(app), add_impacts(app), add_near(app), add_sequence(app),
+    const std::array commands{add_detect(app), add_impacts(app), add_near(app), add_overlap(app), add_sequence(app),
                               add_info(app),   add_verify(app),  add_make(app), add_convert(app)};
     try {
         app.parse(argc, argv);
@@ -48,7 +50,7 @@ int run(int argc, char** argv) {
         print_error(command.app->get_name() + " is not shared among ranks: run it in one process");
         return failed;
     }
-    print_error("a subcommand is required: detect, impacts, near, sequence, info, verify, make or convert");
+    print_error("a subcommand is required: detect, impacts, near, overlap, sequence, info, verify, make or convert");
     return failed;
 }
 

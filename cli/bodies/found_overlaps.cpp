@@ -1,0 +1,147 @@
+#include "cli/bodies/found_overlaps.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "cli/choice.h"
+#include "cli/statistics_table.h"
+#include "cli/topology.h"
+
+namespace crumple::cli {
+namespace {
+
+constexpr NumberRange any_volume{std::numeric_limits<double>::infinity(), "volume of 0 or more"};
+
+/// Overlaps of a body with itself would be a query of its own, which there is not yet.
+void check_body_count(const BodyScene& scene) {
+    const std::size_t count = scene.names().size();
+    if (count > 1) return;
+    refuse("overlaps are those of two bodies or more; " + scene.origins().files + " holds " +
+           (count == 1 ? "one, " + quoted_name(scene.names()[0]) : "none"));
+}
+
+/// Tells which bodies --open skip leaves out.
+void print_open_bodies(const BodyScene& scene) {
+    const io::WorldMesh& mesh = scene.mesh();
+    std::vector<std::uint8_t> is_open;
+    for (const io::TriangleMesh& shape : mesh.shapes) {
+        const EdgeReport edges = report_edges(shape);
+        is_open.push_back(!edges.closed || edges.flipped);
+    }
+    std::vector<std::string> names;
+    for (const io::NamedBody& body : mesh.bodies)
+        if (is_open[static_cast<std::size_t>(body.shape)]) names.push_back(quoted_name(body.name));
+    if (names.empty()) return;
+    print_note(fmt::format("{} not closed, and left out: {}", names.size() == 1 ? "this body is" : "these bodies are",
+                           fmt::join(names, ", ")));
+}
+
+OverlapQuery query_of(const OverlapOptions& options, Output output, const BodyScene& scene, std::size_t count) {
+    OverlapQuery query;
+    query.output = output;
+    query.min_volume = options.min_volume;
+    query.open = options.open;  // vertices are welded where files are read
+    query.filter.excluded_bodies = scene.excluded(count);
+    return query;
+}
+
+/// "a and b touch", with the names in place of the braces.
+constexpr std::array<const char*, 5> sentences{"{} and {} touch", "{} and {} overlap", "{} lies inside {}",
+                                               "{1} lies inside {0}", "{} and {} fill the same space"};
+/// What rows of each relation are counted as.
+constexpr std::array<std::size_t, 5> kinds{0, 1, 2, 2, 3};
+constexpr std::array<const char*, 4> kind_words{"touching", "overlapping", "nested", "equal"};
+
+std::string number_of_text(double number) { return fmt::format("{:.6g}", number + 0.0); }
+
+}  // namespace
+
+std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOptions& options,
+                                                    const std::string& condition) {
+    std::vector<const CLI::Option*> added =
+        add_body_options(app, options.bodies,
+                         {condition.c_str(), "overlaps of these two bodies are left out",
+                          "Rows have the number of their configuration", "whether bodies overlap or touch"});
+    const std::string min_volume = help_under(
+        condition,
+        "only pairs of bodies that overlap by at least this volume, in the unit of the coordinates cubed. Without it, "
+        "or for 0, those that touch count, too");
+    const auto set = [&options](double value) { options.min_volume = value; };
+    added.push_back(add_number_option(app, "--min-volume", set, any_volume, min_volume.c_str())->type_name("V"));
+    const std::string open = help_under(
+        condition, "bodies whose surface is not closed are an error where their volume is needed, or are left out");
+    added.push_back(add_choice<OpenSurfaces, OpenSurfaces>(
+        app, "--open", options.open, {{"error", OpenSurfaces::error}, {"skip", OpenSurfaces::skip}}, open.c_str()));
+    return added;
+}
+
+FoundOverlaps find_overlaps(Search& search, const BodyScene& scene, const OverlapOptions& options, Output output) {
+    check_body_count(scene);
+    if (options.open == OpenSurfaces::skip) print_open_bodies(scene);
+    const auto bodies = static_cast<std::int32_t>(scene.names().size());
+    const bool has_configurations = !options.bodies.poses.empty();
+    FoundOverlaps result;
+    result.list.has_configurations = has_configurations;
+    result.list.has_numbers = output == Output::pairs;
+    const auto take = [&](const Overlaps& found, std::size_t first, std::size_t) {
+        result.any = result.any || found.any;
+        result.list.add(found, bodies, static_cast<std::int32_t>(first));
+        result.has_overlaps.insert(result.has_overlaps.end(), found.world_hit.begin(), found.world_hit.end());
+        add(result.statistics, found.statistics);
+        return output != Output::any || !result.any;
+    };
+    if (has_configurations) {
+        scene.search_all(
+            search, scene.read_poses(options.bodies.poses), false,
+            [&](std::size_t count) { return query_of(options, output, scene, count); }, take);
+        return result;
+    }
+    const io::WorldView view = scene.mesh().view();
+    const std::vector<Body> all = scene.bodies(1, false);
+    const World world{view.shapes, all, view.poses};
+    take(search.find(scene.origins(), -1, world, query_of(options, output, scene, 1)), 0, 1);
+    return result;
+}
+
+void write_text(std::ostream& out, const io::OverlapList& list, const io::OverlapBodies& bodies) {
+    const std::string unit = bodies.unit == io::Unit::unknown ? "" : std::string(" ") + io::name_of(bodies.unit);
+    const auto name = [&](std::int32_t body) { return quoted_name(bodies.names[static_cast<std::size_t>(body)]); };
+    for (const io::OverlapListRow& row : list.rows) {
+        if (list.has_configurations) out << "configuration " << row.configuration << ": ";
+        out << fmt::format(fmt::runtime(sentences[static_cast<std::size_t>(row.relation)]), name(row.bodies.first),
+                           name(row.bodies.second));
+        if (list.has_numbers) {
+            out << ": volume " << number_of_text(row.volume()) << unit << (unit.empty() ? "" : "^3");
+            if (!std::isnan(row.mean_depth())) out << ", mean depth " << number_of_text(row.mean_depth()) << unit;
+            const auto [x, y, z] = row.normal();
+            if (!std::isnan(x))
+                out << ", normal (" << number_of_text(x) << ' ' << number_of_text(y) << ' ' << number_of_text(z) << ')';
+        }
+        out << '\n';
+    }
+}
+
+std::string relations_of(const io::OverlapList& list) {
+    std::array<std::int64_t, kind_words.size()> counts{};
+    for (const io::OverlapListRow& row : list.rows) ++counts[kinds[static_cast<std::size_t>(row.relation)]];
+    std::string text;
+    for (std::size_t k = 0; k < counts.size(); ++k)
+        if (counts[k] > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", grouped(counts[k]), kind_words[k]);
+    return text;
+}
+
+std::string summary_of(const FoundOverlaps& found, std::size_t bodies) {
+    const std::vector<io::OverlapListRow>& rows = found.list.rows;
+    const std::string all = grouped(static_cast<std::int64_t>(bodies)),
+                      time = fmt::format("{:.1f} ms\n", found.statistics.milliseconds);
+    if (rows.empty()) return fmt::format("nothing overlaps: {} bodies, {}", all, time);
+    std::vector<std::uint8_t> hit(bodies);
+    for (const io::OverlapListRow& row : rows)
+        for (const std::int32_t b : {row.bodies.first, row.bodies.second}) hit[static_cast<std::size_t>(b)] = 1;
+    return fmt::format("{} pair{} of bodies ({}), {} of {} bodies, {}", grouped(std::ssize(rows)),
+                       rows.size() == 1 ? "" : "s", relations_of(found.list),
+                       grouped(std::count(hit.begin(), hit.end(), 1)), all, time);
+}
+
+}  // namespace crumple::cli

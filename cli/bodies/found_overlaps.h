@@ -1,0 +1,42 @@
+#pragma once
+
+// Overlaps of the bodies that files hold: their search, and their words.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cli/bodies/body_scene.h"
+#include "io/lists/overlap_lists.h"
+
+namespace crumple::cli {
+
+/// Options that change which overlaps there are.
+struct OverlapOptions {
+    double min_volume = 0;
+    OpenSurfaces open = OpenSurfaces::error;
+    BodyOptions bodies;
+};
+/// `condition`: what the help of all of them begins with. Returns the options that were added.
+std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOptions& options,
+                                                    const std::string& condition);
+
+/// Result of an OverlapQuery, in one configuration or in many.
+struct FoundOverlaps {
+    bool any = false;
+    io::OverlapList list;                    ///< from Output::body_pairs on
+    std::vector<std::uint8_t> has_overlaps;  ///< one a configuration; not for Output::any
+    Statistics statistics;                   ///< of all configurations
+};
+/// Throws Error, also where there are fewer than two bodies.
+FoundOverlaps find_overlaps(Search& search, const BodyScene& scene, const OverlapOptions& options, Output output);
+
+/// Writes a sentence for each row: "lid and pot overlap: volume 0.5 mm^3, mean depth 0.1 mm, normal (0 0 1)".
+void write_text(std::ostream& out, const io::OverlapList& list, const io::OverlapBodies& bodies);
+
+/// "2 pairs of bodies (1 touching, 1 overlapping), 3 of 5 bodies, 1.2 ms", or "nothing overlaps: 5 bodies, 1.2 ms".
+std::string summary_of(const FoundOverlaps& found, std::size_t bodies);
+/// "1 touching, 1 overlapping"
+std::string relations_of(const io::OverlapList& list);
+
+}  // namespace crumple::cli

@@ -1,0 +1,151 @@
+// crumple overlap: how much the bodies of a world overlap, where, and which way out.
+
+#include <memory>
+#include <type_traits>
+
+#include "cli/bodies/body_lists.h"
+#include "cli/bodies/found_overlaps.h"
+#include "cli/commands.h"
+#include "cli/search_command.h"
+#include "cli/statistics_table.h"
+#include "cli/steps.h"
+#include "io/bytes/atomic_file.h"
+
+namespace crumple::cli {
+namespace {
+
+constexpr ListWords words_of_overlaps{"overlap", "something overlaps", "nothing overlaps"};
+
+/// Calls write(stream) for a path, whose file then appears whole, or for a stream.
+template <class To, class Write>
+void write_whole(To& to, Write write) {
+    if constexpr (std::is_base_of_v<std::ostream, To>) {
+        write(to);
+    } else {
+        io::AtomicFile file(to);
+        write(file.stream());
+        file.commit();
+    }
+}
+
+struct OverlapCommand : SearchCommand {
+    std::vector<std::string> files;
+    OverlapOptions overlap;
+    bool body_pairs = false;
+
+    Output output() const {
+        if (only_status() && !stats) return Output::any;
+        return overlap.bodies.any ? Output::any_by_world : body_pairs ? Output::body_pairs : Output::pairs;
+    }
+
+    void check_options() const {
+        outputs.check("overlaps", false);
+        if (!overlap.bodies.any) return;
+        if (overlap.bodies.poses.empty())
+            refuse("--any-by-world changes nothing without --poses; --check tells whether anything overlaps");
+        for (const std::string& path : outputs.paths)
+            if (extension_of(path, outputs.format) == ".npz")
+                refuse("-o " + path + ": --any-by-world gives rows, as .txt, .csv or .json");
+    }
+
+    void write_configurations(const BodyScene& scene, const FoundOverlaps& found) const {
+        const ConfigurationList list{.names = scene.names(),
+                                     .has_pairs = false,
+                                     .collides = found.has_overlaps,
+                                     .milliseconds = found.statistics.milliseconds,
+                                     .verb = "overlaps"};
+        outputs.write([&](auto& to, io::PairFormat format) {
+            const ListFormat rows = format == io::PairFormat::json                           ? ListFormat::json
+                                    : format == io::PairFormat::csv || outputs.paths.empty() ? ListFormat::csv
+                                                                                             : ListFormat::txt;
+            write_whole(to, [&](std::ostream& out) { write_list(out, list, rows); });
+        });
+    }
+
+    void write(const BodyScene& scene, const FoundOverlaps& found) const {
+        if (overlap.bodies.any) return write_configurations(scene, found);
+        const io::OverlapBodies bodies{scene.names(), scene.mesh().unit};
+        outputs.write([&](auto& to, io::PairFormat format) {
+            if (format == io::PairFormat::txt)
+                write_whole(to, [&](std::ostream& out) { write_text(out, found.list, bodies); });
+            else
+                write_whole(to, [&](std::ostream& out) {
+                    io::write_overlaps(out, found.list, bodies, found.statistics, format);
+                });
+        });
+    }
+
+    std::string summary(const FoundOverlaps& found, std::size_t bodies) const {
+        if (!overlap.bodies.any) return summary_of(found, bodies);
+        return fmt::format("bodies overlap or touch in {} of {} configurations, {:.1f} ms\n",
+                           grouped(std::count(found.has_overlaps.begin(), found.has_overlaps.end(), 1)),
+                           grouped(std::ssize(found.has_overlaps)), found.statistics.milliseconds);
+    }
+
+    int run() const {
+        check_options();
+        std::vector<std::string> inputs = files;
+        overlap.bodies.add_files(inputs);
+        check_standard_input(inputs);
+        check_outputs(outputs.paths, inputs, query_options);
+        Search search(query_options, feature_options(options));
+        const Steps steps(progress);
+        steps.begin("read");
+        const BodyScene scene(files, query_options, overlap.bodies);
+        steps.begin("search");
+        const FoundOverlaps found = find_overlaps(search, scene, overlap, output());
+        if (stats) print_statistics(found.statistics, relations_of(found.list));
+        if (only_status()) return report(found.any, words_of_overlaps);
+        steps.begin("write");
+        write(scene, found);
+        const bool only_standard = !outputs.paths.empty() && !outputs.have_files();
+        if (!stats && (!found.any || !only_standard)) say(summary(found, scene.names().size()));
+        return check && found.any ? collided : done;
+    }
+};
+
+}  // namespace
+
+Command add_overlap(CLI::App& app) {
+    const auto overlap = std::make_shared<OverlapCommand>();
+    CLI::App& command = *app.add_subcommand("overlap", "Find how much closed bodies overlap, and which way out");
+    command
+        .add_option("FILE", overlap->files,
+                    "Files whose bodies are one world: the nodes of glTF scenes, the objects of 3MF, and any other "
+                    "mesh (PLY, OBJ, STL, OFF) as one body. - is standard input")
+        ->type_name("FILE ...")
+        ->required()
+        ->expected(1, std::numeric_limits<int>::max());
+    command
+        .add_option("-o,--output", overlap->outputs.paths,
+                    "All numbers as .csv, .json or .npz, which read back exactly, or the text as .txt; may be "
+                    "repeated. - is standard output, see --format. Without it the text goes there")
+        ->type_name("OUT")
+        ->allow_extra_args(false);
+    add_format_option(command, overlap->outputs.format, "txt|csv|json|npz");
+    command.add_flag("--check", overlap->check,
+                     "Exit with status 1 if bodies overlap or touch. Without -o that is all that is searched for, and "
+                     "one line is printed");
+    CLI::Option* const body_pairs =
+        command.add_flag("--body-pairs", overlap->body_pairs,
+                         "Only which bodies overlap or touch, and how: without volumes and normals");
+    add_overlap_options(command, overlap->overlap, "");
+    body_pairs->excludes("--any-by-world");
+    command.add_flag("--stats", overlap->stats, "Print times and counts of the stages to standard error");
+    add_progress_option(command, overlap->progress);
+    add_reading_options(command, overlap->query_options);
+    add_cost_options(command, overlap->options);
+    command.footer(
+        "A line tells of two bodies whether they touch, overlap, or which lies inside the other; the volume that both\n"
+        "cover; the mean depth, which is that volume over the length of its derivative; and the normal: against it "
+        "the\n"
+        "first body leaves fastest. Bodies are closed surfaces, counter-clockwise seen from outside; crumple info "
+        "tells\n"
+        "where one is not. STL files and glTF scenes are welded, other files whose faces share no vertices want "
+        "--weld.\n\n"
+        "Example: crumple overlap lid.stl pot.stl\n"
+        "         crumple overlap robot.glb --excluded-bodies base,arm --min-volume 1e-9 -o overlaps.csv");
+    return {&command, [overlap] { return overlap->run(); }};
+}
+
+}  // namespace crumple::cli
