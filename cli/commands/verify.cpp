@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <iostream>
 #include <iterator>
+#include <limits>
 #include <memory>
 
 #include <fmt/format.h>
 
+#include "cli/bodies_of_files.h"
 #include "cli/commands.h"
+#include "cli/commands/list_comparison.h"
 #include "cli/commands/verify_features.h"
+#include "cli/commands/verify_overlaps.h"
 #include "cli/print_some.h"
 #include "cli/search.h"
 #include "cli/terminal.h"
@@ -46,8 +50,12 @@ struct Verify {
     QueryOptions query_options;
     Options options;
     FeatureCheck features;
+    OverlapCheck overlaps;
 
     int run() const {
+        if (overlaps.is_requested(features, query_options))
+            return verify_overlaps(overlaps, files, format, query_options, options);
+        if (files.size() > 3) refuse("verify takes one mesh or two and a list, or any number of files with --overlaps");
         if (features.is_requested(query_options))
             return verify_features(features, files, format, query_options, options);
         if (!format.empty() && !is_standard(files.back()))
@@ -64,11 +72,8 @@ struct Verify {
         const Array<Pair>& pairs = query_options.polygons ? of_polygons.pairs : found.pairs;
         const Comparison comparison = compare(std::move(list), pairs, !input.second);
         const bool right = comparison.right();
-        const auto colour = fmt::fg(right ? fmt::terminal_color::green : fmt::terminal_color::red);
-        const std::string verdict =
-            fmt::format(on_terminal(1, colour | fmt::emphasis::bold), right ? "right" : "wrong");
         to_standard_output([&](std::ostream& out) {
-            out << fmt::format("{}: {} pairs, {} missing, {} extra, {} repeated\n", verdict, pairs.size(),
+            out << fmt::format("{}: {} pairs, {} missing, {} extra, {} repeated\n", verdict(right), pairs.size(),
                                comparison.missing.size(), comparison.extra.size(), comparison.repeated.size());
             const auto text = [](const Pair& pair) { return fmt::format("{} {}", pair.a, pair.b); };
             print_some(out, "missing", comparison.missing, text);
@@ -85,28 +90,32 @@ Command add_verify(CLI::App& app) {
     const auto verify = std::make_shared<Verify>();
     CLI::App& command = *app.add_subcommand(
         "verify",
-        "Tell whether a list of pairs, impacts, candidates or near pairs is the whole result and nothing else");
+        "Tell whether a list of pairs, impacts, candidates, near pairs or overlaps is the whole result and nothing "
+        "else");
     command
         .add_option("FILE", verify->files,
                     "One mesh or two, then a list of pairs in any order: a .csv, .json or .npz as detect -o writes it, "
                     "a .npy, or "
                     "text, the first two integers of each line. One of them may be -, standard input. With --impacts "
                     "START, END and a list of impacts; with --candidates START, perhaps END, and a list of candidates; "
-                    "with --radius one mesh or two and a list of near pairs")
+                    "with --radius one mesh or two and a list of near pairs; with --overlaps any number of files of "
+                    "bodies, and a list of overlaps")
         ->type_name("FILE [FILE_B] PAIRS")
         ->required()
-        ->expected(2, 3);
+        ->expected(2, std::numeric_limits<int>::max());
     command
         .add_option("--format", verify->format, "What the list holds that comes from standard input; text without it")
         ->type_name("txt|csv|json|npz|npy");
     add_feature_check_options(command, verify->features);
+    add_overlap_check_options(command, verify->overlaps);
     add_query_options(command, verify->query_options);
     add_polygons_option(command, verify->query_options);
     add_cost_options(command, verify->options);
     command.footer(
         "Prints the counts and the first few of what is missing, extra or repeated; exits with status 1 if anything "
         "is.\nExample: crumple verify bunny.ply theirs.txt --neighbours skip\n"
-        "         crumple verify --impacts cloth_092.ply cloth_093.ply theirs.txt");
+        "         crumple verify --impacts cloth_092.ply cloth_093.ply theirs.txt\n"
+        "         crumple verify --overlaps lid.stl pot.stl overlaps.csv");
     return {&command, [verify] { return verify->run(); }};
 }
 

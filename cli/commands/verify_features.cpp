@@ -9,6 +9,7 @@
 
 #include "cli/bodies_of_files.h"
 #include "cli/commands.h"
+#include "cli/commands/list_comparison.h"
 #include "cli/print_some.h"
 #include "cli/search.h"
 
@@ -17,42 +18,10 @@ namespace {
 
 using io::FeatureRow;
 
-template <class Row>
-auto features_of(const Row& row) {
-    return std::tie(row.kind, row.bodies, row.ids);
-}
+constexpr auto features_of = [](const auto& row) { return std::tie(row.kind, row.bodies, row.ids); };
 
 /// Orders values: a touch at the start comes before a later one in the same float64.
 auto value_of(const FeatureRow& row) { return std::tuple(row.value, !row.flag); }
-
-template <class Row>
-struct RowComparison {
-    std::vector<Row> missed, false_ones, repeated;
-
-    bool right() const { return missed.empty() && false_ones.empty() && repeated.empty(); }
-};
-
-/// Rows in any order. meet(listed, exact) is called for each that is in both, once.
-template <class Row, class Meet>
-RowComparison<Row> compare_rows(std::vector<Row> list, std::vector<Row> right, Meet meet) {
-    const auto before = [](const Row& a, const Row& b) { return features_of(a) < features_of(b); };
-    std::stable_sort(list.begin(), list.end(), before);
-    std::sort(right.begin(), right.end(), before);
-    RowComparison<Row> result;
-    auto exact = right.begin();
-    for (auto row = list.begin(); row != list.end();) {
-        for (; exact != right.end() && before(*exact, *row); ++exact) result.missed.push_back(*exact);
-        const auto next = std::upper_bound(row, list.end(), *row, before);
-        if (next - row > 1) result.repeated.push_back(*row);
-        if (exact == right.end() || before(*row, *exact))
-            result.false_ones.push_back(*row);
-        else
-            meet(*row, *exact++);
-        row = next;
-    }
-    result.missed.insert(result.missed.end(), exact, right.end());
-    return result;
-}
 
 /// A row of the list with a wrong value, and the right one.
 struct Wrong {
@@ -67,18 +36,14 @@ struct Words {
 constexpr Words of_impacts{"impacts", "late", "early", true},
     of_triangle_pairs{"pairs of triangles", "late", "early", true}, of_near{"near pairs", "far", "close", false};
 
-std::string verdict(bool right) {
-    const auto colour = fmt::fg(right ? fmt::terminal_color::green : fmt::terminal_color::red);
-    return fmt::format(on_terminal(1, colour | fmt::emphasis::bold), right ? "right" : "wrong");
-}
-
 int print_verdict(const io::FeatureList& list, const io::FeatureList& right_list, const Words& words, bool has_bodies) {
     std::vector<Wrong> larger, smaller;  // than they should be
-    const auto comparison = compare_rows(list.rows, right_list.rows, [&](FeatureRow listed, const FeatureRow& exact) {
-        if (!words.flags) listed.flag = exact.flag;
-        if (value_of(exact) < value_of(listed)) larger.push_back({listed, exact});
-        if (value_of(listed) < value_of(exact)) smaller.push_back({listed, exact});
-    });
+    const auto comparison =
+        compare_rows(list.rows, right_list.rows, features_of, [&](FeatureRow listed, const FeatureRow& exact) {
+            if (!words.flags) listed.flag = exact.flag;
+            if (value_of(exact) < value_of(listed)) larger.push_back({listed, exact});
+            if (value_of(listed) < value_of(exact)) smaller.push_back({listed, exact});
+        });
     const bool right = comparison.right() && larger.empty() && smaller.empty();
     to_standard_output([&](std::ostream& out) {
         out << fmt::format("{}: {} {}, {} missed, {} false, {} {}, {} {}, {} repeated\n", verdict(right),
@@ -102,7 +67,7 @@ int print_verdict(const io::FeatureList& list, const io::FeatureList& right_list
 }
 
 int print_verdict(const io::CandidateRows& list, const io::CandidateRows& right_list) {
-    const auto comparison = compare_rows(list.rows, right_list.rows, [](const auto&, const auto&) {});
+    const auto comparison = compare_rows(list.rows, right_list.rows, features_of, [](const auto&, const auto&) {});
     const bool right = comparison.right();
     to_standard_output([&](std::ostream& out) {
         out << fmt::format("{}: {} candidates, {} missed, {} false, {} repeated\n", verdict(right),

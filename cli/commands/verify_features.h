@@ -17,6 +17,7 @@ struct FeatureCheck {
     NearOptions near;
     std::vector<const CLI::Option*> of_candidates;  ///< options that need --candidates
 
+    bool any() const { return impacts || candidates || near.radius; }
     /// True if it is a list of impacts, candidates or near pairs that is to be checked. Throws Error (invalid_argument)
     /// for options that do not go together.
     bool is_requested(const QueryOptions& query_options) const;

@@ -1,0 +1,117 @@
+#include "cli/commands/verify_overlaps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <span>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "cli/commands.h"
+#include "cli/commands/list_comparison.h"
+#include "cli/print_some.h"
+
+namespace crumple::cli {
+namespace {
+
+using io::OverlapListRow;
+
+/// A row of the list that is wrong, and the right one.
+struct WrongOverlap {
+    OverlapListRow listed, right;
+};
+
+/// True if both numbers have the same bits, but for the sign of 0, which JSON does not keep.
+bool is_same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+/// "volume 0.5, it is 0.25": the first quantity that differs; empty if none does.
+std::string difference(const WrongOverlap& row) {
+    std::size_t place = 0;
+    for (const io::OverlapQuantity& quantity : io::overlap_quantities) {
+        const auto listed = std::span(row.listed.numbers).subspan(place, quantity.width),
+                   right = std::span(row.right.numbers).subspan(place, quantity.width);
+        if (!std::equal(listed.begin(), listed.end(), right.begin(), is_same_number))
+            return fmt::format("{} {}, it is {}", quantity.name, fmt::join(listed, " "), fmt::join(right, " "));
+        place += quantity.width;
+    }
+    return {};
+}
+
+int print_overlap_verdict(const io::OverlapList& list, const io::OverlapList& right_list,
+                          const std::vector<std::string>& names) {
+    std::vector<WrongOverlap> relations, numbers;
+    const auto key = [](const OverlapListRow& row) { return std::tie(row.configuration, row.bodies); };
+    const auto comparison =
+        compare_rows(list.rows, right_list.rows, key, [&](const OverlapListRow& listed, const OverlapListRow& exact) {
+            if (listed.relation != exact.relation) relations.push_back({listed, exact});
+            if (list.has_numbers && !difference({listed, exact}).empty()) numbers.push_back({listed, exact});
+        });
+    const bool right = comparison.right() && relations.empty() && numbers.empty();
+    to_standard_output([&](std::ostream& out) {
+        out << fmt::format(
+            "{}: {} overlaps, {} missed, {} false, {} of another relation, {} of other numbers, {} "
+            "repeated\n",
+            verdict(right), right_list.rows.size(), comparison.missed.size(), comparison.false_ones.size(),
+            relations.size(), numbers.size(), comparison.repeated.size());
+        const auto name = [&](std::int32_t body) { return quoted_name(names[static_cast<std::size_t>(body)]); };
+        const auto text = [&](const OverlapListRow& row) {
+            return (list.has_configurations ? fmt::format("configuration {}: ", row.configuration) : "") +
+                   name(row.bodies.first) + " and " + name(row.bodies.second);
+        };
+        print_some(out, "missed", comparison.missed, text);
+        print_some(out, "false", comparison.false_ones, text);
+        print_some(out, "relation of", relations, [&](const WrongOverlap& row) {
+            return fmt::format("{}: {}, it is {}", text(row.right), io::name_of(row.listed.relation),
+                               io::name_of(row.right.relation));
+        });
+        print_some(out, "numbers of", numbers,
+                   [&](const WrongOverlap& row) { return text(row.right) + ": " + difference(row); });
+        print_some(out, "repeated", comparison.repeated, text);
+    });
+    return right ? done : collided;
+}
+
+}  // namespace
+
+bool OverlapCheck::is_requested(const FeatureCheck& features, const QueryOptions& query_options) const {
+    for (const CLI::Option* const option : of_overlaps)
+        if (*option && !overlaps) refuse(option->get_name() + " needs --overlaps");
+    if (!overlaps) return false;
+    if (features.any()) refuse("--impacts, --candidates, --radius and --overlaps are of four queries");
+    (void)features.is_requested(query_options);  // throws for options that need --impacts and so on
+    refuse_beside_features("--overlaps", query_options);
+    if (!query_options.groups.empty()) refuse("--groups does not go with --overlaps, which are those of bodies");
+    if (query_options.filter) refuse("--filter does not go with --overlaps, which are between bodies");
+    if (options.bodies.any) refuse("--any-by-world lists no overlaps that could be checked");
+    return true;
+}
+
+void add_overlap_check_options(CLI::App& app, OverlapCheck& check) {
+    app.add_flag("--overlaps", check.overlaps,
+                 "The list is one of overlaps, a .csv, .json or .npz as crumple overlap -o writes it, and the other "
+                 "files hold the bodies. Besides what is missed or false, relations and all numbers are checked, to "
+                 "the last bit");
+    check.of_overlaps = add_overlap_options(app, check.options, "With --overlaps: ");
+}
+
+int verify_overlaps(const OverlapCheck& check, const std::vector<std::string>& files, const std::string& format,
+                    const QueryOptions& query_options, const Options& options) {
+    const std::string& path = files.back();
+    if (!format.empty() && !is_standard(path)) refuse("--format is for a list from standard input, -");
+    std::vector<std::string> inputs = files;
+    check.options.bodies.add_files(inputs);
+    check_standard_input(inputs);
+    Search search(query_options, feature_options(options));
+    const BodyScene scene({files.begin(), files.end() - 1}, query_options, check.options.bodies);
+    const bool has_configurations = !check.options.bodies.poses.empty();
+    const io::OverlapList list =
+        is_standard(path) ? io::read_overlaps(std::cin, "standard input" + (format.empty() ? "" : "." + format),
+                                              scene.names(), has_configurations)
+                          : io::read_overlaps(path, scene.names(), has_configurations);
+    const FoundOverlaps found =
+        find_overlaps(search, scene, check.options, list.has_numbers ? Output::pairs : Output::body_pairs);
+    return print_overlap_verdict(list, found.list, scene.names());
+}
+
+}  // namespace crumple::cli

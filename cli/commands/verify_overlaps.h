@@ -1,0 +1,28 @@
+#pragma once
+
+// crumple verify --overlaps: is a list of overlaps right?
+
+#include <string>
+#include <vector>
+
+#include "cli/bodies/found_overlaps.h"
+#include "cli/commands/verify_features.h"
+
+namespace crumple::cli {
+
+struct OverlapCheck {
+    bool overlaps = false;
+    OverlapOptions options;
+    std::vector<const CLI::Option*> of_overlaps;  ///< options that need --overlaps
+
+    /// True if it is a list of overlaps that is to be checked. Throws Error (invalid_argument) for options that do not
+    /// go together.
+    bool is_requested(const FeatureCheck& features, const QueryOptions& query_options) const;
+};
+void add_overlap_check_options(CLI::App& app, OverlapCheck& check);
+
+/// Prints what is wrong with the list, the last of the files, and returns the exit status.
+int verify_overlaps(const OverlapCheck& check, const std::vector<std::string>& files, const std::string& format,
+                    const QueryOptions& query_options, const Options& options);
+
+}  // namespace crumple::cli
