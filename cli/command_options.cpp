@@ -132,8 +132,7 @@ void add_query_options(CLI::App& app, QueryOptions& options) {
         app, "--kind", options.kind, {{"all", IntersectionKind::all}, {"proper", IntersectionKind::proper}},
         "Touching counts (all, the default), or only edges that strictly cross the inside of a triangle (proper). The "
         "latter leaves out triangles that cross only at edges and vertices: two boxes, one shifted along all axes, "
-        "have "
-        "no proper intersection");
+        "have no proper intersection. It tells neither a depth nor a volume of penetration: crumple overlap does");
     add_reading_options(app, options);
     add_group_options(app, options);
     app.add_option_function<std::string>(
