@@ -1,0 +1,338 @@
+// crumple overlap, and verify --overlaps: boxes that are stacked, apart, one inside another, equal, open.
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "gltf_scene.h"
+#include "run.h"
+
+namespace crumple::cli::test {
+namespace {
+
+using Corner = std::array<double, 3>;
+
+constexpr std::array<std::array<int, 3>, 12> box_triangles{{{0, 1, 3},
+                                                            {0, 3, 2},
+                                                            {4, 6, 7},
+                                                            {4, 7, 5},
+                                                            {0, 4, 5},
+                                                            {0, 5, 1},
+                                                            {2, 3, 7},
+                                                            {2, 7, 6},
+                                                            {0, 2, 6},
+                                                            {0, 6, 4},
+                                                            {1, 5, 7},
+                                                            {1, 7, 3}}};
+
+std::vector<Corner> box_corners(const Corner& low, const Corner& high) {
+    std::vector<Corner> corners;
+    for (const double x : {low[0], high[0]})
+        for (const double y : {low[1], high[1]})
+            for (const double z : {low[2], high[2]}) corners.push_back({x, y, z});
+    return corners;
+}
+
+/// `triangles`: 12, or fewer for an open box.
+std::string box_off(const Corner& low, const Corner& high, std::size_t triangles = 12) {
+    std::ostringstream out;
+    out << "OFF\n8 " << triangles << " 0\n";
+    for (const auto& [x, y, z] : box_corners(low, high)) out << x << ' ' << y << ' ' << z << '\n';
+    for (std::size_t t = 0; t < triangles; ++t)
+        out << "3 " << box_triangles[t][0] << ' ' << box_triangles[t][1] << ' ' << box_triangles[t][2] << '\n';
+    return out.str();
+}
+
+/// Three vertices for each triangle, as STL has them.
+std::string unshared(const Corner& low, const Corner& high, bool stl) {
+    const std::vector<Corner> corners = box_corners(low, high);
+    std::ostringstream out, faces;
+    out << (stl ? "solid box\n" : "OFF\n36 12 0\n");
+    int vertex = 0;
+    for (const auto& triangle : box_triangles) {
+        if (stl) out << "facet normal 0 0 0\nouter loop\n";
+        for (const int corner : triangle) {
+            const auto& [x, y, z] = corners[static_cast<std::size_t>(corner)];
+            out << (stl ? "vertex " : "") << x << ' ' << y << ' ' << z << '\n';
+        }
+        if (stl) out << "endloop\nendfacet\n";
+        faces << "3 " << vertex << ' ' << vertex + 1 << ' ' << vertex + 2 << '\n';
+        vertex += 3;
+    }
+    return out.str() + (stl ? "endsolid box\n" : faces.str());
+}
+
+constexpr const char* low_high = "low,high,overlapping,0.25,0.5,0.5,0.875,0,0,1,0,0,1,0.25,0,0,0,0.5,0.5,0.875\n";
+constexpr const char* heading =
+    "first,second,relation,volume,centroid_x,centroid_y,centroid_z,area_vector_x,area_vector_y,area_vector_z,normal_x,"
+    "normal_y,normal_z,mean_depth,torque_x,torque_y,torque_z,torque_point_x,torque_point_y,torque_point_z\n";
+
+class Overlap : public Cli {
+   protected:
+    Overlap() {
+        write("low.off", box_off({0, 0, 0}, {1, 1, 1}));
+        write("high.off", box_off({0, 0, 0.75}, {1, 1, 1.75}));
+        write("on.off", box_off({0, 0, 1}, {1, 1, 2}));
+        write("small.off", box_off({0.25, 0.25, 0.25}, {0.5, 0.5, 0.5}));
+        write("far.off", box_off({5, 5, 5}, {6, 6, 6}));
+        write("open.off", box_off({0, 0, 0.75}, {1, 1, 1.75}, 10));
+    }
+    /// Standard output of a run that succeeds, and tells by one line what it found.
+    std::string text(const std::string& arguments, const std::string& summary) const {
+        const Outcome outcome = crumple("overlap " + arguments);
+        EXPECT_EQ(outcome.status, 0) << arguments;
+        EXPECT_TRUE(outcome.err.starts_with(summary)) << arguments << ": " << outcome.err;
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+        return outcome.out;
+    }
+    void expect_refused(const std::string& arguments, const std::string& reason) const {
+        const Outcome outcome = crumple(arguments);
+        EXPECT_EQ(outcome.status, 2) << arguments;
+        EXPECT_EQ(outcome.out, "") << arguments;
+        EXPECT_TRUE(is_error_line(outcome.err)) << arguments << ": " << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, reason)) << arguments << ": " << outcome.err;
+    }
+    /// What verify says of a list of overlaps of `low` and `high`.
+    Outcome verify(const std::string& rows, const std::string& options = "") const {
+        write("list.csv", rows);
+        return crumple("verify --overlaps low.off high.off list.csv " + options);
+    }
+};
+
+TEST_F(Overlap, each_relation_is_told_in_words) {
+    EXPECT_EQ(text("low.off high.off", "1 pair of bodies (1 overlapping), 2 of 2 bodies, "),
+              "low and high overlap: volume 0.25, mean depth 0.25, normal (0 0 1)\n");
+    EXPECT_EQ(text("low.off on.off", "1 pair of bodies (1 touching), "),
+              "low and on touch: volume 0, mean depth 0, normal (0 0 1)\n");
+    EXPECT_EQ(text("low.off small.off", "1 pair of bodies (1 nested), "), "small lies inside low: volume 0.015625\n");
+    EXPECT_EQ(text("small.off low.off", "1 pair of bodies (1 nested), "), "small lies inside low: volume 0.015625\n");
+    EXPECT_EQ(text("low.off low.off", "1 pair of bodies (1 equal), "), "low and low_2 fill the same space: volume 1\n");
+    EXPECT_EQ(text("low.off far.off", "nothing overlaps: 2 bodies, "), "");
+    EXPECT_EQ(text("low.off on.off small.off far.off", "2 pairs of bodies (1 touching, 1 nested), 3 of 4"),
+              "low and on touch: volume 0, mean depth 0, normal (0 0 1)\nsmall lies inside low: volume 0.015625\n");
+}
+
+TEST_F(Overlap, backends_and_thread_counts_give_the_same_bytes) {
+    const std::string files = "low.off high.off on.off small.off -o - --format csv ";
+    const std::string one = crumple("overlap " + files + "--threads 1").out;
+    EXPECT_TRUE(one.starts_with(std::string(heading) + low_high)) << one;
+    EXPECT_EQ(crumple("overlap " + files + "--threads 2").out, one);
+    EXPECT_EQ(crumple("overlap " + files + "--backend reference").out, one);
+}
+
+TEST_F(Overlap, numbers_have_the_unit_of_the_files) {
+    EXPECT_EQ(text("low.off high.off --unit mm", "1 pair"),
+              "low and high overlap: volume 0.25 mm^3, mean depth 0.25 mm, normal (0 0 1)\n");
+    ASSERT_EQ(crumple("overlap low.off high.off --unit mm -o a.json").status, 0);
+    EXPECT_EQ(nlohmann::json::parse(read("a.json"))["unit"], "mm");
+}
+
+TEST_F(Overlap, bodies_of_a_scene_have_their_poses) {
+    // Tetrahedra, of which two are moved along x: by 0.5, and far away.
+    crumple::test::GltfScene scene;
+    const int shape = scene.add_tetrahedron();
+    scene.add_body("fixed", shape);
+    scene.add_body("arm, left", shape, {0.5, 0, 0});
+    scene.add_body("away", shape, {9, 0, 0});
+    write("robot.glb", scene.glb());
+    const std::string line = text("robot.glb", "1 pair of bodies (1 overlapping), 2 of 3 bodies, ");
+    EXPECT_TRUE(line.starts_with("fixed and arm, left overlap: volume 0.0208333 m^3, mean depth ")) << line;
+    EXPECT_EQ(text("robot.glb --excluded-bodies 'arm, left,fixed'", "nothing overlaps: 3 bodies"), "");
+    write("allowed.txt", "fixed\tarm, left\n");
+    EXPECT_EQ(text("robot.glb --excluded-bodies-from allowed.txt", "nothing overlaps: 3 bodies"), "");
+    EXPECT_EQ(shell("$crumple overlap - < robot.glb").out, line);
+    ASSERT_EQ(crumple("overlap robot.glb -o a.csv").status, 0);
+    EXPECT_TRUE(contains(read("a.csv"), "\nfixed,\"arm, left\",overlapping,0.0208333333333")) << read("a.csv");
+    EXPECT_EQ(crumple("verify --overlaps robot.glb a.csv").status, 0);
+}
+
+TEST_F(Overlap, rows_of_many_configurations_have_their_numbers) {
+    const std::string fixed = "1,0,0,0,0,1,0,0,0,0,1,0\n";
+    write("poses.csv", fixed + "1,0,0,9,0,1,0,0,0,0,1,0\n" + fixed + fixed + fixed + "1,0,0,0,0,1,0,0,0,0,1,0.25\n");
+    const std::string with_poses = "low.off high.off --poses poses.csv ";
+    const std::string summary = "2 pairs of bodies (1 touching, 1 overlapping), 2 of 2 bodies";
+    EXPECT_EQ(text(with_poses, summary),
+              "configuration 1: low and high overlap: volume 0.25, mean depth 0.25, normal (0 0 1)\n"
+              "configuration 2: low and high touch: volume 0, mean depth 0, normal (0 0 1)\n");
+    EXPECT_EQ(text(with_poses + "--any-by-world", "bodies overlap or touch in 2 of 3 configurations"),
+              "configuration,overlaps\n0,0\n1,1\n2,1\n");
+    EXPECT_EQ(text(with_poses + "--any-by-world --min-volume 0.1", "bodies overlap or touch in 1 of 3"),
+              "configuration,overlaps\n0,0\n1,1\n2,0\n");
+    EXPECT_EQ(crumple("overlap " + with_poses + "--check").status, 1);
+    for (const std::string name : {"a.csv", "a.json", "a.npz"}) {
+        ASSERT_EQ(crumple("overlap " + with_poses + "-o " + name).status, 0);
+        EXPECT_EQ(crumple("verify --overlaps low.off high.off --poses poses.csv " + name).out,
+                  "right: 2 overlaps, 0 missed, 0 false, 0 of another relation, 0 of other numbers, 0 repeated\n");
+    }
+    EXPECT_TRUE(contains(read("a.csv"), "\n1,low,high,overlapping,0.25,"));
+    EXPECT_EQ(nlohmann::json::parse(read("a.json"))["configuration"].dump(), "[1,2]");
+    EXPECT_EQ(nlohmann::json::parse(read("a.json"))["bodies"].dump(), "[[0,1],[0,1]]");
+}
+
+TEST_F(Overlap, every_format_reads_back_exactly) {
+    // A third of a unit, so that no number is short.
+    write("third.off", box_off({1. / 3, 1. / 7, -1. / 9}, {11. / 13, 2, 0.1}));
+    const std::string files = "low.off third.off high.off on.off small.off ";
+    ASSERT_EQ(crumple("overlap " + files + "-o a.csv -o a.json -o a.npz -o a.txt").status, 0);
+    for (const std::string name : {"a.csv", "a.json", "a.npz"})
+        EXPECT_EQ(crumple("verify --overlaps " + files + name).out,
+                  "right: 5 overlaps, 0 missed, 0 false, 0 of another relation, 0 of other numbers, 0 repeated\n")
+            << name;
+    EXPECT_EQ(shell("$crumple overlap " + files + "-o - --format json | $crumple verify --overlaps " + files +
+                    "- --format json")
+                  .status,
+              0);
+    EXPECT_EQ(read("a.txt"), crumple("overlap " + files).out);
+    expect_refused("verify --overlaps " + files + "a.txt", "a.txt: lists of overlaps are read as .csv, .json or .npz");
+    const auto json = nlohmann::json::parse(read("a.json"));
+    EXPECT_EQ(json["names"].dump(), R"(["low","third","high","on","small"])");
+    EXPECT_EQ(json["relation"].size(), 5u);
+    EXPECT_EQ(json["unit"], nullptr);
+    for (const char* const array :
+         {"bodies", "relation", "volume", "centroid", "area_vector", "normal", "mean_depth", "torque", "torque_point"})
+        EXPECT_TRUE(contains(read("a.npz"), std::string(array) + ".npy")) << array;
+}
+
+TEST_F(Overlap, missing_numbers_are_empty_and_null) {
+    ASSERT_EQ(crumple("overlap low.off small.off -o a.csv -o a.json").status, 0);
+    EXPECT_EQ(read("a.csv"), heading + std::string("low,small,second_inside,0.015625,0.375,0.375,0.375,0,0,0,,,,,0,0,0,"
+                                                   "0.375,0.375,0.375\n"));
+    EXPECT_EQ(nlohmann::json::parse(read("a.json"))["normal"].dump(), "[[null,null,null]]");
+    EXPECT_EQ(crumple("verify --overlaps low.off small.off a.csv").status, 0);
+    EXPECT_EQ(crumple("verify --overlaps low.off small.off a.json").status, 0);
+}
+
+TEST_F(Overlap, body_pairs_are_only_relations) {
+    EXPECT_EQ(text("low.off high.off --body-pairs", "1 pair of bodies (1 overlapping)"), "low and high overlap\n");
+    ASSERT_EQ(crumple("overlap low.off high.off --body-pairs -o a.csv -o a.json -o a.npz").status, 0);
+    EXPECT_EQ(read("a.csv"), "first,second,relation\nlow,high,overlapping\n");
+    EXPECT_FALSE(nlohmann::json::parse(read("a.json")).contains("volume"));
+    for (const std::string name : {"a.csv", "a.json", "a.npz"})
+        EXPECT_EQ(crumple("verify --overlaps low.off high.off " + name).status, 0) << name;
+}
+
+TEST_F(Overlap, small_volumes_are_left_out) {
+    EXPECT_EQ(text("low.off high.off --min-volume 0.25", "1 pair"),
+              "low and high overlap: volume 0.25, mean depth 0.25, normal (0 0 1)\n");
+    EXPECT_EQ(text("low.off high.off --min-volume 0.2500000000000001", "nothing overlaps"), "");
+    EXPECT_EQ(text("low.off on.off --min-volume 1e-300", "nothing overlaps"), "");
+    for (const char* const bad : {"-1", "inf", "nan", "1mm"})
+        expect_refused(std::string("overlap low.off high.off --min-volume ") + bad,
+                       std::string(bad) + " is no volume of 0 or more");
+}
+
+TEST_F(Overlap, check_tells_by_its_status) {
+    Outcome outcome = crumple("overlap low.off high.off --check");
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.out, "something overlaps\n");
+    EXPECT_EQ(outcome.err, "");
+    outcome = crumple("overlap low.off far.off --check");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.out, "nothing overlaps\n");
+    EXPECT_EQ(crumple("overlap low.off on.off --check").status, 1) << "what touches has a row";
+    EXPECT_EQ(crumple("overlap low.off on.off --check --min-volume 0.1").status, 0);
+    EXPECT_EQ(crumple("overlap low.off high.off --check -o a.csv").status, 1);
+    EXPECT_EQ(read("a.csv"), heading + std::string(low_high));
+    outcome = crumple("overlap low.off high.off --check --stats");
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_TRUE(contains(outcome.err, "1 overlapping\n")) << outcome.err;
+}
+
+TEST_F(Overlap, stl_is_closed_and_other_seams_want_weld) {
+    write("part.stl", unshared({0, 0, 0.75}, {1, 1, 1.75}, true));
+    write("seams.off", unshared({0, 0, 0.75}, {1, 1, 1.75}, false));
+    EXPECT_EQ(text("low.off part.stl", "1 pair"),
+              "low and part overlap: volume 0.25, mean depth 0.25, normal (0 0 1)\n");
+    EXPECT_EQ(text("low.off seams.off --weld", "1 pair"),
+              "low and seams overlap: volume 0.25, mean depth 0.25, normal (0 0 1)\n");
+    expect_refused("overlap low.off seams.off", "seams.off: body 'seams': its surface is not closed: 36 edges");
+    expect_refused("overlap low.off part.stl --no-weld", "part.stl: body 'part': its surface is not closed");
+}
+
+TEST_F(Overlap, open_bodies_are_named_or_left_out) {
+    expect_refused("overlap low.off open.off", "open.off: body 'open': its surface is not closed: 4 edges");
+    expect_refused("overlap low.off open.off", "--weld closes seams, --open skip leaves such bodies out");
+    expect_refused("overlap low.off open.off --open error", "open.off: body 'open'");
+    EXPECT_EQ(text("open.off far.off", "nothing overlaps"), "") << "no winding number is needed";
+    const Outcome outcome = crumple("overlap low.off open.off small.off --open skip");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.out, "small lies inside low: volume 0.015625\n");
+    EXPECT_TRUE(outcome.err.starts_with("crumple: note: this body is not closed, and left out: open\n")) << outcome.err;
+    write("poses.csv",
+          "1 0 0 9 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 0\n");
+    expect_refused("overlap low.off open.off --poses poses.csv", "open.off: configuration 1, body 'open'");
+}
+
+TEST_F(Overlap, verify_names_what_is_wrong) {
+    const std::string right = heading + std::string(low_high);
+    EXPECT_EQ(verify(right).out,
+              "right: 1 overlaps, 0 missed, 0 false, 0 of another relation, 0 of other numbers, 0 repeated\n");
+    EXPECT_EQ(verify(heading).out,
+              "wrong: 1 overlaps, 1 missed, 0 false, 0 of another relation, 0 of other numbers, 0 repeated\n"
+              "missed low and high\n");
+    EXPECT_EQ(verify(right + low_high).out,
+              "wrong: 1 overlaps, 0 missed, 0 false, 0 of another relation, 0 of other numbers, 1 repeated\n"
+              "repeated low and high\n");
+    EXPECT_EQ(verify("low,high,equal\n").out,
+              "wrong: 1 overlaps, 0 missed, 0 false, 1 of another relation, 0 of other numbers, 0 repeated\n"
+              "relation of low and high: equal, it is overlapping\n");
+    EXPECT_EQ(
+        verify("low,high,overlapping,0.25000000000000006,0.5,0.5,0.875,0,0,1,0,0,1,0.25,0,0,0,0.5,0.5,0.875\n").out,
+        "wrong: 1 overlaps, 0 missed, 0 false, 0 of another relation, 1 of other numbers, 0 repeated\n"
+        "numbers of low and high: volume 0.25000000000000006, it is 0.25\n");
+    EXPECT_EQ(verify("low,high,overlapping,0.25,0.5,0.5,0.875,0,0,1,0,0,,0.25,0,0,0,0.5,0.5,0.875\n").out,
+              "wrong: 1 overlaps, 0 missed, 0 false, 0 of another relation, 1 of other numbers, 0 repeated\n"
+              "numbers of low and high: normal 0 0 nan, it is 0 0 1\n");
+    EXPECT_EQ(verify(right, "--excluded-bodies low,high").out,
+              "wrong: 0 overlaps, 0 missed, 1 false, 0 of another relation, 0 of other numbers, 0 repeated\n"
+              "false low and high\n");
+    EXPECT_EQ(verify(right).status, 0);
+    EXPECT_EQ(verify(right, "--min-volume 1").status, 1);
+}
+
+TEST_F(Overlap, lists_that_cannot_be_read_are_errors_that_name_the_place) {
+    const auto expect_error = [&](const std::string& name, const std::string& bytes, const std::string& reason) {
+        write(name, bytes);
+        expect_refused("verify --overlaps low.off high.off " + name, name + reason);
+    };
+    expect_error("a.csv", heading + std::string("low,hihg,equal\n"), ", line 2: there is no body 'hihg'");
+    expect_error("a.csv", "low,high,near\n", ", line 1: 'near' is no relation of two bodies");
+    expect_error("a.csv", "low,high,equal,1\n", ", line 1: after its relation a row has all 17 numbers, or none");
+    expect_error("a.csv", "low,high,equal\n" + std::string(low_high),
+                 ", line 2: some rows have numbers and some do not");
+    expect_error("a.csv", "low\n", ", line 1: 1 columns in place of 20");
+    expect_error("a.csv", "\"low,high,equal\n", ", line 1: a quote is not closed");
+    expect_error("a.json", "{}", ": there is no array \"bodies\"");
+    expect_error("a.json", R"({"bodies": [[0, 2]], "relation": [1]})", ": row 0 of \"bodies\": there is no such body");
+    expect_error("a.json", R"({"bodies": [[0, 1]], "relation": [5]})",
+                 ": row 0 of \"relation\": this is no relation of two bodies");
+    expect_error("a.json", R"({"bodies": [[0, 1]], "relation": [1, 1]})",
+                 ": \"relation\" is not as long as \"bodies\"");
+    expect_error("a.json", R"({"bodies": [[0, 1]], "relation": [1], "volume": [1]})",
+                 ": there is no array \"centroid\"");
+}
+
+TEST_F(Overlap, options_that_make_no_sense_are_refused) {
+    expect_refused("overlap low.off", "overlaps are those of two bodies or more; low.off holds one, low");
+    expect_refused("overlap low.off high.off --open close", "close is none of error|skip");
+    expect_refused("overlap low.off high.off --groups bodies", "--groups");
+    expect_refused("overlap low.off high.off --any-by-world", "--any-by-world changes nothing without --poses");
+    expect_refused("overlap low.off high.off --excluded-bodies low,hihg", "there is no body hihg; did you mean high?");
+    expect_refused("overlap low.off high.off -o a.glb", "overlaps are written as .txt, .csv, .json or .npz");
+    expect_refused("overlap low.off high.off -o low.off", "overlaps are written as");
+    expect_refused("overlap low.off high.off -o -", "-o - needs --format");
+    expect_refused("overlap low.off high.off --poses p.csv --any-by-world -o a.npz",
+                   "--any-by-world gives rows, as .txt, .csv or .json");
+    expect_refused("overlap low.off high.off --poses p.csv --any-by-world --body-pairs", "excludes");
+    expect_refused("overlap - -", "standard input, -, can be read once");
+    write("list.csv", heading);
+    expect_refused("verify low.off high.off list.csv --min-volume 1", "--min-volume needs --overlaps");
+    expect_refused("verify low.off high.off list.csv --open skip", "--open needs --overlaps");
+    expect_refused("verify low.off high.off on.off list.csv", "or any number of files with --overlaps");
+    expect_refused("verify --overlaps --radius 1 low.off high.off list.csv", "are of four queries");
+    expect_refused("verify --overlaps low.off high.off list.csv --kind proper", "--kind does not go with --overlaps");
+    expect_refused("verify --overlaps low.off list.csv", "overlaps are those of two bodies or more");
+    EXPECT_TRUE(contains(crumple("detect --help").out, "crumple overlap does"));
+}
+
+}  // namespace
+}  // namespace crumple::cli::test
