@@ -31,10 +31,7 @@ std::vector<const CLI::Option*> add_body_options(CLI::App& app, BodyOptions& opt
                                       "(A | t) by rows, for each body, configuration after configuration; text or "
                                       ".npy. " +
                                           std::string(words.rows)))
-                ->type_name("FILE"),
-            app.add_flag(
-                "--any-by-world", options.any,
-                std::string("With --poses: only ") + words.any + " in each configuration, which is a world; faster")};
+                ->type_name("FILE")};
 }
 
 BodyScene::BodyScene(const std::vector<std::string>& files, const ReadingOptions& reading, const BodyOptions& options)

@@ -33,9 +33,9 @@ struct BodyOptionWords {
     const char* condition;  ///< of all of them: "With --groups bodies: "; may be empty
     const char* excluded;   ///< of pairs that are left out: "these two bodies may collide"
     const char* rows;       ///< sentence about the rows of a configuration
-    const char* any;        ///< what is searched for in each configuration: "whether anything collides"
 };
-/// Returns the options that were added.
+/// Adds all of them but --any-by-world, which is for commands that list configurations. Returns the options that were
+/// added.
 std::vector<const CLI::Option*> add_body_options(CLI::App& app, BodyOptions& options, const BodyOptionWords& words);
 
 /// World that was read from files, and queries of it.

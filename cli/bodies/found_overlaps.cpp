@@ -62,7 +62,7 @@ std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOption
     std::vector<const CLI::Option*> added =
         add_body_options(app, options.bodies,
                          {condition.c_str(), "overlaps of these two bodies are left out",
-                          "Rows have the number of their configuration", "whether bodies overlap or touch"});
+                          "Rows have the number of their configuration"});
     const std::string min_volume = help_under(
         condition,
         "only pairs of bodies that overlap by at least this volume, in the unit of the coordinates cubed. Without it, "

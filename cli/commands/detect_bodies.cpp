@@ -172,8 +172,9 @@ void add_detect_body_options(CLI::App& app, BodyOptions& options) {
     add_body_options(app, options,
                      {"With --groups bodies: ", "these two bodies may collide; A,A: with itself",
                       "For each configuration a row tells its number, whether anything collides, and how many pairs of "
-                      "bodies do",
-                      "whether anything collides"});
+                      "bodies do"});
+    app.add_flag("--any-by-world", options.any,
+                 "With --poses: only whether anything collides in each configuration, which is a world; faster");
 }
 
 void check_detect_body_options(const BodyOptions& options, const QueryOptions& query_options) {

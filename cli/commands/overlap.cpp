@@ -130,6 +130,8 @@ Command add_overlap(CLI::App& app) {
         command.add_flag("--body-pairs", overlap->body_pairs,
                          "Only which bodies overlap or touch, and how: without volumes and normals");
     add_overlap_options(command, overlap->overlap, "");
+    command.add_flag("--any-by-world", overlap->overlap.bodies.any,
+                     "With --poses: only whether bodies overlap or touch in each configuration, which is a world");
     body_pairs->excludes("--any-by-world");
     command.add_flag("--stats", overlap->stats, "Print times and counts of the stages to standard error");
     add_progress_option(command, overlap->progress);

@@ -83,7 +83,6 @@ bool OverlapCheck::is_requested(const FeatureCheck& features, const QueryOptions
     refuse_beside_features("--overlaps", query_options);
     if (!query_options.groups.empty()) refuse("--groups does not go with --overlaps, which are those of bodies");
     if (query_options.filter) refuse("--filter does not go with --overlaps, which are between bodies");
-    if (options.bodies.any) refuse("--any-by-world lists no overlaps that could be checked");
     return true;
 }
 
