@@ -70,7 +70,7 @@ class Overlaps(Result):
     winding_offsets = int64("(k + 1,) int64: row i has windings[winding_offsets[i] : winding_offsets[i + 1]].")
     body_volume = float64(
         "(bodies,) float64: the volume of each body, NaN of one that is not closed; of a mesh, or for "
-        " OverlapQuery(self_overlaps=True)."
+        "OverlapQuery(self_overlaps=True)."
     )
     is_solid = bools("(bodies,) bool: whether all winding numbers of a body are 0 or 1; with `body_volume`.")
 

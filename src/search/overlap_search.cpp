@@ -59,6 +59,7 @@ OverlapSearch::OverlapSearch(MemoryMeter& meter, Cancellation& cancellation)
       cancellation_(cancellation),
       outline_(&meter),
       rules_(&meter),
+      near_(&meter),
       buffers_(&meter),
       found_(metered(&meter)),
       pairs_(&meter) {}
@@ -66,6 +67,7 @@ OverlapSearch::OverlapSearch(MemoryMeter& meter, Cancellation& cancellation)
 void OverlapSearch::release() {
     outline_ = WorldOutline(&meter_);
     rules_ = BodyRules(&meter_);
+    near_ = NearBodies(&meter_);
     buffers_ = SceneBuffers(&meter_);
     surfaces_.clear();
     found_ = metered(&meter_);
@@ -143,28 +145,24 @@ void OverlapSearch::sort_pairs() {
 // Adds the pairs of bodies whose surfaces do not meet, but whose boxes overlap.
 void OverlapSearch::list_candidates() {
     const std::size_t meet = candidates_.size();
-    const std::int32_t worlds = outline_.worlds(), rest = outline_.first_body(worlds);
-    std::vector<Bounds> box(static_cast<std::size_t>(outline_.bodies()), no_bounds);
-    for (std::int32_t b = 0; b < outline_.bodies(); ++b)
-        if (!surface(b).empty) box[static_cast<std::size_t>(b)] = outline_.placement(b)(surface(b).box);
+    near_.prepare(outline_, [&](std::int32_t b) {
+        return surface(b).empty ? no_bounds : outline_.placement(b)(surface(b).box);
+    });
     const auto add = [&](std::int32_t a, std::int32_t b) {
-        if (!overlap(box[static_cast<std::size_t>(a)], box[static_cast<std::size_t>(b)])) return;
-        if (a != b && !rules_.between(a, b)) return;
         if (!rules_.groups(outline_.body(a).group, outline_.body(b).group)) return;
         const auto end = candidates_.begin() + static_cast<std::ptrdiff_t>(meet);
         const auto before = [](const Candidate& c, const BodyPair& bodies) { return c.bodies < bodies; };
         const auto at = std::lower_bound(candidates_.begin(), end, BodyPair{a, b}, before);
         if (at == end || at->bodies != BodyPair{a, b}) candidates_.push_back({{a, b}, 0, 0});
     };
-    for (std::int32_t w = 0; w <= worlds; ++w) {
-        const std::int32_t end = w < worlds ? outline_.first_body(w + 1) : outline_.bodies();
-        for (std::int32_t a = outline_.first_body(w); a < end; ++a) {
+    for (std::int32_t w = 0; w <= outline_.worlds(); ++w)
+        near_.for_each_pair(w, [&](std::int32_t a, std::int32_t b) {
             cancellation_.check();
-            if (rules_.within(a, query_.self_overlaps)) add(a, a);
-            for (std::int32_t b = a + 1; b < end; ++b) add(a, b);
-            for (std::int32_t b = rest; w < worlds && b < outline_.bodies(); ++b) add(a, b);
-        }
-    }
+            if (rules_.between(a, b)) add(a, b);
+            return true;
+        });
+    for (std::int32_t b = 0; b < outline_.bodies(); ++b)
+        if (rules_.within(b, query_.self_overlaps) && !surface(b).empty) add(b, b);
     std::sort(candidates_.begin(), candidates_.end(),
               [](const Candidate& x, const Candidate& y) { return x.bodies < y.bodies; });
     for (const Candidate& candidate : candidates_) {

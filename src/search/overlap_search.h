@@ -16,6 +16,7 @@
 #include "crumple/overlaps.h"
 #include "scene/body_rules.h"
 #include "scene/closed_surface.h"
+#include "scene/near_bodies.h"
 #include "scene/orientation.h"
 #include "scene/world_outline.h"
 #include "search/overlap_row.h"
@@ -65,6 +66,7 @@ class OverlapSearch {
     OverlapQuery query_;
     WorldOutline outline_;
     BodyRules rules_;
+    NearBodies near_;
     SceneBuffers buffers_;
     std::vector<std::unique_ptr<Surface>> surfaces_;  ///< by shape; kept
     Intersections found_;

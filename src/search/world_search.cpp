@@ -41,8 +41,7 @@ WorldSearch::WorldSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTr
       named_(named),
       outline_(&meter),
       rules_(&meter),
-      box_(&meter),
-      rest_(&meter),
+      near_(&meter),
       marks_(&meter),
       groups_(&meter),
       whole_(&meter),
@@ -56,8 +55,7 @@ void WorldSearch::release() {
     of_call_.clear();
     outline_ = WorldOutline(&meter_);
     rules_ = BodyRules(&meter_);
-    box_.release();
-    rest_.release();
+    near_ = NearBodies(&meter_);
     marks_.release();
     groups_.release();
     whole_.release();
@@ -109,15 +107,7 @@ void WorldSearch::read_shapes() {
 void WorldSearch::read_bodies() {
     boxes_ = outline_.worlds() > 1 || std::any_of(trees_.begin(), trees_.end(), [](auto* tree) { return tree; });
     if (!boxes_) return;
-    box_.resize_discard(static_cast<std::size_t>(outline_.bodies()));
-    for (std::int32_t b = 0; b < outline_.bodies(); ++b) box_[b] = read_box(b);
-
-    const std::int32_t first = outline_.first_body(outline_.worlds());
-    rest_.resize_discard(static_cast<std::size_t>(outline_.bodies() - first));
-    for (std::int32_t b = first; b < outline_.bodies(); ++b) rest_[b - first] = {b, box_[b].low.x, 0};
-    std::sort(rest_.begin(), rest_.end(), [](const Rest& a, const Rest& b) { return a.low < b.low; });
-    double reach = -largest_number;
-    for (Rest& r : rest_) r.reach = reach = std::max(reach, box_[r.body].high.x);
+    near_.prepare(outline_, [&](std::int32_t b) { return read_box(b); });
 }
 
 // Holds all posed vertices of body b, which are finite, or Error is thrown. A body without triangles meets nothing.
@@ -145,37 +135,11 @@ std::int32_t WorldSearch::end_of(std::int32_t pass) const {
     return pass < outline_.worlds() ? outline_.first_body(pass + 1) : outline_.bodies();
 }
 
-// By boxes and rules; of triangles nothing is known yet.
+// By rules; of triangles nothing is known yet.
 bool WorldSearch::may_meet(std::int32_t a, std::int32_t b) const {
-    if (!overlap(box_[a], box_[b]) || !rules_.between(a, b)) return false;
+    if (!rules_.between(a, b)) return false;
     const bool grouped = !outline_.shape(a).groups.empty() || !outline_.shape(b).groups.empty();
     return grouped || rules_.groups(outline_.body(a).group, outline_.body(b).group);
-}
-
-// Pairs a < b that may meet, in no order. Ends when visit(a, b) returns false.
-template <class Visit>
-void WorldSearch::for_each_body_pair(std::int32_t pass, Visit visit) const {
-    const std::int32_t begin = begin_of(pass), end = end_of(pass);
-    constexpr std::int32_t few = 32;
-    std::vector<std::int32_t> order;
-    if (end - begin > few) {
-        order.resize(static_cast<std::size_t>(end - begin));
-        std::iota(order.begin(), order.end(), begin);
-        std::sort(order.begin(), order.end(), [&](auto a, auto b) { return box_[a].low.x < box_[b].low.x; });
-    }
-    for (std::int32_t i = 0; i < end - begin; ++i) {
-        const std::int32_t a = order.empty() ? begin + i : order[static_cast<std::size_t>(i)];
-        for (std::int32_t j = i + 1; j < end - begin; ++j) {
-            const std::int32_t b = order.empty() ? begin + j : order[static_cast<std::size_t>(j)];
-            if (!order.empty() && box_[b].low.x > box_[a].high.x) break;
-            if (may_meet(a, b) && !visit(std::min(a, b), std::max(a, b))) return;
-        }
-        if (pass == outline_.worlds()) continue;
-        auto r =
-            std::partition_point(rest_.begin(), rest_.end(), [&](const Rest& x) { return x.reach < box_[a].low.x; });
-        for (; r != rest_.end() && r->low <= box_[a].high.x; ++r)
-            if (may_meet(a, r->body) && !visit(a, r->body)) return;
-    }
 }
 
 // Pairs of bodies that both have trees, where only flags are wanted. Worlds are independent.
@@ -190,8 +154,8 @@ void WorldSearch::search_directly(BackendBase& backend, Intersections& result) {
         cancellation_.check();
         for (std::int32_t pass = first; pass < std::min(passes(), first + worlds_a_task); ++pass) {
             if (question_.output == Output::any && any.load(std::memory_order_relaxed)) break;
-            for_each_body_pair(pass, [&](std::int32_t a, std::int32_t b) {
-                if (!direct(a, b)) return true;
+            near_.for_each_pair(pass, [&](std::int32_t a, std::int32_t b) {
+                if (!may_meet(a, b) || !direct(a, b)) return true;
                 cancellation_.check();
                 if (!bodies_meet(outline_, question_, rules_, a, *tree(a), b, *tree(b), tests)) return true;
                 any.store(true, std::memory_order_relaxed);
@@ -249,9 +213,9 @@ void WorldSearch::collect(std::int32_t pass) {
     }
     for (std::int32_t b = begin_of(pass); b < end_of(pass); ++b)
         if (rules_.within(b, outline_.body(b).self)) whole_.push_back(b);
-    for_each_body_pair(pass, [&](std::int32_t a, std::int32_t b) {
+    near_.for_each_pair(pass, [&](std::int32_t a, std::int32_t b) {
         cancellation_.check();
-        if (!(is_flag(question_.output) && direct(a, b))) mark(a, b);
+        if (may_meet(a, b) && !(is_flag(question_.output) && direct(a, b))) mark(a, b);
         return true;
     });
     std::sort(whole_.begin(), whole_.end());
@@ -331,8 +295,8 @@ void WorldSearch::mark(std::int32_t a, std::int32_t b) {
         else
             whole_.push_back(body);
     };
-    by_box(a, tree_a, place_a, box_[b]);
-    by_box(b, tree_b, place_b, box_[a]);
+    by_box(a, tree_a, place_a, near_.box(b));
+    by_box(b, tree_b, place_b, near_.box(a));
 }
 
 // Whether memory suffices for work on the worlds that are joined. One has to fit.

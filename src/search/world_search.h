@@ -21,6 +21,7 @@
 #include "crumple/world.h"
 #include "results/world_output.h"
 #include "scene/body_rules.h"
+#include "scene/near_bodies.h"
 #include "scene/shape_tree.h"
 #include "scene/shape_trees.h"
 #include "scene/world_outline.h"
@@ -45,12 +46,6 @@ class WorldSearch {
         friend auto operator<=>(const Mark&, const Mark&) = default;
     };
 
-    /// A body that is in all worlds, and how far to the right those reach that begin no further right than it.
-    struct Rest {
-        std::int32_t body;
-        double low, reach;
-    };
-
     struct Extent {
         std::int64_t triangles = 0, vertices = 0;
     };
@@ -67,8 +62,6 @@ class WorldSearch {
     const ShapeTree* tree(std::int32_t b) const { return trees_[static_cast<std::size_t>(outline_.body(b).shape)]; }
     bool may_meet(std::int32_t a, std::int32_t b) const;
     bool direct(std::int32_t a, std::int32_t b) const { return tree(a) && tree(b); }
-    template <class Visit>
-    void for_each_body_pair(std::int32_t pass, Visit visit) const;
 
     void search_directly(BackendBase& backend, Intersections& result);
     bool known(std::int32_t pass, const Intersections& result) const {
@@ -104,8 +97,7 @@ class WorldSearch {
     bool boxes_ = false;                               ///< whether bodies have boxes
     std::vector<const ShapeTree*> trees_;              ///< by shape; null: it has none
     std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of shapes without a name
-    Array<Bounds> box_;                                ///< by body
-    Array<Rest> rest_;                                 ///< those in all worlds, from left to right
+    NearBodies near_;
     Array<Mark> marks_;
     Array<std::int32_t> groups_, whole_;
     std::vector<std::int32_t> joined_;  ///< passes whose worlds are side by side in the scene
