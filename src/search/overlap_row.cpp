@@ -13,19 +13,14 @@ namespace {
 
 std::size_t index_of(Shift shift) { return shift == Shift::forward ? 0 : 1; }
 
-/// Adds what a face or a pair of faces does to the sums of its row.
 template <class Sum, class Number>
-void add(const VolumeTerms<Number>& terms, OverlapTotals<Sum>& totals) {
-    totals.volume.add(terms.volume);
-    for (int axis = 0; axis < 3; ++axis) totals.moment[static_cast<std::size_t>(axis)].add(terms.moment[axis]);
+void add_vector(const Vec3<Number>& vector, std::array<Sum, 3>& sums) {
+    for (int axis = 0; axis < 3; ++axis) sums[static_cast<std::size_t>(axis)].add(vector[axis]);
 }
 template <class Sum, class Number>
 void add(const CurveTerms<Number>& terms, OverlapTotals<Sum>& totals) {
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto k = static_cast<std::size_t>(axis);
-        totals.area[k].add(terms.area[axis]);
-        totals.torque[k].add(terms.torque[axis]);
-    }
+    add_vector(terms.area, totals.area);
+    add_vector(terms.torque, totals.torque);
 }
 
 template <class Number>
@@ -82,6 +77,7 @@ OverlapRow OverlapOfBodies::find_self(const PlacedSurface& body, std::span<const
 
 OverlapRow OverlapOfBodies::find(const Request& request) {
     exact_.reset();
+    numbers_ = request.numbers;
     crossings_ = false;
     OverlapRow row;
     bool known = false;
@@ -92,7 +88,7 @@ OverlapRow OverlapOfBodies::find(const Request& request) {
         if (!row.exists) return row;
         add_faces(quick_[0], quick_totals_, [&](const FaceCorners& p) { return placed_quickly(p, origin_); });
         const auto round = [](const FixedSum& sum, int by) { return sum.rounded_quotient(by); };
-        known = finish(quick_totals_, origin_, self_ != 0, round, row.numbers);
+        known = finish(quick_totals_, round, row.numbers);
     }
     if (!known) {
         const OverlapTotals<RationalSum>& totals = exact_overlap().totals;
@@ -100,7 +96,7 @@ OverlapRow OverlapOfBodies::find(const Request& request) {
         const auto round = [&](const RationalSum& sum, int by) {
             return std::optional(sum.rounded_quotient(by, cancellation_));
         };
-        finish(totals, origin_, self_ != 0, round, row.numbers);
+        finish(totals, round, row.numbers);
     }
     if (self_) row.exists = row.numbers.volume.scaled.mantissa != 0;
     if (!row.exists) return row;
@@ -110,6 +106,14 @@ OverlapRow OverlapOfBodies::find(const Request& request) {
         if (request.windings) row.windings[side] = windings(side);
     }
     return row;
+}
+
+template <class Sum, class Round>
+bool OverlapOfBodies::finish(const OverlapTotals<Sum>& totals, Round round, OverlapNumbers& numbers) const {
+    if (numbers_) return crumple::finish(totals, origin_, self_ != 0, round, numbers);
+    const auto volume = round(totals.volume, self_ != 0 ? 36 : 18);
+    if (volume) numbers.volume = *volume;
+    return volume.has_value();
 }
 
 template <class Number>
@@ -154,7 +158,7 @@ void OverlapOfBodies::add_quickly(const Request& request) {
             add_crossing(pairs_[i], crossing, Shift::forward);
             if (request.gradient) add_crossing(pairs_[i], other, Shift::backward);
             for (const QuickCrossing* one : {&crossing, &other})
-                if (one->jumps.segment && !self_) add(curve(placed_a, *one), quick_totals_);
+                if (one->jumps.segment && self_ == 0 && numbers_) add(curve(placed_a, *one), quick_totals_);
         }
     }
     add_windings(Shift::forward, quick_[0]);
@@ -166,8 +170,9 @@ void OverlapOfBodies::add_faces(ShiftedSurfaces<Number>& surfaces, OverlapTotals
     const auto add_face = [&](std::size_t side, std::int32_t face, const auto& weights) {
         cancellation_.check();
         VolumeTerms<Number> terms;
-        terms.add(place(surfaces_[side]->corners(face)), weights);
-        add(terms, totals);
+        terms.add(place(surfaces_[side]->corners(face)), weights, numbers_);
+        totals.volume.add(terms.volume);
+        if (numbers_) add_vector(terms.moment, totals.moment);
     };
     for (std::size_t side = 0; side < 2; ++side) {
         const auto add_one = [&](std::int32_t face, const auto& weights) { add_face(side, face, weights); };
@@ -193,7 +198,7 @@ const OverlapOfBodies::ExactOverlap& OverlapOfBodies::exact_overlap() {
             crossings_ = true;
             surfaces[0].weights.add(pair.a, crossing.a);
             surfaces[1].weights.add(pair.b, crossing.b);
-            if (!self_) add(curve(placed_rationally(p, origin_), crossing), exact_->totals);
+            if (self_ == 0 && numbers_) add(curve(placed_rationally(p, origin_), crossing), exact_->totals);
         }
     }
     for (const Shift shift : both_shifts) add_windings(shift, exact_->shifted[index_of(shift)]);

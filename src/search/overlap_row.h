@@ -47,6 +47,7 @@ using ShiftedSurfaces = std::array<ShiftedSurface<Number>, 2>;
 class OverlapOfBodies {
    public:
     struct Request {
+        bool numbers = true;  ///< otherwise no more than the volume and the relation
         bool gradient = false, windings = false;
         int orientation = 1;  ///< of a body with itself: −1 if its faces are meant to be reversed
     };
@@ -85,6 +86,8 @@ class OverlapOfBodies {
     void add_windings(Shift shift, ShiftedSurfaces<Number>& surfaces) const;
     template <class Number, class Sum, class Place>
     void add_faces(ShiftedSurfaces<Number>& surfaces, OverlapTotals<Sum>& totals, Place place) const;
+    template <class Sum, class Round>
+    bool finish(const OverlapTotals<Sum>& totals, Round round, OverlapNumbers& numbers) const;
     const WindingSteps& steps(std::size_t side) const;
     bool is_inside(std::size_t side) const;
     OverlapRelation relate(const OverlapNumbers& numbers);
@@ -103,6 +106,7 @@ class OverlapOfBodies {
     std::array<const PlacedSurface*, 2> surfaces_{};
     std::span<const Pair> pairs_;
     Vec3d origin_;
+    bool numbers_ = true;
     int self_ = 0;  ///< the orientation of a body that is with itself, else 0
     bool crossings_ = false;  ///< true if any two faces cross
     std::array<ShiftedSurfaces<Enclosed>, 2> quick_;  ///< forward; for gradients also backward

@@ -46,6 +46,8 @@ std::vector<Pair> pairs_within(const ClosedSurface& surface, std::span<const Pai
     return pairs;
 }
 
+bool is_flag(Output output) { return output == Output::any || output == Output::any_by_world; }
+
 bool in_double_word_range(const Vec3d& p) {
     for (int axis = 0; axis < 3; ++axis)
         if (p[axis] != 0 && !(std::abs(p[axis]) >= 0x1p-150 && std::abs(p[axis]) <= 0x1p150)) return false;
@@ -86,29 +88,54 @@ void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World&
     rules_.prepare(query.filter);
     begin(query, outline_.worlds(), outline_.bodies(), result);
     read_surfaces(backend);
+    list_candidates();
+    // Where nothing but flags is wanted, surfaces that meet decide most of it, and the search for them ends early.
+    const bool by_meeting = is_flag(query.output) && query.min_volume == 0 && !query.self_overlaps && none_is_open_;
     IntersectionQuery intersections;
     intersections.filter = query.filter;
+    if (by_meeting) intersections.output = query.output;
     worlds.find(backend, world, intersections, found_);
     result.statistics = found_.statistics;
-    sort_pairs();
-    list_candidates();
+    if (by_meeting)
+        take_flags(result);
+    else
+        sort_pairs();
+    find_rows(backend, result);
+    result.count = static_cast<std::int64_t>(result.bodies.size());
+}
 
+// Leaves the candidates whose worlds are not known to have a row.
+void OverlapSearch::take_flags(Overlaps& result) {
+    result.any = found_.any;
+    if (query_.output == Output::any_by_world)
+        std::copy(found_.world_hit.begin(), found_.world_hit.end(), result.world_hit.begin());
+    std::erase_if(candidates_, [&](const Candidate& candidate) {
+        const std::int32_t world = outline_.body(candidate.bodies.first).world;
+        return query_.output == Output::any ? result.any : world >= 0 && result.world_hit[world] != 0;
+    });
+}
+
+void OverlapSearch::find_rows(BackendBase& backend, Overlaps& result) {
     std::vector<OverlapRow> rows(candidates_.size());
     std::atomic<std::int64_t> rational{0};
+    std::atomic<bool> enough{false};
+    const auto is_listed = [&](const OverlapRow& row) {
+        return row.exists && std::abs(row.numbers.volume.value) >= query_.min_volume;
+    };
     backend.parallel_for(candidates_.size(), [&](std::size_t i) {
+        if (enough.load(std::memory_order_relaxed)) return;
         cancellation_.check();
         std::int64_t rational_rows = 0;
         rows[i] = row_of(candidates_[i], rational_rows);
         rational.fetch_add(rational_rows, std::memory_order_relaxed);
+        if (query_.output == Output::any && is_listed(rows[i])) enough.store(true, std::memory_order_relaxed);
     });
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const BodyPair& bodies = candidates_[i].bodies;
         if (bodies.first == bodies.second) add_body(bodies.first, rows[i], result);
-        if (rows[i].exists && std::abs(rows[i].numbers.volume.value) >= query.min_volume)
-            add_row(query, bodies, outline_.body(bodies.first).world, rows[i], result);
+        if (is_listed(rows[i])) add_row(query_, bodies, outline_.body(bodies.first).world, rows[i], result);
     }
     result.statistics.rational_tests += rational;
-    result.count = static_cast<std::int64_t>(result.bodies.size());
 }
 
 void OverlapSearch::read_surfaces(BackendBase& backend) {
@@ -126,34 +153,31 @@ void OverlapSearch::read_surfaces(BackendBase& backend) {
     }
 }
 
-// From the order of first body, its triangle, second body, its triangle, to that of pairs of bodies.
+// From the order of first body, its triangle, second body, its triangle, to that of the candidates.
 void OverlapSearch::sort_pairs() {
     std::vector<std::size_t> order(found_.pairs.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     const auto before = [&](std::size_t i, std::size_t j) { return found_.bodies[i] < found_.bodies[j]; };
     if (!std::is_sorted(order.begin(), order.end(), before)) std::stable_sort(order.begin(), order.end(), before);
     pairs_.resize_discard(order.size());
-    candidates_.clear();
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        const BodyPair& bodies = found_.bodies[order[i]];
-        if (candidates_.empty() || candidates_.back().bodies != bodies) candidates_.push_back({bodies, i, i});
-        candidates_.back().end = i + 1;
-        pairs_[i] = found_.pairs[order[i]];
+    for (std::size_t i = 0; i < order.size(); ++i) pairs_[i] = found_.pairs[order[i]];
+    std::size_t i = 0;
+    for (Candidate& candidate : candidates_) {
+        while (i < order.size() && found_.bodies[order[i]] < candidate.bodies) ++i;  // of surfaces that are not closed
+        candidate.begin = i;
+        while (i < order.size() && found_.bodies[order[i]] == candidate.bodies) ++i;
+        candidate.end = i;
     }
 }
 
-// Adds the pairs of bodies whose surfaces do not meet, but whose boxes overlap.
+// Lists the pairs of bodies whose boxes overlap, of closed surfaces.
 void OverlapSearch::list_candidates() {
-    const std::size_t meet = candidates_.size();
+    candidates_.clear();
     near_.prepare(outline_, [&](std::int32_t b) {
         return surface(b).empty ? no_bounds : outline_.placement(b)(surface(b).box);
     });
     const auto add = [&](std::int32_t a, std::int32_t b) {
-        if (!rules_.groups(outline_.body(a).group, outline_.body(b).group)) return;
-        const auto end = candidates_.begin() + static_cast<std::ptrdiff_t>(meet);
-        const auto before = [](const Candidate& c, const BodyPair& bodies) { return c.bodies < bodies; };
-        const auto at = std::lower_bound(candidates_.begin(), end, BodyPair{a, b}, before);
-        if (at == end || at->bodies != BodyPair{a, b}) candidates_.push_back({{a, b}, 0, 0});
+        if (rules_.groups(outline_.body(a).group, outline_.body(b).group)) candidates_.push_back({{a, b}, 0, 0});
     };
     for (std::int32_t w = 0; w <= outline_.worlds(); ++w)
         near_.for_each_pair(w, [&](std::int32_t a, std::int32_t b) {
@@ -170,9 +194,10 @@ void OverlapSearch::list_candidates() {
         check_closed(candidate.bodies.first);
         check_closed(candidate.bodies.second);
     }
-    std::erase_if(candidates_, [&](const Candidate& candidate) {
+    const std::size_t erased = std::erase_if(candidates_, [&](const Candidate& candidate) {
         return !surface(candidate.bodies.first).closed.closed() || !surface(candidate.bodies.second).closed.closed();
     });
+    none_is_open_ = erased == 0;
 }
 
 void OverlapSearch::check_closed(std::int32_t body) const {
@@ -204,7 +229,10 @@ OverlapRow OverlapSearch::row_of(const Candidate& candidate, std::int64_t& ratio
     const PlacedSurface a = place(first, points_a);
     const std::span<const Pair> pairs(pairs_.data() + candidate.begin, candidate.end - candidate.begin);
     OverlapOfBodies overlap(cancellation_);
-    OverlapOfBodies::Request request{.gradient = query_.gradient, .windings = query_.windings};
+    const bool numbers = query_.output == Output::pairs;
+    OverlapOfBodies::Request request{.numbers = numbers,
+                                     .gradient = numbers && query_.gradient,
+                                     .windings = numbers && query_.windings};
     OverlapRow row;
     if (first == second) {
         request.orientation = orientation(first);

@@ -49,8 +49,10 @@ class OverlapSearch {
     };
 
     void read_surfaces(BackendBase& backend);
-    void sort_pairs();
     void list_candidates();
+    void take_flags(Overlaps& result);
+    void sort_pairs();
+    void find_rows(BackendBase& backend, Overlaps& result);
     void check_closed(std::int32_t body) const;
     /// Returns −1 if the pose of a body turns it inside out: its faces are meant to be reversed then.
     int orientation(std::int32_t body) const { return orientation_of(outline_.placement(body)) < 0 ? -1 : 1; }
@@ -72,6 +74,7 @@ class OverlapSearch {
     Intersections found_;
     Array<Pair> pairs_;  ///< by pair of bodies
     std::vector<Candidate> candidates_;
+    bool none_is_open_ = true;  ///< all pairs of bodies whose boxes overlap are candidates
 };
 
 }  // namespace crumple

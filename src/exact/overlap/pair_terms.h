@@ -27,18 +27,18 @@ struct VolumeTerms {
     Number volume{};        ///< cone f: 18 times the volume
     Vec3<Number> moment{};  ///< cone (w0 p0 + w1 p1 + w2 p2): 24 times the first moment about O
 
-    CRUMPLE_HD void add(const PlacedFace<Number>& face, const FaceWeights<Number>& w) {
+    CRUMPLE_HD void add(const PlacedFace<Number>& face, const FaceWeights<Number>& w, bool with_moment = true) {
         const auto& p = face.corner;
         const Number cone = face.cone();
         volume = volume + cone * (w[0] + w[1] + w[2]);
-        moment = moment + cone * (w[0] * p[0] + w[1] * p[1] + w[2] * p[2]);
+        if (with_moment) moment = moment + cone * (w[0] * p[0] + w[1] * p[1] + w[2] * p[2]);
     }
     /// The same where the winding number is constant.
-    CRUMPLE_HD void add(const PlacedFace<Number>& face, int winding) {
+    CRUMPLE_HD void add(const PlacedFace<Number>& face, int winding, bool with_moment = true) {
         const auto& p = face.corner;
         const Number cone = Number(winding) * face.cone();
         volume = volume + Number(3) * cone;
-        moment = moment + cone * (p[0] + p[1] + p[2]);
+        if (with_moment) moment = moment + cone * (p[0] + p[1] + p[2]);
     }
 };
 
