@@ -3,7 +3,7 @@
     python nearest_python.py [--quick] [--json OUT]
 
 Needs crumple's Python package and Coal in one environment: scripts/test_python.sh --all makes one. Same pairs, same
-poses; how times are taken and ratios formed is that of worlds_python.py. Both are called from Python, on one thread.
+poses; how times are taken and ratios formed is that of timed_rows.py. Both are called from Python, on one thread.
 Coal's trees (OBBRSS), transforms and requests are made before the clock starts; crumple's shapes are named, and it
 reads poses as NumPy arrays on the clock. Coal is asked for a distance without its sign, and tells the nearest points
 as well; it computes in float64 with rounding errors, crumple decides exactly, for posed vertices that are rounded to
@@ -18,7 +18,8 @@ import os
 
 import numpy as np
 import rigid_scenes as scenes
-from worlds_python import Row, coal, judge, show, transforms, tree
+from timed_rows import Row, judge, show
+from worlds_python import coal, transforms, tree
 
 import crumple
 

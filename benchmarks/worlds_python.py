@@ -16,15 +16,14 @@ that are rounded to float32, so triangles that hardly touch may differ.
 from __future__ import annotations
 
 import argparse
-import functools
 import json
 import os
 import sys
 import time
-from statistics import median, quantiles
 
 import numpy as np
 import rigid_scenes as scenes
+from timed_rows import Row, judge, show
 
 import crumple
 
@@ -32,14 +31,6 @@ try:
     import coal
 except ImportError as error:
     sys.exit(f"worlds_python.py compares with Coal, which is not installed ({error}): pip install coal")
-
-
-def microseconds(call, clock):
-    begin = clock()
-    answer = call()
-    end = clock()
-    del answer
-    return 1e6 * (end - begin)
 
 
 def tree(vertices, faces):
@@ -67,57 +58,6 @@ def request(most, contacts):
 
 WAYS = {"Coal, with contacts": True, "Coal, without contacts": False}
 ALL = 2**62
-
-
-class Row:
-    """A row of the table: `ours` and each of `theirs` answer what a turn asks; compare(way) tells how answers differ."""
-
-    def __init__(self, name, ours, theirs, turns, compare, a_turn=1, less=None, clock=time.thread_time):
-        self.name, self.ours, self.theirs, self.turns, self.compare = name, ours, theirs, turns, compare
-        self.a_turn = a_turn  # questions a turn answers
-        self.clock = clock  # the thread's own time, unless a row needs more threads: others use this machine, too
-        self.less = less  # what of Coal's time is the loop's, measured as `theirs` is
-
-
-def race(row, rounds):
-    """Microseconds of each contestant, turn and round; contestants change places from round to round."""
-    calls = {"crumple": row.ours, **row.theirs, **({"loop": row.less} if row.less else {})}
-    times = {name: [[] for _ in range(row.turns)] for name in calls}
-    for call in calls.values():
-        call(0), call(row.turns - 1)
-    for r in range(rounds):
-        for turn in range(row.turns):
-            for name in list(calls)[:: 1 if r % 2 else -1]:
-                times[name][turn].append(microseconds(functools.partial(calls[name], turn), row.clock))
-    return times
-
-
-def judge(row, rounds):
-    times = race(row, rounds)
-    if row.turns == 1:  # a turn a round
-        times = {name: times[name][0] for name in times}
-    else:
-        times = {name: [median(t) for t in times[name]] for name in times}
-    ways = {name: median(times[name]) for name in row.theirs}
-    way = min(ways, key=ways.get)
-    loop = times.get("loop", [0.0] * len(times[way]))
-    theirs = [t - u for t, u in zip(times[way], loop)]
-    ratios = [t / o for t, o in zip(theirs, times["crumple"])]
-    lower, middle, upper = quantiles(ratios, method="inclusive")
-    answers = row.compare(way)
-    if row.a_turn > 1:
-        answers += f"; {1e6 * row.a_turn / median(times['crumple']):,.0f} a second"
-    return {
-        "name": row.name,
-        "crumple_us": median(times["crumple"]) / row.a_turn,
-        "peer": way,
-        "peer_us": median(theirs) / row.a_turn,
-        "loop_us": median(loop) / row.a_turn,
-        "ratio": middle,
-        "lower_quartile": lower,
-        "upper_quartile": upper,
-        "answers": answers,
-    }
 
 
 def pairs_differ(answers):
@@ -306,17 +246,6 @@ def many_worlds(quick):
             a_turn=count,
         ),
     ]
-
-
-def show(figures):
-    rows = [["microseconds a question", "crumple", "peer", "ratio", "quartiles", "peer", "answers"]]
-    for f in figures:
-        quartiles = f"{f['lower_quartile']:.2f} - {f['upper_quartile']:.2f}"
-        numbers = [f"{f['crumple_us']:.3g}", f"{f['peer_us']:.3g}", f"{f['ratio']:.2f}", quartiles]
-        rows.append([f["name"], *numbers, f["peer"], f["answers"]])
-    widths = [max(map(len, column)) for column in zip(*rows)]
-    for row in rows:
-        print("  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip())
 
 
 def main():

@@ -1,0 +1,90 @@
+"""Rows of the benchmarks that are called from Python: contestants take turns, and a row says how crumple stands to a peer.
+
+Times are medians. A ratio, the peer's time over crumple's, is formed turn by turn, or round by round where a row has
+one turn; its median is given, and quartiles.
+"""
+
+from __future__ import annotations
+
+import functools
+import time
+from statistics import median, quantiles
+
+LEAST_ROUNDS = 3
+
+
+def microseconds(call, clock):
+    begin = clock()
+    answer = call()
+    end = clock()
+    del answer
+    return 1e6 * (end - begin)
+
+
+class Row:
+    """A row of the table: `ours` and each of `theirs` answer what a turn asks; compare(way) tells how answers differ."""
+
+    def __init__(
+        self, name, ours, theirs, turns, compare, a_turn=1, less=None, clock=time.thread_time, peer_a_turn=None
+    ):
+        self.name, self.ours, self.theirs, self.turns, self.compare = name, ours, theirs, turns, compare
+        self.a_turn = a_turn  # questions a turn answers
+        self.peer_a_turn = peer_a_turn or a_turn  # those that a turn of the peer answers, where it gets fewer
+        self.clock = clock  # the thread's own time, unless a row needs more threads: others use this machine, too
+        self.less = less  # what of the peer's time is the loop's, measured as `theirs` is
+
+
+def race(row, rounds, seconds):
+    """Microseconds of each contestant, turn and round; contestants change places from round to round. Ends early, but
+    not before LEAST_ROUNDS, once so many seconds have passed."""
+    calls = {"crumple": row.ours, **row.theirs, **({"loop": row.less} if row.less else {})}
+    times = {name: [[] for _ in range(row.turns)] for name in calls}
+    for call in calls.values():
+        call(0), call(row.turns - 1)
+    begin = time.perf_counter()
+    for r in range(rounds):
+        if r >= LEAST_ROUNDS and time.perf_counter() - begin > seconds:
+            break
+        for turn in range(row.turns):
+            for name in list(calls)[:: 1 if r % 2 else -1]:
+                times[name][turn].append(microseconds(functools.partial(calls[name], turn), row.clock))
+    return times
+
+
+def judge(row, rounds, seconds=float("inf")):
+    times = race(row, rounds, seconds)
+    if row.turns == 1:  # a turn a round
+        times = {name: times[name][0] for name in times}
+    else:
+        times = {name: [median(t) for t in times[name]] for name in times}
+    ways = {name: median(times[name]) / row.peer_a_turn for name in row.theirs}
+    way = min(ways, key=ways.get)
+    loop = [t / row.peer_a_turn for t in times.get("loop", [0.0] * len(times[way]))]
+    theirs = [t / row.peer_a_turn - u for t, u in zip(times[way], loop)]
+    ours = [t / row.a_turn for t in times["crumple"]]
+    lower, middle, upper = quantiles([t / o for t, o in zip(theirs, ours)], method="inclusive")
+    answers = row.compare(way)
+    if row.a_turn > 1:
+        answers += f"; {1e6 / median(ours):,.0f} a second"
+    return {
+        "name": row.name,
+        "crumple_us": median(ours),
+        "peer": way,
+        "peer_us": median(theirs),
+        "loop_us": median(loop),
+        "ratio": middle,
+        "lower_quartile": lower,
+        "upper_quartile": upper,
+        "answers": answers,
+    }
+
+
+def show(figures):
+    rows = [["microseconds a question", "crumple", "peer", "ratio", "quartiles", "peer", "answers"]]
+    for f in figures:
+        quartiles = f"{f['lower_quartile']:.2f} - {f['upper_quartile']:.2f}"
+        numbers = [f"{f['crumple_us']:.3g}", f"{f['peer_us']:.3g}", f"{f['ratio']:.2f}", quartiles]
+        rows.append([f["name"], *numbers, f["peer"], f["answers"]])
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    for row in rows:
+        print("  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip())
