@@ -1,4 +1,4 @@
-"""Shapes and poses for worlds_python.py: the same on every machine."""
+"""Shapes and poses for worlds_python.py, nearest_python.py and overlaps_python.py: the same on every machine."""
 
 from __future__ import annotations
 
@@ -38,6 +38,36 @@ def _joined(points, faces):
     """Points of equal position made one."""
     _, kept, new = np.unique(points.round(9) + 0.0, axis=0, return_index=True, return_inverse=True)
     return points[kept].astype(np.float32), new.reshape(-1)[np.array(faces)].astype(np.int32)
+
+
+def box(size=1.0):
+    """A cube about the origin of edges of that length, 12 triangles: float64 vertices and int32 faces."""
+    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size / 2
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return corners, np.array([t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))], np.int32)
+
+
+def tents(along):
+    """Two prisms whose ridges, crooked lines of so many points, are the same: one lies below, one above it. Float64
+    vertices and int32 faces of each, 3 along vertices."""
+    random = np.random.default_rng(5)
+    ridge = np.stack([np.arange(along) / 8, random.uniform(-0.1, 0.1, along), random.uniform(-0.01, 0.01, along)], 1)
+    lines = [np.arange(along) + first * along for first in range(3)]
+    faces = [np.array([(0, 2 * along, along), (along - 1, 2 * along - 1, 3 * along - 1)])]
+    for a, b in zip(lines, [*lines[1:], lines[0]]):
+        faces += [np.stack([a[:-1], b[:-1], b[1:]], 1), np.stack([a[:-1], b[1:], a[1:]], 1)]
+    faces = np.concatenate(faces).astype(np.int32)
+    lower, upper = (
+        np.concatenate([ridge, *(ridge * (1, 0, 0) + (0, side, height) for side in (-1, 1))]) for height in (-1, 1)
+    )
+    return [(lower, faces), (upper, faces[:, ::-1].copy())]
+
+
+def mirrored(vertices, faces):
+    """A mesh and its mirror image, float64, that touch where it reaches farthest along x."""
+    vertices = vertices.astype(float)
+    vertices[:, 0] -= vertices[:, 0].max()
+    return [(vertices, faces), (vertices * (-1, 1, 1), faces[:, ::-1].copy())]
 
 
 def link(around, along, length, radius):

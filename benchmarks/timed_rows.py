@@ -1,4 +1,4 @@
-"""Rows of the benchmarks that are called from Python: contestants take turns, and a row says how crumple stands to a peer.
+"""Rows of the benchmarks that are called from Python: contestants take turns, and a row compares crumple with a peer.
 
 Times are medians. A ratio, the peer's time over crumple's, is formed turn by turn, or round by round where a row has
 one turn; its median is given, and quartiles.
@@ -22,7 +22,7 @@ def microseconds(call, clock):
 
 
 class Row:
-    """A row of the table: `ours` and each of `theirs` answer what a turn asks; compare(way) tells how answers differ."""
+    """Row of the table: `ours` and each of `theirs` answer what a turn asks; compare(way) tells how answers differ."""
 
     def __init__(
         self, name, ours, theirs, turns, compare, a_turn=1, less=None, clock=time.thread_time, peer_a_turn=None

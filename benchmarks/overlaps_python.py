@@ -1,0 +1,450 @@
+"""Times overlaps of bodies (docs/overlap.md) against Manifold's booleans, in one process and taking turns.
+
+    python overlaps_python.py [--quick] [--case NAME] [--threads N] [--json OUT]
+
+Needs crumple's Python package and Manifold (pip install manifold3d) in one environment, and for real meshes the data
+that $CRUMPLE_DATA names (../shared/data beside the checkout otherwise); what is not there is left out. Each number of
+threads gets a process of its own, which is held to as many cores.
+
+Manifold makes a boolean and its volume; crumple volume, centroid, normal, depth and torque. Manifold's meshes are
+objects that exist before the clock starts, and it is given the pairs of bodies, which crumple finds. Rows:
+
+    deform      vertices move in each call: Manifold makes its solids of the meshes, then the boolean
+    before      named shapes under new poses: Manifold's solids exist, it may transform one, or leave that out
+    search      what overlaps cost beside crumple's search for intersections of the same scene, both warm
+    first call  the same of new detectors, which have not seen the triangles before
+    poses       configurations of two bodies; Manifold in a loop over some of them
+    contact     bodies that touch, so that sums are exactly 0, beside the search
+
+A ratio is formed round by round (timed_rows.py). On one thread times are those of the process, so that what others do
+on the machine disturbs less; else they are the wall's. Volumes are compared with exact ones where these are known.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+import warnings
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from statistics import median
+
+import figures
+import merge_results
+import numpy as np
+import rigid_scenes as scenes
+from timed_rows import Row, judge, show
+
+import crumple
+
+try:
+    import manifold3d
+except ImportError as error:
+    sys.exit(f"overlaps_python.py compares with Manifold, which is not installed ({error}): pip install manifold3d")
+
+TOP = Path(__file__).resolve().parent.parent
+DATA = Path(os.environ.get("CRUMPLE_DATA", TOP.parent / "shared" / "data"))
+SEARCH = "crumple, intersections"
+DRAGON, LUCY = "meshes/dragon_100k.ply", "meshes/lucy_100k.ply"
+
+# Pairs beside those of gt-overlap/large.json, and as these are written, but their exact volumes are not known.
+MORE_PAIRS = [
+    {
+        "name": "ember260",
+        "A": {"file": "thingi10k-ember/case260_a_908460.ply"},
+        "B": {"file": "thingi10k-ember/case260_b_73416.ply"},
+    },
+    {
+        "name": "ember406",
+        "A": {"file": "thingi10k-ember/case406_a_1063852.ply"},
+        "B": {"file": "thingi10k-ember/case406_b_72214.ply"},
+    },
+    {"name": "dragon_twice", "A": {"file": DRAGON}, "B": {"file": DRAGON, "shift": [13, 5, 3]}},
+    {"name": "lucy_twice", "A": {"file": LUCY}, "B": {"file": LUCY, "shift": [40, 20, 10]}},
+]
+
+
+@dataclass
+class Setting:
+    """What a run is made with."""
+
+    quick: bool
+    threads: int
+
+    @property
+    def clock(self):
+        return time.process_time if self.threads == 1 else time.perf_counter
+
+    def detector(self):
+        return crumple.Detector(threads=self.threads)
+
+
+@dataclass
+class Pair:
+    name: str
+    bodies: tuple  # two of (vertices, faces)
+    exact: float | None  # volume, rounded to nearest
+
+
+def read_body(told):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", crumple.FileWarning)
+        weld = "yes" if told.get("weld") else "no"
+        mesh = crumple.read_mesh(DATA / told["file"], precision="float64", weld=weld)
+    return np.asarray(mesh.vertices) * told.get("scale", 1.0) + np.array(
+        told.get("shift", (0, 0, 0)), float
+    ), mesh.faces
+
+
+def real_pairs(names):
+    """The pairs of those names whose files are there."""
+    truth = DATA / "gt-overlap" / "large.json"
+    told = json.loads(truth.read_text())["cases"] if truth.exists() else []
+    told = [c for c in told if c["B"]]
+    known = {c["name"] for c in told}
+    for case in told + [c for c in MORE_PAIRS if c["name"] not in known]:
+        if names and case["name"] not in names:
+            continue
+        if missing := [body["file"] for body in (case["A"], case["B"]) if not (DATA / body["file"]).exists()]:
+            print(f"{case['name']} is left out: there is no {missing[0]} in {DATA}")
+            continue
+        exact = float.fromhex(case["volume_float64"]) if "volume_float64" in case else None
+        yield Pair(case["name"], (read_body(case["A"]), read_body(case["B"])), exact)
+
+
+def deformed(vertices):
+    """The same, bent by a few thousandths of an edge of its box at most."""
+    size = np.ptp(vertices, axis=0).max()
+    return vertices + 2**-12 * size * np.sin(np.roll(vertices, 1, axis=1) * (4 / size))
+
+
+def states_of(bodies):
+    """Two states between which bodies change: as they are, and bent."""
+    return [list(bodies), [(deformed(vertices), faces) for vertices, faces in bodies]]
+
+
+def solid(vertices, faces):
+    return manifold3d.Mesh64(np.ascontiguousarray(vertices, float), np.ascontiguousarray(faces, np.uint64))
+
+
+def refused(pair):
+    """Why Manifold takes no solid of either body; None: it takes both."""
+    states = [manifold3d.Manifold(solid(*body)).status() for body in pair.bodies]
+    return next((f"{s}" for s in states if s != manifold3d.Error.NoError), None)
+
+
+def alternating(call):
+    """A contestant that takes the states 0 and 1 in turn."""
+    states = itertools.cycle((0, 1))
+    return lambda turn: call(next(states))
+
+
+def volume_of(found):
+    return float(found.volume.sum())
+
+
+def relative(value, of):
+    return abs(value - of) / abs(of) if of else abs(value)
+
+
+def off(value, exact):
+    return "exact" if value == exact else f"off by {relative(value, exact):.1e}"
+
+
+def judge_volumes(ours, theirs, exact):
+    if exact is not None:
+        return f"volume {exact:.10g}: crumple {off(ours, exact)}, Manifold {off(theirs, exact)}"
+    return f"volume {ours:.10g}, not known exactly; Manifold differs by {relative(theirs, ours):.1e}"
+
+
+def deforming(pair, setting):
+    states = states_of(pair.bodies)
+    meshes = [[crumple.Mesh(*body) for body in bodies] for bodies in states]
+    solids = [[solid(*body) for body in bodies] for bodies in states]
+    detector = setting.detector()
+
+    def ours(state):
+        return detector.overlaps(*meshes[state])
+
+    def theirs(state):
+        a, b = map(manifold3d.Manifold, solids[state])
+        return (a ^ b).volume()
+
+    def compare(_):
+        bent = relative(theirs(1), volume_of(ours(1)))
+        return judge_volumes(volume_of(ours(0)), theirs(0), pair.exact) + f"; bent: they differ by {bent:.1e}"
+
+    contestants = alternating(ours), {"Manifold, solids and boolean": alternating(theirs)}
+    return Row(f"{pair.name}, deform", *contestants, 1, compare, clock=setting.clock)
+
+
+def built_before(pair, setting):
+    shapes = [crumple.Shape(*body, name=f"{pair.name} {k}") for k, body in enumerate(pair.bodies)]
+    world, detector = crumple.World(shapes), setting.detector()
+    poses = np.tile(np.eye(3, 4), (2, 2, 1, 1))  # state, body: the second one turned a little to and fro
+    for state, angle in enumerate((0.001, -0.001)):
+        poses[state, 1, :2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    a, b = (manifold3d.Manifold(solid(*body)) for body in pair.bodies)
+
+    def ours(state):
+        world.poses = poses[state]
+        return detector.overlaps(world)
+
+    def transformed(state):
+        return (a ^ b.transform(poses[state, 1])).volume()
+
+    def compare(_):
+        turned = relative(transformed(0), volume_of(ours(0)))
+        unposed = volume_of(detector.overlaps(world.at(np.tile(np.eye(3, 4), (2, 1, 1)))))
+        return judge_volumes(unposed, (a ^ b).volume(), pair.exact) + f"; turned: they differ by {turned:.1e}"
+
+    theirs = {
+        "Manifold, transform and boolean": alternating(transformed),
+        "Manifold, boolean alone": lambda turn: (a ^ b).volume(),
+    }
+    return Row(f"{pair.name}, before", alternating(ours), theirs, 1, compare, clock=setting.clock)
+
+
+def beside_search(name, states, setting):
+    """Warm: bodies in one state, then in the other."""
+    meshes = [[crumple.Mesh(*body) for body in bodies] for bodies in states]
+    mine, search = setting.detector(), setting.detector()
+
+    def ours(state):
+        return mine.overlaps(*meshes[state % len(meshes)])
+
+    def theirs(state):
+        return search.intersections(*meshes[state % len(meshes)])
+
+    def compare(_):
+        found = ours(0)
+        rows = f"volume {volume_of(found):.10g}, " if len(found) else "no row, "
+        return rows + f"{len(theirs(0).pairs):,} pairs, {found.statistics.rational_tests:,} rational tests"
+
+    return Row(name, alternating(ours), {SEARCH: alternating(theirs)}, 1, compare, clock=setting.clock)
+
+
+def first_call(pair, setting):
+    meshes = [crumple.Mesh(*body) for body in pair.bodies]
+
+    def ours(turn):
+        detector = setting.detector()
+        return detector, detector.overlaps(*meshes)
+
+    def theirs(turn):
+        detector = setting.detector()
+        return detector, detector.intersections(*meshes)
+
+    return Row(f"{pair.name}, first call", ours, {SEARCH: theirs}, 1, lambda _: "new detectors", clock=setting.clock)
+
+
+def pairs_of_meshes(setting, names):
+    if setting.quick and not names:
+        names = ["ember016"]
+    for pair in real_pairs(names):
+        if why := refused(pair):
+            print(f"{pair.name}: Manifold refuses it ({why}), so that only crumple is timed")
+        else:
+            yield deforming(pair, setting)
+            yield built_before(pair, setting)
+        yield beside_search(f"{pair.name}, search", states_of(pair.bodies), setting)
+        yield first_call(pair, setting)
+
+
+def balls_of_the_scene(truth):
+    """The closed bodies of a scene of many, and the exact volumes of some of their pairs."""
+    path = DATA / truth["file"]
+    runs = json.loads((path.parent.parent.parent / "derived" / "n-body-simulation_components.json").read_text())
+    vertices, faces = read_body(truth)
+    first, start = ([row[1] for row in runs[name]] for name in ("vertex_runs", "triangle_runs"))
+    cut = zip(first, [*first[1:], len(vertices)], start, [*start[1:], len(faces)])
+    bodies = [(vertices[v:w], faces[t:u] - v) for v, w, t, u in cut]
+    return bodies, {(a, b): float.fromhex(volume) for a, b, volume, *_ in truth["rows"]}
+
+
+def many_balls(setting, names):
+    """Bodies of one scene: crumple finds the pairs that overlap, Manifold is given them."""
+    path = DATA / "gt-overlap" / "balls16_18.json"
+    if names and "balls" not in names:
+        return
+    if not path.exists() or not (DATA / json.loads(path.read_text())["file"]).exists():
+        print(f"balls are left out: there is no {path}, or not the scene that it names")
+        return
+    bodies, exact = balls_of_the_scene(json.loads(path.read_text()))
+    states = states_of(bodies)
+    worlds = [crumple.World([crumple.Shape(*body) for body in state]) for state in states]
+    query = {"open": "skip"}
+    named = crumple.World([crumple.Shape(*body, name=f"ball {k}") for k, body in enumerate(bodies)])
+    poses = np.tile(np.eye(3, 4), (2, len(bodies), 1, 1))
+    poses[1, ::2, :, 3] = 2**-12 * np.ptp(bodies[0][0], axis=0).max()
+    deform, before = setting.detector(), setting.detector()
+
+    def posed(state):
+        named.poses = poses[state]
+        return before.overlaps(named, **query)
+
+    # All bodies are inside out, and Manifold's outside is outside: their faces are reversed for it.
+    pairs = [tuple(map(int, row)) for row in deform.overlaps(worlds[0], **query).bodies]
+    used = sorted(set(itertools.chain(*pairs)))
+    solids = [{k: solid(state[k][0], state[k][1][:, ::-1]) for k in used} for state in states]
+    made = {k: manifold3d.Manifold(solids[0][k]) for k in used}
+
+    def booleans(of):
+        return [(of[a] ^ of[b]).volume() for a, b in pairs]
+
+    def built(state):
+        return booleans({k: manifold3d.Manifold(mesh) for k, mesh in solids[state].items()})
+
+    def compare(found, volumes):
+        ours = dict(zip(map(tuple, found.bodies.tolist()), found.volume.tolist()))
+        theirs = dict(zip(pairs, volumes))
+        apart = max(relative(theirs[p], ours[p]) for p in pairs)
+        right = [sum(v[p] == exact[p] for p in exact) for v in (ours, theirs)]
+        worst = max(relative(theirs[p], exact[p]) for p in exact)
+        return (
+            f"{len(ours)} pairs, which differ by up to {apart:.1e}; of {len(exact)} exact volumes crumple has "
+            f"{right[0]}, Manifold {right[1]} (off by up to {worst:.1e})"
+        )
+
+    yield Row(
+        f"{len(pairs)} pairs among {len(bodies)} balls, deform",
+        alternating(lambda state: deform.overlaps(worlds[state], **query)),
+        {"Manifold, solids and booleans": alternating(built)},
+        1,
+        lambda _: compare(deform.overlaps(worlds[0], **query), built(0)),
+        clock=setting.clock,
+    )
+    yield Row(
+        f"{len(pairs)} pairs among {len(bodies)} balls, before",
+        alternating(posed),
+        {"Manifold, booleans alone": lambda turn: booleans(made)},
+        1,
+        lambda _: compare(posed(0), booleans(made)),
+        clock=setting.clock,
+    )
+
+
+def configurations(setting, names):
+    """Two named bodies in many worlds, volume and normal of each; about half of them overlap."""
+    if names and "poses" not in names:
+        return
+    count = 1_000 if setting.quick else 10_000
+    some = count // 20
+    vertices, faces = scenes.ball(5)
+    ball = vertices.astype(float), faces
+    poses = scenes.beside_each_other(count, (1, 3))
+    for name, other in (("two balls of 500", ball), ("ball of 500 and box of 12", scenes.box(2.0))):
+        shapes = [crumple.Shape(*body, name=f"{name} {k}") for k, body in enumerate((ball, other))]
+        world, detector = crumple.World(shapes).configurations(poses), setting.detector()
+        a, b = (manifold3d.Manifold(solid(*body)) for body in (ball, other))
+
+        def ours(turn, world=world, detector=detector):
+            found = detector.overlaps(world)
+            return found.bodies, found.volume, found.normal
+
+        def theirs(turn, a=a, b=b):
+            return [(a.transform(p) ^ b.transform(q)).volume() for p, q in poses[:some]]
+
+        def compare(_, ours=ours, theirs=theirs):
+            rows, volumes, _ = ours(0)
+            mine = np.zeros(count)
+            mine[rows[:, 0] // 2] = volumes
+            apart = np.abs(mine[:some] - theirs(0)).max()
+            return f"{len(rows):,} overlap; volumes of {some} differ by up to {apart:.1e}"
+
+        title = f"{name}, {count:,} poses"
+        peers = {"Manifold, transforms and boolean": theirs}
+        yield Row(title, ours, peers, 1, compare, count, clock=setting.clock, peer_a_turn=some)
+
+
+def contact(setting, names):
+    """Bodies that touch: volumes and area vectors are exactly 0, which rationals have to tell."""
+    if names and "contact" not in names:
+        return
+    vertices = 10_000 if setting.quick else 100_000
+    for name, bodies in (
+        ("tents that share a ridge", scenes.tents(vertices // 3)),
+        ("sphere and its mirror image", scenes.mirrored(*scenes.ball(round((vertices / 10) ** 0.5)))),
+    ):
+        yield beside_search(f"{name}, {len(bodies[0][0]):,} vertices each, contact", [bodies], setting)
+
+
+KINDS = ("deform", "before", "search", "first call", "poses", "contact")
+
+
+def kind_of(name):
+    return next(kind for kind in KINDS if name.endswith(kind))
+
+
+def measure(setting, names):
+    rows = []
+    for make in (pairs_of_meshes, many_balls, configurations, contact):
+        for row in make(setting, names):
+            figure = judge(row, 3 if setting.quick else 11, 5 if setting.quick else 40)
+            if figure["peer"] == SEARCH:
+                figure["answers"] += f"; {1 / figure['ratio']:.2f} times the search"
+            rows.append({"kind": kind_of(row.name)} | figure)
+    return rows
+
+
+def summarise(rows):
+    for kind in KINDS:
+        ratios = [row["ratio"] for row in rows if row["kind"] == kind]
+        if len(ratios) > 1:
+            print(f"{kind}: median ratio {median(ratios):.2f} of {len(ratios)}, least {min(ratios):.2f}")
+
+
+def run(setting, names):
+    """Measures in this process, on its first cores."""
+    cores = sorted(os.sched_getaffinity(0))
+    if len(cores) < setting.threads:
+        sys.exit(f"overlaps_python.py: {setting.threads} threads need as many cores, and this process has {len(cores)}")
+    os.sched_setaffinity(0, cores[: setting.threads])
+    load = os.getloadavg()[0]
+    print(f"\nthreads: {setting.threads}, cores {cores[: setting.threads]}, load {load:.1f}", flush=True)
+    rows = measure(setting, names)
+    show(rows)
+    summarise(rows)
+    print(f"load {os.getloadavg()[0]:.1f} at the end", flush=True)
+    return {"threads": setting.threads, "load_at_start": load, "load_at_end": os.getloadavg()[0], "rows": rows}
+
+
+def run_apart(threads, arguments):
+    """The same in a process of its own, since Manifold's threads are as many as the first call found cores."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "run.json"
+        command = [sys.executable, __file__, "--threads", str(threads), "--json", str(out)]
+        command += ["--quick"] * arguments.quick + [f"--case={name}" for name in arguments.case or []]
+        subprocess.run(command, check=True)
+        return json.loads(out.read_text())["runs"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="few scenes and rounds, to see that all is well")
+    parser.add_argument(
+        "--case", action="append", help="a pair of meshes, balls, poses or contact; may be repeated; else all"
+    )
+    parser.add_argument("--threads", type=int, action="append", help="may be repeated; else 1 and 2")
+    parser.add_argument("--json", help="file for the figures")
+    arguments = parser.parse_args()
+    threads = arguments.threads or [1, 2]
+    versions = {"crumple": crumple.__version__, "manifold3d": version("manifold3d"), "numpy": np.__version__}
+    if len(threads) == 1:
+        runs = [run(Setting(arguments.quick, threads[0]), arguments.case)]
+    else:
+        print(f"{versions}, {os.cpu_count()} processors")
+        runs = [r for n in threads for r in run_apart(n, arguments)]
+    if arguments.json:
+        figures.write(arguments.json, {**merge_results.origin(), "versions": versions, "runs": runs})
+
+
+if __name__ == "__main__":
+    main()
