@@ -269,11 +269,9 @@ def balls_of_the_scene(truth):
     return bodies, {(a, b): float.fromhex(volume) for a, b, volume, *_ in truth["rows"]}
 
 
-def many_balls(setting, names):
+def many_balls(setting):
     """Bodies of one scene: crumple finds the pairs that overlap, Manifold is given them."""
     path = DATA / "gt-overlap" / "balls16_18.json"
-    if names and "balls" not in names:
-        return
     if not path.exists() or not (DATA / json.loads(path.read_text())["file"]).exists():
         print(f"balls are left out: there is no {path}, or not the scene that it names")
         return
@@ -331,10 +329,8 @@ def many_balls(setting, names):
     )
 
 
-def configurations(setting, names):
+def configurations(setting):
     """Two named bodies in many worlds, volume and normal of each; about half of them overlap."""
-    if names and "poses" not in names:
-        return
     count = 1_000 if setting.quick else 10_000
     some = count // 20
     vertices, faces = scenes.ball(5)
@@ -364,10 +360,8 @@ def configurations(setting, names):
         yield Row(title, ours, peers, 1, compare, count, clock=setting.clock, peer_a_turn=some)
 
 
-def contact(setting, names):
+def contact(setting):
     """Bodies that touch: volumes and area vectors are exactly 0, which rationals have to tell."""
-    if names and "contact" not in names:
-        return
     vertices = 10_000 if setting.quick else 100_000
     for name, bodies in (
         ("tents that share a ridge", scenes.tents(vertices // 3)),
@@ -383,14 +377,19 @@ def kind_of(name):
     return next(kind for kind in KINDS if name.endswith(kind))
 
 
+GROUPS = {"balls": many_balls, "poses": configurations, "contact": contact}
+
+
 def measure(setting, names):
+    groups = [make(setting) for name, make in GROUPS.items() if not names or name in names]
     rows = []
-    for make in (pairs_of_meshes, many_balls, configurations, contact):
-        for row in make(setting, names):
-            figure = judge(row, 3 if setting.quick else 11, 5 if setting.quick else 40)
-            if figure["peer"] == SEARCH:
-                figure["answers"] += f"; {1 / figure['ratio']:.2f} times the search"
-            rows.append({"kind": kind_of(row.name)} | figure)
+    for row in itertools.chain(pairs_of_meshes(setting, names), *groups):
+        figure = judge(row, 3 if setting.quick else 11, 5 if setting.quick else 40)
+        if figure["peer"] == SEARCH:
+            figure["answers"] += f"; {1 / figure['ratio']:.2f} times the search"
+        rows.append({"kind": kind_of(row.name)} | figure)
+    if not rows:
+        sys.exit(f"overlaps_python.py: no case is named {' or '.join(names)}, or its files are not there")
     return rows
 
 
