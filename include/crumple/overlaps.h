@@ -94,14 +94,14 @@ struct Overlaps {
     Array<std::array<double, 3>> gradient;  ///< each coordinate correctly rounded
 
     /// For OverlapQuery::windings: the winding numbers of the other body's surface at the vertices of each body, in the
-    /// same way. Of a vertex that lies on the other surface the number holds for the second body shifted by (e, e², e³),
-    /// e → 0+.
+    /// same way. Of a vertex that lies on the other surface the number holds for the second body shifted by (e, e²,
+    /// e³), e → 0+.
     Array<std::int64_t> winding_offsets;
     Array<BodyVertex> winding_vertices;
     Array<std::int32_t> windings;
 
     // For OverlapQuery::self_overlaps, by body:
-    Array<double> body_volume;    ///< ∫ w dx, correctly rounded; NaN of a body whose surface is not closed
+    Array<double> body_volume;     ///< ∫ w dx, correctly rounded; NaN of a body whose surface is not closed
     Array<std::uint8_t> is_solid;  ///< 1 if all winding numbers are 0 or 1, but for regions of no volume
 
     Statistics statistics;

@@ -1,5 +1,5 @@
-// Derivatives of the volume of an overlap by the vertices of the bodies: a face gives each of its corners its normal times
-// the corner's weight (docs/overlap.md).
+// Derivatives of the volume of an overlap by the vertices of the bodies: a face gives each of its corners its normal
+// times the corner's weight (docs/overlap.md).
 
 #include <algorithm>
 #include <map>

@@ -81,7 +81,9 @@ OverlapRow OverlapOfBodies::find(const Request& request) {
     crossings_ = false;
     OverlapRow row;
     bool known = false;
-    const auto exists = [&] { return !pairs_.empty() || !steps(0).intervals().empty() || !steps(1).intervals().empty(); };
+    const auto exists = [&] {
+        return !pairs_.empty() || !steps(0).intervals().empty() || !steps(1).intervals().empty();
+    };
     if (in_range()) {
         add_quickly(request);
         row.exists = exists();

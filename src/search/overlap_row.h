@@ -6,7 +6,8 @@
 //   pairs --crossings, double words or rationals--> weights of faces, and steps of winding numbers along edges
 //   components --a ray each--> winding numbers of their first vertices
 //   steps --sorted--> intervals of places whose winding number is constant --> faces inside
-//   weights --times cones and normals--> terms --fixed point--> sums, each rounded once where its bound allows, else found
+//   weights --times cones and normals--> terms --fixed point--> sums, each rounded once where its bound allows, else
+//   found
 //                                                               again in rationals
 
 #include <array>
@@ -107,8 +108,8 @@ class OverlapOfBodies {
     std::span<const Pair> pairs_;
     Vec3d origin_;
     bool numbers_ = true;
-    int self_ = 0;  ///< the orientation of a body that is with itself, else 0
-    bool crossings_ = false;  ///< true if any two faces cross
+    int self_ = 0;                                    ///< the orientation of a body that is with itself, else 0
+    bool crossings_ = false;                          ///< true if any two faces cross
     std::array<ShiftedSurfaces<Enclosed>, 2> quick_;  ///< forward; for gradients also backward
     OverlapTotals<FixedSum> quick_totals_;
     std::optional<ExactOverlap> exact_;

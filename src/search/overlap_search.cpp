@@ -173,9 +173,8 @@ void OverlapSearch::sort_pairs() {
 // Lists the pairs of bodies whose boxes overlap, of closed surfaces.
 void OverlapSearch::list_candidates() {
     candidates_.clear();
-    near_.prepare(outline_, [&](std::int32_t b) {
-        return surface(b).empty ? no_bounds : outline_.placement(b)(surface(b).box);
-    });
+    near_.prepare(outline_,
+                  [&](std::int32_t b) { return surface(b).empty ? no_bounds : outline_.placement(b)(surface(b).box); });
     const auto add = [&](std::int32_t a, std::int32_t b) {
         if (rules_.groups(outline_.body(a).group, outline_.body(b).group)) candidates_.push_back({{a, b}, 0, 0});
     };
@@ -230,9 +229,8 @@ OverlapRow OverlapSearch::row_of(const Candidate& candidate, std::int64_t& ratio
     const std::span<const Pair> pairs(pairs_.data() + candidate.begin, candidate.end - candidate.begin);
     OverlapOfBodies overlap(cancellation_);
     const bool numbers = query_.output == Output::pairs;
-    OverlapOfBodies::Request request{.numbers = numbers,
-                                     .gradient = numbers && query_.gradient,
-                                     .windings = numbers && query_.windings};
+    OverlapOfBodies::Request request{
+        .numbers = numbers, .gradient = numbers && query_.gradient, .windings = numbers && query_.windings};
     OverlapRow row;
     if (first == second) {
         request.orientation = orientation(first);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Weights of the faces of one surface by the winding numbers of another (exact/overlap/crossing.h): those that crossings
-// give, added up by face, and those of the faces inside, on which the winding number is constant.
+// Weights of the faces of one surface by the winding numbers of another (exact/overlap/crossing.h): those that
+// crossings give, added up by face, and those of the faces inside, on which the winding number is constant.
 
 #include <algorithm>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #pragma once
 
-// Winding numbers of one surface at the vertices of another: constant on intervals of the order in which a walk down the
-// forest of edges meets the vertices (scene/closed_surface.h), but for steps where the surfaces cross.
+// Winding numbers of one surface at the vertices of another: constant on intervals of the order in which a walk down
+// the forest of edges meets the vertices (scene/closed_surface.h), but for steps where the surfaces cross.
 
 #include <cstdint>
 #include <vector>

@@ -111,7 +111,8 @@ void expect_gradient(const std::map<std::int32_t, std::array<double, 3>>& found,
     for (std::size_t v = 0; v < expected.size(); ++v) {
         const auto at = found.find(static_cast<std::int32_t>(v));
         for (std::size_t k = 0; k < 3; ++k)
-            EXPECT_EQ(at == found.end() ? 0 : at->second[k], from_hexadecimal(expected[v][k])) << what << ", vertex " << v;
+            EXPECT_EQ(at == found.end() ? 0 : at->second[k], from_hexadecimal(expected[v][k]))
+                << what << ", vertex " << v;
     }
 }
 

@@ -128,7 +128,9 @@ CRUMPLE_HD inline EdgeCrossing<Enclosed> cross_edge(const Vec3d& p, const Vec3d&
         if (zero.edge[next_corner(k)] && zero.edge[next_corner(next_corner(k))]) return Enclosed(1);
         return -(dot(along, cross(enclosed_difference(q, p), enclosed_difference(r, p))) / all);
     };
-    return {zero.from ? Enclosed(0) : zero.to ? Enclosed(1) : from / all,
+    return {zero.from ? Enclosed(0)
+            : zero.to ? Enclosed(1)
+                      : from / all,
             {coordinate(2, face[2], face[0]), coordinate(0, face[0], face[1])}};
 }
 
