@@ -35,8 +35,8 @@ struct OverlapQuery {
 
     /// `any`, `any_by_world`, `body_pairs` (which bodies overlap, and their relation) or `pairs` (all numbers).
     Output output = Output::pairs;
-    /// Only pairs of bodies that overlap by at least this volume, in magnitude: finite, 0 or more; in the units of the
-    /// world, cubed. Exact as given. 0: those that touch, too.
+    /// Only pairs of bodies that overlap by at least this volume, in magnitude and as it is rounded: finite, 0 or more;
+    /// in the units of the world, cubed. 0: those that touch, too.
     double min_volume = 0;
     OpenSurfaces open = OpenSurfaces::error;
     bool weld = false;  ///< vertices of a shape at equal positions are one: closes seams, as of STL files
