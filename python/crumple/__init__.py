@@ -48,6 +48,8 @@ from ._intersections import Intersections
 from ._mesh import FileMesh as FileMesh
 from ._mesh import Mesh, Shape, as_mesh
 from ._mesh import Polygons as Polygons
+from ._overlaps import OverlapRelation as OverlapRelation
+from ._overlaps import Overlaps
 from ._queries import (
     CandidateQuery,
     DistanceQuery,
@@ -63,8 +65,6 @@ from ._queries import (
 from ._results import ContactKind as ContactKind
 from ._results import Contacts as Contacts
 from ._results import Distances
-from ._overlaps import OverlapRelation as OverlapRelation
-from ._overlaps import Overlaps
 from ._world import Body, World
 
 

@@ -12,6 +12,7 @@ from ._errors import InvalidInput, InvalidType, suggesting
 from ._feature_pairs import Candidates
 from ._features import FirstImpact, FreeStep, Impacts, Proximities
 from ._intersections import Intersections
+from ._overlaps import Overlaps
 from ._queries import (
     CandidateQuery,
     DistanceQuery,
@@ -28,7 +29,6 @@ from ._queries import (
     query_of,
 )
 from ._results import Distances
-from ._overlaps import Overlaps
 from ._scene import checked_copy, checked_query, excluded_in, scene_of, show, step_of, with_names
 
 Backend = Literal["automatic", "cpu", "cuda", "reference"]

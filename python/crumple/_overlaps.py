@@ -19,8 +19,8 @@ _OPTION = {
 class OverlapRelation(IntEnum):
     """Relation of two bodies, decided exactly; volumes are integrals of winding numbers, in magnitude.
 
-    TOUCHING: their surfaces meet, and the overlap has no volume. FIRST_INSIDE, SECOND_INSIDE, EQUAL: the overlap has the
-    volume of the first body, of the second, of both. OVERLAPPING: none of these.
+    TOUCHING: their surfaces meet, and the overlap has no volume. FIRST_INSIDE, SECOND_INSIDE, EQUAL: the overlap has
+    the volume of the first body, of the second, of both. OVERLAPPING: none of these.
     """
 
     TOUCHING = 0
@@ -46,8 +46,8 @@ class Overlaps(Result):
     volume = float64("(k,) float64: the volume of the overlap, in the units of the world, cubed.")
     centroid = float64("(k, 3) float64: the centroid of the overlap; NaN where the volume is 0.", (3,))
     area_vector = float64(
-        "(k, 3) float64: the derivative of the volume where the first body moves: the integral of the outward normal over "
-        "what of its surface lies inside the second body.",
+        "(k, 3) float64: the derivative of the volume where the first body moves: the integral of the outward normal "
+        "over what of its surface lies inside the second body.",
         (3,),
     )
     normal = float64("(k, 3) float64: the direction of the area vector, the contact normal; NaN where that is 0.", (3,))
@@ -64,7 +64,8 @@ class Overlaps(Result):
     gradient_vertices = int32("(m, 2) int32: of each of `gradient` the body, and the vertex of its shape.", (2,))
     gradient_offsets = int64("(k + 1,) int64: row i has gradient[gradient_offsets[i] : gradient_offsets[i + 1]].")
     windings = int32(
-        "(m,) int32: winding numbers of the other body at vertices, those that are not 0, for OverlapQuery(windings=True)."
+        "(m,) int32: winding numbers of the other body at vertices, those that are not 0, for "
+        "OverlapQuery(windings=True)."
     )
     winding_vertices = int32("(m, 2) int32: of each of `windings` the body, and the vertex of its shape.", (2,))
     winding_offsets = int64("(k + 1,) int64: row i has windings[winding_offsets[i] : winding_offsets[i + 1]].")
@@ -93,5 +94,8 @@ class Overlaps(Result):
         return self._found.count
 
     def __repr__(self) -> str:
-        rows = f"{len(self)} pairs of bodies" if self._request.output in ("body_pairs", "pairs") else f"any: {self.any}"
+        pairs = "pair" if len(self) == 1 else "pairs"
+        rows = (
+            f"{len(self)} {pairs} of bodies" if self._request.output in ("body_pairs", "pairs") else f"any: {self.any}"
+        )
         return f"<crumple.Overlaps: {rows}, {self.statistics.milliseconds:.3g} ms>"

@@ -12,6 +12,7 @@ from ._feature_pairs import Candidates
 from ._features import FirstImpact, FreeStep, Impacts, Proximities
 from ._intersections import Intersections
 from ._mesh import Mesh, as_mesh, is_mesh, mesh_of, name_of_number
+from ._overlaps import Overlaps
 from ._queries import (
     CandidateQuery,
     FirstImpactQuery,
@@ -21,7 +22,6 @@ from ._queries import (
     ProximityQuery,
     Query,
 )
-from ._overlaps import Overlaps
 from ._results import Distances, Request, Result
 from ._world import World
 

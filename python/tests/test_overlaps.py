@@ -1,0 +1,139 @@
+"""Overlaps of closed bodies: boxes whose numbers are known, and what is refused."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import crumple
+from crumple import OverlapRelation
+
+FACES = np.array(
+    [
+        [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
+        [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
+    ]
+)  # fmt: skip
+CORNERS = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
+
+
+def box(low, size=1.0):
+    return crumple.Mesh(CORNERS * size + low, FACES)
+
+
+UNIT = box([0, 0, 0])
+
+
+@pytest.mark.parametrize(
+    "other, relation, volume, normal, depth",
+    [
+        (box([0.5, 0, 0]), OverlapRelation.OVERLAPPING, 0.5, [1, 0, 0], 0.5),
+        (box([0, 0, 0.75]), OverlapRelation.OVERLAPPING, 0.25, [0, 0, 1], 0.25),
+        (box([0, 1, 0]), OverlapRelation.TOUCHING, 0, [0, 1, 0], 0),
+        (box([0.25, 0.25, 0.25], 0.5), OverlapRelation.SECOND_INSIDE, 0.125, None, None),
+        (box([-1, -1, -1], 3.0), OverlapRelation.FIRST_INSIDE, 1, None, None),
+        (box([0, 0, 0]), OverlapRelation.EQUAL, 1, None, None),
+    ],
+)
+def test_boxes_overlap_as_known(detector, other, relation, volume, normal, depth):
+    found = detector.overlaps(UNIT, other)
+    assert len(found) == 1 and found.any and found.bodies.tolist() == [[0, 1]]
+    assert found.relation.tolist() == [relation] and found.volume.tolist() == [volume]
+    if normal is None:
+        assert np.isnan(found.normal).all() and np.isnan(found.mean_depth).all()
+    else:
+        assert found.normal.tolist() == [normal] and found.mean_depth.tolist() == [depth]
+    exchanged = detector.overlaps(other, UNIT)
+    assert exchanged.volume.tolist() == [volume] and (exchanged.area_vector == -found.area_vector).all()
+
+
+def test_boxes_apart_have_no_row(detector):
+    found = detector.overlaps(UNIT, box([3, 0, 0]))
+    assert not found and len(found) == 0 and found.volume.shape == (0,) and found.normal.shape == (0, 3)
+
+
+def test_derivatives_add_up_to_the_area_vector_and_to_three_times_the_volume(detector):
+    other = box([0.5, 0.25, 0.125])
+    found = detector.overlaps(UNIT, other, gradient=True)
+    body, vertex = found.gradient_vertices.T
+    assert found.gradient_offsets.tolist() == [0, len(found.gradient)]
+    assert found.gradient[body == 0].sum(0) == pytest.approx(found.area_vector[0], abs=1e-15)
+    positions = np.stack([UNIT.vertices, other.vertices])[body, vertex]
+    assert (found.gradient * positions).sum() == pytest.approx(3 * found.volume[0], rel=1e-14)
+    step = 2.0**-20
+    for i in (0, len(found.gradient) // 2, len(found.gradient) - 1):
+        moved = [UNIT.vertices.copy(), other.vertices.copy()]
+        moved[body[i]][vertex[i], 0] += step
+        more = detector.overlaps(*(crumple.Mesh(points, FACES) for points in moved)).volume[0]
+        assert (more - found.volume[0]) / step == pytest.approx(found.gradient[i, 0], abs=1e-5)
+
+
+def test_winding_numbers_are_those_of_corners_inside(detector):
+    found = detector.overlaps(UNIT, box([0.5, 0.5, 0.5]), windings=True)
+    assert found.winding_vertices.tolist() == [[0, 7], [1, 0]] and found.windings.tolist() == [1, 1]
+
+
+def test_a_mesh_overlaps_itself(detector):
+    alone = detector.overlaps(UNIT)
+    assert len(alone) == 0 and alone.body_volume.tolist() == [1] and alone.is_solid.tolist() == [True]
+    twice = crumple.Mesh(np.vstack([CORNERS, CORNERS + 0.5]), np.vstack([FACES, FACES + 8]))
+    found = detector.overlaps(twice)
+    assert found.bodies.tolist() == [[0, 0]] and found.volume.tolist() == [0.125]
+    assert found.body_volume.tolist() == [2] and found.is_solid.tolist() == [False]
+
+
+def test_worlds_have_rows_of_their_own_bodies(detector):
+    bodies = [crumple.Body(UNIT, world=0), crumple.Body(box([0.5, 0, 0]), world=0), crumple.Body(UNIT, world=1)]
+    world = crumple.World(bodies)
+    found = detector.overlaps(world)
+    assert found.bodies.tolist() == [[0, 1]] and found.world_hit.tolist() == [True, False]
+    assert detector.overlaps(world, output="any").any
+    assert detector.overlaps(world, output="any_by_world").world_hit.tolist() == [True, False]
+    assert detector.overlaps(world, output="body_pairs").relation.tolist() == [OverlapRelation.OVERLAPPING]
+    assert len(detector.overlaps(world, min_volume=0.5)) == 1
+    assert len(detector.overlaps(world, min_volume=0.51)) == 0 and not detector.overlaps(world, min_volume=0.51).any
+    assert detector.overlaps(world, self_overlaps=True).is_solid.tolist() == [True] * 3
+
+
+def test_open_surfaces_are_named_or_skipped(detector):
+    opened = crumple.Mesh(CORNERS, FACES[1:])
+    with pytest.raises(crumple.InvalidInput, match="body 1: its surface is not closed: 3 edges .* of triangle "):
+        detector.overlaps(UNIT, opened)
+    assert len(detector.overlaps(UNIT, opened, open="skip")) == 0
+    soup = crumple.Mesh(CORNERS[FACES].reshape(-1, 3), np.arange(36).reshape(-1, 3))
+    with pytest.raises(crumple.InvalidInput, match="OverlapQuery::weld closes seams"):
+        detector.overlaps(UNIT, soup)
+    assert detector.overlaps(UNIT, soup, weld=True).relation.tolist() == [OverlapRelation.EQUAL]
+
+
+def test_arrays_that_were_not_requested_say_how(detector):
+    found = detector.overlaps(UNIT, UNIT, output="body_pairs")
+    with pytest.raises(crumple.InvalidInput, match=r'volume was not requested: OverlapQuery\(output="pairs"\)'):
+        _ = found.volume
+    for name, option in (("gradient", "gradient"), ("windings", "windings"), ("is_solid", "self_overlaps")):
+        with pytest.raises(crumple.InvalidInput, match=rf"{name} was not requested: OverlapQuery\({option}=True\)"):
+            getattr(detector.overlaps(UNIT, UNIT), name)
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"min_volume": -1.0}, "min_volume must be finite and 0 or more"),
+        ({"min_volume": float("nan")}, "min_volume must be finite and 0 or more"),
+        ({"output": "count"}, "output must be one of"),
+        ({"open": "close"}, 'open must be one of "error", "skip", not "close"'),
+        ({"filter": crumple.PairFilter(bodies="within")}, "bodies must not be within"),
+    ],
+)
+def test_wrong_queries_are_named(detector, options, message):
+    with pytest.raises(crumple.InvalidInput, match=message):
+        detector.overlaps(UNIT, UNIT, **options)
+
+
+def test_results_are_copied_and_pickled(detector):
+    found = detector.overlaps(crumple.World([UNIT, box([0.5, 0, 0])]), self_overlaps=True, gradient=True, windings=True)
+    for same in (pickle.loads(pickle.dumps(found)), copy.copy(found), copy.deepcopy(found)):
+        for name in ("bodies", "relation", "volume", "torque", "gradient", "gradient_vertices", "windings", "is_solid"):
+            assert np.array_equal(getattr(same, name), getattr(found, name))
+    assert repr(found) == repr(copy.copy(found)) and "1 pair of bodies" in repr(found)
