@@ -93,7 +93,7 @@ TEST(ClosedSurface, StepsAlongTheForestGiveWindingNumbersBack) {
         for (std::int32_t t = 0; t < 2 * n; ++t) {
             const std::int32_t* c = mesh.surface.corners(t);
             EdgeJumps jumps;
-            for (std::size_t k = 0; k < 3; ++k) jumps[k] = static_cast<std::int8_t>(of(c[(k + 1) % 3]) - of(c[k]));
+            for (std::size_t k = 0; k < 3; ++k) jumps[k] = of(c[(k + 1) % 3]) - of(c[k]);
             steps.add_jumps(mesh.surface, t, jumps);
         }
         steps.finish();

@@ -28,7 +28,7 @@ CRUMPLE_HD constexpr Shift opposite(Shift shift) { return shift == Shift::forwar
 
 /// Change of the winding number of the other surface along edges 01, 12, 20 of a face: 0 where the edge does not cross
 /// the other face.
-using EdgeJumps = std::array<std::int8_t, 3>;
+using EdgeJumps = std::array<int, 3>;
 
 struct FaceCrossing {
     EdgeJumps a{}, b{};
@@ -46,7 +46,7 @@ CRUMPLE_HD FaceCrossing cross_faces(Signs& signs) {
     std::array<int, 3> a{}, b{};
     const auto cut = [](const std::array<int, 3>& side) { return side[0] != side[1] || side[1] != side[2]; };
     const auto cuts = [&](const std::array<int, 3>& side, std::size_t i) { return side[i] != side[(i + 1) % 3]; };
-    const auto jump = [](int side) { return static_cast<std::int8_t>(side > 0 ? 1 : -1); };
+    const auto jump = [](int side) { return side > 0 ? 1 : -1; };
     if (signs.has_inside_b)
         for (std::size_t i = 0; i < 3; ++i) a[i] = signs.a_side(i);
     if (signs.has_inside_b && !cut(a)) return crossing;
