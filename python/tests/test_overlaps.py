@@ -84,8 +84,7 @@ def test_a_mesh_overlaps_itself(detector):
 
 
 def test_worlds_have_rows_of_their_own_bodies(detector):
-    bodies = [crumple.Body(UNIT, world=0), crumple.Body(box([0.5, 0, 0]), world=0), crumple.Body(UNIT, world=1)]
-    world = crumple.World(bodies)
+    world = crumple.World([UNIT, box([0.5, 0, 0]), UNIT], worlds=[0, 0, 1])
     found = detector.overlaps(world)
     assert found.bodies.tolist() == [[0, 1]] and found.world_hit.tolist() == [True, False]
     assert detector.overlaps(world, output="any").any
