@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "backends/device_feature_calls.h"
+#include "backends/overlap_kernels.h"
 #include "base/cancellation.h"
 #include "base/parallel_for.h"
 #include "crumple/array.h"
@@ -81,6 +82,9 @@ class BackendBase : public ParallelFor {
     virtual LaunchNumber launch(const World& world, const IntersectionQuery& question);
     /// Whether what is kept between calls outlives the error that one of these has thrown: a caller's graph needs it.
     virtual bool keeps_after(const Error&) const { return false; }
+
+    /// Kernels for sums over overlaps, or null: then these are made without.
+    virtual const OverlapKernels* overlap_kernels() const { return nullptr; }
 
     /// Exchanges what is remembered of the scene of the call before for what `memory` holds of another, or null.
     virtual void swap_memory(std::unique_ptr<SceneMemory>&) {}

@@ -64,6 +64,7 @@ class ForwardingBackend : public BackendBase {
         return to_->launch(world, question);
     }
     bool keeps_after(const Error& error) const override { return to_->keeps_after(error); }
+    const OverlapKernels* overlap_kernels() const override { return to_->overlap_kernels(); }
     void swap_memory(std::unique_ptr<SceneMemory>& memory) override { to_->swap_memory(memory); }
     void release() override { to_->release(); }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <map>
 
-#include "search/overlap_placed.h"
 #include "search/overlap_row.h"
 
 namespace crumple {
@@ -17,29 +16,82 @@ struct VertexTerm {
 
 bool is_zero(const Enclosed& x) { return x.value.high == 0 && x.error == 0; }
 
-Vec3<Rational> normal_of(const FaceCorners& p) { return placed_rationally(p, p[0]).normal; }
+Vec3<Enclosed> enclosed_normal(const FaceCorners& p) {
+    return cross(enclosed_difference(p[1], p[0]), enclosed_difference(p[2], p[0]));
+}
+Vec3<Rational> rational_normal(const FaceCorners& p) {
+    return cross(rational(p[1]) - rational(p[0]), rational(p[2]) - rational(p[0]));
+}
+
+FaceWeights<Enclosed> enclosed(const FaceWeights<Rational>& w) {
+    return {crumple::enclosed(w[0]), crumple::enclosed(w[1]), crumple::enclosed(w[2])};
+}
+
+/// How two faces cross under either shift, with weights that are certain.
+template <class Number>
+struct BothCrossings;
+template <>
+struct BothCrossings<Rational> {
+    std::array<RationalCrossing, 2> shifted;
+
+    BothCrossings(const FaceCorners& a, const FaceCorners& b) {
+        for (std::size_t s = 0; s < both_shifts.size(); ++s) shifted[s] = cross_rationally(a, b, both_shifts[s]);
+    }
+};
+template <>
+struct BothCrossings<Enclosed> {
+    std::array<QuickCrossing, 2> shifted;
+
+    BothCrossings(const FaceCorners& p, const FaceCorners& q) {
+        const CrossedFace a(p), b(q);
+        for (std::size_t s = 0; s < both_shifts.size(); ++s) {
+            if (s == 1 && !shifted[0].tied) {
+                shifted[1] = shifted[0];
+                break;
+            }
+            shifted[s] = cross_quickly(a, b, both_shifts[s]);
+            if (shifted[s].certain) continue;
+            const RationalCrossing exact = cross_rationally(p, q, both_shifts[s]);
+            shifted[s].a = enclosed(exact.a);
+            shifted[s].b = enclosed(exact.b);
+        }
+    }
+};
 
 }  // namespace
 
 // Weights of both shifts, and of a body with itself those of both of its copies, of the faces that are wanted.
 template <class Number, class Wanted>
-WeightedFaces<Number> OverlapOfBodies::all_weights(std::size_t side, std::array<ShiftedSurfaces<Number>, 2>& shifted,
-                                                   Wanted wanted) const {
+WeightedFaces<Number> OverlapOfBodies::weigh(std::size_t side, Wanted wanted) const {
+    std::array<std::array<WeightedFaces<Number>, 2>, 2> weights;  // by shift and copy
+    for (const Pair& pair : pairs_) {
+        cancellation_.check();
+        const bool a = (side == 0 || self_) && wanted(pair.a), b = (side == 1 || self_) && wanted(pair.b);
+        if (!a && !b) continue;
+        const BothCrossings<Number> crossing(body(0).corners(pair.a), body(1).corners(pair.b));
+        for (std::size_t s = 0; s < both_shifts.size(); ++s) {
+            if (!crossing.shifted[s].jumps.segment) continue;
+            if (a) weights[s][0].add(pair.a, crossing.shifted[s].a);
+            if (b) weights[s][1].add(pair.b, crossing.shifted[s].b);
+        }
+    }
     WeightedFaces<Number> all;
-    const auto add = [&](std::int32_t face, const FaceWeights<Number>& weights) {
-        if (wanted(face)) all.add(face, weights);
+    const auto add = [&](std::int32_t face, const FaceWeights<Number>& w) {
+        if (wanted(face)) all.add(face, w);
     };
-    for (ShiftedSurfaces<Number>& surfaces : shifted)
+    const auto add_whole = [&](std::int32_t face, int winding) {
+        const Number w(winding);
+        add(face, {w, w, w});
+    };
+    for (std::size_t s = 0; s < both_shifts.size(); ++s)
         for (std::size_t copy = 0; copy < 2; ++copy) {
             if (copy != side && !self_) continue;
-            const auto add_inside = [&](std::int32_t face, int winding) {
-                const Number w(winding);
-                add(face, {w, w, w});
-            };
-            surfaces[copy].weights.for_each(topology(copy), surfaces[copy].steps, add, add_inside);
+            const WindingSteps& steps = steps_[s][copy];
+            weights[s][copy].combine();
+            weights[s][copy].add_windings(topology(copy), steps);
+            weights[s][copy].for_each(topology(copy), steps, add, add_whole);
         }
-    const Number whole(-2 * self_);
-    for (std::int32_t face = 0; self_ != 0 && face < topology(0).face_count(); ++face) add(face, {whole, whole, whole});
+    for (std::int32_t face = 0; self_ != 0 && face < topology(0).face_count(); ++face) add_whole(face, -2 * self_);
     all.combine();
     return all;
 }
@@ -47,22 +99,17 @@ WeightedFaces<Number> OverlapOfBodies::all_weights(std::size_t side, std::array<
 std::vector<VertexVector> OverlapOfBodies::gradient(std::size_t side) {
     std::vector<std::int32_t> undecided;
     std::vector<VertexVector> found;
-    const auto all = [](std::int32_t) { return true; };
     if (!in_range()) {
-        const WeightedFaces<Rational> weighted = all_weights(side, exact_->shifted, all);
-        for (const auto& entry : weighted.entries())
-            for (std::size_t k = 0; k < 3; ++k) undecided.push_back(topology(side).corners(entry.face)[k]);
+        for (std::int32_t place = 0; place < topology(side).places(); ++place)
+            undecided.push_back(topology(side).vertex_at(place));
         std::sort(undecided.begin(), undecided.end());
-        undecided.erase(std::unique(undecided.begin(), undecided.end()), undecided.end());
         return rational_gradient(side, undecided);
     }
     std::vector<VertexTerm> terms;
-    const WeightedFaces<Enclosed> weighted = all_weights(side, quick_, all);
+    const WeightedFaces<Enclosed> weighted = weigh<Enclosed>(side, [](std::int32_t) { return true; });
     for (const auto& [face, weights] : weighted.entries()) {
         if (is_zero(weights[0]) && is_zero(weights[1]) && is_zero(weights[2])) continue;
-        cancellation_.check();
-        const FaceCorners p = surfaces_[side]->corners(face);
-        const Vec3<Enclosed> normal = placed_quickly(p, origin_).normal;
+        const Vec3<Enclosed> normal = enclosed_normal(body(side).corners(face));
         for (std::size_t k = 0; k < 3; ++k) terms.push_back({topology(side).corners(face)[k], weights[k] * normal});
     }
     std::stable_sort(terms.begin(), terms.end(), [](const auto& x, const auto& y) { return x.vertex < y.vertex; });
@@ -84,8 +131,10 @@ std::vector<VertexVector> OverlapOfBodies::gradient(std::size_t side) {
     return found;
 }
 
+// Of vertices, in their order.
 std::vector<VertexVector> OverlapOfBodies::rational_gradient(std::size_t side,
                                                              const std::vector<std::int32_t>& vertices) {
+    was_exact_ = true;
     const auto is_wanted = [&](std::int32_t vertex) {
         return std::binary_search(vertices.begin(), vertices.end(), vertex);
     };
@@ -93,29 +142,11 @@ std::vector<VertexVector> OverlapOfBodies::rational_gradient(std::size_t side,
         const std::int32_t* c = topology(side).corners(face);
         return is_wanted(c[0]) || is_wanted(c[1]) || is_wanted(c[2]);
     };
-    std::array<ShiftedSurfaces<Rational>, 2> near;
-    for (const Pair& pair : pairs_) {
-        cancellation_.check();
-        if (exact_ || !((side == 0 && has_wanted(pair.a)) || ((side == 1 || self_) && has_wanted(pair.b)))) continue;
-        const FaceCorners p = surfaces_[0]->corners(pair.a), q = surfaces_[1]->corners(pair.b);
-        for (std::size_t s = 0; s < both_shifts.size(); ++s) {
-            const RationalCrossing crossing = cross_rationally(p, q, both_shifts[s]);
-            if (!crossing.jumps.segment) continue;
-            near[s][0].weights.add(pair.a, crossing.a);
-            near[s][1].weights.add(pair.b, crossing.b);
-        }
-    }
-    for (std::size_t s = 0; s < both_shifts.size() && !exact_; ++s)
-        for (std::size_t copy = 0; copy < 2; ++copy) {
-            near[s][copy].steps = quick_[s][copy].steps;
-            near[s][copy].weights.combine();
-            near[s][copy].weights.add_windings(topology(copy), near[s][copy].steps);
-        }
     std::map<std::int32_t, std::array<RationalSum, 3>> sums;
-    const WeightedFaces<Rational> weighted = all_weights(side, exact_ ? exact_->shifted : near, has_wanted);
+    const WeightedFaces<Rational> weighted = weigh<Rational>(side, has_wanted);
     for (const auto& [face, weights] : weighted.entries()) {
         cancellation_.check();
-        const Vec3<Rational> normal = normal_of(surfaces_[side]->corners(face));
+        const Vec3<Rational> normal = rational_normal(body(side).corners(face));
         for (std::size_t k = 0; k < 3; ++k) {
             const std::int32_t vertex = topology(side).corners(face)[k];
             if (!is_wanted(vertex)) continue;

@@ -125,9 +125,9 @@ void OverlapSearch::find_rows(BackendBase& backend, Overlaps& result) {
     backend.parallel_for(candidates_.size(), [&](std::size_t i) {
         if (enough.load(std::memory_order_relaxed)) return;
         cancellation_.check();
-        std::int64_t rational_rows = 0;
-        rows[i] = row_of(candidates_[i], rational_rows);
-        rational.fetch_add(rational_rows, std::memory_order_relaxed);
+        bool was_exact = false;
+        rows[i] = row_of(backend, candidates_[i], was_exact);
+        if (was_exact) rational.fetch_add(1, std::memory_order_relaxed);
         if (query_.output == Output::any && is_listed(rows[i])) enough.store(true, std::memory_order_relaxed);
     });
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -222,27 +222,25 @@ PlacedSurface OverlapSearch::place(std::int32_t body, std::vector<Vec3d>& points
     return placed;
 }
 
-OverlapRow OverlapSearch::row_of(const Candidate& candidate, std::int64_t& rational_rows) const {
+OverlapRow OverlapSearch::row_of(BackendBase& backend, const Candidate& candidate, bool& was_exact) const {
     std::vector<Vec3d> points_a, points_b;
     const auto [first, second] = candidate.bodies;
     const PlacedSurface a = place(first, points_a);
     const std::span<const Pair> pairs(pairs_.data() + candidate.begin, candidate.end - candidate.begin);
-    OverlapOfBodies overlap(cancellation_);
+    OverlapOfBodies overlap(backend, backend.overlap_kernels(), cancellation_);
     const bool numbers = query_.output == Output::pairs;
     OverlapOfBodies::Request request{
         .numbers = numbers, .gradient = numbers && query_.gradient, .windings = numbers && query_.windings};
     OverlapRow row;
     if (first == second) {
         request.orientation = orientation(first);
-        const Vec3d middle = middle_of(a.box, a.box);
-        row = overlap.find_self(a, pairs_within(*a.surface, pairs), middle, request);
-        row.body_volume = overlap.volume_of(a, middle, request.orientation);
+        row = overlap.find_self(a, pairs_within(*a.surface, pairs), middle_of(a.box, a.box), request);
     } else {
         const PlacedSurface b = place(second, points_b);
         row = overlap.find(a, b, pairs, middle_of(a.box, b.box), request);
     }
     orient(orientation(first), orientation(second), row);
-    rational_rows = overlap.rational_rows();
+    was_exact = overlap.was_exact();
     return row;
 }
 

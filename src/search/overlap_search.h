@@ -57,7 +57,7 @@ class OverlapSearch {
     /// Returns −1 if the pose of a body turns it inside out: its faces are meant to be reversed then.
     int orientation(std::int32_t body) const { return orientation_of(outline_.placement(body)) < 0 ? -1 : 1; }
     PlacedSurface place(std::int32_t body, std::vector<Vec3d>& points) const;
-    OverlapRow row_of(const Candidate& candidate, std::int64_t& rational_rows) const;
+    OverlapRow row_of(BackendBase& backend, const Candidate& candidate, bool& was_exact) const;
     const Surface& surface(std::int32_t body) const {
         return *surfaces_[static_cast<std::size_t>(outline_.body(body).shape)];
     }

@@ -15,7 +15,6 @@ namespace crumple {
 template <class Number>
 class WeightedFaces {
    public:
-    void clear() { faces_.clear(); }
     void add(std::int32_t face, const FaceWeights<Number>& weights) { faces_.push_back({face, weights}); }
 
     /// Makes one entry of those of each face.

@@ -35,15 +35,13 @@ struct WindingInterval {
 /// Intervals of places of one surface, by the steps of winding numbers at their ends.
 class WindingSteps {
    public:
-    void clear() {
-        steps_.clear();
-        intervals_.clear();
-    }
     void add(std::int32_t begin, std::int32_t end, std::int32_t winding) {
         if (winding == 0) return;
         steps_.push_back({begin, winding});
         steps_.push_back({end, -winding});
     }
+    /// Adds the steps of another part of the same surface.
+    void add(const WindingSteps& part) { steps_.insert(steps_.end(), part.steps_.begin(), part.steps_.end()); }
     /// Adds the changes of the winding number along the edges of a face.
     void add_jumps(const ClosedSurface& surface, std::int32_t face, const EdgeJumps& jumps);
     /// Adds the winding number of `other`, which is shifted, at the first vertex of each component of `of`.

@@ -106,9 +106,14 @@ std::string difference(const Overlaps& x, const Overlaps& y) {
     return {};
 }
 
-class OverlapAgreement : public testing::TestWithParam<int> {
+struct Setting {
+    int threads;
+    Simd simd;
+};
+
+class OverlapAgreement : public testing::TestWithParam<Setting> {
    protected:
-    Detector detector_{Options{.backend = Backend::cpu, .threads = GetParam()}};
+    Detector detector_{Options{.backend = Backend::cpu, .threads = GetParam().threads, .simd = GetParam().simd}};
     Detector reference_{Options{.backend = Backend::reference}};
     std::array<int, 5> relations_{};
 
@@ -144,7 +149,9 @@ TEST_P(OverlapAgreement, of_worlds_and_less_output) {
         for (const double least : {0.0, 0.5, 100.0}) compare(bodies.view(), {.output = output, .min_volume = least});
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, OverlapAgreement, testing::Values(1, 3));
+INSTANTIATE_TEST_SUITE_P(All, OverlapAgreement,
+                         testing::Values(Setting{1, Simd::automatic}, Setting{3, Simd::automatic},
+                                         Setting{1, Simd::scalar}));
 
 }  // namespace
 }  // namespace crumple

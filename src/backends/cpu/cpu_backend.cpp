@@ -9,6 +9,7 @@
 #include "backends/cpu/features/find_features.h"
 #include "backends/cpu/intersections/find_intersections.h"
 #include "backends/cpu/intersections/memory_limit.h"
+#include "backends/cpu/overlaps/overlap_lanes.h"
 #include "results/intersection_output.h"
 
 namespace crumple {
@@ -23,6 +24,7 @@ class CpuBackend final : public BackendBase {
           intersect_(intersect_kernels(options.simd)),
           features_(feature_kernels(options.simd)),
           candidates_(candidate_kernels(options.simd)),
+          overlaps_(cpu::overlap_kernels(options.simd)),
           cancellation_(cancellation),
           workers_(options, cancellation),
           meter_(meter) {
@@ -92,6 +94,8 @@ class CpuBackend final : public BackendBase {
     void parallel_for(std::size_t n, Task task) override {
         workers_.run([&] { workers_.parallel_for(n, [&](std::size_t i, std::size_t) { task(i); }); });
     }
+
+    const OverlapKernels* overlap_kernels() const override { return overlaps_; }
 
     void swap_memory(std::unique_ptr<SceneMemory>& memory) override {
         if (!memory) memory = std::make_unique<Remembered>();
@@ -163,6 +167,7 @@ class CpuBackend final : public BackendBase {
     const IntersectKernels& intersect_;
     const FeatureTables& features_;
     const CandidateKernels& candidates_;
+    const OverlapKernels* overlaps_;
     Cancellation& cancellation_;
     Workers workers_;
     MemoryMeter& meter_;

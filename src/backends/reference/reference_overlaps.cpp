@@ -4,13 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <set>
 #include <tuple>
 #include <vector>
 
 #include "exact/intersection/rational_intersection.h"
-#include "exact/overlap/pair_terms.h"
+#include "exact/overlap/overlap_totals.h"
+#include "exact/overlap/rational_crossing.h"
 #include "exact/overlap/rational_sum.h"
 #include "results/overlap_output.h"
 #include "scene/body_rules.h"
@@ -90,12 +90,20 @@ IntegerTriangle in_units(const std::array<Vec3d, 3>& p, int exponent) {
     return {scaled(p[0], exponent), scaled(p[1], exponent), scaled(p[2], exponent)};
 }
 
-PlacedFace<Rational> placed(const std::array<Vec3d, 3>& p, const Vec3d& origin) {
+/// Corners of a face from the origin, and its normal.
+struct PlacedFace {
+    std::array<Vec3<Rational>, 3> corner;
+    Vec3<Rational> normal;
+
+    Rational cone() const { return dot(normal, corner[0]); }
+};
+
+PlacedFace placed(const std::array<Vec3d, 3>& p, const Vec3d& origin) {
     const auto from = [&](const Vec3d& q) {
         return Vec3<Rational>{Rational(q.x) - Rational(origin.x), Rational(q.y) - Rational(origin.y),
                               Rational(q.z) - Rational(origin.z)};
     };
-    PlacedFace<Rational> face{{from(p[0]), from(p[1]), from(p[2])}, {}};
+    PlacedFace face{{from(p[0]), from(p[1]), from(p[2])}, {}};
     face.normal = cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]);
     return face;
 }
@@ -120,14 +128,21 @@ class BruteForceOverlap {
         row.body_volume = self_ * rounded(six_volumes_of(a_), 6) + 0.0;
         row.exists = meet_ || enclosed_;
         if (!row.exists) return row;
-        const auto round = [&](const RationalSum& sum, int divisor) {
-            return std::optional(sum.rounded_quotient(divisor, cancellation_));
-        };
-        finish(totals_, origin_, self_ != 0, round, row.numbers);
+        row.numbers = finish(*this, origin_, self_ != 0);
         if (self_ != 0) row.exists = row.numbers.volume.scaled.mantissa != 0;
         row.relation = self_ != 0 ? OverlapRelation::overlapping : relation();
         for (std::size_t side = 0; side < 2; ++side) row.gradient[side] = gradient(side);
         return row;
+    }
+
+    // What finish() asks for.
+    template <class Combine>
+    RoundedSum volume(Combine combine, int divisor) const {
+        return combine(volume_totals_).rounded_quotient(divisor, cancellation_);
+    }
+    template <class Combine>
+    RoundedSum curves(Combine combine, int divisor) const {
+        return combine(curve_totals_).rounded_quotient(divisor, cancellation_);
     }
 
    private:
@@ -172,14 +187,14 @@ class BruteForceOverlap {
                 }
             }
         for (std::size_t f = 0; f < a_.face.size(); ++f) {
-            const PlacedFace<Rational> face = placed(a_.corners(f), origin_);
+            const PlacedFace face = placed(a_.corners(f), origin_);
             if (forward) add_volume(face, on_a[f]);
             const auto& w = on_a[f];
             const Vec3<Rational> at = w[0] * face.corner[0] + w[1] * face.corner[1] + w[2] * face.corner[2];
             const Vec3<Rational> torque = cross(face.normal, at);
             for (std::size_t k = 0; k < 3; ++k) {
-                totals_.area[k].add((w[0] + w[1] + w[2]) * face.normal[static_cast<int>(k)] / 3);
-                totals_.torque[k].add(torque[static_cast<int>(k)]);
+                curve_totals_.area[k].add((w[0] + w[1] + w[2]) * face.normal[static_cast<int>(k)] / 3);
+                curve_totals_.torque[k].add(torque[static_cast<int>(k)]);
             }
         }
         for (std::size_t g = 0; g < b_.face.size() && forward; ++g) add_volume(placed(b_.corners(g), origin_), on_b[g]);
@@ -242,12 +257,12 @@ class BruteForceOverlap {
         return six;
     }
 
-    void add_volume(const PlacedFace<Rational>& face, const FaceWeights<Rational>& weights) {
-        VolumeTerms<Rational> terms;
-        terms.add(face, weights);
-        totals_.volume.add(terms.volume);
-        volume_ += terms.volume;
-        for (std::size_t k = 0; k < 3; ++k) totals_.moment[k].add(terms.moment[static_cast<int>(k)]);
+    void add_volume(const PlacedFace& face, const FaceWeights<Rational>& w) {
+        const Rational cone = face.cone(), six = cone * (w[0] + w[1] + w[2]) / 3;
+        const Vec3<Rational> moment = cone * (w[0] * face.corner[0] + w[1] * face.corner[1] + w[2] * face.corner[2]);
+        six_volumes_ += six;
+        volume_totals_.volume.add(six);
+        for (std::size_t k = 0; k < 3; ++k) volume_totals_.moment[k].add(moment[static_cast<int>(k)]);
     }
 
     static bool boxes_meet(const std::array<Vec3d, 3>& p, const std::array<Vec3d, 3>& q) {
@@ -260,9 +275,9 @@ class BruteForceOverlap {
     }
 
     OverlapRelation relation() const {
-        if (volume_ == 0) return meet_ ? OverlapRelation::touching : OverlapRelation::overlapping;
+        if (six_volumes_ == 0) return meet_ ? OverlapRelation::touching : OverlapRelation::overlapping;
         const auto has_that_volume = [&](const PosedBody& body) {
-            return abs(volume_) == 3 * abs(six_volumes_of(body));
+            return abs(six_volumes_) == abs(six_volumes_of(body));
         };
         const bool first = has_that_volume(a_), second = has_that_volume(b_);
         if (first && second) return OverlapRelation::equal;
@@ -276,8 +291,9 @@ class BruteForceOverlap {
     int exponent_ = 0;
     Vec3d origin_;
     bool meet_ = false, enclosed_ = false;
-    Rational volume_ = 0;  ///< 18 times it
-    OverlapTotals<RationalSum> totals_;
+    Rational six_volumes_ = 0;  ///< of the overlap
+    VolumeTotals<RationalSum> volume_totals_;
+    CurveTotals<RationalSum> curve_totals_;
     std::array<Gradient, 2> gradient_;
 };
 

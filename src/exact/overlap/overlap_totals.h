@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "exact/overlap/scaled.h"
 #include "geometry/double_word.h"
@@ -14,13 +15,27 @@
 
 namespace crumple {
 
-/// Sums of terms about the origin O. Curves are summed for both shifts.
+// Sums of terms about the origin O; with themselves bodies have twice as much.
+
 template <class Sum>
-struct OverlapTotals {
-    Sum volume;                 ///< 18 V
+struct VolumeTotals {
+    Sum volume;                 ///< 6 V
     std::array<Sum, 3> moment;  ///< 24 (∫ x − V O)
+
+    void add(const VolumeTotals& other) {
+        volume.add(other.volume);
+        for (std::size_t k = 0; k < 3; ++k) moment[k].add(other.moment[k]);
+    }
+};
+/// Of both shifts.
+template <class Sum>
+struct CurveTotals {
     std::array<Sum, 3> area;    ///< 4 S
     std::array<Sum, 3> torque;  ///< −12 T about O
+
+    void add(const CurveTotals& other) {
+        for (std::size_t k = 0; k < 3; ++k) area[k].add(other.area[k]), torque[k].add(other.torque[k]);
+    }
 };
 
 struct OverlapNumbers {
@@ -62,68 +77,59 @@ struct ScaledDirection {
 
 }  // namespace detail
 
-/// Fills in the numbers. `round(sum, divisor)` is a RoundedSum, or nothing where the sum does not tell: then false is
-/// returned. `self`: the sums are twice those of a body's overlap with itself.
-template <class Sum, class Round>
-bool finish(const OverlapTotals<Sum>& totals, const Vec3d& origin, bool self, Round round, OverlapNumbers& numbers) {
+/// Computes the numbers. `sums` has volume(combine, divisor) and curves(combine, divisor): a RoundedSum of what
+/// `combine` makes of the totals of either. `self`: the sums are of a body with itself.
+template <class Sums>
+OverlapNumbers finish(Sums& sums, const Vec3d& origin, bool self) {
     const auto next = [](std::size_t k) { return k == 2 ? std::size_t{0} : k + 1; };
-    const auto all = [&](const std::array<Sum, 3>& sums, int divisor, std::array<RoundedSum, 3>& rounded) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto known = round(sums[k], divisor);
-            if (!known) return false;
-            rounded[k] = *known;
-        }
-        return true;
-    };
     const auto values = [](const std::array<RoundedSum, 3>& v) { return Vec3d{v[0].value, v[1].value, v[2].value}; };
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-    const auto volume = round(totals.volume, 18);
-    const auto own_volume = self ? round(totals.volume, 36) : volume;
-    if (!volume || !own_volume) return false;
-    numbers.volume = *own_volume;
-    numbers.centroid = {nan, nan, nan};
+    OverlapNumbers numbers;
+    const auto six_volumes = [](const auto& totals) { return totals.volume; };
+    numbers.volume = sums.volume(six_volumes, self ? 12 : 6);
+    numbers.centroid = numbers.normal = {nan, nan, nan};
     numbers.point = origin;
-    if (volume->scaled.mantissa != 0) {
-        std::array<Sum, 3> sums;
-        std::array<RoundedSum, 3> moment;
+    if (numbers.volume.scaled.mantissa != 0) {
+        const RoundedSum volume = self ? sums.volume(six_volumes, 6) : numbers.volume;
         for (std::size_t k = 0; k < 3; ++k) {
-            sums[k].add_product(totals.moment[k], 3);
-            sums[k].add_product(totals.volume, 4 * origin[static_cast<int>(k)]);
+            const auto moment = [&](const auto& totals) {
+                auto sum = totals.moment[k];
+                sum.add_product(totals.volume, 4 * origin[static_cast<int>(k)]);
+                return sum;
+            };
+            numbers.centroid[static_cast<int>(k)] = (sums.volume(moment, 24).scaled / volume.scaled).value();
         }
-        if (!all(sums, 72, moment)) return false;
-        for (int axis = 0; axis < 3; ++axis)
-            numbers.centroid[axis] = (moment[static_cast<std::size_t>(axis)].scaled / volume->scaled).value();
         numbers.point = numbers.centroid;
     }
 
     std::array<RoundedSum, 3> area, torque;
-    if (!all(totals.area, 4, area)) return false;
-    numbers.area_vector = values(area);
-    std::array<Sum, 3> sums;
     for (std::size_t k = 0; k < 3; ++k) {
-        sums[k].add_product(totals.torque[k], -1);
-        // 3 (O − c) × (4 S), the difference in two parts
-        const auto add = [&](std::size_t axis, std::size_t of_area, double sign) {
-            const int i = static_cast<int>(axis);
-            const TwoTerms away = two_sum(origin[i], -numbers.point[i]);
-            for (const double part : {away.high, away.low})
-                for (int times = 0; times < 3; ++times) sums[k].add_product(totals.area[of_area], sign * part);
+        area[k] = sums.curves([&](const auto& totals) { return totals.area[k]; }, 4);
+        const auto about_point = [&](const auto& totals) {
+            std::remove_cvref_t<decltype(totals.torque[k])> sum;
+            sum.add_product(totals.torque[k], -1);
+            // 3 (O − c) × (4 S), the difference in two parts
+            const auto add = [&](std::size_t axis, std::size_t of_area, double sign) {
+                const int i = static_cast<int>(axis);
+                const TwoTerms away = two_sum(origin[i], -numbers.point[i]);
+                for (const double part : {away.high, away.low})
+                    for (int times = 0; times < 3; ++times) sum.add_product(totals.area[of_area], sign * part);
+            };
+            add(next(k), next(next(k)), 1);
+            add(next(next(k)), next(k), -1);
+            return sum;
         };
-        add(next(k), next(next(k)), 1);
-        add(next(next(k)), next(k), -1);
+        torque[k] = sums.curves(about_point, 12);
     }
-    if (!all(sums, 12, torque)) return false;
+    numbers.area_vector = values(area);
     numbers.torque = values(torque);
-
-    numbers.normal = {nan, nan, nan};
-    numbers.mean_depth = nan;
     if (area[0].scaled.mantissa != 0 || area[1].scaled.mantissa != 0 || area[2].scaled.mantissa != 0) {
         const detail::ScaledDirection along(area);
         numbers.normal = along.direction;
-        numbers.mean_depth = (volume->scaled / along.length).value();
+        numbers.mean_depth = (numbers.volume.scaled / along.length).value();
     }
-    return true;
+    return numbers;
 }
 
 }  // namespace crumple

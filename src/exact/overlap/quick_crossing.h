@@ -9,6 +9,7 @@
 
 #include "exact/overlap/crossing.h"
 #include "exact/overlap/enclosed.h"
+#include "exact/overlap/segment.h"
 #include "geometry/predicates.h"
 #include "geometry/triangle.h"
 
@@ -22,8 +23,8 @@ CRUMPLE_HD inline int cross_sign(const Vec3d& p, const Vec3d& q, const Vec3d& r,
     const double plus = (q[x] - p[x]) * (s[y] - r[y]), minus = (q[y] - p[y]) * (s[x] - r[x]);
     const int sign = certain_sign(plus - minus, 5 * epsilon * (std::abs(plus) + std::abs(minus)) + slack);
     if (sign != undecided) return sign;
-    return (exact_difference(q[x], p[x]) * exact_difference(s[y], r[y]) -
-            exact_difference(q[y], p[y]) * exact_difference(s[x], r[x]))
+    return (crumple::exact_difference(q[x], p[x]) * crumple::exact_difference(s[y], r[y]) -
+            crumple::exact_difference(q[y], p[y]) * crumple::exact_difference(s[x], r[x]))
         .sign();
 }
 
@@ -71,6 +72,14 @@ class QuickSigns {
         return sign_of(shift_) * detail::first_cross_sign(q[j], q[next_corner(j)], p[i], p[next_corner(i)]);
     }
 
+    /// The corner at which an edge crosses the other face exactly, or −1.
+    CRUMPLE_HD int vertex(std::size_t of_b, std::size_t edge) const {
+        const CrossedFace &face = of_b ? a_ : b_, &of = of_b ? b_ : a_;
+        if (!tied) return -1;
+        if (sign_of_side(face, of.corner[edge]) == 0) return static_cast<int>(edge);
+        return sign_of_side(face, of.corner[next_corner(edge)]) == 0 ? static_cast<int>(next_corner(edge)) : -1;
+    }
+
     /// The signs of the placement as given, which may be 0.
     CRUMPLE_HD static int sign_of_side(const CrossedFace& face, const Vec3d& p) {
         const int sign = face.plane.side(p);
@@ -95,6 +104,17 @@ class QuickSigns {
     const CrossedFace &a_, &b_;
     Shift shift_;
 };
+
+/// Decides how two faces cross. b is shifted. All coordinates in the range of double words.
+CRUMPLE_HD inline DecidedCrossing decide_crossing(const CrossedFace& a, const CrossedFace& b, Shift shift) {
+    QuickSigns signs(a, b, shift);
+    DecidedCrossing crossing;
+    crossing.jumps = cross_faces(signs);
+    crossing.tied = signs.tied;
+    if (crossing.jumps.segment)
+        crossing.segment = segment_of(crossing.jumps, [&](auto side, auto edge) { return signs.vertex(side, edge); });
+    return crossing;
+}
 
 struct QuickCrossing : Crossing<Enclosed> {
     bool tied = false;  ///< with the opposite shift the faces may cross differently

@@ -31,13 +31,22 @@ class IntegerSigns {
     }
 
     bool has_inside_a, has_inside_b;
+    bool tied = false;
 
-    int a_side(std::size_t i) const { return side(plane_b_, a_[i], shift_); }
-    int b_side(std::size_t i) const { return side(plane_a_, b_[i], opposite(shift_)); }
-    int edges(std::size_t i, std::size_t j) const {
+    int a_side(std::size_t i) { return side(plane_b_, a_[i], shift_); }
+    int b_side(std::size_t i) { return side(plane_a_, b_[i], opposite(shift_)); }
+    int edges(std::size_t i, std::size_t j) {
         const int sign = sign_of(volume(i, j));
-        return sign != 0 ? sign
-                         : sign_of(shift_) * first_sign(cross(b_[next_corner(j)] - b_[j], a_[next_corner(i)] - a_[i]));
+        if (sign != 0) return sign;
+        tied = true;
+        return sign_of(shift_) * first_sign(cross(b_[next_corner(j)] - b_[j], a_[next_corner(i)] - a_[i]));
+    }
+
+    int vertex(std::size_t of_b, std::size_t edge) const {
+        const Plane& plane = of_b ? plane_a_ : plane_b_;
+        const IntegerTriangle& of = of_b ? b_ : a_;
+        if (plane(of[edge]) == 0) return static_cast<int>(edge);
+        return plane(of[next_corner(edge)]) == 0 ? static_cast<int>(next_corner(edge)) : -1;
     }
 
     Integer a_distance(std::size_t i) const { return plane_b_(a_[i]); }
@@ -48,9 +57,11 @@ class IntegerSigns {
     }
 
    private:
-    static int side(const Plane& plane, const Point& p, Shift shift) {
+    int side(const Plane& plane, const Point& p, Shift shift) {
         const int sign = sign_of(plane(p));
-        return sign != 0 ? sign : plane.side_in_plane(shift);
+        if (sign != 0) return sign;
+        tied = true;
+        return plane.side_in_plane(shift);
     }
 
     const IntegerTriangle &a_, &b_;
@@ -72,7 +83,7 @@ Rational quotient(const Integer& x, const Integer& y) { return Rational(mp::cpp_
 }  // namespace
 
 RationalCrossing cross_rationally(const IntegerTriangle& a, const IntegerTriangle& b, Shift shift) {
-    const IntegerSigns signs(a, b, shift);
+    IntegerSigns signs(a, b, shift);
     RationalCrossing crossing;
     crossing.jumps = cross_faces(signs);
     if (!crossing.jumps.segment) return crossing;
@@ -107,6 +118,25 @@ int winding_along_ray(const Vec3<Integer>& p, const IntegerTriangle& face, Shift
 RationalCrossing cross_rationally(const FaceCorners& a, const FaceCorners& b, Shift shift) {
     const auto p = in_common_unit<6>({a[0], a[1], a[2], b[0], b[1], b[2]});
     return cross_rationally(IntegerTriangle{p[0], p[1], p[2]}, IntegerTriangle{p[3], p[4], p[5]}, shift);
+}
+
+DecidedCrossing decide_crossing(const FaceCorners& a, const FaceCorners& b, Shift shift) {
+    const auto p = in_common_unit<6>({a[0], a[1], a[2], b[0], b[1], b[2]});
+    const IntegerTriangle one{p[0], p[1], p[2]}, other{p[3], p[4], p[5]};
+    IntegerSigns signs(one, other, shift);
+    DecidedCrossing crossing;
+    crossing.jumps = cross_faces(signs);
+    crossing.tied = signs.tied;
+    if (crossing.jumps.segment)
+        crossing.segment = segment_of(crossing.jumps, [&](auto side, auto edge) { return signs.vertex(side, edge); });
+    return crossing;
+}
+
+Rational share_of_edge(const Vec3d& from, const Vec3d& to, const FaceCorners& face) {
+    const auto p = in_common_unit<5>({from, to, face[0], face[1], face[2]});
+    const Plane plane(IntegerTriangle{p[2], p[3], p[4]});
+    const Integer at_start = plane(p[0]);
+    return quotient(at_start, at_start - plane(p[1]));
 }
 
 int winding_along_ray(const Vec3d& p, const FaceCorners& face, Shift shift) {

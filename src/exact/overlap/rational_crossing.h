@@ -9,6 +9,7 @@
 
 #include "exact/integer.h"
 #include "exact/overlap/crossing.h"
+#include "exact/overlap/segment.h"
 
 namespace crumple {
 
@@ -21,6 +22,12 @@ using RationalCrossing = Crossing<Rational>;
 RationalCrossing cross_rationally(const IntegerTriangle& a, const IntegerTriangle& b, Shift shift);
 
 RationalCrossing cross_rationally(const FaceCorners& a, const FaceCorners& b, Shift shift);
+
+/// Decides how two faces cross, for every finite coordinate.
+DecidedCrossing decide_crossing(const FaceCorners& a, const FaceCorners& b, Shift shift);
+
+/// The share of its way after which an edge crosses the plane of a face.
+Rational share_of_edge(const Vec3d& from, const Vec3d& to, const FaceCorners& face);
 
 /// Returns the share of a face in the winding number of its surface at p: ±1 if the ray from p along +x meets it. The
 /// surface is shifted. In one unit.

@@ -58,6 +58,10 @@ void RationalSum::add(const Rational& term) {
     if (above == 0) numerator_of_.erase(below);
 }
 
+void RationalSum::add(const RationalSum& other) {
+    for (const auto& [below, above] : other.numerator_of_) add(Rational(above, below));
+}
+
 void RationalSum::add_product(const RationalSum& sum, double factor) {
     const Rational exact(factor);
     for (const auto& [below, above] : sum.numerator_of_) add(Rational(above, below) * exact);

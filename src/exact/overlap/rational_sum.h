@@ -15,6 +15,7 @@ namespace crumple {
 class RationalSum {
    public:
     void add(const Rational& term);
+    void add(const RationalSum& other);
     /// Adds a sum times a number.
     void add_product(const RationalSum& sum, double factor);
 

@@ -1,31 +1,14 @@
 #pragma once
 
-// Faces from the origin of the sums, and volumes of bodies, in double words and in rationals. Host only.
+// Volumes of bodies: bounds, and exact. Host only.
 
 #include <algorithm>
 #include <cmath>
 
-#include "exact/overlap/pair_terms.h"
-#include "exact/overlap/quick_crossing.h"
 #include "exact/overlap/rational_crossing.h"
 #include "search/overlap_windings.h"
 
 namespace crumple {
-
-inline PlacedFace<Enclosed> placed_quickly(const FaceCorners& p, const Vec3d& origin) {
-    return {{enclosed_difference(p[0], origin), enclosed_difference(p[1], origin), enclosed_difference(p[2], origin)},
-            cross(enclosed_difference(p[1], p[0]), enclosed_difference(p[2], p[0]))};
-}
-
-inline PlacedFace<Rational> placed_rationally(const FaceCorners& p, const Vec3d& origin) {
-    const auto from_origin = [&](const Vec3d& q) {
-        return Vec3<Rational>{Rational(q.x) - Rational(origin.x), Rational(q.y) - Rational(origin.y),
-                              Rational(q.z) - Rational(origin.z)};
-    };
-    PlacedFace<Rational> face{{from_origin(p[0]), from_origin(p[1]), from_origin(p[2])}, {}};
-    face.normal = cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]);
-    return face;
-}
 
 /// Numbers between which six times the volume of a body lies.
 struct VolumeBounds {

@@ -1,0 +1,189 @@
+#include "search/overlap_sums.h"
+
+#include <algorithm>
+#include <bit>
+#include <mutex>
+
+#include "search/overlap_blocks.h"
+
+namespace crumple {
+namespace {
+
+struct LaneTotals {
+    VolumeTotals<FixedSum> volume;
+    CurveTotals<FixedSum> curves;
+
+    void add(const LaneTotals& other) {
+        volume.add(other.volume);
+        curves.add(other.curves);
+    }
+};
+
+void add(const WordSum& words, int lanes, FixedSum& sum) {
+    for (int i = 0; i < lanes; ++i) {
+        sum.add(words.high[i]);
+        sum.add(words.low[i]);
+    }
+    sum.add(Enclosed({0, 0}, words.error));
+}
+void add(const WordSum (&words)[3], int lanes, std::array<FixedSum, 3>& sums) {
+    for (std::size_t k = 0; k < 3; ++k) add(words[k], lanes, sums[k]);
+}
+
+template <class Sum, class Number>
+void add(const Vec3<Number>& vector, std::array<Sum, 3>& sums) {
+    for (int axis = 0; axis < 3; ++axis) sums[static_cast<std::size_t>(axis)].add(vector[axis]);
+}
+template <class Sum, class Points>
+void add(const Points& points, const Segment& segment, VolumeTotals<Sum>& totals) {
+    if (!segment.in_volume) return;
+    VolumeTerms<typename Points::Number> terms;
+    add_segment(points, segment, terms);
+    totals.volume.add(terms.volume);
+    add(terms.moment, totals.moment);
+}
+template <class Sum, class Points>
+void add(const Points& points, const Segment& segment, CurveTotals<Sum>& totals) {
+    CurveTerms<typename Points::Number> terms;
+    add_curve(points, segment, terms);
+    for (int times = 0; times < segment.times; ++times) {
+        add(terms.area, totals.area);
+        add(terms.torque, totals.torque);
+    }
+}
+
+Rational in_units(const Integer& x, int exponent) {
+    const mp::cpp_int whole(x);
+    return exponent >= 0 ? Rational(whole << exponent) : Rational(whole, mp::cpp_int(1) << -exponent);
+}
+Vec3<Rational> in_units(const Vec3<Integer>& v, int exponent) {
+    return {in_units(v.x, exponent), in_units(v.y, exponent), in_units(v.z, exponent)};
+}
+
+bool ends_at_vertices(const Segment& segment) { return segment.start.vertex >= 0 && segment.end.vertex >= 0; }
+
+}  // namespace
+
+/// Adds parts of [0, n) to totals, several at once: add(begin, end, totals of a part).
+template <class Totals, class Add>
+void OverlapSums::for_chunks(std::size_t n, Totals& totals, Add add) {
+    constexpr std::size_t chunk = 2048;
+    if (n <= chunk) {
+        add(std::size_t{0}, n, totals);
+        return;
+    }
+    std::mutex mutex;
+    workers_.parallel_for((n + chunk - 1) / chunk, [&](std::size_t i) {
+        cancellation_.check();
+        Totals part;
+        add(i * chunk, std::min(n, (i + 1) * chunk), part);
+        const std::scoped_lock lock(mutex);
+        totals.add(part);
+    });
+}
+
+void OverlapSums::add_in_lanes() {
+    LaneTotals totals;
+    const auto add_volume = [&](const BlockSums& sums, VolumeTotals<FixedSum>& to) {
+        add(sums.volume, sums.lanes, to.volume);
+        if (numbers) add(sums.moment, sums.lanes, to.moment);
+    };
+    for (std::size_t side = 0; side < 2; ++side)
+        for_chunks(faces[side].size(), totals, [&](std::size_t begin, std::size_t end, LaneTotals& to) {
+            FaceBlock block;
+            BlockSums sums;
+            for (std::size_t i = begin; i < end; i += FaceBlock::size) {
+                fill(scene, side, std::span(faces[side]).subspan(i, std::min<std::size_t>(FaceBlock::size, end - i)),
+                     block);
+                kernels_->add_faces(block, scene.origin, numbers, sums);
+                add_volume(sums, to.volume);
+            }
+        });
+    const EnclosedPoints points{scene};
+    for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, LaneTotals& to) {
+        SegmentBlock block;
+        BlockSums sums;
+        for (std::size_t i = begin; i < end; i += SegmentBlock::size) {
+            const auto some = std::span(segments).subspan(i, std::min<std::size_t>(SegmentBlock::size, end - i));
+            fill(scene, some, block);
+            std::uint64_t uncertain = kernels_->add_segments(block, scene.origin, numbers, sums);
+            add_volume(sums, to.volume);
+            if (numbers) {
+                add(sums.area, sums.lanes, to.curves.area);
+                add(sums.torque, sums.lanes, to.curves.torque);
+            }
+            for (; uncertain; uncertain &= uncertain - 1) {
+                const Segment& segment = some[static_cast<std::size_t>(std::countr_zero(uncertain))];
+                add(points, segment, to.volume);
+                if (numbers) add(points, segment, to.curves);
+            }
+        }
+    });
+    volume_.in_lanes = totals.volume;
+    curves_.in_lanes = totals.curves;
+}
+
+void OverlapSums::add_enclosed(VolumeTotals<FixedSum>& totals) {
+    const EnclosedPoints points{scene};
+    for (std::size_t side = 0; side < 2; ++side)
+        for_chunks(faces[side].size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<FixedSum>& to) {
+            for (std::size_t i = begin; i < end; ++i) {
+                VolumeTerms<Enclosed> terms;
+                add_face(points, scene.corners(side, faces[side][i].face), faces[side][i].times, terms);
+                to.volume.add(terms.volume);
+                add(terms.moment, to.moment);
+            }
+        });
+    for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<FixedSum>& to) {
+        for (std::size_t i = begin; i < end; ++i) add(points, segments[i], to);
+    });
+}
+
+void OverlapSums::add_enclosed(CurveTotals<FixedSum>& totals) {
+    const EnclosedPoints points{scene};
+    for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, CurveTotals<FixedSum>& to) {
+        for (std::size_t i = begin; i < end; ++i) add(points, segments[i], to);
+    });
+}
+
+// The exact sums: faces, and segments between vertices, in whole numbers.
+
+void OverlapSums::add_exact(VolumeTotals<RationalSum>& totals) {
+    const IntegerPoints in_integers{scene, scene.common_unit()};
+    const auto add_whole = [&](const VolumeTerms<Integer>& whole, VolumeTotals<RationalSum>& to) {
+        to.volume.add(in_units(whole.volume, 3 * in_integers.exponent));
+        add(in_units(whole.moment, 4 * in_integers.exponent), to.moment);
+    };
+    for (std::size_t side = 0; side < 2; ++side)
+        for_chunks(faces[side].size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<RationalSum>& to) {
+            VolumeTerms<Integer> whole;
+            for (std::size_t i = begin; i < end; ++i)
+                add_face(in_integers, scene.corners(side, faces[side][i].face), faces[side][i].times, whole);
+            add_whole(whole, to);
+        });
+    for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<RationalSum>& to) {
+        VolumeTerms<Integer> whole;
+        for (std::size_t i = begin; i < end; ++i)
+            if (!ends_at_vertices(segments[i]))
+                add(RationalPoints{scene}, segments[i], to);
+            else if (segments[i].in_volume)
+                add_segment(in_integers, segments[i], whole);
+        add_whole(whole, to);
+    });
+}
+
+void OverlapSums::add_exact(CurveTotals<RationalSum>& totals) {
+    const IntegerPoints in_integers{scene, scene.common_unit()};
+    for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, CurveTotals<RationalSum>& to) {
+        CurveTerms<Integer> whole;
+        for (std::size_t i = begin; i < end; ++i)
+            if (!ends_at_vertices(segments[i]))
+                add(RationalPoints{scene}, segments[i], to);
+            else
+                for (int times = 0; times < segments[i].times; ++times) add_curve(in_integers, segments[i], whole);
+        add(in_units(whole.area, 2 * in_integers.exponent), to.area);
+        add(in_units(whole.torque, 3 * in_integers.exponent), to.torque);
+    });
+}
+
+}  // namespace crumple

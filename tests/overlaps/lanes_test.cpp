@@ -1,0 +1,155 @@
+// Sums in lanes against rationals: what a kernel says of its error holds.
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "backends/cpu/overlaps/overlap_lanes.h"
+#include "base/float_environment.h"
+#include "crumple/error.h"
+#include "exact/overlap/quick_crossing.h"
+#include "geometry/random_pairs.h"
+#include "search/overlap_blocks.h"
+
+namespace crumple {
+namespace {
+
+std::vector<const OverlapKernels*> all_kernels() {
+    std::vector<const OverlapKernels*> found;
+    for (const Simd simd : {Simd::sse4, Simd::avx2, Simd::avx512, Simd::neon}) {
+        try {
+            found.push_back(cpu::overlap_kernels(simd));
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::backend_unavailable);
+        }
+    }
+    return found;
+}
+
+/// A body of triangles that share no corners.
+struct LooseTriangles {
+    std::vector<Vec3d> points;
+    ClosedSurface closed{nullptr};
+    PlacedSurface placed;
+
+    explicit LooseTriangles(const std::vector<Triangle>& triangles) {
+        std::vector<std::int32_t> corners;
+        for (const Triangle& t : triangles)
+            for (const Vec3d& p : t.point) {
+                corners.push_back(static_cast<std::int32_t>(points.size()));
+                points.push_back(p);
+                placed.box.widen(p);
+            }
+        ParallelFor workers;
+        SceneBuffers buffers;
+        const auto n = static_cast<std::int64_t>(triangles.size());
+        const MeshView view(&points[0].x, 3 * n, corners.data(), n);
+        closed.prepare(prepare_scene(view, nullptr, false, workers, buffers), workers);
+        placed.surface = &closed;
+        placed.points = points.data();
+    }
+};
+
+Rational sum_of(const WordSum& words, int lanes) {
+    Rational sum = 0;
+    for (int i = 0; i < lanes; ++i) sum += Rational(words.high[i]) + Rational(words.low[i]);
+    return sum;
+}
+void expect_enclosed(const WordSum& words, int lanes, const Rational& exact, bool precise) {
+    ASSERT_TRUE(std::isfinite(words.error));
+    EXPECT_LE(abs(sum_of(words, lanes) - exact), Rational(words.error));
+    if (precise) {
+        EXPECT_LT(words.error, 0x1p-78);
+    }
+}
+void expect_enclosed(const WordSum (&words)[3], int lanes, const Vec3<Rational>& exact, bool precise) {
+    for (int axis = 0; axis < 3; ++axis) expect_enclosed(words[axis], lanes, exact[axis], precise);
+}
+
+class LanesOfEachKind : public testing::TestWithParam<Kind> {
+   protected:
+    RandomPairs random_{GetParam(), 31};
+    std::mt19937 dice_{5};
+    const FloatEnvironment environment_;
+
+    static bool in_range(const Triangle& t) {
+        for (const Vec3d& p : t.point)
+            for (int axis = 0; axis < 3; ++axis)
+                if (p[axis] != 0 && !(std::abs(p[axis]) >= 0x1p-150 && std::abs(p[axis]) <= 0x1p150)) return false;
+        return true;
+    }
+    int rounds() const { return rounds_of(GetParam(), 20); }
+};
+
+TEST_P(LanesOfEachKind, SumsAreWithinTheirBounds) {
+    const auto kernels = all_kernels();
+    for (int round = 0; round < rounds(); ++round) {
+        std::vector<Triangle> of_a, of_b;
+        for (int tries = 0; of_a.size() < 1 + 5 * static_cast<std::size_t>(round) % FaceBlock::size && tries < 200;
+             ++tries) {
+            const TrianglePair pair = random_();
+            if (!in_range(pair.a) || !in_range(pair.b)) continue;
+            of_a.push_back(pair.a);
+            of_b.push_back(pair.b);
+        }
+        if (of_a.empty()) continue;
+        const LooseTriangles a(of_a), b(of_b);
+        const bool precise = GetParam() == Kind::random;
+        const OverlapScene scene{{&a.placed, &b.placed}, round % 3 ? of_b[0].point[1] : Vec3d{}};
+        const RationalPoints points{scene};
+
+        std::vector<CountedFace> faces;
+        std::vector<Segment> segments;
+        VolumeTerms<Rational> of_faces;
+        for (std::int32_t f = 0; f < a.closed.face_count(); ++f) {
+            const auto times = static_cast<std::int32_t>(dice_() % 7) - 3;
+            faces.push_back({f, times});
+            add_face(points, a.placed.corners(f), times, of_faces);
+            const CrossedFace p(a.placed.corners(f)), q(b.placed.corners(f));
+            for (const Shift shift : {Shift::forward, Shift::backward}) {
+                const DecidedCrossing crossing = decide_crossing(p, q, shift);
+                if (!crossing.jumps.segment || segments.size() == SegmentBlock::size) continue;
+                Segment& segment = segments.emplace_back(crossing.segment);
+                segment.a = segment.b = f;
+                segment.in_volume = shift == Shift::forward;
+                segment.times = static_cast<std::int8_t>(dice_() % 3);
+            }
+        }
+        for (const OverlapKernels* lanes : kernels) {
+            FaceBlock face_block;
+            BlockSums sums;
+            fill(scene, 0, faces, face_block);
+            lanes->add_faces(face_block, scene.origin, true, sums);
+            expect_enclosed(sums.volume, sums.lanes, of_faces.volume, precise);
+            expect_enclosed(sums.moment, sums.lanes, of_faces.moment, precise);
+
+            if (segments.empty()) continue;
+            SegmentBlock block;
+            fill(scene, segments, block);
+            const std::uint64_t uncertain = lanes->add_segments(block, scene.origin, true, sums);
+            VolumeTerms<Rational> volume;
+            CurveTerms<Rational> curves;
+            for (std::size_t i = 0; i < segments.size(); ++i) {
+                if (uncertain >> i & 1) continue;
+                if (segments[i].in_volume) add_segment(points, segments[i], volume);
+                for (int times = 0; times < segments[i].times; ++times) add_curve(points, segments[i], curves);
+            }
+            const bool nothing_is_thin = precise && uncertain == 0;
+            expect_enclosed(sums.volume, sums.lanes, volume.volume, false);
+            expect_enclosed(sums.moment, sums.lanes, volume.moment, false);
+            expect_enclosed(sums.area, sums.lanes, curves.area, false);
+            expect_enclosed(sums.torque, sums.lanes, curves.torque, false);
+            if (nothing_is_thin) {
+                EXPECT_LT(sums.volume.error, 0x1p-60);
+            }
+            BlockSums less;
+            EXPECT_EQ(lanes->add_segments(block, scene.origin, false, less), uncertain);
+            EXPECT_EQ(sum_of(less.volume, less.lanes), sum_of(sums.volume, sums.lanes));
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LanesOfEachKind, testing::ValuesIn(all_kinds));
+
+}  // namespace
+}  // namespace crumple
