@@ -62,6 +62,7 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
     constexpr std::size_t chunk = 1024;
     std::vector<CrossedPairs> parts((pairs_.size() + chunk - 1) / chunk);
     const bool quick = in_range();
+    const int once = self_ == 0 ? 1 : 0;  // curves of a body with itself are not asked for
     const auto cross = [&](std::size_t part) {
         cancellation_.check();
         CrossedPairs& crossed = parts[part];
@@ -77,14 +78,9 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
             segment.times = static_cast<std::int8_t>(times);
             crossed.segments.push_back(segment);
         };
-        const auto add_pair = [&](const Pair& pair, auto decide) {
-            const DecidedCrossing forward = decide(Shift::forward);
-            const int once = self_ == 0 ? 1 : 0;
-            add(pair, forward, Shift::forward, forward.tied ? once : 2 * once);
-            if (forward.tied)
-                add(pair, decide(Shift::backward), Shift::backward, once);
-            else if (gradient)
-                add(pair, forward, Shift::backward, 0);
+        const auto add_pair = [&](const Pair& pair, const DecidedCrossings& both) {
+            add(pair, both.forward, Shift::forward, both.tied ? once : 2 * once);
+            if (both.tied || gradient) add(pair, both.backward, Shift::backward, both.tied ? once : 0);
         };
         const std::size_t end = std::min(pairs_.size(), (part + 1) * chunk);
         std::optional<CrossedFace> a;
@@ -92,12 +88,13 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
             const Pair& pair = pairs_[i];
             const FaceCorners p = body(0).corners(pair.a), q = body(1).corners(pair.b);
             if (!quick) {
-                add_pair(pair, [&](Shift shift) { return decide_crossing(p, q, shift); });
+                add_pair(pair, decide_crossings(p, q));
                 continue;
             }
             if (i == part * chunk || pair.a != pairs_[i - 1].a) a.emplace(p);
             const CrossedFace b(q);
-            add_pair(pair, [&](Shift shift) { return decide_crossing(*a, b, shift); });
+            QuickSigns signs(*a, b);
+            add_pair(pair, decide_crossings(signs));
         }
     };
     if (parts.size() == 1)
@@ -116,7 +113,7 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
             const Shift of_second = both_shifts[s];
             steps.add_components(body(side), body(1 - side), side == 0 ? of_second : opposite(of_second),
                                  cancellation_);
-            steps.finish();
+            steps.make_intervals();
         }
 }
 

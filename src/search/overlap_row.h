@@ -23,8 +23,6 @@
 
 namespace crumple {
 
-inline constexpr std::array both_shifts{Shift::forward, Shift::backward};
-
 class OverlapOfBodies {
    public:
     struct Request {

@@ -16,7 +16,8 @@ struct VolumeBounds {
 };
 inline VolumeBounds bounds_of_volume(const PlacedSurface& body, const Vec3d& origin) {
     double sum = 0, magnitude = 0;
-    for (const std::int32_t f : body.surface->faces(0, body.surface->places())) {
+    const std::int32_t faces = body.surface->face_count();
+    for (std::int32_t f = 0; f < faces; ++f) {
         const FaceCorners p = body.corners(f);
         const Vec3d x = p[0] - origin, y = p[1] - origin, z = p[2] - origin;
         sum += dot(x, cross(y, z));
@@ -26,7 +27,6 @@ inline VolumeBounds bounds_of_volume(const PlacedSurface& body, const Vec3d& ori
                      size_x.z * (size_y.x * size_z.y + size_y.y * size_z.x);
     }
     // A term passes eight roundings at most, and each sum as many as there are faces.
-    const double faces = static_cast<double>(body.surface->faces(0, body.surface->places()).size());
     const double error = 0x1p-52 * (faces + 16) * magnitude;
     return {sum - error, sum + error};
 }

@@ -28,6 +28,13 @@ int quick_winding_along_ray(const Vec3d& p, const FaceCorners& face, Shift shift
     return side == -along ? along : 0;
 }
 
+/// A ray along +x from the first vertex of a component.
+struct Ray {
+    Vec3d from;
+    std::size_t component;
+    std::int32_t winding;
+};
+
 bool misses_ray(const Vec3d& p, const FaceCorners& face) {
     if (max(face[0].x, max(face[1].x, face[2].x)) < p.x) return true;
     for (int axis = 1; axis < 3; ++axis) {
@@ -35,6 +42,24 @@ bool misses_ray(const Vec3d& p, const FaceCorners& face) {
         if (max(face[0][axis], max(face[1][axis], face[2][axis])) < p[axis]) return true;
     }
     return false;
+}
+
+/// Adds the winding numbers of a surface, which is shifted, where rays start.
+void cast(std::vector<Ray>& rays, const PlacedSurface& surface, bool quick, Shift shift, Cancellation& cancellation) {
+    if (rays.empty()) return;
+    std::sort(rays.begin(), rays.end(), [](const Ray& x, const Ray& y) { return x.from.y < y.from.y; });
+    for (std::int32_t f = 0; f < surface.surface->face_count(); ++f) {
+        if (f % 4096 == 0) cancellation.check();
+        const FaceCorners face = surface.corners(f);
+        const double low = min(face[0].y, min(face[1].y, face[2].y)), high = max(face[0].y, max(face[1].y, face[2].y));
+        const auto before = [](const Ray& ray, double y) { return ray.from.y < y; };
+        for (auto ray = std::lower_bound(rays.begin(), rays.end(), low, before);
+             ray != rays.end() && ray->from.y <= high; ++ray) {
+            if (misses_ray(ray->from, face)) continue;
+            ray->winding +=
+                quick ? quick_winding_along_ray(ray->from, face, shift) : winding_along_ray(ray->from, face, shift);
+        }
+    }
 }
 
 }  // namespace
@@ -49,27 +74,37 @@ void WindingSteps::add_jumps(const ClosedSurface& surface, std::int32_t face, co
     }
 }
 
+// Where a component has a vertex outside of the other's box, the winding number there is 0, and at its first vertex
+// what the steps between them say. Rays of all other components are taken through the faces at once.
 void WindingSteps::add_components(const PlacedSurface& of, const PlacedSurface& other, Shift shift,
                                   Cancellation& cancellation) {
+    std::sort(steps_.begin(), steps_.end());
     const auto& first = of.surface->components();
-    const bool quick = of.in_range && other.in_range;
+    const auto is_outside = [&](std::int32_t place) {
+        const Vec3d& p = of.points[of.surface->vertex_at(place)];
+        return !overlap(Bounds{p, p}, other.box);
+    };
+    std::vector<Ray> rays;
+    std::vector<WindingInterval> found;
+    std::size_t step = 0;
+    std::int32_t winding = 0;  // by the steps before that one: those of components before have ended
     for (std::size_t c = 0; c + 1 < first.size(); ++c) {
-        const Vec3d p = of.points[of.surface->vertex_at(first[c])];
-        if (!overlap(Bounds{p, p}, other.box)) continue;
-        cancellation.check();
-        std::int32_t winding = 0;
-        for (const std::int32_t f : other.surface->faces(0, other.surface->places())) {
-            const FaceCorners face = other.corners(f);
-            if (misses_ray(p, face)) continue;
-            winding += quick ? quick_winding_along_ray(p, face, shift) : winding_along_ray(p, face, shift);
+        std::int32_t place = first[c];
+        while (place < first[c + 1] && !is_outside(place)) ++place;
+        if (place == first[c + 1]) {
+            rays.push_back({of.points[of.surface->vertex_at(first[c])], c, 0});
+            continue;
         }
-        add(first[c], first[c + 1], winding);
+        for (; step < steps_.size() && steps_[step].place <= place; ++step) winding += steps_[step].change;
+        found.push_back({first[c], first[c + 1], -winding});
     }
+    cast(rays, other, of.in_range && other.in_range, shift, cancellation);
+    for (const Ray& ray : rays) found.push_back({first[ray.component], first[ray.component + 1], ray.winding});
+    for (const WindingInterval& whole : found) add(whole.begin, whole.end, whole.winding);
 }
 
-void WindingSteps::finish() {
+void WindingSteps::make_intervals() {
     std::sort(steps_.begin(), steps_.end());
-    intervals_.clear();
     std::int32_t winding = 0;
     for (std::size_t i = 0; i < steps_.size();) {
         const std::int32_t place = steps_[i].place;

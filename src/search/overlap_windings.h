@@ -44,10 +44,12 @@ class WindingSteps {
     void add(const WindingSteps& part) { steps_.insert(steps_.end(), part.steps_.begin(), part.steps_.end()); }
     /// Adds the changes of the winding number along the edges of a face.
     void add_jumps(const ClosedSurface& surface, std::int32_t face, const EdgeJumps& jumps);
-    /// Adds the winding number of `other`, which is shifted, at the first vertex of each component of `of`.
+    /// Adds the winding numbers of `other`, which is shifted, at the first vertex of each component of `of`. After all
+    /// steps of edges.
     void add_components(const PlacedSurface& of, const PlacedSurface& other, Shift shift, Cancellation& cancellation);
+
     /// Makes the intervals of the steps.
-    void finish();
+    void make_intervals();
 
     /// The intervals whose winding number is not 0, in their order.
     const std::vector<WindingInterval>& intervals() const { return intervals_; }

@@ -96,7 +96,7 @@ TEST(ClosedSurface, StepsAlongTheForestGiveWindingNumbersBack) {
             for (std::size_t k = 0; k < 3; ++k) jumps[k] = of(c[(k + 1) % 3]) - of(c[k]);
             steps.add_jumps(mesh.surface, t, jumps);
         }
-        steps.finish();
+        steps.make_intervals();
         std::vector<std::int32_t> found(static_cast<std::size_t>(mesh.surface.places()), 0);
         for (const WindingInterval& interval : steps.intervals())
             for (std::int32_t p = interval.begin; p < interval.end; ++p)

@@ -106,12 +106,13 @@ TEST_P(LanesOfEachKind, SumsAreWithinTheirBounds) {
             faces.push_back({f, times});
             add_face(points, a.placed.corners(f), times, of_faces);
             const CrossedFace p(a.placed.corners(f)), q(b.placed.corners(f));
-            for (const Shift shift : {Shift::forward, Shift::backward}) {
-                const DecidedCrossing crossing = decide_crossing(p, q, shift);
-                if (!crossing.jumps.segment || segments.size() == SegmentBlock::size) continue;
-                Segment& segment = segments.emplace_back(crossing.segment);
+            QuickSigns signs(p, q);
+            const DecidedCrossings both = decide_crossings(signs);
+            for (const DecidedCrossing* crossing : {&both.forward, &both.backward}) {
+                if (!crossing->jumps.segment || segments.size() == SegmentBlock::size) continue;
+                Segment& segment = segments.emplace_back(crossing->segment);
                 segment.a = segment.b = f;
-                segment.in_volume = shift == Shift::forward;
+                segment.in_volume = crossing == &both.forward;
                 segment.times = static_cast<std::int8_t>(dice_() % 3);
             }
         }

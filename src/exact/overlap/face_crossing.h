@@ -23,6 +23,8 @@ using FaceCorners = std::array<Vec3d, 3>;
 /// Direction in which a surface is shifted.
 enum class Shift : std::int8_t { backward = -1, forward = 1 };
 
+inline constexpr std::array both_shifts{Shift::forward, Shift::backward};
+
 CRUMPLE_HD constexpr int sign_of(Shift shift) { return static_cast<int>(shift); }
 CRUMPLE_HD constexpr Shift opposite(Shift shift) { return shift == Shift::forward ? Shift::backward : Shift::forward; }
 

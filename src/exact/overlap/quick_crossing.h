@@ -52,69 +52,72 @@ struct CrossedFace {
     }
 };
 
-/// The signs that cross_faces() asks for.
+/// The signs that cross_faces() asks for, each decided once for both shifts. All coordinates in the range of double
+/// words.
 class QuickSigns {
    public:
-    CRUMPLE_HD QuickSigns(const CrossedFace& a, const CrossedFace& b, Shift shift)
-        : has_inside_a(a.first_sign != 0), has_inside_b(b.first_sign != 0), a_(a), b_(b), shift_(shift) {}
+    CRUMPLE_HD QuickSigns(const CrossedFace& a, const CrossedFace& b)
+        : has_inside_a(a.first_sign != 0), has_inside_b(b.first_sign != 0), a_(a), b_(b) {}
 
     bool has_inside_a, has_inside_b;
     /// True if a sign is that of the shift, so that it is the opposite for the opposite shift.
     bool tied = false;
 
-    CRUMPLE_HD int a_side(std::size_t i) { return side(b_, a_.corner[i], shift_); }
-    CRUMPLE_HD int b_side(std::size_t i) { return side(a_, b_.corner[i], opposite(shift_)); }
+    /// b is shifted.
+    CRUMPLE_HD void set(Shift shift) { shift_ = sign_of(shift); }
+
+    CRUMPLE_HD int a_side(std::size_t i) {
+        const int sign = sign_of_a(i);
+        return sign != 0 ? sign : tie(-b_.first_sign);
+    }
+    CRUMPLE_HD int b_side(std::size_t i) {
+        const int sign = sign_of_b(i);
+        return sign != 0 ? sign : tie(a_.first_sign);
+    }
     CRUMPLE_HD int edges(std::size_t i, std::size_t j) {
         const int sign = sign_of_edges(i, j);
         if (sign != 0) return sign;
-        tied = true;
         const auto &p = a_.corner, &q = b_.corner;
-        return sign_of(shift_) * detail::first_cross_sign(q[j], q[next_corner(j)], p[i], p[next_corner(i)]);
+        return tie(detail::first_cross_sign(q[j], q[next_corner(j)], p[i], p[next_corner(i)]));
     }
 
-    /// The corner at which an edge crosses the other face exactly, or −1.
-    CRUMPLE_HD int vertex(std::size_t of_b, std::size_t edge) const {
-        const CrossedFace &face = of_b ? a_ : b_, &of = of_b ? b_ : a_;
+    /// The corner at which an edge of a or b crosses the other face exactly, or −1.
+    CRUMPLE_HD int vertex(std::size_t of_b, std::size_t edge) {
+        const auto in_plane = [&](std::size_t corner) { return (of_b ? sign_of_b(corner) : sign_of_a(corner)) == 0; };
         if (!tied) return -1;
-        if (sign_of_side(face, of.corner[edge]) == 0) return static_cast<int>(edge);
-        return sign_of_side(face, of.corner[next_corner(edge)]) == 0 ? static_cast<int>(next_corner(edge)) : -1;
+        if (in_plane(edge)) return static_cast<int>(edge);
+        return in_plane(next_corner(edge)) ? static_cast<int>(next_corner(edge)) : -1;
     }
 
-    /// The signs of the placement as given, which may be 0.
-    CRUMPLE_HD static int sign_of_side(const CrossedFace& face, const Vec3d& p) {
-        const int sign = face.plane.side(p);
-        const auto& q = face.corner;
+    // The signs of the placement as given, which may be 0:
+    CRUMPLE_HD int sign_of_a(std::size_t i) { return side(b_, a_.corner[i], side_of_a_[i]); }
+    CRUMPLE_HD int sign_of_b(std::size_t i) { return side(a_, b_.corner[i], side_of_b_[i]); }
+    CRUMPLE_HD int sign_of_edges(std::size_t i, std::size_t j) {
+        int& sign = edges_[i][j];
         if (sign != undecided) return sign;
-        return p == q[0] || p == q[1] || p == q[2] ? 0 : orient3d_exact(q[0], q[1], q[2], p);
-    }
-    CRUMPLE_HD int sign_of_edges(std::size_t i, std::size_t j) const {
         const Vec3d &p = a_.corner[i], &p_end = a_.corner[next_corner(i)];
         const Vec3d &q = b_.corner[j], &q_end = b_.corner[next_corner(j)];
-        return p == q || p == q_end || p_end == q || p_end == q_end ? 0 : orient3d(p, p_end, q, q_end);
+        return sign = p == q || p == q_end || p_end == q || p_end == q_end ? 0 : orient3d(p, p_end, q, q_end);
     }
 
    private:
-    CRUMPLE_HD int side(const CrossedFace& face, const Vec3d& p, Shift shift) {
-        const int sign = sign_of_side(face, p);
-        if (sign != 0) return sign;
+    CRUMPLE_HD int tie(int sign) {
         tied = true;
-        return -sign_of(shift) * face.first_sign;
+        return shift_ * sign;
+    }
+    CRUMPLE_HD static int side(const CrossedFace& face, const Vec3d& p, int& sign) {
+        if (sign == undecided) sign = face.plane.side(p);
+        const auto& q = face.corner;
+        if (sign == undecided) sign = p == q[0] || p == q[1] || p == q[2] ? 0 : orient3d_exact(q[0], q[1], q[2], p);
+        return sign;
     }
 
     const CrossedFace &a_, &b_;
-    Shift shift_;
+    int shift_ = 1;
+    int side_of_a_[3] = {undecided, undecided, undecided}, side_of_b_[3] = {undecided, undecided, undecided};
+    int edges_[3][3] = {
+        {undecided, undecided, undecided}, {undecided, undecided, undecided}, {undecided, undecided, undecided}};
 };
-
-/// Decides how two faces cross. b is shifted. All coordinates in the range of double words.
-CRUMPLE_HD inline DecidedCrossing decide_crossing(const CrossedFace& a, const CrossedFace& b, Shift shift) {
-    QuickSigns signs(a, b, shift);
-    DecidedCrossing crossing;
-    crossing.jumps = cross_faces(signs);
-    crossing.tied = signs.tied;
-    if (crossing.jumps.segment)
-        crossing.segment = segment_of(crossing.jumps, [&](auto side, auto edge) { return signs.vertex(side, edge); });
-    return crossing;
-}
 
 struct QuickCrossing : Crossing<Enclosed> {
     bool tied = false;  ///< with the opposite shift the faces may cross differently
@@ -164,30 +167,34 @@ CRUMPLE_HD inline bool may_be_multiplied(const EdgeCrossing<Enclosed>& at) {
 /// b is shifted. All coordinates in the range of double words.
 CRUMPLE_HD inline QuickCrossing cross_quickly(const CrossedFace& a, const CrossedFace& b, Shift shift) {
     QuickCrossing crossing;
-    QuickSigns signs(a, b, shift);
+    QuickSigns signs(a, b);
+    signs.set(shift);
     crossing.jumps = cross_faces(signs);
     crossing.tied = signs.tied;
     if (!crossing.jumps.segment) return crossing;
     const Vec3<Enclosed> normal_a = a.normal(), normal_b = b.normal();
     const auto cross_edge = [&](const CrossedFace& of, std::size_t i, const CrossedFace& face, const auto& normal,
-                                auto sign_of_edges) {
-        const Vec3d &p = of.corner[i], &p_end = of.corner[next_corner(i)];
+                                auto sign_of_corner, auto sign_of_edges) {
         detail::KnownZeros zero;
         if (signs.tied) {
-            zero.from = QuickSigns::sign_of_side(face, p) == 0;
-            zero.to = QuickSigns::sign_of_side(face, p_end) == 0;
+            zero.from = sign_of_corner(i) == 0;
+            zero.to = sign_of_corner(next_corner(i)) == 0;
             for (std::size_t k = 0; k < 3; ++k) zero.edge[k] = sign_of_edges(k) == 0;
         }
-        const auto at = detail::cross_edge(p, p_end, face.corner, normal, zero);
+        const auto at = detail::cross_edge(of.corner[i], of.corner[next_corner(i)], face.corner, normal, zero);
         crossing.certain &= detail::may_be_multiplied(at);
         return at;
     };
     add_segment<Enclosed>(
         [&](std::size_t i) {
-            return cross_edge(a, i, b, normal_b, [&](std::size_t k) { return signs.sign_of_edges(i, k); });
+            return cross_edge(
+                a, i, b, normal_b, [&](std::size_t k) { return signs.sign_of_a(k); },
+                [&](std::size_t k) { return signs.sign_of_edges(i, k); });
         },
         [&](std::size_t i) {
-            return cross_edge(b, i, a, normal_a, [&](std::size_t k) { return signs.sign_of_edges(k, i); });
+            return cross_edge(
+                b, i, a, normal_a, [&](std::size_t k) { return signs.sign_of_b(k); },
+                [&](std::size_t k) { return signs.sign_of_edges(k, i); });
         },
         crossing);
     for (std::size_t k = 0; k < 3; ++k)

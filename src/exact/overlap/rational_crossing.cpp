@@ -24,14 +24,16 @@ struct Plane {
 
 class IntegerSigns {
    public:
-    IntegerSigns(const IntegerTriangle& a, const IntegerTriangle& b, Shift shift)
-        : a_(a), b_(b), plane_a_(a), plane_b_(b), shift_(shift) {
+    IntegerSigns(const IntegerTriangle& a, const IntegerTriangle& b) : a_(a), b_(b), plane_a_(a), plane_b_(b) {
         has_inside_a = plane_a_.normal != Point{};
         has_inside_b = plane_b_.normal != Point{};
     }
 
     bool has_inside_a, has_inside_b;
     bool tied = false;
+
+    /// b is shifted.
+    void set(Shift shift) { shift_ = shift; }
 
     int a_side(std::size_t i) { return side(plane_b_, a_[i], shift_); }
     int b_side(std::size_t i) { return side(plane_a_, b_[i], opposite(shift_)); }
@@ -66,7 +68,7 @@ class IntegerSigns {
 
     const IntegerTriangle &a_, &b_;
     Plane plane_a_, plane_b_;
-    Shift shift_;
+    Shift shift_ = Shift::forward;
 };
 
 /// Converts to the unit that is common to all corners.
@@ -83,7 +85,8 @@ Rational quotient(const Integer& x, const Integer& y) { return Rational(mp::cpp_
 }  // namespace
 
 RationalCrossing cross_rationally(const IntegerTriangle& a, const IntegerTriangle& b, Shift shift) {
-    IntegerSigns signs(a, b, shift);
+    IntegerSigns signs(a, b);
+    signs.set(shift);
     RationalCrossing crossing;
     crossing.jumps = cross_faces(signs);
     if (!crossing.jumps.segment) return crossing;
@@ -120,16 +123,11 @@ RationalCrossing cross_rationally(const FaceCorners& a, const FaceCorners& b, Sh
     return cross_rationally(IntegerTriangle{p[0], p[1], p[2]}, IntegerTriangle{p[3], p[4], p[5]}, shift);
 }
 
-DecidedCrossing decide_crossing(const FaceCorners& a, const FaceCorners& b, Shift shift) {
+DecidedCrossings decide_crossings(const FaceCorners& a, const FaceCorners& b) {
     const auto p = in_common_unit<6>({a[0], a[1], a[2], b[0], b[1], b[2]});
     const IntegerTriangle one{p[0], p[1], p[2]}, other{p[3], p[4], p[5]};
-    IntegerSigns signs(one, other, shift);
-    DecidedCrossing crossing;
-    crossing.jumps = cross_faces(signs);
-    crossing.tied = signs.tied;
-    if (crossing.jumps.segment)
-        crossing.segment = segment_of(crossing.jumps, [&](auto side, auto edge) { return signs.vertex(side, edge); });
-    return crossing;
+    IntegerSigns signs(one, other);
+    return decide_crossings(signs);
 }
 
 Rational share_of_edge(const Vec3d& from, const Vec3d& to, const FaceCorners& face) {

@@ -24,7 +24,7 @@ RationalCrossing cross_rationally(const IntegerTriangle& a, const IntegerTriangl
 RationalCrossing cross_rationally(const FaceCorners& a, const FaceCorners& b, Shift shift);
 
 /// Decides how two faces cross, for every finite coordinate.
-DecidedCrossing decide_crossing(const FaceCorners& a, const FaceCorners& b, Shift shift);
+DecidedCrossings decide_crossings(const FaceCorners& a, const FaceCorners& b);
 
 /// The share of its way after which an edge crosses the plane of a face.
 Rational share_of_edge(const Vec3d& from, const Vec3d& to, const FaceCorners& face);

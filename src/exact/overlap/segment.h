@@ -47,8 +47,33 @@ CRUMPLE_HD Segment segment_of(const FaceCrossing& jumps, AtVertex at_vertex) {
 /// How two faces cross, without numbers.
 struct DecidedCrossing {
     FaceCrossing jumps;
-    Segment segment;    ///< if jumps.segment
-    bool tied = false;  ///< with the opposite shift the faces may cross differently
+    Segment segment;  ///< if jumps.segment
 };
+
+/// The same under either shift.
+struct DecidedCrossings {
+    DecidedCrossing forward, backward;
+    bool tied = false;  ///< they may differ
+};
+
+/// `Signs` is what cross_faces() asks for, and has set(shift), vertex(side, edge) for segment_of(), and `tied`: whether
+/// some sign was that of the shift.
+template <class Signs>
+CRUMPLE_HD DecidedCrossings decide_crossings(Signs& signs) {
+    const auto decide = [&](Shift shift) {
+        signs.set(shift);
+        DecidedCrossing crossing;
+        crossing.jumps = cross_faces(signs);
+        if (crossing.jumps.segment)
+            crossing.segment =
+                segment_of(crossing.jumps, [&](auto side, auto edge) { return signs.vertex(side, edge); });
+        return crossing;
+    };
+    DecidedCrossings both;
+    both.forward = both.backward = decide(Shift::forward);
+    both.tied = signs.tied;
+    if (both.tied) both.backward = decide(Shift::backward);
+    return both;
+}
 
 }  // namespace crumple
