@@ -17,6 +17,18 @@ struct CrossedPairs {
     std::vector<Segment> segments;
 };
 
+/// Makes one entry of those of each face, and none where they cancel.
+void combine(std::vector<CountedFace>& faces) {
+    std::sort(faces.begin(), faces.end(), [](const auto& x, const auto& y) { return x.face < y.face; });
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < faces.size();) {
+        CountedFace sum = faces[i];
+        for (++i; i < faces.size() && faces[i].face == sum.face; ++i) sum.times += faces[i].times;
+        if (sum.times != 0) faces[count++] = sum;
+    }
+    faces.resize(count);
+}
+
 }  // namespace
 
 OverlapRow OverlapOfBodies::find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
@@ -136,6 +148,13 @@ void OverlapOfBodies::count_faces() {
     for (std::int32_t face = 0; face < topology(0).face_count(); ++face) sums_.faces[0].push_back({face, -self_});
 }
 
+OverlapSums OverlapOfBodies::sums_of_scene() const {
+    OverlapSums sums(workers_, kernels_, cancellation_);
+    sums.scene = sums_.scene;
+    sums.numbers = false;
+    return sums;
+}
+
 // True if all of a body lies where the winding number of the other is 1 or -1, and nothing of the other lies in it:
 // then its volume is that of the overlap.
 bool OverlapOfBodies::is_inside(std::size_t side) const {
@@ -154,11 +173,17 @@ bool OverlapOfBodies::has_volume_of(std::size_t side, const Scaled& volume) {
         const double least = std::max(std::max(own.low, -own.high), 0.0), most = std::max(own.high, -own.low);
         if (size * (1 + 0x1p-50) < least || size * (1 - 0x1p-50) > most) return false;
     }
-    const Rational six = six_volumes_of(body(side));
+    // The difference to the volume of the body or its opposite: most faces cancel.
     for (const int sign : {1, -1}) {
-        RationalSum difference = sums_.exact_volume().volume;
-        difference.add(Rational(sign) * six);
-        if (difference.rounded_quotient(1, cancellation_).scaled.mantissa == 0) return true;
+        OverlapSums difference = sums_of_scene();
+        difference.segments = sums_.segments;
+        difference.faces = sums_.faces;
+        auto& faces = difference.faces[side];
+        for (std::int32_t face = 0; face < topology(side).face_count(); ++face) faces.push_back({face, -sign});
+        combine(faces);
+        const RoundedSum six = difference.volume([](const auto& totals) { return totals.volume; }, 1);
+        was_exact_ |= difference.was_exact();
+        if (six.scaled.mantissa == 0) return true;
     }
     return false;
 }
@@ -175,10 +200,8 @@ OverlapRelation OverlapOfBodies::relate(const OverlapNumbers& numbers) {
 
 // The integral of the winding number of a body that is with itself, correctly rounded.
 double OverlapOfBodies::volume_of_body() {
-    OverlapSums sums(workers_, kernels_, cancellation_);
-    sums.scene = sums_.scene;
+    OverlapSums sums = sums_of_scene();
     for (std::int32_t face = 0; face < topology(0).face_count(); ++face) sums.faces[0].push_back({face, 1});
-    sums.numbers = false;
     const RoundedSum volume = sums.volume([](const auto& totals) { return totals.volume; }, 6);
     was_exact_ |= sums.was_exact();
     return self_ * volume.value + 0.0;

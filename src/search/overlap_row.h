@@ -64,6 +64,8 @@ class OverlapOfBodies {
     OverlapRelation relate(const OverlapNumbers& numbers);
     bool has_volume_of(std::size_t side, const Scaled& volume);
     double volume_of_body();
+    /// For further sums about the same bodies: without faces and segments, for volumes.
+    OverlapSums sums_of_scene() const;
     std::vector<VertexWinding> windings(std::size_t side) const;
 
     // The gradient, in overlap_gradient.cpp:

@@ -63,6 +63,7 @@ OverlapSearch::OverlapSearch(MemoryMeter& meter, Cancellation& cancellation)
       rules_(&meter),
       near_(&meter),
       buffers_(&meter),
+      buffers_of_two_(&meter),
       found_(metered(&meter)),
       pairs_(&meter) {}
 
@@ -71,6 +72,7 @@ void OverlapSearch::release() {
     rules_ = BodyRules(&meter_);
     near_ = NearBodies(&meter_);
     buffers_ = SceneBuffers(&meter_);
+    buffers_of_two_ = SceneBuffers(&meter_);
     surfaces_.clear();
     found_ = metered(&meter_);
     pairs_.release();
@@ -91,17 +93,42 @@ void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World&
     list_candidates();
     // Where nothing but flags is wanted, surfaces that meet decide most of it, and the search for them ends early.
     const bool by_meeting = is_flag(query.output) && query.min_volume == 0 && !query.self_overlaps && none_is_open_;
-    IntersectionQuery intersections;
-    intersections.filter = query.filter;
-    if (by_meeting) intersections.output = query.output;
-    worlds.find(backend, world, intersections, found_);
+    if (!by_meeting && is_one_pair_at_rest()) {
+        find_pairs_of_two(backend);
+    } else {
+        IntersectionQuery intersections;
+        intersections.filter = query.filter;
+        if (by_meeting) intersections.output = query.output;
+        worlds.find(backend, world, intersections, found_);
+        by_meeting ? take_flags(result) : sort_pairs();
+    }
     result.statistics = found_.statistics;
-    if (by_meeting)
-        take_flags(result);
-    else
-        sort_pairs();
     find_rows(backend, result);
     result.count = static_cast<std::int64_t>(result.bodies.size());
+}
+
+// True if there is one candidate, two bodies as they are.
+bool OverlapSearch::is_one_pair_at_rest() const {
+    if (candidates_.size() != 1) return false;
+    const auto [a, b] = candidates_[0].bodies;
+    const auto is_at_rest = [&](std::int32_t body) {
+        return outline_.placement(body).identity() && outline_.shape(body).name == 0;
+    };
+    return a != b && is_at_rest(a) && is_at_rest(b);
+}
+
+// Backends search two meshes faster than a world.
+void OverlapSearch::find_pairs_of_two(BackendBase& backend) {
+    const auto mesh = [&](std::int32_t body) {
+        const Shape& shape = outline_.shape(body);
+        return MeshView(shape.vertices, shape.triangles);
+    };
+    Candidate& candidate = candidates_[0];
+    const MeshView a = mesh(candidate.bodies.first), b = mesh(candidate.bodies.second);
+    backend.find(prepare_scene(a, &b, false, backend, buffers_of_two_), IntersectionQuery(), nullptr, found_);
+    std::swap(pairs_, found_.pairs);
+    candidate.begin = 0;
+    candidate.end = pairs_.size();
 }
 
 // Leaves the candidates whose worlds are not known to have a row.

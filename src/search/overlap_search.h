@@ -50,6 +50,8 @@ class OverlapSearch {
 
     void read_surfaces(BackendBase& backend);
     void list_candidates();
+    bool is_one_pair_at_rest() const;
+    void find_pairs_of_two(BackendBase& backend);
     void take_flags(Overlaps& result);
     void sort_pairs();
     void find_rows(BackendBase& backend, Overlaps& result);
@@ -69,7 +71,7 @@ class OverlapSearch {
     WorldOutline outline_;
     BodyRules rules_;
     NearBodies near_;
-    SceneBuffers buffers_;
+    SceneBuffers buffers_, buffers_of_two_;
     std::vector<std::unique_ptr<Surface>> surfaces_;  ///< by shape; kept
     Intersections found_;
     Array<Pair> pairs_;  ///< by pair of bodies

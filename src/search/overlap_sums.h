@@ -42,7 +42,6 @@ class OverlapSums {
     RoundedSum curves(Combine combine, int divisor) {
         return rounded(curves_, combine, divisor);
     }
-    const VolumeTotals<RationalSum>& exact_volume() { return exact(volume_); }
 
     /// True if some sum needed rational arithmetic.
     bool was_exact() const { return volume_.exact || curves_.exact; }
@@ -64,12 +63,8 @@ class OverlapSums {
             if (!tiers.enclosed) add_enclosed(tiers.enclosed.emplace());
             if (const auto known = combine(*tiers.enclosed).rounded_quotient(divisor)) return *known;
         }
-        return combine(exact(tiers)).rounded_quotient(divisor, cancellation_);
-    }
-    template <template <class> class Totals>
-    const Totals<RationalSum>& exact(Tiers<Totals>& tiers) {
         if (!tiers.exact) add_exact(tiers.exact.emplace());
-        return *tiers.exact;
+        return combine(*tiers.exact).rounded_quotient(divisor, cancellation_);
     }
 
     void add_in_lanes();

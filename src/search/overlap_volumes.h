@@ -1,11 +1,10 @@
 #pragma once
 
-// Volumes of bodies: bounds, and exact. Host only.
+// Bounds of volumes of bodies. Host only.
 
 #include <algorithm>
 #include <cmath>
 
-#include "exact/overlap/rational_crossing.h"
 #include "search/overlap_windings.h"
 
 namespace crumple {
@@ -29,22 +28,6 @@ inline VolumeBounds bounds_of_volume(const PlacedSurface& body, const Vec3d& ori
     // A term passes eight roundings at most, and each sum as many as there are faces.
     const double error = 0x1p-52 * (faces + 16) * magnitude;
     return {sum - error, sum + error};
-}
-
-/// Six times the volume of a body.
-inline Rational six_volumes_of(const PlacedSurface& body) {
-    const auto faces = body.surface->faces(0, body.surface->places());
-    int exponent = 0;
-    for (const std::int32_t f : faces) {
-        const FaceCorners p = body.corners(f);
-        exponent = std::min(exponent, common_exponent(p));
-    }
-    Integer total = 0;
-    for (const std::int32_t f : faces) {
-        const FaceCorners p = body.corners(f);
-        total += dot(scaled(p[0], exponent), cross(scaled(p[1], exponent), scaled(p[2], exponent)));
-    }
-    return Rational(mp::cpp_int(total), mp::cpp_int(1) << (-3 * exponent));
 }
 
 }  // namespace crumple

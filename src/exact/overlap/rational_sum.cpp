@@ -50,36 +50,48 @@ mp::cpp_int floor_quotient(const mp::cpp_int& numerator, const mp::cpp_int& deno
 
 }  // namespace
 
+void RationalSum::Part::add(const mp::cpp_int& other, int other_exponent) {
+    if (numerator == 0) exponent = other_exponent;
+    const int down = exponent - other_exponent;
+    if (down > 0) numerator <<= down, exponent = other_exponent;
+    numerator += down < 0 ? mp::cpp_int(other << -down) : other;
+}
+
 void RationalSum::add(const Rational& term) {
     if (term == 0) return;
     const mp::cpp_int below = denominator(term);
-    mp::cpp_int& above = numerator_of_[below];
-    above += numerator(term);
-    if (above == 0) numerator_of_.erase(below);
+    const auto twos = static_cast<int>(lsb(below));
+    over_[below >> twos].add(numerator(term), -twos);
 }
 
-void RationalSum::add(const RationalSum& other) {
-    for (const auto& [below, above] : other.numerator_of_) add(Rational(above, below));
-}
+void RationalSum::add(const RationalSum& other) { add_product(other, 1); }
 
 void RationalSum::add_product(const RationalSum& sum, double factor) {
-    const Rational exact(factor);
-    for (const auto& [below, above] : sum.numerator_of_) add(Rational(above, below) * exact);
+    const Binary binary(factor);
+    if (binary.mantissa == 0) return;
+    for (const auto& [below, part] : sum.over_)
+        over_[below].add(part.numerator * binary.mantissa, part.exponent + binary.exponent);
 }
 
 RoundedSum RationalSum::rounded_quotient(int divisor, Cancellation& cancellation) const {
-    if (numerator_of_.empty()) return {};
     constexpr int bits = 400;
     int largest = std::numeric_limits<int>::min();
-    for (const auto& [below, above] : numerator_of_)
-        largest = std::max(largest, static_cast<int>(msb(mp::abs(above))) - static_cast<int>(msb(below)));
+    std::int64_t terms = 0;
+    for (const auto& [below, part] : over_) {
+        if (part.numerator == 0) continue;
+        ++terms;
+        largest = std::max(
+            largest, static_cast<int>(msb(mp::abs(part.numerator))) + part.exponent - static_cast<int>(msb(below)));
+    }
+    if (terms == 0) return {};
     const int unit = largest - bits;
     mp::cpp_int low = 0;
-    for (const auto& [below, above] : numerator_of_) {
+    for (const auto& [below, part] : over_) {
         cancellation.check();
-        low += unit < 0 ? floor_quotient(above << -unit, below) : floor_quotient(above, below << unit);
+        const int shift = part.exponent - unit;
+        low += shift > 0 ? floor_quotient(part.numerator << shift, below)
+                         : floor_quotient(part.numerator, below << -shift);
     }
-    const auto terms = static_cast<std::int64_t>(numerator_of_.size());
     const RoundedSum least = round(low, divisor, unit);
     if (same(least, round(low + terms, divisor, unit))) return least;
     const Rational sum = total(cancellation);
@@ -88,8 +100,12 @@ RoundedSum RationalSum::rounded_quotient(int divisor, Cancellation& cancellation
 
 Rational RationalSum::total(Cancellation& cancellation) const {
     std::vector<Rational> sums;
-    sums.reserve(numerator_of_.size());
-    for (const auto& [below, above] : numerator_of_) sums.emplace_back(above, below);
+    sums.reserve(over_.size());
+    for (const auto& [below, part] : over_)
+        if (part.exponent < 0)
+            sums.emplace_back(part.numerator, below << -part.exponent);
+        else
+            sums.emplace_back(part.numerator << part.exponent, below);
     // A balanced tree, so that few additions are of large numbers.
     while (sums.size() > 1) {
         for (std::size_t i = 0; 2 * i < sums.size(); ++i) {

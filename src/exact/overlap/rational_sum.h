@@ -25,9 +25,17 @@ class RationalSum {
     RoundedSum rounded_quotient(int divisor, Cancellation& cancellation) const;
 
    private:
+    /// numerator · 2^exponent
+    struct Part {
+        mp::cpp_int numerator = 0;
+        int exponent = 0;
+
+        void add(const mp::cpp_int& other, int other_exponent);
+    };
+
     Rational total(Cancellation& cancellation) const;
 
-    std::unordered_map<mp::cpp_int, mp::cpp_int> numerator_of_;  ///< by denominator
+    std::unordered_map<mp::cpp_int, Part> over_;  ///< what stands over each odd denominator
 };
 
 }  // namespace crumple
