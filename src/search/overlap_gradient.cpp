@@ -19,6 +19,7 @@ bool is_zero(const Enclosed& x) { return x.value.high == 0 && x.error == 0; }
 Vec3<Enclosed> enclosed_normal(const FaceCorners& p) {
     return cross(enclosed_difference(p[1], p[0]), enclosed_difference(p[2], p[0]));
 }
+Vec3<Rational> rational(const Vec3d& p) { return {Rational(p.x), Rational(p.y), Rational(p.z)}; }
 Vec3<Rational> rational_normal(const FaceCorners& p) {
     return cross(rational(p[1]) - rational(p[0]), rational(p[2]) - rational(p[0]));
 }

@@ -1,7 +1,6 @@
 #pragma once
 
-// Points of faces and segments from the origin of the sums, by type of number: words with bounds, integers, rationals.
-// Host only.
+// What sums over an overlap are made of, and their terms in double words with bounds. Host only.
 
 #include <algorithm>
 #include <array>
@@ -55,20 +54,6 @@ struct CrossingEdge {
     bool is_vertex() const { return from == to; }
 };
 
-inline Vec3<Rational> rational(const Vec3d& p) { return {Rational(p.x), Rational(p.y), Rational(p.z)}; }
-
-struct RationalPoints {
-    using Number = Rational;
-    const OverlapScene& scene;
-
-    Vec3<Rational> at(const Vec3d& p) const { return rational(p) - rational(scene.origin); }
-    Vec3<Rational> at(const CrossingEdge& edge) const {
-        if (edge.is_vertex()) return at(edge.from);
-        const Vec3<Rational> from = at(edge.from);
-        return from + share_of_edge(edge.from, edge.to, edge.face) * (at(edge.to) - from);
-    }
-};
-
 /// The number nearest to a rational one in double words, with its bound.
 inline Enclosed enclosed(const Rational& x) {
     const auto high = x.convert_to<double>();
@@ -79,12 +64,39 @@ inline Enclosed enclosed(const Rational& x) {
     return {value, beyond == 0 ? 0 : (1 + 0x1p-40) * beyond.convert_to<double>() + 0x1p-1070};
 }
 
-/// For bodies in the range of double words.
-struct EnclosedPoints {
-    using Number = Enclosed;
-    const OverlapScene& scene;
+/// Terms in double words, for bodies in their range.
+class EnclosedTerms {
+   public:
+    explicit EnclosedTerms(const OverlapScene& scene) : scene_(scene) {}
 
-    Vec3<Enclosed> at(const Vec3d& p) const { return enclosed_difference(p, scene.origin); }
+    void add_face(const FaceCorners& p, std::int32_t times, VolumeTerms<Enclosed>& terms) const {
+        const Vec3<Enclosed> x = at(p[0]), y = at(p[1]), z = at(p[2]);
+        terms.add(Enclosed(times) * dot(x, cross(y - x, z - x)), x + y + z);
+    }
+    void add(const Segment& segment, VolumeTerms<Enclosed>& terms) const {
+        const std::array<Vec3<Enclosed>, 2> end{at(CrossingEdge(scene_, segment, segment.start)),
+                                                at(CrossingEdge(scene_, segment, segment.end))};
+        const std::array<FaceCorners, 2> face{scene_.corners_a(segment), scene_.corners_b(segment)};
+        const std::array<Vec3<Enclosed>, 2> first{at(face[0][0]), at(face[1][0])};
+        const auto add_cone = [&](const auto& x, const auto& y, const auto& z, int times) {
+            terms.add(Enclosed(times) * dot(x, cross(y, z)), x + y + z);
+        };
+        add_cone(first[0], end[0], end[1], 1);
+        add_cone(first[1], end[1], end[0], 1);
+        for (std::size_t e = 0; e < 2; ++e) {
+            const SegmentEnd& of = e == 0 ? segment.start : segment.end;
+            if (of.edge == 1) add_cone(first[of.side], end[e], at(face[of.side][2]), of.jump);
+        }
+    }
+    void add(const Segment& segment, CurveTerms<Enclosed>& terms) const {
+        terms.add(at(CrossingEdge(scene_, segment, segment.start)), at(CrossingEdge(scene_, segment, segment.end)));
+    }
+
+   private:
+    /// Shares with larger bounds are too uncertain to be worth adding; smaller ones might underflow.
+    static constexpr double largest_error = 0x1p-80, least_share = 0x1p-250;
+
+    Vec3<Enclosed> at(const Vec3d& p) const { return enclosed_difference(p, scene_.origin); }
     Vec3<Enclosed> at(const CrossingEdge& edge) const {
         if (edge.is_vertex()) return at(edge.from);
         const FaceCorners& q = edge.face;
@@ -97,49 +109,7 @@ struct EnclosedPoints {
         return at(edge.from) + share * enclosed_difference(edge.to, edge.from);
     }
 
-   private:
-    /// Shares with larger bounds are too uncertain to be worth adding; smaller ones might underflow.
-    static constexpr double largest_error = 0x1p-80, least_share = 0x1p-250;
+    const OverlapScene& scene_;
 };
-
-/// In units of 2^exponent, of which all coordinates are multiples. Segments have to end at vertices.
-struct IntegerPoints {
-    using Number = Integer;
-    const OverlapScene& scene;
-    int exponent;
-
-    Vec3<Integer> at(const Vec3d& p) const { return scaled(p, exponent) - scaled(scene.origin, exponent); }
-    Vec3<Integer> at(const CrossingEdge& edge) const { return at(edge.from); }
-};
-
-/// The terms of a face, and of a segment.
-template <class Points, class Terms = VolumeTerms<typename Points::Number>>
-void add_face(const Points& points, const FaceCorners& p, std::int32_t times, Terms& terms) {
-    using Number = typename Points::Number;
-    const Vec3<Number> x = points.at(p[0]), y = points.at(p[1]), z = points.at(p[2]);
-    terms.add(Number(times) * dot(x, cross(y - x, z - x)), x + y + z);
-}
-template <class Points, class Terms = VolumeTerms<typename Points::Number>>
-void add_segment(const Points& points, const Segment& segment, Terms& terms) {
-    using Number = typename Points::Number;
-    const auto add = [&](const Vec3<Number>& x, const Vec3<Number>& y, const Vec3<Number>& z, int times) {
-        terms.add(Number(times) * dot(x, cross(y, z)), x + y + z);
-    };
-    const std::array<Vec3<Number>, 2> end{points.at(CrossingEdge(points.scene, segment, segment.start)),
-                                          points.at(CrossingEdge(points.scene, segment, segment.end))};
-    const std::array<FaceCorners, 2> face{points.scene.corners_a(segment), points.scene.corners_b(segment)};
-    const std::array<Vec3<Number>, 2> first{points.at(face[0][0]), points.at(face[1][0])};
-    add(first[0], end[0], end[1], 1);
-    add(first[1], end[1], end[0], 1);
-    for (std::size_t e = 0; e < 2; ++e) {
-        const SegmentEnd& at = e == 0 ? segment.start : segment.end;
-        if (at.edge == 1) add(first[at.side], end[e], points.at(face[at.side][2]), at.jump);
-    }
-}
-template <class Points>
-void add_curve(const Points& points, const Segment& segment, CurveTerms<typename Points::Number>& terms) {
-    terms.add(points.at(CrossingEdge(points.scene, segment, segment.start)),
-              points.at(CrossingEdge(points.scene, segment, segment.end)));
-}
 
 }  // namespace crumple

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "search/overlap_blocks.h"
+#include "search/overlap_exact.h"
 
 namespace crumple {
 namespace {
@@ -30,37 +31,24 @@ void add(const WordSum (&words)[3], int lanes, std::array<FixedSum, 3>& sums) {
     for (std::size_t k = 0; k < 3; ++k) add(words[k], lanes, sums[k]);
 }
 
-template <class Sum, class Number>
-void add(const Vec3<Number>& vector, std::array<Sum, 3>& sums) {
+void add(const Vec3<Enclosed>& vector, std::array<FixedSum, 3>& sums) {
     for (int axis = 0; axis < 3; ++axis) sums[static_cast<std::size_t>(axis)].add(vector[axis]);
 }
-template <class Sum, class Points>
-void add(const Points& points, const Segment& segment, VolumeTotals<Sum>& totals) {
+void add(const EnclosedTerms& enclosed, const Segment& segment, VolumeTotals<FixedSum>& totals) {
     if (!segment.in_volume) return;
-    VolumeTerms<typename Points::Number> terms;
-    add_segment(points, segment, terms);
+    VolumeTerms<Enclosed> terms;
+    enclosed.add(segment, terms);
     totals.volume.add(terms.volume);
     add(terms.moment, totals.moment);
 }
-template <class Sum, class Points>
-void add(const Points& points, const Segment& segment, CurveTotals<Sum>& totals) {
-    CurveTerms<typename Points::Number> terms;
-    add_curve(points, segment, terms);
+void add(const EnclosedTerms& enclosed, const Segment& segment, CurveTotals<FixedSum>& totals) {
+    CurveTerms<Enclosed> terms;
+    enclosed.add(segment, terms);
     for (int times = 0; times < segment.times; ++times) {
         add(terms.area, totals.area);
         add(terms.torque, totals.torque);
     }
 }
-
-Rational in_units(const Integer& x, int exponent) {
-    const mp::cpp_int whole(x);
-    return exponent >= 0 ? Rational(whole << exponent) : Rational(whole, mp::cpp_int(1) << -exponent);
-}
-Vec3<Rational> in_units(const Vec3<Integer>& v, int exponent) {
-    return {in_units(v.x, exponent), in_units(v.y, exponent), in_units(v.z, exponent)};
-}
-
-bool ends_at_vertices(const Segment& segment) { return segment.start.vertex >= 0 && segment.end.vertex >= 0; }
 
 }  // namespace
 
@@ -99,7 +87,7 @@ void OverlapSums::add_in_lanes() {
                 add_volume(sums, to.volume);
             }
         });
-    const EnclosedPoints points{scene};
+    const EnclosedTerms enclosed(scene);
     for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, LaneTotals& to) {
         SegmentBlock block;
         BlockSums sums;
@@ -114,8 +102,8 @@ void OverlapSums::add_in_lanes() {
             }
             for (; uncertain; uncertain &= uncertain - 1) {
                 const Segment& segment = some[static_cast<std::size_t>(std::countr_zero(uncertain))];
-                add(points, segment, to.volume);
-                if (numbers) add(points, segment, to.curves);
+                add(enclosed, segment, to.volume);
+                if (numbers) add(enclosed, segment, to.curves);
             }
         }
     });
@@ -124,65 +112,44 @@ void OverlapSums::add_in_lanes() {
 }
 
 void OverlapSums::add_enclosed(VolumeTotals<FixedSum>& totals) {
-    const EnclosedPoints points{scene};
+    const EnclosedTerms enclosed(scene);
     for (std::size_t side = 0; side < 2; ++side)
         for_chunks(faces[side].size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<FixedSum>& to) {
             for (std::size_t i = begin; i < end; ++i) {
                 VolumeTerms<Enclosed> terms;
-                add_face(points, scene.corners(side, faces[side][i].face), faces[side][i].times, terms);
+                enclosed.add_face(scene.corners(side, faces[side][i].face), faces[side][i].times, terms);
                 to.volume.add(terms.volume);
                 add(terms.moment, to.moment);
             }
         });
     for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<FixedSum>& to) {
-        for (std::size_t i = begin; i < end; ++i) add(points, segments[i], to);
+        for (std::size_t i = begin; i < end; ++i) add(enclosed, segments[i], to);
     });
 }
 
 void OverlapSums::add_enclosed(CurveTotals<FixedSum>& totals) {
-    const EnclosedPoints points{scene};
+    const EnclosedTerms enclosed(scene);
     for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, CurveTotals<FixedSum>& to) {
-        for (std::size_t i = begin; i < end; ++i) add(points, segments[i], to);
+        for (std::size_t i = begin; i < end; ++i) add(enclosed, segments[i], to);
     });
 }
 
-// The exact sums: faces, and segments between vertices, in whole numbers.
-
 void OverlapSums::add_exact(VolumeTotals<RationalSum>& totals) {
-    const IntegerPoints in_integers{scene, scene.common_unit()};
-    const auto add_whole = [&](const VolumeTerms<Integer>& whole, VolumeTotals<RationalSum>& to) {
-        to.volume.add(in_units(whole.volume, 3 * in_integers.exponent));
-        add(in_units(whole.moment, 4 * in_integers.exponent), to.moment);
-    };
+    const ExactTerms exact(scene);
     for (std::size_t side = 0; side < 2; ++side)
         for_chunks(faces[side].size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<RationalSum>& to) {
-            VolumeTerms<Integer> whole;
             for (std::size_t i = begin; i < end; ++i)
-                add_face(in_integers, scene.corners(side, faces[side][i].face), faces[side][i].times, whole);
-            add_whole(whole, to);
+                exact.add_face(scene.corners(side, faces[side][i].face), faces[side][i].times, to);
         });
     for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<RationalSum>& to) {
-        VolumeTerms<Integer> whole;
-        for (std::size_t i = begin; i < end; ++i)
-            if (!ends_at_vertices(segments[i]))
-                add(RationalPoints{scene}, segments[i], to);
-            else if (segments[i].in_volume)
-                add_segment(in_integers, segments[i], whole);
-        add_whole(whole, to);
+        for (std::size_t i = begin; i < end; ++i) exact.add(segments[i], to);
     });
 }
 
 void OverlapSums::add_exact(CurveTotals<RationalSum>& totals) {
-    const IntegerPoints in_integers{scene, scene.common_unit()};
+    const ExactTerms exact(scene);
     for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, CurveTotals<RationalSum>& to) {
-        CurveTerms<Integer> whole;
-        for (std::size_t i = begin; i < end; ++i)
-            if (!ends_at_vertices(segments[i]))
-                add(RationalPoints{scene}, segments[i], to);
-            else
-                for (int times = 0; times < segments[i].times; ++times) add_curve(in_integers, segments[i], whole);
-        add(in_units(whole.area, 2 * in_integers.exponent), to.area);
-        add(in_units(whole.torque, 3 * in_integers.exponent), to.torque);
+        for (std::size_t i = begin; i < end; ++i) exact.add(segments[i], to);
     });
 }
 

@@ -64,6 +64,12 @@ void RationalSum::add(const Rational& term) {
     over_[below >> twos].add(numerator(term), -twos);
 }
 
+void RationalSum::add(const Integer& numerator, const Integer& denominator, int exponent) {
+    if (numerator == 0) return;
+    const auto twos = static_cast<int>(lsb(denominator));
+    over_[mp::cpp_int(denominator >> twos)].add(mp::cpp_int(numerator), exponent - twos);
+}
+
 void RationalSum::add(const RationalSum& other) { add_product(other, 1); }
 
 void RationalSum::add_product(const RationalSum& sum, double factor) {

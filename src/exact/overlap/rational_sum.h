@@ -15,6 +15,8 @@ namespace crumple {
 class RationalSum {
    public:
     void add(const Rational& term);
+    /// Adds numerator / denominator · 2^exponent; the denominator is positive.
+    void add(const Integer& numerator, const Integer& denominator, int exponent);
     void add(const RationalSum& other);
     /// Adds a sum times a number.
     void add_product(const RationalSum& sum, double factor);
@@ -23,6 +25,7 @@ class RationalSum {
     /// sum, which decides unless the sum is 0 or a tie; then they are added up. Terms of one denominator are one term
     /// already. Cost: some microseconds a denominator, and for ties what the products of all denominators take.
     RoundedSum rounded_quotient(int divisor, Cancellation& cancellation) const;
+    Rational total(Cancellation& cancellation) const;
 
    private:
     /// numerator · 2^exponent
@@ -32,8 +35,6 @@ class RationalSum {
 
         void add(const mp::cpp_int& other, int other_exponent);
     };
-
-    Rational total(Cancellation& cancellation) const;
 
     std::unordered_map<mp::cpp_int, Part> over_;  ///< what stands over each odd denominator
 };
