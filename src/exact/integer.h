@@ -4,6 +4,7 @@
 // power is common to all coordinates of a question, it is decided in integers. Host only.
 
 #include <algorithm>
+#include <bit>
 #include <climits>
 #include <cmath>
 #include <cstdint>
@@ -31,8 +32,9 @@ struct Binary {
     explicit Binary(double x) {
         if (x == 0) return;
         mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &exponent), 53));
-        exponent -= 53;
-        while (mantissa % 2 == 0) mantissa /= 2, ++exponent;
+        const int zeros = std::countr_zero(static_cast<std::uint64_t>(mantissa));
+        mantissa >>= zeros;
+        exponent += zeros - 53;
     }
 };
 

@@ -22,15 +22,6 @@ struct OverlapScene {
     FaceCorners corners(std::size_t side, std::int32_t face) const { return surface[side]->corners(face); }
     FaceCorners corners_a(const Segment& s) const { return corners(0, s.a); }
     FaceCorners corners_b(const Segment& s) const { return corners(1, s.b); }
-
-    /// The exponent of the largest power of two of which all coordinates are multiples.
-    int common_unit() const {
-        int unit = common_exponent(std::array{origin});
-        for (const PlacedSurface* body : surface)
-            for (std::int32_t place = 0; place < body->surface->places(); ++place)
-                unit = std::min(unit, common_exponent(std::array{body->points[body->surface->vertex_at(place)]}));
-        return unit;
-    }
 };
 
 /// A face that counts some times.
