@@ -83,6 +83,13 @@ void WorldScene::put(Coordinates& coordinates, std::int64_t vertex, const Vec3d&
     }
 }
 
+bool WorldScene::is_near(const Row& row, std::span<const Bounds> near) const {
+    const auto at = [&](const auto& c, std::int64_t v) { return Vec3d{c[3 * v], c[3 * v + 1], c[3 * v + 2]}; };
+    Bounds box = no_bounds;
+    for (const std::int32_t v : row.corner) box.widen(float32_ ? at(start_.f, v) : at(start_.d, v));
+    return std::any_of(near.begin(), near.end(), [&](const Bounds& other) { return overlap(box, other); });
+}
+
 VertexView WorldScene::view(const Coordinates& coordinates) const {
     return float32_ ? rows_of_three(coordinates.f.data(), vertices()) : rows_of_three(coordinates.d.data(), vertices());
 }
@@ -106,7 +113,8 @@ void WorldScene::add_triangle(const WorldOutline& outline, std::int32_t b, bool 
     for (const std::int32_t corner : row.corner) corner_.push_back(corner);
 }
 
-void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywhere, ParallelFor& workers) {
+void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywhere, ParallelFor& workers,
+                     std::span<const Bounds> near) {
     const Shape& shape = outline.shape(b);
     const std::int64_t first = vertices(), n = shape.vertices.rows, m = shape.triangles.rows;
     begin_body(b, everywhere);
@@ -131,13 +139,13 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
                 if (v < 0 || v >= n) fail_index(WorldOutline::name(b), t, v, n);
                 row.corner[k] = static_cast<std::int32_t>(first + v);
             }
-            add_triangle(outline, b, everywhere, row);
+            if (near.empty() || is_near(row, near)) add_triangle(outline, b, everywhere, row);
         }
     });
 }
 
 void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywhere, const ShapeTree& tree,
-                     std::span<const std::int32_t> groups) {
+                     std::span<const std::int32_t> groups, std::span<const Bounds> near) {
     const Placement place = outline.placement(b);
     ShapeTree::Posed posed;
     begin_body(b, everywhere);
@@ -155,7 +163,8 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
         }
     }
     std::sort(row_.begin(), row_.end(), [](const Row& a, const Row& b) { return a.triangle < b.triangle; });
-    for (const Row& row : row_) add_triangle(outline, b, everywhere, row);
+    for (const Row& row : row_)
+        if (is_near(row, near)) add_triangle(outline, b, everywhere, row);
 }
 
 PreparedScene WorldScene::scene(const WorldOutline& outline, bool weld, ParallelFor& workers) {

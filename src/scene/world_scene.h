@@ -25,12 +25,14 @@ class WorldScene {
     /// Begins anew, with classes in `rules`. `float32`: whether all shapes are. `moving`: whole bodies have ends, too.
     void begin(bool float32, BodyRules& rules, bool moving = false);
 
-    /// All of body b. `everywhere`: see BodyClass. Throws Error with the body, and vertex or triangle.
-    void add(const WorldOutline& outline, std::int32_t b, bool everywhere, ParallelFor& workers);
-    /// The triangles of the given groups of its tree. Pairs within the body are lost, for each group has vertices of
-    /// its own.
+    /// All of body b, or, if there are boxes, the triangles whose own overlaps one of `near`. `everywhere`: see
+    /// BodyClass. Throws Error with the body, and vertex or triangle.
+    void add(const WorldOutline& outline, std::int32_t b, bool everywhere, ParallelFor& workers,
+             std::span<const Bounds> near = {});
+    /// The triangles of the given groups of its tree whose box overlaps one of `near`. Pairs within the body are lost,
+    /// for each group has vertices of its own.
     void add(const WorldOutline& outline, std::int32_t b, bool everywhere, const ShapeTree& tree,
-             std::span<const std::int32_t> groups);
+             std::span<const std::int32_t> groups, std::span<const Bounds> near);
 
     /// All of a world has been added: what comes next is another's.
     void end_world() { first_of_world_.push_back(triangles()); }
@@ -73,6 +75,7 @@ class WorldScene {
         Array<double> d;
     };
     void put(Coordinates& coordinates, std::int64_t vertex, const Vec3d& p);
+    bool is_near(const Row& row, std::span<const Bounds> near) const;
     VertexView view(const Coordinates& coordinates) const;
     void grow_vertices(std::int64_t more);
     void begin_body(std::int32_t b, bool everywhere);

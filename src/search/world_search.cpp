@@ -43,6 +43,7 @@ WorldSearch::WorldSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTr
       rules_(&meter),
       near_(&meter),
       marks_(&meter),
+      neighbours_(&meter),
       groups_(&meter),
       whole_(&meter),
       scene_(&meter),
@@ -57,6 +58,7 @@ void WorldSearch::release() {
     rules_ = BodyRules(&meter_);
     near_ = NearBodies(&meter_);
     marks_.release();
+    neighbours_.release();
     groups_.release();
     whole_.release();
     scene_ = WorldScene(&meter_);
@@ -106,6 +108,7 @@ void WorldSearch::read_shapes() {
 // Boxes, where bodies can be left out by them: not where all must be searched anyway.
 void WorldSearch::read_bodies() {
     boxes_ = outline_.worlds() > 1 || std::any_of(trees_.begin(), trees_.end(), [](auto* tree) { return tree; });
+    for (std::int32_t b = 0; b < outline_.bodies() && !boxes_; ++b) boxes_ = !rules_.within(b, outline_.body(b).self);
     if (!boxes_) return;
     near_.prepare(outline_, [&](std::int32_t b) { return read_box(b); });
 }
@@ -204,6 +207,7 @@ void WorldSearch::search_scenes(BackendBase& backend, Intersections& result) {
 void WorldSearch::collect(std::int32_t pass) {
     const std::int32_t worlds = outline_.worlds();
     marks_.clear();
+    neighbours_.clear();
     whole_.clear();
     if (!boxes_) {
         for (std::int32_t b = begin_of(pass); b < end_of(pass); ++b) whole_.push_back(b);
@@ -220,6 +224,7 @@ void WorldSearch::collect(std::int32_t pass) {
     });
     std::sort(whole_.begin(), whole_.end());
     whole_.resize(static_cast<std::size_t>(std::unique(whole_.begin(), whole_.end()) - whole_.begin()));
+    std::sort(neighbours_.begin(), neighbours_.end());
     std::sort(marks_.begin(), marks_.end());
     marks_.resize(static_cast<std::size_t>(std::unique(marks_.begin(), marks_.end()) - marks_.begin()));
 }
@@ -269,17 +274,28 @@ void WorldSearch::gather(BackendBase& backend, std::int32_t pass) {
     const auto everywhere = [&](std::int32_t b) {
         return pass < outline_.worlds() && b >= outline_.first_body(outline_.worlds());
     };
-    for_each_collected([&](std::int32_t b) { scene_.add(outline_, b, everywhere(b), backend); },
-                       [&](std::int32_t b, std::span<const std::int32_t> groups) {
-                           scene_.add(outline_, b, everywhere(b), *tree(b), groups);
-                       });
+    const auto near = [&](std::int32_t b) {
+        near_boxes_.clear();
+        const auto first = std::lower_bound(neighbours_.begin(), neighbours_.end(), BodyPair{b, -1});
+        for (auto n = first; n != neighbours_.end() && n->first == b; ++n) near_boxes_.push_back(near_.box(n->second));
+        return std::span<const Bounds>(near_boxes_);
+    };
+    const auto add_whole = [&](std::int32_t b) {
+        const bool complete = !boxes_ || rules_.within(b, outline_.body(b).self);
+        scene_.add(outline_, b, everywhere(b), backend, complete ? std::span<const Bounds>() : near(b));
+    };
+    for_each_collected(add_whole, [&](std::int32_t b, std::span<const std::int32_t> groups) {
+        scene_.add(outline_, b, everywhere(b), *tree(b), groups, near(b));
+    });
     scene_.end_world();
 }
 
-// Groups of triangles by which a and b may meet; a body without a tree is searched as a whole.
+// Groups of triangles by which a and b may meet; of a body without a tree each triangle will be asked.
 void WorldSearch::mark(std::int32_t a, std::int32_t b) {
     const ShapeTree *tree_a = tree(a), *tree_b = tree(b);
     const Placement place_a = outline_.placement(a), place_b = outline_.placement(b);
+    neighbours_.push_back({a, b});
+    neighbours_.push_back({b, a});
     if (tree_a && tree_b) {
         std::int32_t last_a = -1, last_b = -1;  // many pairs in a row have a group in common
         for_each_overlap(*tree_a, place_a, *tree_b, place_b, [&](std::int32_t group_a, std::int32_t group_b) {
@@ -289,14 +305,16 @@ void WorldSearch::mark(std::int32_t a, std::int32_t b) {
         });
         return;
     }
-    const auto by_box = [&](std::int32_t body, const ShapeTree* known, const Placement& place, const Bounds& box) {
+    const auto by_box = [&](std::int32_t body, const ShapeTree* known, const Placement& place, std::int32_t other) {
         if (known)
-            for_each_overlap(*known, place, box, [&](std::int32_t group) { marks_.push_back({body, group}); });
+            for_each_overlap(*known, place, near_.box(other), [&](std::int32_t group) {
+                marks_.push_back({body, group});
+            });
         else
             whole_.push_back(body);
     };
-    by_box(a, tree_a, place_a, near_.box(b));
-    by_box(b, tree_b, place_b, near_.box(a));
+    by_box(a, tree_a, place_a, b);
+    by_box(b, tree_b, place_b, a);
 }
 
 // Whether memory suffices for work on the worlds that are joined. One has to fit.

@@ -99,7 +99,9 @@ class WorldSearch {
     std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of shapes without a name
     NearBodies near_;
     Array<Mark> marks_;
+    Array<BodyPair> neighbours_;  ///< bodies that may meet, in both orders
     Array<std::int32_t> groups_, whole_;
+    std::vector<Bounds> near_boxes_;
     std::vector<std::int32_t> joined_;  ///< passes whose worlds are side by side in the scene
     WorldScene scene_;
     Intersections found_;
