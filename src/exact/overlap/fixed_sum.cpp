@@ -6,18 +6,21 @@ namespace crumple {
 
 void FixedSum::carry() {
     additions_ = 0;
-    for (std::size_t i = 0; i + 1 < digits; ++i) {
+    const auto carry_from = [&](std::size_t i) {
         const std::int64_t over = digits_[i] >> digit_bits;
         digits_[i] -= over * (std::int64_t{1} << digit_bits);
         digits_[i + 1] += over;
-    }
+    };
+    for (std::size_t i = begin_; i + 1 < end_; ++i) carry_from(i);
+    const auto is_wide = [](std::int64_t digit) { return (digit < 0 ? -digit : digit) >> digit_bits != 0; };
+    for (; end_ > begin_ && end_ < digits && is_wide(digits_[end_ - 1]); ++end_) carry_from(end_ - 1);
 }
 
 bool FixedSum::make_magnitude() {
     carry();
-    const bool negative = digits_.back() < 0;
+    const bool negative = end_ > begin_ && digits_[end_ - 1] < 0;
     if (negative) {
-        for (std::int64_t& digit : digits_) digit = -digit;
+        for (std::size_t i = begin_; i < end_; ++i) digits_[i] = -digits_[i];
         carry();
     }
     return negative;
@@ -26,7 +29,7 @@ bool FixedSum::make_magnitude() {
 void FixedSum::add_product(const FixedSum& sum, double factor) {
     FixedSum magnitude = sum;
     const double signed_factor = magnitude.make_magnitude() ? -factor : factor;
-    for (std::size_t i = 0; i < digits; ++i) {
+    for (std::size_t i = magnitude.begin_; i < magnitude.end_; ++i) {
         if (magnitude.digits_[i] == 0) continue;
         const int place = digit_bits * static_cast<int>(i) - 1074;
         const TwoTerms product =
@@ -54,7 +57,8 @@ double FixedSum::nearest_quotient(std::int32_t divisor) const {
     const auto by = static_cast<std::uint64_t>(divisor);
     std::uint64_t remainder = 0;
     std::size_t top = digits;
-    for (std::size_t i = digits; i-- > 0;) {
+    for (std::size_t i = magnitude.end_; i-- > 0;) {
+        if (i < magnitude.begin_ && (remainder == 0 || (top != digits && top - i > 3))) break;
         const std::uint64_t number = remainder << digit_bits | static_cast<std::uint64_t>(magnitude.digits_[i]);
         magnitude.digits_[i] = static_cast<std::int64_t>(number / by);
         remainder = number % by;

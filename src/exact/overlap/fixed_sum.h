@@ -3,6 +3,7 @@
 // Sums of float64 numbers without rounding: fixed point, wide enough for all of them. Addition of integers knows no
 // order, so that a sum is the same however it is split. Host only.
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -29,6 +30,8 @@ class FixedSum {
         digits_[digit] += sign * static_cast<std::int64_t>(low & digit_mask);
         digits_[digit + 1] += sign * static_cast<std::int64_t>(low >> digit_bits);
         digits_[digit + 2] += sign * static_cast<std::int64_t>(high);
+        begin_ = std::min(begin_, digit);
+        end_ = std::max(end_, digit + 3);
         if (++additions_ == most_additions) carry();
     }
     void add(const Enclosed& x) {
@@ -40,7 +43,9 @@ class FixedSum {
         FixedSum carried = other;
         carried.carry();
         carry();
-        for (std::size_t i = 0; i < digits; ++i) digits_[i] += carried.digits_[i];
+        for (std::size_t i = carried.begin_; i < carried.end_; ++i) digits_[i] += carried.digits_[i];
+        begin_ = std::min(begin_, carried.begin_);
+        end_ = std::max(end_, carried.end_);
         ++additions_;
         error_ = detail::above * (error_ + other.error_);
     }
@@ -59,13 +64,14 @@ class FixedSum {
         2110 / digit_bits + 5;  ///< 2^-1074 to beyond 2^1024 times any number of terms
     static constexpr std::int64_t most_additions = std::int64_t{1} << 30;
 
-    /// Brings all digits but the last to 0 .. 2^32 - 1.
+    /// Brings all digits but the last that is used to 0 .. 2^32 - 1.
     void carry();
     /// Carries, and makes the sum positive; returns whether it was negative.
     bool make_magnitude();
     double nearest_quotient(std::int32_t divisor) const;
 
     std::array<std::int64_t, digits> digits_{};
+    std::size_t begin_ = digits, end_ = 0;  ///< digits that are used; the others are 0
     std::int64_t additions_ = 0;
     double error_ = 0;  ///< the sum is at most so far from what was to be added
 };
