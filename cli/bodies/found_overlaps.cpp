@@ -13,14 +13,6 @@ namespace {
 
 constexpr NumberRange any_volume{std::numeric_limits<double>::infinity(), "volume of 0 or more"};
 
-/// Overlaps of a body with itself would be a query of its own, which there is not yet.
-void check_body_count(const BodyScene& scene) {
-    const std::size_t count = scene.names().size();
-    if (count > 1) return;
-    refuse("overlaps are those of two bodies or more; " + scene.origins().files + " holds " +
-           (count == 1 ? "one, " + quoted_name(scene.names()[0]) : "none"));
-}
-
 /// Tells which bodies --open skip leaves out.
 void print_open_bodies(const BodyScene& scene) {
     const io::WorldMesh& mesh = scene.mesh();
@@ -41,6 +33,7 @@ OverlapQuery query_of(const OverlapOptions& options, Output output, const BodySc
     OverlapQuery query;
     query.output = output;
     query.min_volume = options.min_volume;
+    query.self_overlaps = options.self || scene.names().size() == 1;
     query.open = options.open;  // vertices are welded where files are read
     query.filter.excluded_bodies = scene.excluded(count);
     return query;
@@ -69,6 +62,9 @@ std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOption
         "or for 0, those that touch count, too");
     const auto set = [&options](double value) { options.min_volume = value; };
     added.push_back(add_number_option(app, "--min-volume", set, any_volume, min_volume.c_str())->type_name("V"));
+    added.push_back(app.add_flag(
+        "--self-overlaps", options.self,
+        help_under(condition, "also of each body with itself: what it covers twice. Always of a body that is alone")));
     const std::string open = help_under(
         condition, "bodies whose surface is not closed are an error where their volume is needed, or are left out");
     added.push_back(add_choice<OpenSurfaces, OpenSurfaces>(
@@ -77,7 +73,7 @@ std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOption
 }
 
 FoundOverlaps find_overlaps(Search& search, const BodyScene& scene, const OverlapOptions& options, Output output) {
-    check_body_count(scene);
+    if (scene.names().empty()) refuse("overlaps are those of bodies; " + scene.origins().files + " holds none");
     if (options.open == OpenSurfaces::skip) print_open_bodies(scene);
     const auto bodies = static_cast<std::int32_t>(scene.names().size());
     const bool has_configurations = !options.bodies.poses.empty();
@@ -109,8 +105,10 @@ void write_text(std::ostream& out, const io::OverlapList& list, const io::Overla
     const auto name = [&](std::int32_t body) { return quoted_name(bodies.names[static_cast<std::size_t>(body)]); };
     for (const io::OverlapListRow& row : list.rows) {
         if (list.has_configurations) out << "configuration " << row.configuration << ": ";
-        out << fmt::format(fmt::runtime(sentences[static_cast<std::size_t>(row.relation)]), name(row.bodies.first),
-                           name(row.bodies.second));
+        const bool with_itself = row.bodies.first == row.bodies.second;
+        const char* const sentence =
+            with_itself ? "{} overlaps itself" : sentences[static_cast<std::size_t>(row.relation)];
+        out << fmt::format(fmt::runtime(sentence), name(row.bodies.first), name(row.bodies.second));
         if (list.has_numbers) {
             out << ": volume " << number_of_text(row.volume()) << unit << (unit.empty() ? "" : "^3");
             if (!std::isnan(row.mean_depth())) out << ", mean depth " << number_of_text(row.mean_depth()) << unit;
@@ -124,7 +122,8 @@ void write_text(std::ostream& out, const io::OverlapList& list, const io::Overla
 
 std::string relations_of(const io::OverlapList& list) {
     std::array<std::int64_t, kind_words.size()> counts{};
-    for (const io::OverlapListRow& row : list.rows) ++counts[kinds[static_cast<std::size_t>(row.relation)]];
+    for (const io::OverlapListRow& row : list.rows)
+        if (row.bodies.first != row.bodies.second) ++counts[kinds[static_cast<std::size_t>(row.relation)]];
     std::string text;
     for (std::size_t k = 0; k < counts.size(); ++k)
         if (counts[k] > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", grouped(counts[k]), kind_words[k]);
@@ -135,13 +134,22 @@ std::string summary_of(const FoundOverlaps& found, std::size_t bodies) {
     const std::vector<io::OverlapListRow>& rows = found.list.rows;
     const std::string all = grouped(static_cast<std::int64_t>(bodies)),
                       time = fmt::format("{:.1f} ms\n", found.statistics.milliseconds);
-    if (rows.empty()) return fmt::format("nothing overlaps: {} bodies, {}", all, time);
+    if (rows.empty())
+        return bodies == 1 ? "the body does not overlap itself: " + time
+                           : fmt::format("nothing overlaps: {} bodies, {}", all, time);
     std::vector<std::uint8_t> hit(bodies);
-    for (const io::OverlapListRow& row : rows)
+    std::int64_t pairs = 0;
+    for (const io::OverlapListRow& row : rows) {
+        pairs += row.bodies.first != row.bodies.second;
         for (const std::int32_t b : {row.bodies.first, row.bodies.second}) hit[static_cast<std::size_t>(b)] = 1;
-    return fmt::format("{} pair{} of bodies ({}), {} of {} bodies, {}", grouped(std::ssize(rows)),
-                       rows.size() == 1 ? "" : "s", relations_of(found.list),
-                       grouped(std::count(hit.begin(), hit.end(), 1)), all, time);
+    }
+    const std::int64_t alone = std::ssize(rows) - pairs;
+    std::string text;
+    if (pairs > 0)
+        text =
+            fmt::format("{} pair{} of bodies ({}), ", grouped(pairs), pairs == 1 ? "" : "s", relations_of(found.list));
+    if (alone > 0) text += alone == 1 ? "1 body overlaps itself, " : grouped(alone) + " bodies overlap themselves, ";
+    return text + fmt::format("{} of {} bodies, {}", grouped(std::count(hit.begin(), hit.end(), 1)), all, time);
 }
 
 }  // namespace crumple::cli

@@ -15,6 +15,7 @@ namespace crumple::cli {
 struct OverlapOptions {
     double min_volume = 0;
     OpenSurfaces open = OpenSurfaces::error;
+    bool self = false;  ///< also of each body with itself; always of a body alone
     BodyOptions bodies;
 };
 /// `condition`: what the help of all of them begins with. Returns the options that were added.
@@ -28,13 +29,14 @@ struct FoundOverlaps {
     std::vector<std::uint8_t> has_overlaps;  ///< one a configuration; not for Output::any
     Statistics statistics;                   ///< of all configurations
 };
-/// Throws Error, also where there are fewer than two bodies.
+/// Throws Error, also where there is no body.
 FoundOverlaps find_overlaps(Search& search, const BodyScene& scene, const OverlapOptions& options, Output output);
 
 /// Writes a sentence for each row: "lid and pot overlap: volume 0.5 mm^3, mean depth 0.1 mm, normal (0 0 1)".
 void write_text(std::ostream& out, const io::OverlapList& list, const io::OverlapBodies& bodies);
 
-/// "2 pairs of bodies (1 touching, 1 overlapping), 3 of 5 bodies, 1.2 ms", or "nothing overlaps: 5 bodies, 1.2 ms".
+/// "2 pairs of bodies (1 touching, 1 overlapping), 3 of 5 bodies, 1.2 ms", or "nothing overlaps: 5 bodies, 1.2 ms". Of
+/// bodies with themselves "1 body overlaps itself", or "the body does not overlap itself".
 std::string summary_of(const FoundOverlaps& found, std::size_t bodies);
 /// "1 touching, 1 overlapping"
 std::string relations_of(const io::OverlapList& list);

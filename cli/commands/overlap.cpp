@@ -110,9 +110,11 @@ Command add_overlap(CLI::App& app) {
     const auto overlap = std::make_shared<OverlapCommand>();
     CLI::App& command = *app.add_subcommand("overlap", "Find how much closed bodies overlap, and which way out");
     command
-        .add_option("FILE", overlap->files,
-                    "Files whose bodies are one world: the nodes of glTF scenes, the objects of 3MF, and any other "
-                    "mesh (PLY, OBJ, STL, OFF) as one body. - is standard input")
+        .add_option(
+            "FILE", overlap->files,
+            "Files whose bodies are one world: the nodes of glTF scenes, the objects of 3MF, and any other "
+            "mesh (PLY, OBJ, STL, OFF) as one body. A body that is alone is asked for its overlap with itself. - "
+            "is standard input")
         ->type_name("FILE ...")
         ->required()
         ->expected(1, std::numeric_limits<int>::max());
@@ -141,7 +143,8 @@ Command add_overlap(CLI::App& app) {
         "A line tells of two bodies whether they touch, overlap, or which lies inside the other; the volume that both\n"
         "cover; the mean depth, which is that volume over the length of its derivative; and the normal: against it "
         "the\n"
-        "first body leaves fastest. Bodies are closed surfaces, counter-clockwise seen from outside; crumple info "
+        "first body leaves fastest. A body overlaps itself where it covers space twice. Bodies are closed surfaces, "
+        "counter-clockwise seen from outside; crumple info "
         "tells\n"
         "where one is not. STL files and glTF scenes are welded, other files whose faces share no vertices want "
         "--weld.\n\n"
