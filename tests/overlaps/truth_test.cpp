@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -40,6 +41,14 @@ struct Surface {
     std::vector<double> xyz;
     std::vector<std::int32_t> triangles;
 
+    FaceCorners corners(std::size_t face) const {
+        FaceCorners p;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double* const v = xyz.data() + 3 * triangles[3 * face + k];
+            p[k] = {v[0], v[1], v[2]};
+        }
+        return p;
+    }
     MeshView view() const {
         return {xyz.data(), static_cast<std::int64_t>(xyz.size() / 3), triangles.data(),
                 static_cast<std::int64_t>(triangles.size() / 3)};
@@ -174,6 +183,28 @@ TEST(OverlapTruth, SmallCasesHaveTheExactNumbersRoundedOnce) {
     EXPECT_GE(compared, 40);
     EXPECT_GE(gradients, 12);
     EXPECT_LT(rational, 2 * compared / 3) << "words decide all sums of many cases";
+}
+
+TEST(OverlapTruth, FacesCrossAsTheExactSignsOfTheShiftSay) {
+    const Json cases = cases_of("small.json");
+    if (cases.is_null()) GTEST_SKIP() << "the shared data is not here";
+    int compared = 0;
+    for (const Json& c : cases) {
+        if (!c.contains("crossing_pairs") || c.at("B").is_null()) continue;
+        Surface a, b;
+        read(c.at("A"), a);
+        read(c.at("B"), b);
+        std::vector<std::array<int, 2>> found;
+        for (std::size_t f = 0; 3 * f < a.triangles.size(); ++f)
+            for (std::size_t g = 0; 3 * g < b.triangles.size(); ++g)
+                if (decide_crossings(a.corners(f), b.corners(g)).forward.jumps.segment)
+                    found.push_back({static_cast<int>(f), static_cast<int>(g)});
+        auto expected = c.at("crossing_pairs").get<std::vector<std::array<int, 2>>>();
+        std::sort(expected.begin(), expected.end());
+        EXPECT_EQ(found, expected) << c.at("name");
+        ++compared;
+    }
+    EXPECT_GE(compared, 40);
 }
 
 TEST(OverlapTruth, SurfacesOverlapThemselvesByTheExactVolume) {

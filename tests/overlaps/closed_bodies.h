@@ -1,0 +1,113 @@
+#pragma once
+
+// Closed bodies by chance, and where two results about such bodies differ.
+
+#include <array>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "crumple/crumple.h"
+#include "worlds/random_worlds.h"
+
+namespace crumple::test {
+
+/// Closed bodies: each of some tetrahedra and boxes, which may meet, on a grid or not, some of them inside out.
+struct ClosedBodies {
+    std::vector<Soup<double>> soups;
+    std::vector<Shape> shapes;
+    std::vector<Body> bodies;
+    std::vector<Pose> poses;
+
+    World view() const { return {shapes, bodies, poses}; }
+};
+
+inline void add_tetrahedron(Dice& dice, bool grid, double size, Soup<double>& soup) {
+    const auto first = static_cast<std::int32_t>(soup.vertices.size());
+    for (int v = 0; v < 4; ++v) {
+        auto& p = soup.vertices.emplace_back();
+        for (double& x : p) x = grid ? dice.below(5) : dice.between(0, size);
+    }
+    const std::array<std::array<std::int32_t, 3>, 4> faces{{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
+    for (const auto& [a, b, c] : faces) soup.triangles.push_back({first + a, first + b, first + c});
+}
+
+inline void add_box(Dice& dice, bool grid, double size, Soup<double>& soup) {
+    const auto first = static_cast<std::int32_t>(soup.vertices.size());
+    std::array<double, 3> low{}, high{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        low[k] = grid ? dice.below(3) : dice.between(0, size);
+        high[k] = grid ? low[k] + 1 + dice.below(2) : low[k] + dice.between(0, size);
+    }
+    for (int v = 0; v < 8; ++v) {
+        auto& p = soup.vertices.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k) p[k] = v >> k & 1 ? high[k] : low[k];
+    }
+    const std::array<std::array<std::int32_t, 3>, 12> faces{{{0, 2, 1},
+                                                             {1, 2, 3},
+                                                             {4, 5, 6},
+                                                             {5, 7, 6},
+                                                             {0, 1, 4},
+                                                             {1, 5, 4},
+                                                             {2, 6, 3},
+                                                             {3, 6, 7},
+                                                             {0, 4, 2},
+                                                             {2, 4, 6},
+                                                             {1, 3, 5},
+                                                             {3, 7, 5}}};
+    for (const auto& [a, b, c] : faces) soup.triangles.push_back({first + a, first + b, first + c});
+}
+
+inline ClosedBodies closed_bodies(unsigned seed, int bodies, bool grid, bool posed) {
+    Dice dice(seed);
+    ClosedBodies all;
+    all.soups.resize(static_cast<std::size_t>(bodies));
+    for (auto& soup : all.soups)
+        for (int part = 1 + dice.below(2); part > 0; --part)
+            dice.chance(0.5) ? add_box(dice, grid, 2, soup) : add_tetrahedron(dice, grid, 3, soup);
+    if (dice.chance(0.2)) all.soups[1] = all.soups[0];
+    for (int b = 0; b < bodies; ++b) {
+        all.shapes.emplace_back(all.soups[static_cast<std::size_t>(b)].view());
+        all.bodies.push_back({.shape = b, .group = dice.below(2), .self = true});
+        all.poses.push_back(posed ? random_pose(dice, 0.5) : Pose{});
+    }
+    return all;
+}
+
+/// Both as one body.
+inline Soup<double> joined(Soup<double> soup, const Soup<double>& other) {
+    const auto first = static_cast<std::int32_t>(soup.vertices.size());
+    soup.vertices.insert(soup.vertices.end(), other.vertices.begin(), other.vertices.end());
+    for (const auto& [x, y, z] : other.triangles) soup.triangles.push_back({first + x, first + y, first + z});
+    return soup;
+}
+
+/// The first array in which two results differ, by its bytes; empty if none does.
+inline std::string difference(const Overlaps& x, const Overlaps& y) {
+    const auto differ = [](const auto& a, const auto& b) {
+        return a.size() != b.size() || (!a.empty() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) != 0);
+    };
+    if (x.any != y.any) return "any";
+    if (x.count != y.count) return "count";
+    if (differ(x.world_hit, y.world_hit)) return "world_hit";
+    if (differ(x.bodies, y.bodies)) return "bodies";
+    if (differ(x.relation, y.relation)) return "relation";
+    if (differ(x.volume, y.volume)) return "volume";
+    if (differ(x.centroid, y.centroid)) return "centroid";
+    if (differ(x.area_vector, y.area_vector)) return "area_vector";
+    if (differ(x.normal, y.normal)) return "normal";
+    if (differ(x.mean_depth, y.mean_depth)) return "mean_depth";
+    if (differ(x.torque, y.torque)) return "torque";
+    if (differ(x.torque_point, y.torque_point)) return "torque_point";
+    if (differ(x.gradient_offsets, y.gradient_offsets)) return "gradient_offsets";
+    if (differ(x.gradient_vertices, y.gradient_vertices)) return "gradient_vertices";
+    if (differ(x.gradient, y.gradient)) return "gradient";
+    if (differ(x.winding_offsets, y.winding_offsets)) return "winding_offsets";
+    if (differ(x.winding_vertices, y.winding_vertices)) return "winding_vertices";
+    if (differ(x.windings, y.windings)) return "windings";
+    if (differ(x.body_volume, y.body_volume)) return "body_volume";
+    if (differ(x.is_solid, y.is_solid)) return "is_solid";
+    return {};
+}
+
+}  // namespace crumple::test
