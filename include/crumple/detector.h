@@ -31,6 +31,9 @@ concept OneOf = (std::same_as<Query, Of> || ...);
 /// Queries with one row for each pair, which can be cut short, and answered part by part.
 template <class Query>
 concept PairQuery = OneOf<Query, IntersectionQuery, ImpactQuery, ProximityQuery>;
+/// Queries that can be asked whether there is anything.
+template <class Query>
+concept FlagQuery = PairQuery<Query> || OneOf<Query, OverlapQuery>;
 /// Queries whose rows can be delivered in blocks, and left on a device.
 template <class Query>
 concept RowQuery = PairQuery<Query> || OneOf<Query, CandidateQuery>;
@@ -89,10 +92,10 @@ class CRUMPLE_API Detector {
     template <AnyQuery Query = IntersectionQuery>
     bool supports(const Scene& scene, const Query& query = {}) const;
 
-    /// True if there is anything to find: of intersections, impacts and proximities. Stops at the first pair found; the
-    /// cuda backend at those found at the same time. Query::output does not matter, if the query has it. A step is free
-    /// if there is no impact.
-    template <PairQuery Query = IntersectionQuery>
+    /// True if there is anything to find: of intersections, impacts, proximities and overlaps. Stops at the first pair
+    /// found; the cuda backend at those found at the same time. Query::output does not matter, if the query has it. A
+    /// step is free if there is no impact.
+    template <FlagQuery Query = IntersectionQuery>
     bool any(const Scene& scene, const Query& query = {}, std::stop_token stop = {});
 
     /// Calls `take(block)` with one block of the result after another, for results that exceed memory; a block is gone

@@ -210,10 +210,10 @@ class Detector(_core.Detector):
 
     @suggesting
     def any(self, scene: Any, query: Query = _ALL) -> bool:
-        """True if there is anything to find: of intersections, impacts and proximities. Stops at the first pair.
+        """True if there is anything to find: of intersections, impacts, proximities and overlaps.
 
-        A step is free if there is no impact: not detector.any(mesh.moving_to(end), ImpactQuery()). `output` does not
-        matter. Arguments and errors as of find.
+        Stops at the first pair. A step is free if there is no impact: not detector.any(mesh.moving_to(end),
+        ImpactQuery()). `output` does not matter. Arguments and errors as of find.
         """
         scene = scene_of(scene)
         return self._call("any", scene, checked_query(scene, query))

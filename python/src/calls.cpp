@@ -133,6 +133,11 @@ void bind_find(nb::class_<SharedDetector>& detector, const std::string& name) {
 }
 
 template <class Query>
+void bind_any(nb::class_<SharedDetector>& detector, const std::string& name) {
+    detector.def(("_any_" + name).c_str(), any<Query>, "scene"_a, "query"_a, "excluded"_a.none());
+}
+
+template <class Query>
 void bind_stream(nb::class_<SharedDetector>& detector, const std::string& name) {
     detector.def(("_stream_" + name).c_str(), stream<Query>, "scene"_a, "query"_a, "excluded"_a.none(), "take"_a,
                  "block_rows"_a.none());
@@ -142,7 +147,7 @@ template <class Query>
 void bind_pairs(nb::class_<SharedDetector>& detector, const std::string& name) {
     bind_find<Query>(detector, name);
     bind_stream<Query>(detector, name);
-    detector.def(("_any_" + name).c_str(), any<Query>, "scene"_a, "query"_a, "excluded"_a.none());
+    bind_any<Query>(detector, name);
     detector.def(("_partition_" + name).c_str(), partition<Query>, "scene"_a, "query"_a, "excluded"_a.none(),
                  "count"_a.none());
 }
@@ -157,6 +162,7 @@ void bind_calls(nb::class_<SharedDetector>& detector) {
     bind_stream<CandidateQuery>(detector, "candidates");
     bind_find<DistanceQuery>(detector, "distances");
     bind_find<OverlapQuery>(detector, "overlaps");
+    bind_any<OverlapQuery>(detector, "overlaps");
     bind_find<FirstImpactQuery>(detector, "first_impact");
     bind_find<FreeStepQuery>(detector, "free_step");
 }

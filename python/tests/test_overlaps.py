@@ -88,6 +88,8 @@ def test_worlds_have_rows_of_their_own_bodies(detector):
     found = detector.overlaps(world)
     assert found.bodies.tolist() == [[0, 1]] and found.world_hit.tolist() == [True, False]
     assert detector.overlaps(world, output="any").any
+    assert detector.any(world, crumple.OverlapQuery(min_volume=0.5))
+    assert not detector.any(world, crumple.OverlapQuery(min_volume=0.51))
     assert detector.overlaps(world, output="any_by_world").world_hit.tolist() == [True, False]
     assert detector.overlaps(world, output="body_pairs").relation.tolist() == [OverlapRelation.OVERLAPPING]
     assert len(detector.overlaps(world, min_volume=0.5)) == 1

@@ -154,7 +154,7 @@ struct Detector::Implementation : MeshCalls {
         }
         Query whether = query;
         whether.output = Output::any;
-        whether.index = false;
+        if constexpr (PairQuery<Query>) whether.index = false;
         return find(scene, whether, std::move(stop)).any;
     }
 
@@ -237,7 +237,7 @@ template <AnyQuery Query>
 bool Detector::supports(const Scene& scene, const Query&) const {
     return !*implementation_->refusal<Query>(scene);
 }
-template <PairQuery Query>
+template <FlagQuery Query>
 bool Detector::any(const Scene& scene, const Query& query, std::stop_token stop) {
     return implementation_->any(scene, query, std::move(stop));
 }
@@ -286,6 +286,7 @@ CRUMPLE_FIND(OverlapQuery)
 CRUMPLE_FIND(FirstImpactQuery)
 CRUMPLE_FIND(FreeStepQuery)
 CRUMPLE_FOR_EACH_LISTED(CRUMPLE_ANY)
+CRUMPLE_ANY(OverlapQuery)
 CRUMPLE_FOR_EACH_LISTED(CRUMPLE_STREAM)
 CRUMPLE_STREAM(CandidateQuery)
 CRUMPLE_FOR_EACH_LISTED(CRUMPLE_PARTITION)
