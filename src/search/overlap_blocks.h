@@ -40,7 +40,7 @@ inline void fill(const OverlapScene& scene, std::span<const Segment> segments, S
             const FaceCorners &of = face[end.side], &crossed = face[1 - end.side];
             detail::put(of[end.edge], i, block.from[e]);
             detail::put(of[next_corner(end.edge)], i, block.to[e]);
-            block.share[e][i] = end.vertex < 0 ? -1 : end.vertex == end.edge ? 0 : 1;
+            block.share[e][i] = end.vertex < 0 ? -1 : int{end.vertex} == int{end.edge} ? 0 : 1;
             for (std::size_t k = 0; k < 3; ++k) detail::put(crossed[k], i, block.face[e][k]);
             block.of_b[e][i] = end.side;
             block.jump[e][i] = end.edge == 1 ? end.jump : 0;

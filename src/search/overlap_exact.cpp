@@ -15,7 +15,7 @@ struct Unit {
 
     ExactPoint at(const Vec3d& p) const { return {scaled(p, exponent) - scaled(origin, exponent)}; }
     ExactPoint at(const CrossingEdge& edge) const {
-        const ExactPoint from = at(edge.from);
+        ExactPoint from = at(edge.from);
         if (edge.is_vertex()) return from;
         const auto corner = [&](std::size_t k) { return at(edge.face[k]).x; };
         const Vec3<Integer> to = at(edge.to).x, q = corner(0), normal = cross(corner(1) - q, corner(2) - q);
