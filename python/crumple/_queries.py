@@ -281,6 +281,7 @@ class OverlapQuery(Query):
     filter: PairFilter = PairFilter()
 
     _call: ClassVar[str] = "overlaps"
+    _deliveries: ClassVar[frozenset[str]] = frozenset({"find", "supports", "any"})
 
 
 _PLAIN = {query: query() for query in Query.__subclasses__()}
