@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # Tests that take an hour and more, which .ci/run leaves out: all others thoroughly, the kernels' PTX for each generation of
 # devices, paths through the code by clang-tidy's analyzer, then fuzz targets. Prints a table of figures, for docs/fuzzing.md.
-#   scripts/test_long.sh [READS [SEARCHES [WORLDS]]]   how many inputs of each fuzz target; ten, one and one million
+#   scripts/test_long.sh [READS [SEARCHES [WORLDS [OVERLAPS]]]]   how many inputs of each fuzz target; ten, one, one and one million
 set -euo pipefail
 cd "$(dirname "$0")/.."
 reads=${1:-10000000}
 searches=${2:-1000000}
 worlds=${3:-1000000}
+overlaps=${4:-1000000}
 
 row() {
     local log=build-fuzz/$1.log
@@ -54,7 +55,9 @@ run-clang-tidy -quiet -p build-tidy -checks='-*,clang-analyzer-*'
 scripts/fuzz.sh readers -runs="$reads"
 scripts/fuzz.sh search -runs="$searches"
 scripts/fuzz.sh worlds -runs="$worlds"
+scripts/fuzz.sh overlaps -runs="$overlaps"
 printf '\n| target | executions | seconds | edges | corpus: inputs/bytes | memory |\n|---|---|---|---|---|---|\n'
 row readers
 row search
 row worlds
+row overlaps

@@ -1,4 +1,4 @@
-"""Seeds of the fuzz targets `search` and `worlds`: scenes by hand and by chance."""
+"""Seeds of the fuzz targets `search`, `worlds` and `overlaps`: scenes by hand and by chance."""
 
 import random
 
@@ -39,6 +39,15 @@ def search_inputs():
                            choose.randrange(256), bytes(choose.randrange(256) for _ in range(6)),
                            choose.randrange(2), 7 * (choose.random() < 0.2))
             yield scene + bytes(choose.randrange(256) for _ in range(length))
+
+
+def overlap_inputs():
+    """Bytes as overlaps.cpp reads them; what they mean is left to chance but for the options."""
+    choose = random.Random(9)
+    for length in (60, 120, 240):
+        for number in range(60):
+            some = bytes(choose.randrange(256) for _ in range(length))
+            yield bytes(8 if number % 2 else 0) + some
 
 
 def world_inputs():

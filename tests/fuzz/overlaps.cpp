@@ -1,0 +1,144 @@
+// Fuzz target: overlaps of closed bodies. Broken promises besides what the sanitizers see: an answer of the cpu backend
+// that differs in a byte from brute force in rational arithmetic, or an error that the other backend does not give.
+
+#include <sanitizer/asan_interface.h>
+
+#include <string>
+#include <vector>
+
+#include "crumple/crumple.h"
+#include "fuzz/decode.h"
+#include "fuzz/fail.h"
+#include "fuzz/instruction_sets.h"
+#include "fuzz/print.h"
+#include "fuzz/same.h"
+#include "overlaps/closed_bodies.h"
+
+namespace crumple::fuzz {
+namespace {
+
+/// Up to three bodies, and what is asked.
+struct Bodies {
+    Options options;
+    OverlapQuery query;
+    std::vector<Mesh> meshes;
+    std::vector<Pose> poses;
+
+    explicit Bodies(Bytes bytes) {
+        options = fuzz::options(bytes);
+        const int wanted = bytes.next();
+        query.gradient = wanted & 1;
+        query.windings = wanted & 2;
+        query.self_overlaps = wanted & 4;
+        query.weld = wanted & 8;
+        query.open = wanted & 16 ? OpenSurfaces::skip : OpenSurfaces::error;
+        constexpr Output outputs[] = {Output::pairs, Output::pairs, Output::body_pairs, Output::any};
+        query.output = outputs[wanted >> 5 & 3];
+        constexpr double volumes[] = {0, 0, 0, 0x1p-10, 1, 1e300};
+        query.min_volume = bytes.one_of(volumes);
+        constexpr double scales[] = {0.0, 2.0, 1.0 / 3, -1e-3};
+        Kind kind;
+        kind.most = 3;
+        kind.wild = bytes.next() % 8 == 7;
+        const int count = 1 + bytes.below(3);
+        for (int b = 0; b < count; ++b) {
+            kind.single[0] = bytes.flag();
+            meshes.push_back(mesh(bytes, kind, 0));
+            close(bytes, meshes.back());
+            Pose& pose = poses.emplace_back();
+            const int how = bytes.next();
+            if (how & 1)
+                for (std::size_t i = 3; i < 12; i += 4) pose.rows[i] = bytes.below(8) - 4;
+            if (how & 2) pose.rows[0] = -1;
+            if (how & 4) pose.rows[5] = bytes.one_of(scales);
+        }
+    }
+
+   private:
+    /// Makes a tetrahedron, or a membrane of two sides, of each triangle; rarely leaves one as it is.
+    static void close(Bytes& bytes, Mesh& mesh) {
+        const auto open = std::move(mesh.triangles);
+        mesh.triangles.clear();
+        for (const auto& [a, b, c] : open) {
+            mesh.triangles.push_back({a, b, c});
+            const int how = bytes.next();
+            if (how == 255) continue;
+            if (how < 64) {
+                mesh.triangles.push_back({a, c, b});
+                continue;
+            }
+            const std::int64_t d = how % static_cast<int>(mesh.vertices.size());
+            for (const auto& triangle : {std::array{b, a, d}, std::array{c, b, d}, std::array{a, c, d}})
+                mesh.triangles.push_back(triangle);
+        }
+    }
+};
+
+void judge(const Bodies& bodies, Detector& reference) {
+    std::vector<Arrays> arrays;
+    std::vector<Shape> shapes;
+    std::vector<Body> all;
+    arrays.reserve(bodies.meshes.size());
+    for (const Mesh& mesh : bodies.meshes) {
+        arrays.emplace_back(mesh);
+        shapes.emplace_back(arrays.back().view());
+        all.push_back({.shape = static_cast<std::int32_t>(all.size())});
+    }
+    const World world{shapes, all, bodies.poses};
+    const auto ask = [&](Detector& by) {
+        return outcome_of<Overlaps>([&]() -> const Overlaps& { return by.find(world, bodies.query); });
+    };
+    Detector detector(bodies.options);
+    const Outcome<Overlaps> found = ask(detector), expected = ask(reference);
+    const auto *error = std::get_if<Error>(&found), *wanted = std::get_if<Error>(&expected);
+    // A body that can meet none need not be looked at (docs/worlds.md).
+    if (error && !wanted && error->code != ErrorCode::not_finite) fail(std::string("find throws: ") + error->what());
+    if (wanted && !error && wanted->code != ErrorCode::not_finite)
+        fail(std::string("find does not throw: ") + wanted->what());
+    if (error || wanted) return;
+    const std::string different = test::difference(std::get<Overlaps>(found), std::get<Overlaps>(expected));
+    if (!different.empty()) fail(different + " differs");
+}
+
+/// Tells of the bodies that are judged when the process ends: sanitizers and broken promises alike.
+const Bodies* running = nullptr;
+
+void tell() {
+    if (!running) return;
+    std::string code = as_code(running->options);
+    for (std::size_t b = 0; b < running->meshes.size(); ++b) {
+        code += as_code(running->meshes[b], std::to_string(b));
+        for (const double x : running->poses[b].rows) code += " " + std::to_string(x);
+        code += "\n";
+    }
+    std::fprintf(stderr, "\n%s\n", code.c_str());
+    running = nullptr;
+}
+
+}  // namespace
+}  // namespace crumple::fuzz
+
+// Called by UndefinedBehaviorSanitizer before it ends the process.
+extern "C" __attribute__((visibility("default"))) void __ubsan_on_report() { crumple::fuzz::tell(); }
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+    crumple::fuzz::tell_more = crumple::fuzz::tell;
+    __asan_set_error_report_callback([](const char*) { crumple::fuzz::tell(); });
+    return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace crumple;
+    using namespace crumple::fuzz;
+    Bodies bodies{Bytes({data, size})};
+    bodies.options.simd = present(bodies.options.simd);
+    static Detector reference(Options{.backend = Backend::reference});
+    running = &bodies;
+    try {
+        judge(bodies, reference);
+    } catch (const std::exception& error) {
+        fail(std::string("an exception: ") + error.what());
+    }
+    running = nullptr;
+    return 0;
+}
