@@ -3,27 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "cli/choice.h"
 #include "cli/statistics_table.h"
-#include "cli/topology.h"
+#include "cli/terminal.h"
 
 namespace crumple::cli {
 namespace {
 
 constexpr NumberRange any_volume{std::numeric_limits<double>::infinity(), "volume of 0 or more"};
 
-/// Tells which bodies --open skip leaves out.
-void print_open_bodies(const BodyScene& scene) {
-    const io::WorldMesh& mesh = scene.mesh();
-    std::vector<std::uint8_t> is_open;
-    for (const io::TriangleMesh& shape : mesh.shapes) {
-        const EdgeReport edges = report_edges(shape);
-        is_open.push_back(!edges.closed || edges.flipped);
-    }
+/// Tells which bodies have been left out, for they are not closed.
+void print_skipped(const std::set<std::int32_t>& bodies, const BodyScene& scene) {
     std::vector<std::string> names;
-    for (const io::NamedBody& body : mesh.bodies)
-        if (is_open[static_cast<std::size_t>(body.shape)]) names.push_back(quoted_name(body.name));
+    for (const std::int32_t body : bodies) names.push_back(quoted_name(scene.names()[static_cast<std::size_t>(body)]));
     if (names.empty()) return;
     print_note(fmt::format("{} not closed, and left out: {}", names.size() == 1 ? "this body is" : "these bodies are",
                            fmt::join(names, ", ")));
@@ -74,13 +68,14 @@ std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOption
 
 FoundOverlaps find_overlaps(Search& search, const BodyScene& scene, const OverlapOptions& options, Output output) {
     if (scene.names().empty()) refuse("overlaps are those of bodies; " + scene.origins().files + " holds none");
-    if (options.open == OpenSurfaces::skip) print_open_bodies(scene);
     const auto bodies = static_cast<std::int32_t>(scene.names().size());
     const bool has_configurations = !options.bodies.poses.empty();
     FoundOverlaps result;
     result.list.has_configurations = has_configurations;
     result.list.has_numbers = output == Output::pairs;
+    std::set<std::int32_t> skipped;
     const auto take = [&](const Overlaps& found, std::size_t first, std::size_t) {
+        for (const std::int32_t body : found.skipped) skipped.insert(body % bodies);
         result.any = result.any || found.any;
         result.list.add(found, bodies, static_cast<std::int32_t>(first));
         result.has_overlaps.insert(result.has_overlaps.end(), found.world_hit.begin(), found.world_hit.end());
@@ -91,12 +86,14 @@ FoundOverlaps find_overlaps(Search& search, const BodyScene& scene, const Overla
         scene.search_all(
             search, scene.read_poses(options.bodies.poses), false,
             [&](std::size_t count) { return query_of(options, output, scene, count); }, take);
+        print_skipped(skipped, scene);
         return result;
     }
     const io::WorldView view = scene.mesh().view();
     const std::vector<Body> all = scene.bodies(1, false);
     const World world{view.shapes, all, view.poses};
     take(search.find(scene.origins(), -1, world, query_of(options, output, scene, 1)), 0, 1);
+    print_skipped(skipped, scene);
     return result;
 }
 

@@ -21,7 +21,7 @@ struct BodyVertex {
 /// Treatment of a body whose surface is not closed, where its winding numbers are needed.
 enum class OpenSurfaces : std::uint8_t {
     error,  ///< Error (invalid_argument) that names the body, an open edge and a triangle at it
-    skip,   ///< its pairs have no rows
+    skip,   ///< its pairs have no rows, and Overlaps::skipped names it
 };
 
 /// Query for how much closed bodies overlap, where, and which way out (docs/overlap.md). A value: it owns what it
@@ -68,6 +68,9 @@ struct Overlaps {
     std::int64_t count = 0;  ///< rows, where they are listed; else 0
 
     Array<std::uint8_t> world_hit;  ///< one a world: it has a row (not for Output::any)
+    /// For OpenSurfaces::skip: the bodies whose surfaces are not closed, of those that are wanted with a body whose box
+    /// overlaps theirs, ascending.
+    Array<std::int32_t> skipped;
 
     Array<BodyPair> bodies;
     Array<OverlapRelation> relation;

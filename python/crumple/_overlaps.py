@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from ._results import Result, bools, float64, int32, int64, uint8
 
-_FROM = {"world_hit": "any_by_world", "bodies": "body_pairs", "relation": "body_pairs"}
+_FROM = {"skipped": "any", "world_hit": "any_by_world", "bodies": "body_pairs", "relation": "body_pairs"}
 _ORDER = ("any", "any_by_world", "body_pairs", "pairs")
 _OPTION = {
     **dict.fromkeys(("gradient", "gradient_vertices", "gradient_offsets"), "gradient"),
@@ -41,6 +41,10 @@ class Overlaps(Result):
     _query: ClassVar[str] = "OverlapQuery"
 
     world_hit = bools('(worlds,) bool: in which worlds there is a row. From output="any_by_world" on.')
+    skipped = int32(
+        '(s,) int32: with open="skip" the bodies that are not closed, of those that are wanted with a body whose box '
+        "overlaps theirs."
+    )
     bodies = int32("(k, 2) int32: the two bodies, the lower one first.", (2,))
     relation = uint8("(k,) uint8: an OverlapRelation each.")
     volume = float64("(k,) float64: the volume of the overlap, in the units of the world, cubed.")

@@ -233,6 +233,7 @@ class _CheckOverlaps(_Check):
         itself = has("self_overlaps") or of_mesh
         self._that((0 <= first).all() and (first <= second if itself else first < second).all(), "bodies")
         self._that((np.diff(first << 32 | second) > 0).all(), "bodies")
+        self._that((found.skipped >= 0).all() and (np.diff(found.skipped) > 0).all(), "skipped")
         self._that((found.relation < 5).all(), "relation")
         for option, offsets, vertices, values in (
             ("gradient", found.gradient_offsets, found.gradient_vertices, found.gradient),

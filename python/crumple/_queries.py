@@ -260,7 +260,8 @@ class OverlapQuery(Query):
         output: "any": whether any two bodies overlap; "any_by_world": in which worlds; "body_pairs": which bodies, and
             their relation; "pairs": all numbers.
         min_volume: only pairs of bodies whose overlap has at least this volume, in magnitude, as it is rounded.
-        open: a body whose surface is not closed is an "error", which names an edge, or its pairs have no rows ("skip").
+        open: a body whose surface is not closed is an "error", which names an edge, or its pairs have no rows and
+            Overlaps.skipped names it ("skip").
         weld: vertices of a shape at equal positions are one, which closes seams, as of STL files.
         self_overlaps: also the overlap of each body with itself, whatever its self_collisions: rows (i, i), volumes of
             bodies, and whether they are solids. Always of a scene that is one mesh.

@@ -236,6 +236,8 @@ void bind_overlaps(nb::module_& module) {
         "world_hit", [](const R& r) -> auto& { return r.world_hit; });
     result.array<std::int32_t>(
         "bodies", [](const R& r) -> auto& { return r.bodies; }, 2U);
+    result.array<std::int32_t>(
+        "skipped", [](const R& r) -> auto& { return r.skipped; });
     result.array<std::uint8_t>(
         "relation", [](const R& r) -> auto& { return r.relation; });
     const auto numbers = [&](const char* name, auto member, auto... columns) {

@@ -101,7 +101,10 @@ def test_open_surfaces_are_named_or_skipped(detector):
     opened = crumple.Mesh(CORNERS, FACES[1:])
     with pytest.raises(crumple.InvalidInput, match="body 1: its surface is not closed: 3 edges .* of triangle "):
         detector.overlaps(UNIT, opened)
-    assert len(detector.overlaps(UNIT, opened, open="skip")) == 0
+    skipped = detector.overlaps(crumple.World([UNIT, opened, box([9, 9, 9]), opened, UNIT]), open="skip")
+    assert skipped.skipped.tolist() == [1, 3] and skipped.bodies.tolist() == [[0, 4]]
+    assert pickle.loads(pickle.dumps(skipped)).skipped.tolist() == [1, 3]
+    assert detector.overlaps(UNIT, UNIT, open="skip").skipped.tolist() == []
     soup = crumple.Mesh(CORNERS[FACES].reshape(-1, 3), np.arange(36).reshape(-1, 3))
     with pytest.raises(crumple.InvalidInput, match="OverlapQuery::weld closes seams"):
         detector.overlaps(UNIT, soup)

@@ -1,5 +1,6 @@
 #include "results/overlap_output.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -9,6 +10,7 @@ namespace {
 template <class Act>
 void for_each_array(Overlaps& mine, Overlaps& theirs, Act act) {
     act(mine.world_hit, theirs.world_hit);
+    act(mine.skipped, theirs.skipped);
     act(mine.bodies, theirs.bodies);
     act(mine.relation, theirs.relation);
     act(mine.volume, theirs.volume);
@@ -86,6 +88,12 @@ void add_body(std::int32_t body, const OverlapRow& row, Overlaps& result) {
     if (result.body_volume.empty()) return;
     result.body_volume[body] = row.body_volume;
     result.is_solid[body] = row.numbers.volume.scaled.mantissa == 0;
+}
+
+void add_skipped(std::vector<std::int32_t> bodies, Overlaps& result) {
+    std::sort(bodies.begin(), bodies.end());
+    bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+    for (const std::int32_t body : bodies) result.skipped.push_back(body);
 }
 
 void add_row(const OverlapQuery& query, const BodyPair& bodies, std::int32_t world, const OverlapRow& row,

@@ -44,6 +44,9 @@ void begin(const OverlapQuery& query, std::int32_t worlds, std::int32_t bodies, 
 /// Adds what the row of a body with itself says of that body.
 void add_body(std::int32_t body, const OverlapRow& row, Overlaps& result);
 
+/// Tells which bodies have been left out, named any number of times.
+void add_skipped(std::vector<std::int32_t> bodies, Overlaps& result);
+
 /// Adds a row, as far as the query's output has it. `world`: that of the row, or −1.
 void add_row(const OverlapQuery& query, const BodyPair& bodies, std::int32_t world, const OverlapRow& row,
              Overlaps& result);

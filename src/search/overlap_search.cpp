@@ -90,7 +90,7 @@ void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World&
     rules_.prepare(query.filter);
     begin(query, outline_.worlds(), outline_.bodies(), result);
     read_surfaces(backend);
-    list_candidates();
+    add_skipped(list_candidates(), result);
     // Where nothing but flags is wanted, surfaces that meet decide most of it, and the search for them ends early.
     const bool by_meeting = is_flag(query.output) && query.min_volume == 0 && !query.self_overlaps && none_is_open_;
     if (!by_meeting && is_one_pair_at_rest()) {
@@ -197,8 +197,8 @@ void OverlapSearch::sort_pairs() {
     }
 }
 
-// Lists the pairs of bodies whose boxes overlap, of closed surfaces.
-void OverlapSearch::list_candidates() {
+// Lists the pairs of bodies whose boxes overlap, of closed surfaces. Returns the other bodies of such pairs.
+std::vector<std::int32_t> OverlapSearch::list_candidates() {
     candidates_.clear();
     near_.prepare(outline_,
                   [&](std::int32_t b) { return surface(b).empty ? no_bounds : outline_.placement(b)(surface(b).box); });
@@ -220,10 +220,15 @@ void OverlapSearch::list_candidates() {
         check_closed(candidate.bodies.first);
         check_closed(candidate.bodies.second);
     }
-    const std::size_t erased = std::erase_if(candidates_, [&](const Candidate& candidate) {
-        return !surface(candidate.bodies.first).closed.closed() || !surface(candidate.bodies.second).closed.closed();
+    std::vector<std::int32_t> open;
+    std::erase_if(candidates_, [&](const Candidate& candidate) {
+        const std::size_t before = open.size();
+        for (const std::int32_t body : {candidate.bodies.first, candidate.bodies.second})
+            if (!surface(body).closed.closed()) open.push_back(body);
+        return open.size() != before;
     });
-    none_is_open_ = erased == 0;
+    none_is_open_ = open.empty();
+    return open;
 }
 
 void OverlapSearch::check_closed(std::int32_t body) const {

@@ -49,7 +49,7 @@ class OverlapSearch {
     };
 
     void read_surfaces(BackendBase& backend);
-    void list_candidates();
+    std::vector<std::int32_t> list_candidates();
     bool is_one_pair_at_rest() const;
     void find_pairs_of_two(BackendBase& backend);
     void take_flags(Overlaps& result);

@@ -90,6 +90,7 @@ inline std::string difference(const Overlaps& x, const Overlaps& y) {
     if (x.any != y.any) return "any";
     if (x.count != y.count) return "count";
     if (differ(x.world_hit, y.world_hit)) return "world_hit";
+    if (differ(x.skipped, y.skipped)) return "skipped";
     if (differ(x.bodies, y.bodies)) return "bodies";
     if (differ(x.relation, y.relation)) return "relation";
     if (differ(x.volume, y.volume)) return "volume";

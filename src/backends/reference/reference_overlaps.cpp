@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "exact/intersection/rational_intersection.h"
@@ -312,6 +313,7 @@ void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query,
     std::vector<PosedBody> bodies;
     bodies.reserve(static_cast<std::size_t>(outline.bodies()));
     for (std::int32_t b = 0; b < outline.bodies(); ++b) bodies.push_back(posed_body(outline, b, query.weld));
+    std::vector<std::int32_t> skipped;
     for (std::int32_t a = 0; a < outline.bodies(); ++a) {
         for (std::int32_t b = query.self_overlaps ? a : a + 1; b < outline.bodies(); ++b) {
             const Body &one = outline.body(a), &other = outline.body(b);
@@ -326,6 +328,7 @@ void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query,
                 if (query.open == OpenSurfaces::error)
                     fail_open_surface(index, body->open.size(), body->open.begin()->second);
                 open = true;
+                skipped.push_back(index);
             }
             if (open) continue;
             const auto orientation = [&](std::int32_t body) {
@@ -340,6 +343,7 @@ void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query,
                 add_row(query, {a, b}, one.world, row, result);
         }
     }
+    add_skipped(std::move(skipped), result);
     result.count = static_cast<std::int64_t>(result.bodies.size());
 }
 
