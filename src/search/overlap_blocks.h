@@ -6,7 +6,7 @@
 #include <span>
 
 #include "backends/overlap_kernels.h"
-#include "search/overlap_points.h"
+#include "search/overlap_scene.h"
 
 namespace crumple {
 

@@ -8,7 +8,7 @@
 
 #include "exact/overlap/overlap_totals.h"
 #include "exact/overlap/rational_sum.h"
-#include "search/overlap_points.h"
+#include "search/overlap_scene.h"
 
 namespace crumple {
 

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <map>
 
+#include "exact/overlap/quick_crossing.h"
+#include "exact/overlap/rational_crossing.h"
+#include "search/overlap_enclosed.h"
 #include "search/overlap_row.h"
 
 namespace crumple {

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "search/overlap_blocks.h"
+#include "search/overlap_enclosed.h"
 #include "search/overlap_exact.h"
 
 namespace crumple {
@@ -138,18 +139,26 @@ void OverlapSums::add_exact(VolumeTotals<RationalSum>& totals) {
     const ExactTerms exact(scene);
     for (std::size_t side = 0; side < 2; ++side)
         for_chunks(faces[side].size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<RationalSum>& to) {
-            for (std::size_t i = begin; i < end; ++i)
+            for (std::size_t i = begin; i < end; ++i) {
+                cancellation_.check();
                 exact.add_face(scene.corners(side, faces[side][i].face), faces[side][i].times, to);
+            }
         });
     for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<RationalSum>& to) {
-        for (std::size_t i = begin; i < end; ++i) exact.add(segments[i], to);
+        for (std::size_t i = begin; i < end; ++i) {
+            cancellation_.check();
+            exact.add(segments[i], to);
+        }
     });
 }
 
 void OverlapSums::add_exact(CurveTotals<RationalSum>& totals) {
     const ExactTerms exact(scene);
     for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, CurveTotals<RationalSum>& to) {
-        for (std::size_t i = begin; i < end; ++i) exact.add(segments[i], to);
+        for (std::size_t i = begin; i < end; ++i) {
+            cancellation_.check();
+            exact.add(segments[i], to);
+        }
     });
 }
 

@@ -19,7 +19,7 @@
 #include "exact/overlap/fixed_sum.h"
 #include "exact/overlap/overlap_totals.h"
 #include "exact/overlap/rational_sum.h"
-#include "search/overlap_points.h"
+#include "search/overlap_scene.h"
 
 namespace crumple {
 

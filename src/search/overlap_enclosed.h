@@ -1,49 +1,15 @@
 #pragma once
 
-// What sums over an overlap are made of, and their terms in double words with bounds. Host only.
+// The terms of the sums over an overlap in double words with bounds (exact/overlap/pair_terms.h). Host only.
 
-#include <algorithm>
 #include <array>
 
+#include "exact/overlap/enclosed.h"
 #include "exact/overlap/pair_terms.h"
-#include "exact/overlap/quick_crossing.h"
 #include "exact/overlap/rational_crossing.h"
-#include "exact/overlap/segment.h"
-#include "search/overlap_windings.h"
+#include "search/overlap_scene.h"
 
 namespace crumple {
-
-/// Two bodies, and the origin of the sums over their overlap.
-struct OverlapScene {
-    std::array<const PlacedSurface*, 2> surface{};
-    Vec3d origin;
-
-    bool in_range() const { return surface[0]->in_range && surface[1]->in_range; }
-    FaceCorners corners(std::size_t side, std::int32_t face) const { return surface[side]->corners(face); }
-    FaceCorners corners_a(const Segment& s) const { return corners(0, s.a); }
-    FaceCorners corners_b(const Segment& s) const { return corners(1, s.b); }
-};
-
-/// A face that counts some times.
-struct CountedFace {
-    std::int32_t face, times;
-};
-
-/// The edge at whose point a segment ends, and the face that it crosses.
-struct CrossingEdge {
-    Vec3d from, to;
-    FaceCorners face;
-
-    CrossingEdge(const OverlapScene& scene, const Segment& segment, const SegmentEnd& end) {
-        const FaceCorners a = scene.corners_a(segment), b = scene.corners_b(segment);
-        const FaceCorners& of = end.side ? b : a;
-        face = end.side ? a : b;
-        from = of[end.edge];
-        to = of[next_corner(end.edge)];
-        if (end.vertex >= 0) from = to = of[static_cast<std::size_t>(end.vertex)];
-    }
-    bool is_vertex() const { return from == to; }
-};
 
 /// The number nearest to a rational one in double words, with its bound.
 inline Enclosed enclosed(const Rational& x) {

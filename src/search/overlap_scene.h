@@ -1,0 +1,44 @@
+#pragma once
+
+// What sums over an overlap are made of: two bodies, faces that count, segments in which faces cross. Host only.
+
+#include <array>
+
+#include "exact/overlap/segment.h"
+#include "search/overlap_windings.h"
+
+namespace crumple {
+
+/// Two bodies, and the origin of the sums over their overlap.
+struct OverlapScene {
+    std::array<const PlacedSurface*, 2> surface{};
+    Vec3d origin;
+
+    bool in_range() const { return surface[0]->in_range && surface[1]->in_range; }
+    FaceCorners corners(std::size_t side, std::int32_t face) const { return surface[side]->corners(face); }
+    FaceCorners corners_a(const Segment& s) const { return corners(0, s.a); }
+    FaceCorners corners_b(const Segment& s) const { return corners(1, s.b); }
+};
+
+/// A face that counts some times.
+struct CountedFace {
+    std::int32_t face, times;
+};
+
+/// The edge at whose point a segment ends, and the face that it crosses.
+struct CrossingEdge {
+    Vec3d from, to;
+    FaceCorners face;
+
+    CrossingEdge(const OverlapScene& scene, const Segment& segment, const SegmentEnd& end) {
+        const FaceCorners a = scene.corners_a(segment), b = scene.corners_b(segment);
+        const FaceCorners& of = end.side ? b : a;
+        face = end.side ? a : b;
+        from = of[end.edge];
+        to = of[next_corner(end.edge)];
+        if (end.vertex >= 0) from = to = of[static_cast<std::size_t>(end.vertex)];
+    }
+    bool is_vertex() const { return from == to; }
+};
+
+}  // namespace crumple
