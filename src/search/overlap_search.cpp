@@ -103,6 +103,7 @@ void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World&
         by_meeting ? take_flags(result) : sort_pairs();
     }
     result.statistics = found_.statistics;
+    result.statistics.triangles = outline_.triangles();
     find_rows(backend, result);
     result.count = static_cast<std::int64_t>(result.bodies.size());
 }

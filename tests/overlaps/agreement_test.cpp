@@ -58,6 +58,17 @@ TEST_P(OverlapAgreement, of_worlds_and_less_output) {
         for (const double least : {0.0, 0.5, 100.0}) compare(bodies.view(), {.output = output, .min_volume = least});
 }
 
+TEST_P(OverlapAgreement, of_bodies_of_which_one_is_open) {
+    for (unsigned seed = 200; seed < 210; ++seed) {
+        SCOPED_TRACE(seed);
+        ClosedBodies bodies = closed_bodies(seed, 4, true, false);
+        bodies.soups[1].triangles.pop_back();
+        bodies.shapes[1] = Shape(bodies.soups[1].view());
+        for (const Output output : {Output::any, Output::any_by_world, Output::pairs})
+            compare(bodies.view(), {.output = output, .open = OpenSurfaces::skip, .self_overlaps = seed % 2 == 0});
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, OverlapAgreement,
                          testing::Values(Setting{1, Simd::automatic}, Setting{3, Simd::automatic},
                                          Setting{1, Simd::scalar}));

@@ -157,6 +157,7 @@ TEST_F(OverlapByName, a_body_of_two_copies_counts_twice) {
 TEST_F(OverlapByName, a_box_that_touches_another_from_inside) {
     const Overlaps& found = find({box({0, 0, 0}, {1, 1, 1}), box({0, 0, 0}, {4, 4, 4})});
     expect_row(found, 0, OverlapRelation::first_inside, 1, {0.5, 0.5, 0.5});
+    EXPECT_EQ(found.statistics.triangles, 24);
 }
 
 TEST_F(OverlapByName, two_tents_that_share_a_ridge) {
