@@ -213,9 +213,15 @@ std::vector<std::int32_t> OverlapSearch::list_candidates() {
             return true;
         });
     for (std::int32_t b = 0; b < outline_.bodies(); ++b)
-        if (rules_.within(b, query_.self_overlaps) && !surface(b).empty) add(b, b);
+        if (rules_.within(b, query_.self_overlaps)) add(b, b);
     std::sort(candidates_.begin(), candidates_.end(),
               [](const Candidate& x, const Candidate& y) { return x.bodies < y.bodies; });
+    // Boxes of poses are a little too large: who is asked for a closed surface is told by those of the vertices.
+    std::erase_if(candidates_, [&](const Candidate& candidate) {
+        const auto [a, b] = candidate.bodies;
+        const bool open = !surface(a).closed.closed() || !surface(b).closed.closed();
+        return open && a != b && !overlap(box_of_vertices(a), box_of_vertices(b));
+    });
     for (const Candidate& candidate : candidates_) {
         if (query_.open == OpenSurfaces::skip) continue;
         check_closed(candidate.bodies.first);
@@ -230,6 +236,11 @@ std::vector<std::int32_t> OverlapSearch::list_candidates() {
     });
     none_is_open_ = open.empty();
     return open;
+}
+
+Bounds OverlapSearch::box_of_vertices(std::int32_t body) const {
+    std::vector<Vec3d> points;
+    return place(body, points).box;
 }
 
 void OverlapSearch::check_closed(std::int32_t body) const {

@@ -55,6 +55,7 @@ class OverlapSearch {
     void take_flags(Overlaps& result);
     void sort_pairs();
     void find_rows(BackendBase& backend, Overlaps& result);
+    Bounds box_of_vertices(std::int32_t body) const;
     void check_closed(std::int32_t body) const;
     /// Returns −1 if the pose of a body turns it inside out: its faces are meant to be reversed then.
     int orientation(std::int32_t body) const { return orientation_of(outline_.placement(body)) < 0 ? -1 : 1; }

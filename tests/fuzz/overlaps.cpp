@@ -105,7 +105,12 @@ const Bodies* running = nullptr;
 
 void tell() {
     if (!running) return;
-    std::string code = as_code(running->options);
+    const OverlapQuery& query = running->query;
+    std::string code = as_code(running->options) + "output " + std::to_string(static_cast<int>(query.output)) +
+                       ", min_volume " + std::to_string(query.min_volume) + ", open " +
+                       std::to_string(static_cast<int>(query.open)) + ", weld " + std::to_string(query.weld) +
+                       ", self_overlaps " + std::to_string(query.self_overlaps) + ", gradient " +
+                       std::to_string(query.gradient) + ", windings " + std::to_string(query.windings) + "\n";
     for (std::size_t b = 0; b < running->meshes.size(); ++b) {
         code += as_code(running->meshes[b], std::to_string(b));
         for (const double x : running->poses[b].rows) code += " " + std::to_string(x);

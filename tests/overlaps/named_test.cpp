@@ -160,6 +160,15 @@ TEST_F(OverlapByName, a_box_that_touches_another_from_inside) {
     EXPECT_EQ(found.statistics.triangles, 24);
 }
 
+TEST_F(OverlapByName, a_body_of_vertices_alone_is_a_solid_of_volume_0) {
+    Soup vertices = box({0, 0, 0}, {1, 1, 1});
+    vertices.triangles.clear();
+    EXPECT_EQ(find({vertices, box({0, 0, 0}, {1, 1, 1})}).count, 0);
+    const Overlaps& alone = find_with_itself(vertices);
+    EXPECT_EQ(alone.body_volume[0], 0);
+    EXPECT_EQ(alone.is_solid[0], 1);
+}
+
 TEST_F(OverlapByName, two_tents_that_share_a_ridge) {
     const Overlaps& found = find({tent(12, -1), tent(12, 1)});
     ASSERT_EQ(found.count, 1);

@@ -83,6 +83,7 @@ PosedBody posed_body(const WorldOutline& outline, std::int32_t b, bool weld) {
             }
         }
     });
+    if (body.face.empty()) body.box = no_bounds;  // its vertices are nothing
     find_open_edges(given, weld, body);
     return body;
 }
@@ -159,7 +160,8 @@ class BruteForceOverlap {
             for (std::size_t g = 0; g < other.face.size(); ++g)
                 winding += winding_along_ray(scaled(p, exponent_), in_units(other.corners(g), exponent_), shift);
             weights[f].fill(Rational(winding));
-            enclosed |= winding != 0;
+            const std::int32_t vertex = of.name[static_cast<std::size_t>(of.face[f][0])];
+            enclosed |= winding != 0 && of.used.contains(vertex);  // a lone point is no component
         }
         return weights;
     }
@@ -321,7 +323,7 @@ void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query,
             if (!(a == b ? rules.within(a, query.self_overlaps) : rules.between(a, b))) continue;
             if (!rules.groups(one.group, other.group)) continue;
             const PosedBody &p = bodies[static_cast<std::size_t>(a)], &q = bodies[static_cast<std::size_t>(b)];
-            if (!overlap(p.box, q.box)) continue;
+            if (a != b && !overlap(p.box, q.box)) continue;
             bool open = false;
             for (const auto& [body, index] : {std::pair(&p, a), std::pair(&q, b)}) {
                 if (body->open.empty()) continue;

@@ -95,12 +95,12 @@ OverlapNumbers finish(Sums& sums, const Vec3d& origin, bool self) {
         for (std::size_t k = 0; k < 3; ++k) {
             const auto moment = [&](const auto& totals) {
                 auto sum = totals.moment[k];
-                sum.add_product(totals.volume, 4 * origin[static_cast<int>(k)]);
+                for (int times = 0; times < 4; ++times) sum.add_product(totals.volume, origin[static_cast<int>(k)]);
                 return sum;
             };
             numbers.centroid[static_cast<int>(k)] = (sums.volume(moment, 24).scaled / volume.scaled).value();
         }
-        numbers.point = numbers.centroid;
+        if (all_finite(numbers.centroid)) numbers.point = numbers.centroid;
     }
 
     std::array<RoundedSum, 3> area, torque;
@@ -112,7 +112,8 @@ OverlapNumbers finish(Sums& sums, const Vec3d& origin, bool self) {
             // 3 (O − c) × (4 S), the difference in two parts
             const auto add = [&](std::size_t axis, std::size_t of_area, double sign) {
                 const int i = static_cast<int>(axis);
-                const TwoTerms away = two_sum(origin[i], -numbers.point[i]);
+                TwoTerms away = two_sum(origin[i], -numbers.point[i]);
+                if (!std::isfinite(away.high)) away = {origin[i], -numbers.point[i]};
                 for (const double part : {away.high, away.low})
                     for (int times = 0; times < 3; ++times) sum.add_product(totals.area[of_area], sign * part);
             };
