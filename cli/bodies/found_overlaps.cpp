@@ -17,6 +17,7 @@ constexpr NumberRange any_volume{std::numeric_limits<double>::infinity(), "volum
 /// Tells which bodies have been left out, for they are not closed.
 void print_skipped(const std::set<std::int32_t>& bodies, const BodyScene& scene) {
     std::vector<std::string> names;
+    names.reserve(bodies.size());
     for (const std::int32_t body : bodies) names.push_back(quoted_name(scene.names()[static_cast<std::size_t>(body)]));
     if (names.empty()) return;
     print_note(fmt::format("{} not closed, and left out: {}", names.size() == 1 ? "this body is" : "these bodies are",
