@@ -37,7 +37,7 @@ OverlapQuery query_of(const OverlapOptions& options, Output output, const BodySc
 /// "a and b touch", with the names in place of the braces.
 constexpr std::array<const char*, 5> sentences{"{} and {} touch", "{} and {} overlap", "{} lies inside {}",
                                                "{1} lies inside {0}", "{} and {} fill the same space"};
-/// What rows of each relation are counted as.
+/// The count, of `kind_words`, that a row of each relation belongs to.
 constexpr std::array<std::size_t, 5> kinds{0, 1, 2, 2, 3};
 constexpr std::array<const char*, 4> kind_words{"touching", "overlapping", "nested", "equal"};
 

@@ -135,7 +135,7 @@ std::vector<VertexVector> OverlapOfBodies::gradient(std::size_t side) {
     return found;
 }
 
-// Of vertices, in their order.
+// Returns the derivatives by vertices, which come in their order.
 std::vector<VertexVector> OverlapOfBodies::rational_gradient(std::size_t side,
                                                              const std::vector<std::int32_t>& vertices) {
     was_exact_ = true;

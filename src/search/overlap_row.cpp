@@ -11,7 +11,7 @@
 namespace crumple {
 namespace {
 
-/// What some pairs of triangles make.
+/// Steps and segments that some pairs of triangles make.
 struct CrossedPairs {
     std::array<std::array<WindingSteps, 2>, 2> steps;  ///< by shift and side
     std::vector<Segment> segments;

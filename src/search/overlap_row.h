@@ -46,7 +46,7 @@ class OverlapOfBodies {
     OverlapRow find_self(const PlacedSurface& body, std::span<const Pair> pairs, const Vec3d& origin,
                          const Request& request);
 
-    /// Whether some number needed rational arithmetic.
+    /// Returns true if some number needed rational arithmetic.
     bool was_exact() const { return was_exact_ || sums_.was_exact(); }
 
    private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// What sums over an overlap are made of: two bodies, faces that count, segments in which faces cross. Host only.
+// The input of sums over an overlap: two bodies, faces that count, segments in which faces cross. Host only.
 
 #include <array>
 

@@ -28,7 +28,7 @@ class OverlapSums {
     OverlapSums(ParallelFor& workers, const OverlapKernels* kernels, Cancellation& cancellation)
         : workers_(workers), kernels_(kernels), cancellation_(cancellation) {}
 
-    // What is summed, which stays as it is once a sum has been asked for:
+    // The terms, which stay as they are once a sum has been asked for:
     OverlapScene scene;
     std::vector<Segment> segments;
     std::array<std::vector<CountedFace>, 2> faces;  ///< of a and b

@@ -103,7 +103,7 @@ class Overlap : public Cli {
         EXPECT_TRUE(is_error_line(outcome.err)) << arguments << ": " << outcome.err;
         EXPECT_TRUE(contains(outcome.err, reason)) << arguments << ": " << outcome.err;
     }
-    /// What verify says of a list of overlaps of `low` and `high`.
+    /// Runs verify on a list of overlaps of `low` and `high`.
     Outcome verify(const std::string& rows, const std::string& options = "") const {
         write("list.csv", rows);
         return crumple("verify --overlaps low.off high.off list.csv " + options);

@@ -1,5 +1,5 @@
-// What overlaps keep when bodies are exchanged, turned, mirrored, scaled, moved, reversed, joined or subdivided, and
-// what derivatives of volumes add up to.
+// Invariants of overlaps when bodies are exchanged, turned, mirrored, scaled, moved, reversed, joined or subdivided,
+// and what derivatives of volumes add up to.
 
 #include <gtest/gtest.h>
 

@@ -137,7 +137,7 @@ class BruteForceOverlap {
         return row;
     }
 
-    // What finish() asks for.
+    // The sums that finish() asks for.
     template <class Combine>
     RoundedSum volume(Combine combine, int divisor) const {
         return combine(volume_totals_).rounded_quotient(divisor, cancellation_);

@@ -27,7 +27,7 @@ struct VolumeTotals {
         for (std::size_t k = 0; k < 3; ++k) moment[k].add(other.moment[k]);
     }
 };
-/// Of both shifts.
+/// Sums over the segments of both shifts.
 template <class Sum>
 struct CurveTotals {
     std::array<Sum, 3> area;    ///< 4 S

@@ -64,7 +64,7 @@ struct OverlapList {
     void add(const Overlaps& overlaps, std::int32_t bodies, std::int32_t first_configuration);
 };
 
-/// What files say of the bodies.
+/// Properties of bodies that files state.
 struct OverlapBodies {
     std::span<const std::string> names;
     Unit unit = Unit::unknown;

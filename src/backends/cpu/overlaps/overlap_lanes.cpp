@@ -125,7 +125,7 @@ HWY_INLINE End end_of(const SegmentBlock& block, const Vec3d& origin, int e, int
     V error = hn::MulAdd(hn::Div(distance_error, least), set(2.1), set(20 * uu));
     End end;
     end.certain = hn::Or(at_vertex, hn::And(hn::Gt(least, hn::Zero(D())), hn::Le(error, set(largest_share_error))));
-    // What is not computed, or uncertain, may be NaN.
+    // Shares that are not computed, or uncertain, may be NaN.
     const auto computed = hn::AndNot(at_vertex, end.certain);
     const Word share{hn::IfThenElse(computed, quotient.high, hn::Max(known, hn::Zero(D()))),
                      hn::IfThenElseZero(computed, quotient.low)};

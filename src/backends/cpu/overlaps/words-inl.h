@@ -90,7 +90,7 @@ HWY_INLINE Sizes operator*(double s, const Sizes& p) { return set(s) * p; }
 HWY_INLINE V dot(const Sizes& p, const Sizes& q) {
     return hn::MulAdd(p.x, q.x, hn::MulAdd(p.y, q.y, hn::Mul(p.z, q.z)));
 }
-/// What no cross product of vectors of these magnitudes exceeds, term by term.
+/// An upper bound of each cross product of vectors of these magnitudes, term by term.
 HWY_INLINE Sizes cross(const Sizes& p, const Sizes& q) {
     return {hn::MulAdd(p.y, q.z, hn::Mul(p.z, q.y)), hn::MulAdd(p.z, q.x, hn::Mul(p.x, q.z)),
             hn::MulAdd(p.x, q.y, hn::Mul(p.y, q.x))};
