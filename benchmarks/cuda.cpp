@@ -257,6 +257,7 @@ void play(const Settings& settings) {
         detector.find(simulation.view());
         check(cudaProfilerStop());
     }
+    for (const std::string& step : settings.steps) play_step(step, settings.options(), settings.frames);
 }
 
 template <class T>
@@ -392,7 +393,7 @@ int main(int argc, char** argv) {
     app.add_option("--json", settings.json, "File to write the figures to");
     app.add_option("--commit", settings.commit, "What the figures say they were made from");
     app.add_flag("--profile", settings.profile,
-                 "Only play the scenes' frames, for a profiler, whose range is the last one");
+                 "Only play the frames of scenes and steps, for a profiler, whose range is the last one of each");
     app.add_flag("--serve", settings.serving, "Take turns with another process (requests.h)")->needs("--scene");
     CLI11_PARSE(app, argc, argv);
     try {

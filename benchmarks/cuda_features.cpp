@@ -1,5 +1,7 @@
 #include "cuda_features.h"
 
+#include <cuda_profiler_api.h>
+
 #include <algorithm>
 #include <array>
 #include <type_traits>
@@ -140,6 +142,22 @@ void measure_step(const std::string& name, const Options& options, int frames, T
     measure("first impact", moving, moving_here, earliest);
     measure("near", there.view(), here, near);
     measure("candidates", moving, moving_here, CandidateQuery());
+}
+
+void play_step(const std::string& name, const Options& options, int frames) {
+    const Step step = load_step(name);
+    const StepThere there(step);
+    const MeshView moving = there.view().moving_to(there.end());
+    const auto play = [&](const Scene& scene, const auto& query) {
+        Detector detector(options);
+        for (int i = 1; i < frames; ++i) detector.launch(scene, query).wait();
+        check(cudaProfilerStart());
+        detector.launch(scene, query).wait();
+        check(cudaProfilerStop());
+    };
+    play(moving, ImpactQuery());
+    play(there.view(), ProximityQuery{.radius = step.radius});
+    play(moving, CandidateQuery());
 }
 
 }  // namespace crumple::benchmark

@@ -17,4 +17,8 @@ Table table_of_steps();
 /// compared (comparison.h). Adds rows to the table, and gives each row of figures to `add` when it is known.
 void measure_step(const std::string& name, const Options& options, int frames, Table& table, const RowSink& add);
 
+/// Plays `frames` launches of impacts, of what is near and of candidates, for a profiler, which is told to look at the
+/// last one of each.
+void play_step(const std::string& name, const Options& options, int frames);
+
 }  // namespace crumple::benchmark

@@ -137,7 +137,7 @@ run_rival() {
 profile() {  # OPTIONS of ncu
     need ncu
     ncu --print-kernel-base function --profile-from-start off --cache-control none --clock-control none "$@" \
-        "$bin/crumple_cuda_benchmark" --profile --frames 8 --scene "$scene"
+        "$bin/crumple_cuda_benchmark" --profile --frames 8 --scene "$scene" --step none
 }
 profile_kernels() {
     local metrics=gpu__time_duration.sum,launch__registers_per_thread,launch__grid_size,launch__block_size
