@@ -73,8 +73,9 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
 
     // Prefix sums; buckets filled, and put in order, the long ones by a kernel of
     // their own.
-    at(Stage::output) = {n * 2 * offset + pairs * (size<cuda::Hit> + index) + first_triangles * offset + n +
-                             (n + 1) * offset + pairs * (index + size<Pair>)+2 * n,
+    at(Stage::output) = {n * 2 * offset +
+                             pairs * (size<cuda::Hit> + size<cuda::BucketedPair>)+first_triangles * offset + n +
+                             (n + 1) * offset + pairs * (size<cuda::BucketedPair> + size<Pair>)+2 * n,
                          4};
 
     work.frame = {(n + 1) * offset, 1};  // all that is to be cleared

@@ -17,17 +17,17 @@ STACK = {"exact_kernel": 8192, "contact_kernel": 8192, "close_kernel": 8192, "de
          "list_kernel": 80, "pair_kernel": 96, "within_kernel": 96, "filter_kernel": 256, "frame_kernel": 256,
          "sweep_kernel": 32}
 OTHER_STACKS = 16
-# Registers of a thread: 48 let five blocks of 256 run on a multiprocessor, 80 three, 40 six, 32 eight. The first name
-# that fits counts: questions about features look at a triangle's whole way, which is six corners, and twice that for a
-# pair.
-REGISTERS = {"SeparationTest": 120, "FeatureRows": 96, "CandidateRows": 80, "widened_bounds": 72, "WidenedILi2": 72,
+# Registers of a thread: 64 let four blocks of 256 run on a multiprocessor, 48 five, 80 three, 40 six, 32 eight. The first
+# name that fits counts: questions about features look at a triangle's whole way, which is six corners, and twice that for
+# a pair; a record of candidates is 64 words, written at once.
+REGISTERS = {"SeparationTest": 120, "FeatureRows": 96, "CandidateRows": 120, "widened_bounds": 72, "WidenedILi2": 72,
              "exact_kernel": 255, "contact_kernel": 255, "close_kernel": 255, "decide_kernel": 255, "listed_kernel": 80,
-             "list_kernel": 80, "pack_kernel": 64, "pair_kernel": 80, "within_kernel": 64, "sweep_kernel": 48,
-             "filter_kernel": 80, "frame_kernel": 128, "DeviceScanKernel": 128, "bin_kernel": 40, "place_kernel": 72,
+             "list_kernel": 80, "pack_kernel": 64, "pair_kernel": 80, "within_kernel": 64, "sweep_kernel": 64,
+             "filter_kernel": 80, "frame_kernel": 128, "DeviceScanKernel": 128, "bin_kernel": 48, "offsets_kernel": 56, "place_kernel": 72,
              "check_kernel": 40, "pose_kernel": 48, "bounds_kernel": 64, "members_kernel": 48}
 OTHER_REGISTERS = 40
-# Loads of 16 bytes at least: two records of four, and what else comes by rows.
-WIDE_LOADS = {"OverlapAlone": 3, "sweep_kernel": 16, "filter_kernel": 20, "bin_kernel": 3, "place_kernel": 3,
+# Loads, and copies to shared memory, of 16 bytes at least: two records of four, and what else comes by rows.
+WIDE_LOADS = {"OverlapAlone": 3, "sweep_kernel": 11, "filter_kernel": 20, "bin_kernel": 3, "place_kernel": 3,
               "pose_kernel": 1}
 # Kernels that may load single bytes: those for arrays that are not aligned (a template's `false`), one that copies kinds
 # of contacts, rare ones that read coordinates wherever they are, those that decide about features, which ask at run time
@@ -63,7 +63,7 @@ def value(table, name, otherwise):
 
 
 def complaints(name, stack, registers, body):
-    wide = len(re.findall(r"\bld\.global(?:\.nc)?\.v(?:4\.[bfsu]32|2\.[bfsu]64)", body))
+    wide = len(re.findall(r"\bld\.global(?:\.nc)?\.v(?:4\.[bfsu]32|2\.[bfsu]64)|\bcp\.async\.c[ag]\.shared\.global", body))
     if "CRUMPLE_LIST_KERNELS" in os.environ:
         print(f"{name[-60:]:60} {stack:5} bytes of stack {registers:4} registers {wide:3} wide loads")
     if stack > (most := value(STACK, name, OTHER_STACKS)):

@@ -167,7 +167,7 @@ TEST_F(CudaMachine, gives_chunks_lists_as_long_as_memory_holds) {
         plan.choose_chunks(100'000, false, {}, bytes);
         return plan.survivors;
     };
-    EXPECT_EQ(survivors(0), 4096u) << "what a unit may have";
+    EXPECT_EQ(survivors(0), 1024u) << "what a unit may have";
     EXPECT_EQ(survivors(24'000'000), 401'024u) << "what a pass at once would have";
     EXPECT_EQ(survivors(2'400'000), 100'000u);
 }

@@ -18,7 +18,8 @@ struct NoRecords {
                         const Frame&) const {}
 };
 struct KeepAll {
-    __device__ bool operator()(const Candidate&) const { return true; }
+    struct Room {};
+    __device__ bool keeps(bool has, const Candidate&, Room&) const { return has; }
 };
 
 namespace {
@@ -121,7 +122,7 @@ class StagesOfPass : public IntersectionPass {
         clearing.launch(geometry_, stream_);
         sort();
         sweep({});
-        narrow({Hits::Mode::list, hits(), answer.output.offsets, answer.output.by_tile, nullptr});
+        narrow({Hits::Mode::list, hits(), answer.output.offsets, nullptr});
         CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
         const Counters counted = to_host(counters, 1)[0];
         if (counted.beyond > 0) throw std::runtime_error("these scenes leave nothing to the host");
@@ -147,10 +148,7 @@ class StagesOfPass : public IntersectionPass {
         const auto first = to_host(members_of(last_level()).first, plan.leaves() + 1);
         const auto count = to_host(members_of(last_level()).count, plan.leaves());
         const auto rows = static_cast<std::int64_t>(first.back());
-        const auto triangle = to_host(sorted_.triangle, rows);
-        const auto end = to_host(sorted_.end, rows);
-        const auto conflict = to_host(sorted_.conflict, rows);
-        const auto crossing = to_host(sorted_.box, rows);
+        const auto row = to_host(sorted_.row, rows);
         const auto frame = to_host(guides.now.frame, plan.leaves());
         const auto upper = plan.levels() == 2 ? to_host(mask_[0], host.triangle_count()) : std::vector<std::uint64_t>();
         state.leaves.resize(static_cast<std::size_t>(plan.leaves()));
@@ -163,21 +161,23 @@ class StagesOfPass : public IntersectionPass {
             const std::uint64_t lower_clusters = (std::uint64_t{1} << cluster) - 1;
             for (std::size_t i = first[leaf]; i < leaf_end; ++i) {
                 leaf_of[i] = leaf;
-                it.member.push_back(triangle[i]);
+                it.member.push_back(row[i].triangle);
                 constexpr double all = std::numeric_limits<double>::infinity();
-                const CrossBox& b = crossing[i];
+                const CrossBox& b = row[i].box;
                 it.box.push_back({{-all, b.low_y, b.low_z}, {all, b.high_y, b.high_z}});
                 for (std::size_t j = i + 1; j < leaf_end; ++j) {
-                    const auto a = static_cast<std::size_t>(triangle[i]), c = static_cast<std::size_t>(triangle[j]);
+                    const auto a = static_cast<std::size_t>(row[i].triangle),
+                               c = static_cast<std::size_t>(row[j].triangle);
                     const bool others = !upper.empty() && (upper[a] & upper[c] & lower_clusters);
-                    if (!others && !(conflict[i] & conflict[j])) it.owned.push_back(ordered(triangle[i], triangle[j]));
-                    if (j < end[i]) it.met.push_back(ordered(triangle[i], triangle[j]));
+                    if (!others && !(row[i].conflict & row[j].conflict))
+                        it.owned.push_back(ordered(row[i].triangle, row[j].triangle));
+                    if (j < row[i].end) it.met.push_back(ordered(row[i].triangle, row[j].triangle));
                 }
             }
         }
         const Counters counted = to_host(counters, 1)[0];
         for (const Candidate& c : to_host(survivors_, static_cast<std::int64_t>(counted.survivors)))
-            state.leaves[leaf_of[c.row]].candidates.push_back(ordered(triangle[c.row], triangle[c.column]));
+            state.leaves[leaf_of[c.row]].candidates.push_back(ordered(row[c.row].triangle, row[c.column].triangle));
         return state;
     }
 

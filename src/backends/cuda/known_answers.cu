@@ -55,7 +55,6 @@ struct FeatureResults {
             hits.firsts.base[k] = static_cast<std::uint32_t>(std::min(k, kinds) * case_count);
         hits.list = {c.take<RankedHit>(kinds * case_count), c.take<Count>(1), kinds * case_count};
         hits.by_first = c.take<Count>(kinds * case_count);
-        hits.by_tile = c.take<Count>(1);
         for (FeatureTest*& list : open) list = c.take<FeatureTest>(case_count);
         open_count = c.take<Count>(feature_kinds);
         beyond = c.take<OpenTest>(kinds * case_count);
@@ -67,7 +66,7 @@ struct FeatureResults {
 struct Arrays {
     Vec3d *start, *end;
     std::int32_t* corners;
-    std::int32_t* triangles;  ///< each its own number
+    SortedRow* rows;  ///< each triangle's, which holds its own number
     Candidate* candidates;
     Pair* pairs;
     FeatureTest* tests[kinds];
@@ -80,7 +79,7 @@ struct Arrays {
         start = c.take<Vec3d>(6 * case_count);
         end = c.take<Vec3d>(6 * case_count);
         corners = c.take<std::int32_t>(6 * case_count);
-        triangles = c.take<std::int32_t>(2 * case_count);
+        rows = c.take<SortedRow>(2 * case_count);
         candidates = c.take<Candidate>(case_count);
         pairs = c.take<Pair>(case_count);
         for (FeatureTest*& list : tests) list = c.take<FeatureTest>(case_count);
@@ -123,7 +122,7 @@ void write_cases(const Arrays& a) {
     std::ranges::copy(cases.corners, a.corners);
     for (std::size_t i = 0; i < case_count; ++i) {
         const auto n = static_cast<std::int32_t>(i), first = 6 * n;
-        a.triangles[2 * i] = 2 * n, a.triangles[2 * i + 1] = 2 * n + 1;
+        a.rows[2 * i].triangle = 2 * n, a.rows[2 * i + 1].triangle = 2 * n + 1;
         a.candidates[i] = {static_cast<std::uint32_t>(2 * i), static_cast<std::uint32_t>(2 * i + 1)};
         a.pairs[i] = pair_of(i);
         a.tests[0][i] = {{n, n}, {first + 3, first, first + 1, first + 2}};
@@ -136,10 +135,10 @@ void write_cases(const Arrays& a) {
 void decide_on_device(const Geometry& geometry, cudaStream_t stream, const Arrays& a) {
     const PreparedScene scene = a.scene(false), moving = a.scene(true);
     Sorted sorted{};
-    sorted.triangle = a.triangles;
+    sorted.row = a.rows;
     const List<Candidate> candidates{a.candidates, a.test_count, case_count};
     const auto decide = [&](IntersectionKind intersections, const Decisions& decisions) {
-        const Hits hits{Hits::Mode::count, {nullptr, decisions.found, 0}, decisions.collides, nullptr, nullptr};
+        const Hits hits{Hits::Mode::count, {nullptr, decisions.found, 0}, decisions.collides, nullptr};
         decide_exactly(geometry, stream, scene, sorted, Neighbours::geometric, intersections, candidates,
                        {decisions.beyond, decisions.beyond_count, case_count}, hits);
     };

@@ -60,9 +60,11 @@ CRUMPLE_HD constexpr unsigned corners_of(int lane) {
 struct SharedCorners {
     unsigned of[3] = {0, 0, 0};
 
-    CRUMPLE_HD SharedCorners(const CandidateRecord& a, const CandidateRecord& b) {
+    CRUMPLE_HD SharedCorners(const CandidateRecord& a, const CandidateRecord& b) : SharedCorners(a.name, b.name) {}
+    /// By the names of three corners each.
+    CRUMPLE_HD SharedCorners(const std::int32_t* a, const std::int32_t* b) {
         for (int i = 0; i < 3; ++i)
-            for (int k = 0; k < 3; ++k) of[i] |= unsigned{a.name[i] == b.name[k]} << k;
+            for (int k = 0; k < 3; ++k) of[i] |= unsigned{a[i] == b[k]} << k;
     }
     CRUMPLE_HD explicit SharedCorners(unsigned bits) : of{bits & 7, bits >> 3 & 7, bits >> 6 & 7} {}
     CRUMPLE_HD unsigned bits() const { return of[0] | of[1] << 3 | of[2] << 6; }

@@ -51,9 +51,7 @@ void CandidateFinder::make_ready() {
     make_normaliser(stream_, pass_.box, pass_.asked.inflation, own().widening, own().normaliser);
 }
 
-CandidateHits CandidateFinder::hits() const {
-    return {pass_.hits(), own().output.offsets, own().output.by_tile, own().firsts};
-}
+CandidateHits CandidateFinder::hits() const { return {pass_.hits(), own().output.offsets, own().firsts}; }
 
 void CandidateFinder::narrow() {
     pass_.narrow(hits());

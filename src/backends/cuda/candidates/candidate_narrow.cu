@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "backends/cuda/device/warp_queue.h"
 #include "backends/cuda/stages/output_kernel.h"
 #include "backends/cuda/stages/sort_kernel.h"
 #include "backends/cuda/stages/sweep_kernel.h"
@@ -20,14 +21,16 @@ template void order_buckets(const Geometry&, cudaStream_t, std::size_t, const Ca
 
 namespace {
 
+// A hit with its rank among those of the same first feature.
+__device__ RankedCandidate ranked(const CandidateHits& hits, CandidateKind kind, const Pair& pair) {
+    const std::uint32_t first = hits.firsts.joint(kind, pair.a);
+    return {first, pair.b, static_cast<std::uint32_t>(atomicAdd(&hits.by_first[first], 1ull))};
+}
+
 // All lanes of a warp call it together.
 __device__ void add(const CandidateHits& hits, bool is_hit, CandidateKind kind, const Pair& pair) {
     const unsigned long long place = append(is_hit, hits.list.count);
-    if (!is_hit) return;
-    const std::uint32_t first = hits.firsts.joint(kind, pair.a);
-    const auto rank = static_cast<std::uint32_t>(atomicAdd(&hits.by_first[first], 1ull));
-    atomicAdd(&hits.by_tile[first / offset_tile], 1ull);
-    if (place < hits.list.capacity) hits.list.data[place] = {first, pair.b, rank};
+    if (is_hit && place < hits.list.capacity) hits.list.data[place] = ranked(hits, kind, pair);
 }
 
 // The pair as it is listed: by the type of its features, or the lesser first.
@@ -38,43 +41,96 @@ __device__ Pair listed(int lane_a, std::int32_t a, int lane_b, std::int32_t b) {
 }
 
 // The largest gap between two lanes' boxes on any axis.
-__device__ float gap(const CandidateRecord& a, int lane_a, const CandidateRecord& b, int lane_b) {
-    float most = -beyond;
-    for (int axis = 0; axis < 3; ++axis) {
-        most = max(most, b.low[axis][lane_b] - a.high[axis][lane_a]);
-        most = max(most, a.low[axis][lane_a] - b.high[axis][lane_b]);
-    }
-    return most;
+__device__ float gap(const CandidateBox& a, const CandidateBox& b) {
+    return max(largest(b.low - a.high), largest(a.low - b.high));
 }
 
-// A warp takes a pair of triangles, and a lane one or two of the 49 pairs of what they have: what is read of the
-// records lies side by side.
-__global__ void pair_kernel(AskedOfCandidates asked, const CandidateRecord* record, List<Candidate> survivors,
-                            CandidateHits hits, unsigned long long* listed_count) {
-    constexpr int features = candidate_lanes - 1, all = features * features;
-    const auto lane = static_cast<int>(threadIdx.x % 32);
-    const unsigned long long n = survivors.filled();
+using HitQueue = ListQueue<RankedCandidate, 224>;
+
+/// What two triangles own, a lane of each.
+struct LanePair {
+    Candidate rows;
+    std::uint32_t a, b;
+};
+
+template <int threads>
+struct PairShared {
+    struct Warp {
+        WarpQueue<LanePair>::Places pairs;
+        HitQueue::Places hits;
+    } warp[threads / 32];
+};
+
+// Which pairs of lanes are asked about: a bit each, of a's first lane with all of b's first.
+class WantedLanes {
+   public:
+    static constexpr int lanes = candidate_lanes - 1;
+
+    __device__ explicit WantedLanes(const AskedOfCandidates& asked) {
+        for (int a = 0; a < lanes; ++a)
+            for (int b = 0; b < lanes; ++b) wanted_ |= std::uint64_t{asked.wants(kind_of(a, b))} << (lanes * a + b);
+    }
+    // Of those, what two triangles own and where they have no vertex in common.
+    __device__ std::uint64_t of(const CandidateRow& a, const CandidateRow& b) const {
+        std::uint64_t pairs = 0;
+        for (int lane = 0; lane < lanes; ++lane)
+            if (a.owned >> lane & 1) pairs |= std::uint64_t{b.owned} << (lanes * lane);
+        pairs &= wanted_;
+        const SharedCorners shared(a.name, b.name);
+        if (!shared.bits()) return pairs;
+        for (std::uint64_t left = pairs; left; left &= left - 1) {
+            const int both = __ffsll(static_cast<long long>(left)) - 1;
+            if (shared.incident(both / lanes, both % lanes)) pairs &= ~(left & (0 - left));
+        }
+        return pairs;
+    }
+
+   private:
+    std::uint64_t wanted_ = 0;
+};
+
+// A lane takes a pair of triangles and finds which pairs of lanes are to be tested: few of 49, which wait until there
+// is one a lane again.
+template <int threads>
+__global__ void __launch_bounds__(threads)
+    pair_kernel(AskedOfCandidates asked, const CandidateRow* row, List<Candidate> survivors, CandidateHits hits,
+                unsigned long long* listed_count) {
+    auto& shared = dynamic_shared<PairShared<threads>>().warp[threadIdx.x / 32];
+    WarpQueue<LanePair> pairs(shared.pairs);
+    HitQueue found(shared.hits, hits.list);
+    const WantedLanes wanted(asked);
     unsigned long long tests = 0;
-    for (unsigned long long i = grid_thread() / 32; i < n; i += grid_stride() / 32) {
-        const CandidateRecord &a = record[survivors.data[i].row], &b = record[survivors.data[i].column];
-        const SharedCorners shared(a, b);
-        for (int first = 0; first < all; first += 32) {
-            const int both = first + lane, of_a = both / features, of_b = both % features;
-            const CandidateKind kind = kind_of(of_a, of_b);
-            bool is_hit = false;
-            if (both < all && (a.owned >> of_a & b.owned >> of_b & 1) && asked.wants(kind) &&
-                !shared.incident(of_a, of_b)) {
-                ++tests;
-                const float between = gap(a, of_a, b, of_b);
-                is_hit = between < 0 ||
-                         (between == 0 &&
-                          grown_boxes_overlap(asked.box(a.vertex, of_a), asked.box(b.vertex, of_b), asked.inflation));
-            }
-            add(hits, is_hit, kind, is_hit ? listed(of_a, a.id[of_a], of_b, b.id[of_b]) : Pair{});
+    const auto test = [&] {
+        LanePair p{};
+        const unsigned taken = pairs.take(p);
+        bool is_hit = false;
+        Pair pair{};
+        const auto of_a = static_cast<int>(p.a), of_b = static_cast<int>(p.b);
+        if (threadIdx.x % 32 < taken) {
+            const CandidateRow &a = row[p.rows.row], &b = row[p.rows.column];
+            const CandidateBox box_a = a.box[of_a], box_b = b.box[of_b];
+            const float between = gap(box_a, box_b);
+            is_hit = between < 0 || (between == 0 && grown_boxes_overlap(asked.box(a.vertex, of_a),
+                                                                         asked.box(b.vertex, of_b), asked.inflation));
+            pair = listed(of_a, box_a.id, of_b, box_b.id);
+        }
+        tests += taken;
+        found.add(is_hit, is_hit ? ranked(hits, kind_of(of_a, of_b), pair) : RankedCandidate{});
+    };
+    const unsigned long long n = survivors.filled(), warps_end = (n + 31) / 32 * 32;
+    for (unsigned long long i = grid_thread(); i < warps_end; i += grid_stride()) {
+        const Candidate c = i < n ? survivors.data[i] : Candidate{};
+        std::uint64_t left = i < n ? wanted.of(row[c.row], row[c.column]) : 0;
+        while (const unsigned having = __ballot_sync(whole_warp, left != 0)) {
+            const auto both = static_cast<std::uint32_t>(__ffsll(static_cast<long long>(left)) - 1);
+            pairs.add(left != 0, {c, both / WantedLanes::lanes, both % WantedLanes::lanes}, having);
+            left &= left - 1;
+            if (pairs.size() >= 32) test();
         }
     }
-    for (int lanes = 16; lanes > 0; lanes /= 2) tests += __shfl_xor_sync(whole_warp, tests, lanes);
-    if (lane == 0 && tests) atomicAdd(listed_count, tests);
+    while (pairs.size()) test();
+    found.move();
+    if (threadIdx.x % 32 == 0 && tests) atomicAdd(listed_count, tests);
 }
 
 __global__ void within_kernel(PreparedScene scene, WantedPairs pairs, AskedOfCandidates asked, CandidateHits hits) {
@@ -111,7 +167,7 @@ __global__ void bucket_kernel(CandidateHits hits, CandidateOutput out) {
     for (unsigned long long i = grid_thread(); i < n; i += grid_stride()) {
         const RankedCandidate hit = hits.list.data[i];
         const unsigned long long place = out.offsets[hit.first] + hit.rank;
-        if (place < out.capacity) out.second[place] = hit.second;
+        if (place < out.capacity) out.bucketed[place] = {static_cast<std::int32_t>(hit.first), hit.second};
     }
 }
 
@@ -123,10 +179,15 @@ __global__ void normaliser_kernel(const SceneBox* box, double inflation, Inflati
 }  // namespace
 
 void find_candidates(const Geometry& geometry, cudaStream_t stream, const AskedOfCandidates& asked,
-                     const CandidateRecord* record, const List<Candidate>& survivors, const CandidateHits& hits,
+                     const CandidateRow* row, const List<Candidate>& survivors, const CandidateHits& hits,
                      Counters* counters) {
-    const unsigned blocks = std::min(geometry.blocks(32 * survivors.capacity), geometry.fitting(pair_kernel));
-    Launch{stream, blocks, geometry.threads}(pair_kernel, asked, record, survivors, hits, &counters->listed);
+    const auto find = [&]<int threads>() {
+        constexpr auto kernel = pair_kernel<threads>;
+        constexpr std::size_t shared = sizeof(PairShared<threads>);
+        const unsigned blocks = std::min(geometry.blocks(survivors.capacity), geometry.fitting(kernel, shared));
+        Launch{stream, blocks, threads, shared}(kernel, asked, row, survivors, hits, &counters->listed);
+    };
+    geometry.threads == 64 ? find.template operator()<64>() : find.template operator()<256>();
 }
 
 void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const WantedPairs& pairs,
@@ -138,7 +199,7 @@ void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedSc
 
 void CandidateOutput::cut(Cutter& c, const FirstOfKind& features, std::size_t room) {
     RowsByKind::cut(c, features, room, false);
-    second = c.take<Key>(room);
+    bucketed = c.take<BucketedPair>(room);
 }
 
 void write_answer(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,

@@ -31,13 +31,13 @@ struct RankedCandidate {
 
 struct CandidateHits {
     List<RankedCandidate> list;
-    unsigned long long *by_first, *by_tile;
+    unsigned long long* by_first;
     FirstOfKind firsts;
 };
 
 /// Pairs of features that two triangles own.
 void find_candidates(const Geometry& geometry, cudaStream_t stream, const AskedOfCandidates& asked,
-                     const CandidateRecord* record, const List<Candidate>& survivors, const CandidateHits& hits,
+                     const CandidateRow* row, const List<Candidate>& survivors, const CandidateHits& hits,
                      Counters* counters);
 /// Pairs that one triangle owns: two vertices, or a vertex and the edge across.
 void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const WantedPairs& pairs,
@@ -45,12 +45,16 @@ void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedSc
 
 struct CandidateOutput : RowsByKind {
     using Key = std::int32_t;
-    Key* second;
+    BucketedPair* bucketed;  ///< in no order within a bucket
 
     void cut(Cutter& cutter, const FirstOfKind& features, std::size_t room);
 
-    __device__ void write(unsigned long long place, std::int32_t first, Key b) const {
-        pairs[place] = firsts.pair(static_cast<std::uint32_t>(first), b);
+    __device__ std::int32_t first_of(unsigned long long i) const { return bucketed[i].first; }
+    __device__ Key key(unsigned long long i) const { return bucketed[i].second; }
+    __device__ TwoKeys<Key> two_keys(unsigned long long i) const { return keys_of(bucketed, i); }
+    __device__ void set_key(unsigned long long i, Key key) const { bucketed[i].second = key; }
+    __device__ void write(unsigned long long place, std::int32_t a, Key b) const {
+        pairs[place] = firsts.pair(static_cast<std::uint32_t>(a), b);
     }
 };
 

@@ -15,22 +15,22 @@ class CandidatePass : public Pass {
 
     void cut(Cutter& c) override {
         Pass::cut(c);
-        record_ = c.take<CandidateRecord>(plan.last_members());
+        rows_ = c.take<CandidateRow>(plan.last_members());
         hits_ = c.take<RankedCandidate>(plan.hits);
     }
 
     // One that does not move is where it ends.
-    void sort() override { sort_by(Widened<2>{primitives.ends, primitives.inflation}, CandidateRows{record_, asked}); }
+    void sort() override { sort_by(Widened<2>{primitives.ends, primitives.inflation}, CandidateRows{rows_, asked}); }
     void sweep(const Slice& slice) override { sweep_by(slice, OverlapAlone{}); }
     void narrow(const CandidateHits& hits) {
-        find_candidates(geometry_, stream_, asked, record_, survivors(), hits, counters);
+        find_candidates(geometry_, stream_, asked, rows_, survivors(), hits, counters);
     }
     void search_within(const CandidateHits& hits) { find_within(geometry_, stream_, scene, wanted, asked, hits); }
 
     List<RankedCandidate> hits() const { return {hits_, &counters->hits, plan.hits}; }
 
    private:
-    CandidateRecord* record_ = nullptr;
+    CandidateRow* rows_ = nullptr;
     RankedCandidate* hits_ = nullptr;
 };
 

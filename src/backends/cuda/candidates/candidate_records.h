@@ -45,13 +45,30 @@ struct AskedOfCandidates {
     }
 };
 
+/// The box of a lane, and what the lane is called: keys as CandidateRecord has them.
+struct alignas(16) CandidateBox {
+    Vec3f low;
+    std::int32_t id;
+    Vec3f high;
+    std::int32_t unused;
+};
+
+/// A triangle in a leaf, as CandidateRecord, box by box: a thread looks at one.
+struct alignas(64) CandidateRow {
+    CandidateBox box[candidate_lanes - 1];
+    std::int32_t vertex[3];
+    std::uint32_t owned;
+    std::int32_t name[3];
+    std::int32_t unused;
+};
+
 struct CandidateRows {
-    CandidateRecord* record;
+    CandidateRow* row;
     AskedOfCandidates asked;
 
-    __device__ void put(std::uint32_t row, std::int32_t triangle, const Vec3d*, const std::int32_t id[3],
+    __device__ void put(std::uint32_t place, std::int32_t triangle, const Vec3d*, const std::int32_t id[3],
                         const InFrame<6>&, const Frame& frame) const {
-        CandidateRecord& made = record[row];
+        CandidateRow made;
         const unsigned owned = asked.owned_lanes(triangle);
         const CandidateKey key{*asked.normaliser, {frame.origin.x, frame.origin.y, frame.origin.z}};
         const Vec3d r{asked.inflation, asked.inflation, asked.inflation};
@@ -60,29 +77,32 @@ struct CandidateRows {
         for (int k = 0; k < 3; ++k) {
             made.vertex[k] = id[k];
             made.name[k] = asked.features.name(id[k]);
-            made.id[k] = asked.features.point_of(triangle, k);
-            made.id[3 + k] = edges[static_cast<std::size_t>(k)];
+            made.box[k].id = asked.features.point_of(triangle, k);
+            made.box[3 + k].id = edges[static_cast<std::size_t>(k)];
             const FeatureBox box = asked.box(id, k);
             low[k] = key(box.low - r);
             high[k] = key(box.high + r);
         }
-        made.id[6] = triangle;
-        made.id[7] = made.name[3] = -1;
+        made.box[6].id = triangle;
         made.owned = owned;
-        for (int lane = 0; lane < candidate_lanes; ++lane) {
-            Vec3f from{beyond, beyond, beyond}, to{-beyond, -beyond, -beyond};
+        made.unused = 0;
+        for (int lane = 0; lane < candidate_lanes - 1; ++lane) {
+            CandidateBox& box = made.box[lane];
+            box.low = {beyond, beyond, beyond}, box.high = {-beyond, -beyond, -beyond};
+            box.unused = 0;
             for (int k = 0; k < 3; ++k) {
-                if (!(owned >> lane & corners_of(lane) >> k & 1)) continue;
-                from = min(from, low[k]);
-                to = max(to, high[k]);
+                if (!(corners_of(lane) >> k & 1)) continue;
+                box.low = min(box.low, low[k]);
+                box.high = max(box.high, high[k]);
             }
-            for (int axis = 0; axis < 3; ++axis) made.low[axis][lane] = from[axis], made.high[axis][lane] = to[axis];
         }
+        row[place] = made;
     }
 };
 
 struct OverlapAlone {
-    __device__ bool operator()(const Candidate&) const { return true; }
+    struct Room {};
+    __device__ bool keeps(bool has, const Candidate&, Room&) const { return has; }
 };
 
 }  // namespace crumple::cuda

@@ -87,11 +87,12 @@ struct Geometry {
     }
 
     /// Blocks of one kernel that the device holds at once, by its registers and shared memory: more would wait for
-    /// them.
+    /// them. `own`: threads of its blocks, if they are others.
     template <class... Parameters>
-    unsigned fitting(void (*kernel)(Parameters...), std::size_t shared = 0) const {
+    unsigned fitting(void (*kernel)(Parameters...), std::size_t shared = 0, unsigned own = 0) const {
         int blocks = 0;
-        CRUMPLE_CUDA(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, static_cast<int>(threads), shared));
+        CRUMPLE_CUDA(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel,
+                                                                   static_cast<int>(own ? own : threads), shared));
         return multiprocessors * static_cast<unsigned>(blocks < 1 ? 1 : blocks);
     }
 };

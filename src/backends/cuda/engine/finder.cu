@@ -189,10 +189,10 @@ void Finder::capture(cudaStream_t stream) {
     captured_ = true;
 }
 
-// A pass ends by writing all counters, and none has so many units.
+// A pass ends by writing all counters, and no answer has so many long rows.
 bool Finder::has_replayed() {
     constexpr unsigned long long never = ~0ull;
-    return std::exchange(slot().counters->next_unit, never) != never;
+    return std::exchange(slot().counters->parts, never) != never;
 }
 
 bool Finder::accept_replay() {

@@ -59,7 +59,7 @@ void FeatureFinder::make_ready() { own().features.enqueue(geometry_, stream_, sc
 
 FeatureHits FeatureFinder::hits() const {
     const FeatureOutput& output = own().output;
-    return {wants_any(), pass_.hits(), output.offsets, output.by_tile, firsts()};
+    return {wants_any(), pass_.hits(), output.offsets, firsts()};
 }
 
 void FeatureFinder::narrow() {

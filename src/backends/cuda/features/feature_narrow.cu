@@ -60,9 +60,12 @@ class TestQueue {
     __device__ TestQueue(FeatureTest* waiting, const TestFilter<moments>& filter, const List<FeatureTest>& list)
         : waiting_(waiting), filter_(filter), list_(list), lane_(threadIdx.x % 32) {}
 
-    /// The tests of each lane's bits. All lanes call it together.
-    __device__ void add(const FeatureRecord<moments>* a, const FeatureRecord<moments>* b, unsigned bits) {
-        while (const unsigned having = __ballot_sync(whole_warp, bits != 0)) {
+    /// The tests of each lane's bits; `last`: and all that wait. All lanes call it together. It is called in one place,
+    /// for its code is long.
+    __device__ void add(const FeatureRecord<moments>* a, const FeatureRecord<moments>* b, unsigned bits, bool last) {
+        for (;;) {
+            const unsigned having = __ballot_sync(whole_warp, bits != 0);
+            if (!having && !(last && count_)) break;
             if (bits) {
                 const auto bit = static_cast<unsigned>(__ffs(static_cast<int>(bits)) - 1);
                 write_test<kind>(*a, *b, bit,
@@ -72,13 +75,10 @@ class TestQueue {
             count_ += static_cast<unsigned>(__popc(having));
             listed_ += static_cast<unsigned>(__popc(having));
             __syncwarp();
-            if (count_ >= 32) test();
+            if (count_ >= 32 || !having) test();
         }
     }
-    __device__ void finish(unsigned long long* listed) {
-        while (count_) test();
-        if (lane_ == 0 && listed_) atomicAdd(listed, listed_);
-    }
+    __device__ unsigned long long listed() const { return listed_; }
 
    private:
     // The last ones, up to 32.
@@ -115,7 +115,9 @@ __global__ void __launch_bounds__(threads) list_kernel(FeatureSurvivors<moments>
     TestQueue<FeatureKind::vertex_face, moments> vertex_face(waiting[0], filter, tests.of[0]);
     TestQueue<FeatureKind::edge_edge, moments> edge_edge(waiting[1], filter, tests.of[1]);
     const unsigned long long n = survivors.list.filled(), warps_end = (n + 31) / 32 * 32;
-    for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
+    bool last = false;
+    for (unsigned long long i = grid_thread(); !last; i += grid_stride()) {
+        last = i >= warps_end || has_ended(hits.end());
         const FeatureRecord<moments>*a = nullptr, *b = nullptr;
         TestsOfPair of_pair;
         if (i < n) {
@@ -123,11 +125,11 @@ __global__ void __launch_bounds__(threads) list_kernel(FeatureSurvivors<moments>
             b = survivors.record + survivors.list.data[i].column;
             of_pair = tests_of_pair(*a, *b, [&](std::int32_t v) { return filter.asked.features.name(v); });
         }
-        vertex_face.add(a, b, of_pair.vertex_face);
-        edge_edge.add(a, b, of_pair.edge_edge);
+        vertex_face.add(a, b, of_pair.vertex_face, last);
+        edge_edge.add(a, b, of_pair.edge_edge, last);
     }
-    vertex_face.finish(listed);
-    edge_edge.finish(listed);
+    const unsigned long long all = vertex_face.listed() + edge_edge.listed();
+    if (threadIdx.x % 32 == 0 && all) atomicAdd(listed, all);
 }
 
 // The same where edges and points are listed: tests of all kinds, by a thread's own stack. Such scenes are rods and
@@ -170,7 +172,6 @@ __device__ void add(const FeatureHits& hits, bool is_hit, FeatureKind kind, cons
     if (is_hit) {
         first = hits.firsts.joint(kind, pair.a);
         rank = static_cast<std::uint32_t>(atomicAdd(&hits.by_first[first], 1ull));
-        atomicAdd(&hits.by_tile[first / offset_tile], 1ull);
     }
     const unsigned long long place = append(is_hit, hits.list.count);
     if (is_hit && place < hits.list.capacity) hits.list.data[place] = {first, pair.b, rank, found.flag, found.value};
@@ -259,7 +260,6 @@ __global__ void rank_kernel(FeatureHits hits) {
     for (unsigned long long i = grid_thread(); i < n; i += grid_stride()) {
         RankedHit& hit = hits.list.data[i];
         hit.rank = static_cast<std::uint32_t>(atomicAdd(&hits.by_first[hit.first], 1ull));
-        atomicAdd(&hits.by_tile[hit.first / offset_tile], 1ull);
     }
 }
 

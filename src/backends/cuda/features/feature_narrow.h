@@ -30,7 +30,7 @@ struct RankedHit {
 struct FeatureHits {
     bool any = false;  ///< they are only counted, and the first one ends the work
     List<RankedHit> list;
-    unsigned long long *by_first, *by_tile;
+    unsigned long long* by_first;
     FirstOfKind firsts;
 
     /// For has_ended().

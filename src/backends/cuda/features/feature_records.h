@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "backends/cuda/device/warp_gather.h"
 #include "backends/cuda/features/feature_parameters.h"
 #include "backends/cuda/stages/layout.h"
 #include "filters/features/separating_direction.h"
@@ -39,9 +40,11 @@ struct SeparationTest {
     const float* triangle_radius;
     bool all;  ///< nothing is dropped
 
-    __device__ bool operator()(const Candidate& c) const {
-        if (all) return true;
-        const FeatureRecord<moments> a = record[c.row], b = record[c.column];
+    using Room = GatherRoom<FeatureRecord<moments>>;
+    __device__ bool keeps(bool has, const Candidate& c, Room& room) const {
+        if (all) return has;
+        const auto [a, b] = gathered_pair(record, c.row, c.column, room);
+        if (!has) return false;
         const float asked =
             triangle_radius ? triangle_radius[a.triangle] + triangle_radius[b.triangle] : 2 * inflation->half;
         return !surely_apart(a, b, needed_gap(asked, frames.reach_of(leaf[c.row])));

@@ -15,6 +15,14 @@ struct FeatureOutput : RowsByKind {
 
     void cut(Cutter& cutter, const FirstOfKind& features, std::size_t room);
 
+    __device__ std::uint32_t first_of(unsigned long long i) const {
+        return hits[static_cast<std::uint32_t>(second[i])].first;
+    }
+    __device__ Key key(unsigned long long i) const { return second[i]; }
+    __device__ TwoKeys<Key> two_keys(unsigned long long i) const {
+        return *reinterpret_cast<const TwoKeys<Key>*>(second + i);
+    }
+    __device__ void set_key(unsigned long long i, Key key) const { second[i] = key; }
     __device__ void write(unsigned long long place, std::int32_t first, Key key) const {
         const RankedHit& hit = hits[static_cast<std::uint32_t>(key)];
         pairs[place] = firsts.pair(static_cast<std::uint32_t>(first), static_cast<std::int32_t>(key >> 32));

@@ -61,13 +61,13 @@ struct RowsByKind : RowsOfOutput {
         capacity = room;
         part_capacity = cuda::part_capacity(room);
         offsets = c.take<unsigned long long>(firsts.all() + 1);
-        by_tile = c.take<unsigned long long>(offset_tiles(firsts.all()));
+        tiles = c.take<unsigned long long>(offset_tiles(firsts.all()));
         parts = c.take<RowPart>(part_capacity);
         cut_lists(c, room, valued);
     }
     void clear(Clearing& clearing) const {
         clearing.add(offsets, (firsts.all() + 1) * sizeof *offsets);
-        clearing.add(by_tile, offset_tiles(firsts.all()) * sizeof *by_tile);
+        clearing.add(tiles, offset_tiles(firsts.all()) * sizeof *tiles);
     }
     template <class Key>
     __device__ void set_flags(std::size_t, Key) const {}

@@ -30,8 +30,7 @@ bool IntersectionFinder::any_at_once() {
         unsigned long long* const found = &pass_.counters->hits;
         for (const Slice& slice : {Slice{0, 16, 1, found}, Slice{1, 16, 15, found}}) {
             pass_.sweep(slice);
-            pass_.narrow({Hits::Mode::any, pass_.hits(), nullptr, nullptr, nullptr});
-            fill(stream_, &pass_.counters->next_unit, 0, sizeof pass_.counters->next_unit);
+            pass_.narrow({Hits::Mode::any, pass_.hits(), nullptr, nullptr});
         }
     };
     for (;;) {
@@ -50,9 +49,9 @@ void IntersectionFinder::flag_worlds_at_once(std::span<std::uint8_t> flags) {
         const WorldHits found{input().worlds().found(), static_cast<std::uint32_t>(pass_.plan.leaves_a_world())};
         for (const unsigned long long step : {16ull, 1ull}) {
             Counters* const c = pass_.counters;
-            fill(stream_, &c->next_unit, 0, sizeof *c - offsetof(Counters, next_unit));
+            fill(stream_, &c->survivors, 0, sizeof *c - offsetof(Counters, survivors));
             pass_.sweep({.step = step, .decided = found});
-            pass_.narrow({Hits::Mode::by_world, pass_.hits(), nullptr, nullptr, nullptr, found});
+            pass_.narrow({Hits::Mode::by_world, pass_.hits(), nullptr, nullptr, found});
         }
     };
     Counters counters{};

@@ -17,7 +17,7 @@ void IntersectionFinder::find_in_chunks() {
     copy_now(stream_, output.next, offsets.data(), n, cudaMemcpyHostToDevice);
     offsets.release();
     statistics_ = {};
-    pass_over_chunks({Hits::Mode::fill, {}, output.next, nullptr, output.second});
+    pass_over_chunks({Hits::Mode::fill, {}, output.next, output.bucketed});
     Clearing clearing;
     clear_flags(clearing, scene(), output);
     cuda::clear(clearing, pass_.counters);
@@ -33,16 +33,14 @@ unsigned long long IntersectionFinder::count_in_chunks() {
     clear_rows(clearing);
     clearing.launch(geometry_, stream_);
     const OutputArrays& output = answer().output;
-    pass_over_chunks({Hits::Mode::count, {}, output.offsets, output.by_tile, nullptr});
+    pass_over_chunks({Hits::Mode::count, {}, output.offsets, nullptr});
     make_offsets(geometry_, stream_, static_cast<std::size_t>(scene().triangles[0]), output, pass_.counters);
     unsigned long long total = 0;
     copy_now(stream_, &total, output.offsets + scene().triangles[0], 1, cudaMemcpyDeviceToHost);
     return total;
 }
 
-bool IntersectionFinder::any_in_chunks() {
-    return pass_over_chunks({Hits::Mode::any, {}, nullptr, nullptr, nullptr}) > 0;
-}
+bool IntersectionFinder::any_in_chunks() { return pass_over_chunks({Hits::Mode::any, {}, nullptr, nullptr}) > 0; }
 
 // Returns how many pairs there were; one is enough if any will do.
 std::size_t IntersectionFinder::pass_over_chunks(Hits hits) {

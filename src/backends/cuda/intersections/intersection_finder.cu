@@ -61,9 +61,7 @@ void IntersectionFinder::choose_chunks(Plan& plan, std::int64_t bytes) const {
     plan.choose_chunks(scene().triangle_count(), scene().between, options_, bytes);
 }
 
-void IntersectionFinder::narrow() {
-    pass_.narrow({Hits::Mode::list, pass_.hits(), answer().output.offsets, answer().output.by_tile, nullptr});
-}
+void IntersectionFinder::narrow() { pass_.narrow({Hits::Mode::list, pass_.hits(), answer().output.offsets, nullptr}); }
 
 bool IntersectionFinder::write_rows(Counters* host_counters) {
     answer().write(scene(), pass_.hits(), pass_.counters, host_counters);
@@ -93,7 +91,7 @@ std::size_t IntersectionFinder::decide_beyond(std::size_t n) {
 
 void IntersectionFinder::append_decided(std::size_t count, unsigned long long before) {
     append_hits(geometry_, stream_, pass_.beyond(), count, before, pass_.hits());
-    rank_hits(geometry_, stream_, pass_.hits(), answer().output.offsets, answer().output.by_tile);
+    rank_hits(geometry_, stream_, pass_.hits(), answer().output.offsets);
 }
 
 // Makes something of the result. If there is no room for it, the lists go; if there is none then, the result is found

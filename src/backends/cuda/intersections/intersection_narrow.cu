@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "backends/cuda/device/warp_queue.h"
 #include "exact/intersection/intersection_decision.h"
 #include "filters/intersection/pair_filters.h"
 
@@ -13,9 +14,8 @@ __device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t 
     if (hits.mode == Hits::Mode::any) return tally(is_hit, hits.list.count);
     unsigned long long rank = 0;
     if (is_hit) rank = atomicAdd(&hits.by_first[a], 1ull);
-    if (is_hit && hits.by_tile) atomicAdd(&hits.by_tile[a / offset_tile], 1ull);
     if (hits.mode == Hits::Mode::fill) {
-        if (is_hit) hits.second[rank] = b - second;
+        if (is_hit) hits.bucketed[rank] = {a, b - second};
         return;
     }
     const unsigned long long place = append(is_hit, hits.list.count);
@@ -41,44 +41,72 @@ __device__ std::int32_t second_of(const PreparedScene& scene) {
 }
 
 __device__ Pair pair_of(const Sorted& sorted, const Candidate& c) {
-    const std::int32_t a = sorted.triangle[c.row], b = sorted.triangle[c.column];
+    const std::int32_t a = sorted.row[c.row].triangle, b = sorted.row[c.column].triangle;
     return {min(a, b), max(a, b)};
 }
 
-// What filters can prove, in float32 and then in float64.
-__global__ void __launch_bounds__(256, 3)
+template <int threads>
+struct FilterShared {
+    struct Warp {
+        WarpQueue<Candidate>::Places open, found;
+    } warp[threads / 32];
+};
+
+// What filters can prove, in float32 and then in float64. Few pairs need the second, and few collide: both wait until
+// there is one a lane. Where one hit ends the work, none waits.
+template <int threads>
+__global__ void __launch_bounds__(threads, 768 / threads)
     filter_kernel(PreparedScene scene, Sorted sorted, RecordRows records, PointRows points, Frames frames,
                   NarrowPolicy policy, List<Candidate> survivors, List<Candidate> undecided, Hits hits,
                   unsigned long long* doubles) {
+    auto& shared = dynamic_shared<FilterShared<threads>>().warp[threadIdx.x / 32];
+    WarpQueue<Candidate> open(shared.open), found(shared.found);
+    const unsigned lane = threadIdx.x % 32;
+    const bool waits = hits.mode != Hits::Mode::any && hits.mode != Hits::Mode::by_world;
+    const auto in_float = [&](const Candidate& c) {
+        // Copied by four words at a time.
+        const Record a = records.record[c.row], b = records.record[c.column];
+        const PairSigns signs = pair_signs(a, b);
+        const float reach = frames.reach_of(sorted.leaf[c.row]);
+        return filter_in_float(a, b, signs, classify(signs, policy), policy, points, reach);
+    };
+    const auto apart_in_double = [&](const Candidate& c) {
+        const Record a = records.record[c.row], b = records.record[c.column];
+        return filter_in_double(a, b, pair_signs(a, b), points);
+    };
+    const auto add_found = [&] {
+        Candidate c{};
+        const bool has = lane < found.take(c);
+        add(hits, has, has ? pair_of(sorted, c) : Pair{}, second_of(scene), sorted, c);
+    };
+    const auto decide_open = [&] {
+        Candidate c{};
+        const unsigned taken = open.take(c);
+        const bool left = lane < taken && !apart_in_double(c);
+        const unsigned long long place = append(left, undecided.count);
+        if (left && place < undecided.capacity) undecided.data[place] = c;
+        if (lane == 0) atomicAdd(doubles, static_cast<unsigned long long>(taken));
+    };
     const unsigned long long n = survivors.filled(), warps_end = (n + 31) / 32 * 32;
     for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
-        Verdict verdict = Verdict::apart;
-        Candidate candidate{};
-        Pair pair{};
-        bool in_double = false;
-        if (i < n) {
-            candidate = survivors.data[i];
-            pair = pair_of(sorted, candidate);
-            // Copied by four words at a time.
-            const Record a = records.record[candidate.row], b = records.record[candidate.column];
-            const PairSigns signs = pair_signs(a, b);
-            const float reach = frames.reach_of(sorted.leaf[candidate.row]);
-            verdict = filter_in_float(a, b, signs, classify(signs, policy), policy, points, reach);
-            in_double = verdict == Verdict::undecided;
-            if (in_double && filter_in_double(a, b, signs, points)) verdict = Verdict::apart;
-        }
-        tally(in_double, doubles);
-        add(hits, verdict == Verdict::collides, pair, second_of(scene), sorted, candidate);
-        const unsigned long long place = append(verdict == Verdict::undecided, undecided.count);
-        if (verdict == Verdict::undecided && place < undecided.capacity) undecided.data[place] = candidate;
+        const Candidate c = i < n ? survivors.data[i] : Candidate{};
+        const Verdict verdict = i < n ? in_float(c) : Verdict::apart;
+        found.add(verdict == Verdict::collides, c);
+        open.add(verdict == Verdict::undecided, c);
+        if (found.size() >= 32 || (found.size() && !waits)) add_found();
+        if (open.size() >= 32) decide_open();
     }
+    while (found.size()) add_found();
+    while (open.size()) decide_open();
 }
 
-// The exact decision, with expansions where it takes them. Few pairs come here: registers and stack do not matter.
+// The exact decision, with expansions where it takes them. Few pairs come here: registers and stack do not matter. Each
+// goes to another warp as long as there are warps, for lanes that need not decide alike wait for each other.
 __global__ void exact_kernel(PreparedScene scene, Sorted sorted, Neighbours neighbours, IntersectionKind intersections,
                              List<Candidate> undecided, List<Pair> beyond, Hits hits) {
-    const unsigned long long n = undecided.filled(), warps_end = (n + 31) / 32 * 32;
-    for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
+    const unsigned long long n = undecided.filled(), warps = grid_stride() / 32, warp = grid_thread() / 32;
+    for (unsigned long long begin = warp; begin < n && !has_ended(hits.end()); begin += 32 * warps) {
+        const unsigned long long i = begin + threadIdx.x % 32 * warps;
         Verdict verdict = Verdict::apart;
         Pair pair{};
         Candidate candidate{};
@@ -106,12 +134,10 @@ __global__ void append_kernel(const Pair* pairs, std::size_t n, unsigned long lo
     if (grid_thread() == 0) *hits.count = begin + n;
 }
 
-__global__ void rank_kernel(List<Hit> hits, unsigned long long* by_first, unsigned long long* by_tile) {
+__global__ void rank_kernel(List<Hit> hits, unsigned long long* by_first) {
     const unsigned long long n = hits.filled();
-    for (unsigned long long i = grid_thread(); i < n; i += grid_stride()) {
+    for (unsigned long long i = grid_thread(); i < n; i += grid_stride())
         hits.data[i].rank = static_cast<std::uint32_t>(atomicAdd(&by_first[hits.data[i].a], 1ull));
-        atomicAdd(&by_tile[hits.data[i].a / offset_tile], 1ull);
-    }
 }
 
 }  // namespace
@@ -122,8 +148,14 @@ void narrow(const Geometry& geometry, cudaStream_t stream, const PreparedScene& 
             const Hits& hits, unsigned long long* doubles) {
     const Neighbours neighbours = policy.skip_neighbours ? Neighbours::skip : Neighbours::geometric;
     const IntersectionKind intersections = policy.proper ? IntersectionKind::proper : IntersectionKind::all;
-    Launch{stream, std::min(geometry.blocks(survivors.capacity), geometry.fitting(filter_kernel)), geometry.threads}(
-        filter_kernel, scene, sorted, records, points.rows(), frames, policy, survivors, undecided, hits, doubles);
+    const auto filter = [&]<int threads>() {
+        constexpr auto kernel = filter_kernel<threads>;
+        constexpr std::size_t shared = sizeof(FilterShared<threads>);
+        const unsigned blocks = std::min(geometry.blocks(survivors.capacity), geometry.fitting(kernel, shared));
+        Launch{stream, blocks, threads, shared}(kernel, scene, sorted, records, points.rows(), frames, policy,
+                                                survivors, undecided, hits, doubles);
+    };
+    geometry.threads == 64 ? filter.template operator()<64>() : filter.template operator()<256>();
     decide_exactly(geometry, stream, scene, sorted, neighbours, intersections, undecided, beyond, hits);
 }
 
@@ -146,9 +178,8 @@ void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pair
     Launch{stream, geometry.blocks(count), geometry.threads}(append_kernel, pairs, count, begin, hits);
 }
 
-void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& hits, unsigned long long* by_first,
-               unsigned long long* by_tile) {
-    Launch{stream, geometry.blocks(hits.capacity), geometry.threads}(rank_kernel, hits, by_first, by_tile);
+void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& hits, unsigned long long* by_first) {
+    Launch{stream, geometry.blocks(hits.capacity), geometry.threads}(rank_kernel, hits, by_first);
 }
 
 void add_hits(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Pair* pairs,

@@ -6,6 +6,7 @@
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/intersections/intersection_records.h"
 #include "backends/cuda/stages/layout.h"
+#include "filters/intersection/plane_filter.h"
 #include "scene/prepared_scene.h"
 
 namespace crumple::cuda {
@@ -18,7 +19,7 @@ struct IntersectionParameters {
 };
 
 /// Where colliding pairs go. Counting: only their number by first triangle. Filling: to the places that prefix sums of
-/// these numbers gave, `second` of them. Any: nowhere, they are only counted, and the first one ends the work. By
+/// these numbers gave, `bucketed` of them. Any: nowhere, they are only counted, and the first one ends the work. By
 /// world: the same for each world, and expansions are left to those without a hit. Otherwise: to a list, with their
 /// rank.
 struct Hits {
@@ -26,8 +27,7 @@ struct Hits {
     Mode mode;
     List<Hit> list;
     unsigned long long* by_first;  ///< n: number of pairs of each first triangle; filling: where its next one goes
-    unsigned long long* by_tile;   ///< the same of each `offset_tile` first triangles; filling: null
-    std::int32_t* second;
+    BucketedPair* bucketed;
     WorldHits worlds{};
 
     /// For has_ended().
@@ -51,8 +51,7 @@ void reserve_exact_stack(const Geometry& geometry, cudaStream_t stream, Counters
 void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, std::size_t count,
                  unsigned long long begin, const List<Hit>& hits);
 /// Counts the list's hits by first triangle anew.
-void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& hits, unsigned long long* by_first,
-               unsigned long long* by_tile);
+void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& hits, unsigned long long* by_first);
 
 /// Adds pairs (in joint numbering, lower id first) that the host has decided.
 void add_hits(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Pair* pairs,

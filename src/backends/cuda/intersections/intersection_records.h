@@ -3,7 +3,7 @@
 // What stages `sort` and `sweep` of the cuda backend do for this question: records by row, and the plane filter, before
 // a pair is listed. Both run within the stages' kernels, so that they cost no launch.
 
-#include "backends/cuda/device/runtime.h"
+#include "backends/cuda/device/warp_gather.h"
 #include "backends/cuda/stages/layout.h"
 #include "filters/intersection/plane_filter.h"
 
@@ -26,9 +26,10 @@ struct PlaneTest {
     const Record* record;
     NarrowPolicy policy;
 
-    __device__ bool operator()(const Candidate& c) const {
-        const Record a = record[c.row], b = record[c.column];  // copied by four words at a time
-        return classify(pair_signs(a, b), policy) != PairKind::apart;
+    using Room = GatherRoom<Record>;
+    __device__ bool keeps(bool has, const Candidate& c, Room& room) const {
+        const auto [a, b] = gathered_pair(record, c.row, c.column, room);
+        return has && classify(pair_signs(a, b), policy) != PairKind::apart;
     }
 };
 

@@ -18,13 +18,13 @@ void Answer::cut(Cutter& c, const PreparedScene& scene, std::size_t pairs) {
     const auto first = static_cast<std::size_t>(scene.triangles[0]),
                second = static_cast<std::size_t>(scene.triangles[1]);
     output.offsets = c.take<unsigned long long>(first + 1);
-    output.by_tile = c.take<unsigned long long>(offset_tiles(first));
+    output.tiles = c.take<unsigned long long>(offset_tiles(first));
     output.next = c.take<unsigned long long>(first + 1);
     output.hit = c.take<std::uint8_t>(whole_words(first));
     output.hit_second = scene.between ? c.take<std::uint8_t>(whole_words(second)) : output.hit;
     output.capacity = pairs;
     output.pairs = c.take<Pair>(pairs);
-    output.second = c.take<std::int32_t>(pairs);
+    output.bucketed = c.take<BucketedPair>(pairs);
     output.part_capacity = part_capacity(pairs);
     output.parts = c.take<RowPart>(output.part_capacity);
     const auto worlds = static_cast<std::size_t>(names.any() ? names.worlds : 0);
@@ -49,7 +49,7 @@ std::size_t Answer::bytes(const PreparedScene& scene, std::size_t pairs, bool co
 void Answer::clear(Clearing& clearing, const PreparedScene& scene) const {
     const auto first = static_cast<std::size_t>(scene.triangles[0]);
     clearing.add(output.offsets, (first + 1) * sizeof *output.offsets);
-    clearing.add(output.by_tile, offset_tiles(first) * sizeof *output.by_tile);
+    clearing.add(output.tiles, offset_tiles(first) * sizeof *output.tiles);
     clear_flags(clearing, scene, output);
 }
 

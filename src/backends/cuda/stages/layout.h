@@ -58,7 +58,6 @@ struct Counters {
     unsigned long long members[2];                      ///< of each level of subdivision
     unsigned long long unplaced[2];                     ///< of these: there was no room in their child
     unsigned long long interval_tests, box_overlaps;
-    unsigned long long next_unit;             ///< of the sweep: that no warp has taken yet
     unsigned long long survivors;             ///< that no plane separates
     unsigned long long doubles;               ///< of these, undecided in float32
     unsigned long long undecided;             ///< of these, undecided by filters in float64
@@ -140,18 +139,22 @@ struct alignas(16) CrossBox {
     float low_y, high_y, low_z, high_z;
 };
 
-/// Members by leaf and by bin of their start; a leaf's rows are where its members were. A row's columns are the rows
-/// behind it up to `end`.
+/// A member in its place. Its columns are the rows behind it up to `end`.
+struct alignas(16) SortedRow {
+    CrossBox box;
+    std::uint64_t conflict;  ///< pairs with a common bit are not ours: lower clusters of the last level, sides
+    std::uint32_t end;
+    std::int32_t triangle;
+};
+
+/// Members by leaf and by bin of their start; a leaf's rows are where its members were.
 struct Sorted {
     std::uint32_t* bin;        ///< by member: first bin, last bin << 16
     std::uint32_t* rank;       ///< by member: place among those of its bin
     std::uint32_t* bin_first;  ///< bins + 1 a leaf: the last one is the end of its rows
     unsigned* binned;          ///< by leaf: members that are in their bins
-    CrossBox* box;             ///< by row, as all that follow
-    std::uint64_t* conflict;   ///< pairs with a common bit are not ours: lower clusters of the last level, sides
-    std::uint32_t* end;
-    std::int32_t* triangle;
-    std::uint16_t* leaf;
+    SortedRow* row;
+    std::uint16_t* leaf;  ///< by row
 };
 
 /// Rows are swept 32 at a time, against `unit_columns` columns at a time: that is a unit of work.
@@ -159,13 +162,15 @@ struct alignas(16) Unit {
     std::uint32_t row, row_end;  ///< of one leaf
     std::uint32_t column, column_end;
 };
-inline constexpr unsigned unit_columns = 128;
+inline constexpr unsigned unit_columns = 32;
 
-/// First triangles whose pairs are counted together, too, so that prefix sums need one kernel.
-inline constexpr int offset_tile = 2048;
-
-struct Candidate {
+struct alignas(8) Candidate {
     std::uint32_t row, column;
+};
+
+/// A pair of the answer in the bucket of its first element.
+struct alignas(8) BucketedPair {
+    std::int32_t first, second;
 };
 
 /// A colliding pair, in joint numbering, lower id first; `rank` among those of the same first triangle.

@@ -10,13 +10,13 @@ __global__ void bucket_kernel(List<Hit> hits, std::int32_t second, OutputArrays 
     for (unsigned long long i = grid_thread(); i < n; i += grid_stride()) {
         const Hit hit = hits.data[i];
         const unsigned long long place = out.offsets[hit.a] + hit.rank;
-        if (place < out.capacity) out.second[place] = hit.b - second;
+        if (place < out.capacity) out.bucketed[place] = {hit.a, hit.b - second};
     }
 }
 
 }  // namespace
 
-std::size_t offset_tiles(std::size_t firsts) { return firsts / offset_tile + 1; }
+std::size_t offset_tiles(std::size_t firsts) { return firsts / detail::offset_tile + 2; }
 
 std::size_t whole_words(std::size_t flags) { return (flags + 3) / 4 * 4; }
 

@@ -22,10 +22,23 @@ __device__ inline void set_flag(std::uint8_t* flags, std::size_t i) {
     atomicOr(reinterpret_cast<unsigned*>(flags) + i / 4, 1u << 8 * (i % 4));
 }
 
+template <class Key>
+struct alignas(2 * sizeof(Key)) TwoKeys {
+    Key first, second;
+};
+/// Those of two neighbours, of which the first has an even place: read at once.
+__device__ inline TwoKeys<std::int32_t> keys_of(const BucketedPair* bucketed, unsigned long long i) {
+    struct alignas(16) Two {
+        BucketedPair pair[2];
+    };
+    const Two two = *reinterpret_cast<const Two*>(bucketed + i);
+    return {two.pair[0].second, two.pair[1].second};
+}
+
 /// Numbers by first element, and the parts of long rows, as any output has them.
 struct RowsOfOutput {
     unsigned long long* offsets;  ///< n + 1; before: pairs of each first element
-    unsigned long long* by_tile;  ///< the same of each `offset_tile` first elements
+    unsigned long long* tiles;    ///< cleared; what make_offsets() counts of each `offset_tile` first elements
     RowPart* parts;               ///< of all long rows, in any order
     unsigned long long capacity;  ///< of pairs
     unsigned long long part_capacity;
@@ -38,18 +51,22 @@ struct RowsOfOutput {
 struct OutputArrays : RowsOfOutput {
     using Key = std::int32_t;
     unsigned long long* next;  ///< offsets, counted up while pairs are written to their buckets
-    Key* second;               ///< by pair, in no order within a bucket
+    BucketedPair* bucketed;    ///< in no order within a bucket
     Pair* pairs;
     std::uint8_t *hit, *hit_second;  ///< room for a multiple of four bytes; the second mesh's, or the same
 
-    __device__ void set_flags(std::size_t first, Key b) const {
-        set_flag(hit, first);
+    __device__ std::int32_t first_of(unsigned long long i) const { return bucketed[i].first; }
+    __device__ Key key(unsigned long long i) const { return bucketed[i].second; }
+    __device__ TwoKeys<Key> two_keys(unsigned long long i) const { return keys_of(bucketed, i); }
+    __device__ void set_key(unsigned long long i, Key key) const { bucketed[i].second = key; }
+    __device__ void set_flags(std::size_t a, Key b) const {
+        set_flag(hit, a);
         set_flag(hit_second, static_cast<std::size_t>(b));
     }
-    __device__ void write(unsigned long long place, std::int32_t first, Key b) const { pairs[place] = {first, b}; }
+    __device__ void write(unsigned long long place, std::int32_t a, Key b) const { pairs[place] = {a, b}; }
 };
 
-/// Tiles of an answer about so many first triangles.
+/// Words of RowsOfOutput::tiles, for so many first elements.
 std::size_t offset_tiles(std::size_t firsts);
 std::size_t part_capacity(std::size_t pairs);
 

@@ -4,7 +4,9 @@
 // make_offsets(), list_parts() and order_buckets() for its output, which has, beside what Output has of numbers and
 // parts,
 //
-//     Key, Key* second             what rows are ordered by, unique in a row
+//     Key, key(i), set_key(i, key) what rows are ordered by, unique in a row
+//     two_keys(i)                  key(i) and key(i + 1), where i is even
+//     first_of(i)                  first element of the pair whose key is key(i)
 //     set_flags(first, key)        called once for each pair
 //     write(place, first, key)     the pair's place in the answer
 
@@ -18,9 +20,9 @@
 namespace crumple::cuda {
 namespace detail {
 
-inline constexpr unsigned short_row =
-    64;  ///< pairs of a first triangle that each find their place by looking at all others
+inline constexpr unsigned short_row = 256;  ///< pairs of a first element that each look at all others of it
 
+inline constexpr int offset_tile = 2048;  ///< first elements whose pairs a block sums up
 inline constexpr int offset_threads = 256, offsets_a_thread = offset_tile / offset_threads;
 
 inline constexpr unsigned part_pairs = 2048;  ///< of a long row, which a block sorts in shared memory
@@ -37,31 +39,49 @@ __device__ void list_row(const OutputArrays& out, std::size_t a, unsigned long l
 struct OffsetsShared {
     cub::BlockReduce<unsigned long long, offset_threads>::TempStorage sum;
     cub::BlockScan<unsigned long long, offset_threads>::TempStorage scan;
+    std::size_t tile;           // that the block takes
     unsigned long long before;  // pairs of all tiles that come first
 };
 
-// Prefix sums in one kernel: tiles were counted beside the triangles, so a block learns where its tile begins without
-// waiting for another block. That it reads the numbers of all tiles before is little: there is one for 2,048 triangles.
+// Waits until a tile's sum is told, and returns it. One more was told, since a tile may be empty.
+__device__ inline unsigned long long told_sum(unsigned long long* tile) {
+    unsigned long long told = 0;
+    while ((told = atomicAdd(tile, 0ull)) == 0) __nanosleep(100);
+    return told - 1;
+}
+
+// Prefix sums in one kernel. Blocks take tiles in their order, and each tells its tile's sum before it waits for those
+// of the tiles before: blocks have these that run already and wait for none behind them. That a block reads the sums of
+// all tiles before is little: there is one for 2,048 elements.
 template <class OutputArrays>
 __global__ void offsets_kernel(std::size_t n, OutputArrays out, Counters* counters) {
     auto& shared = dynamic_shared<OffsetsShared>();
-    for (std::size_t tile = blockIdx.x; tile <= n / offset_tile; tile += gridDim.x) {
-        unsigned long long own = 0;
-        for (std::size_t t = threadIdx.x; t < tile; t += offset_threads) own += out.by_tile[t];
+    unsigned long long *taken = out.tiles, *told = out.tiles + 1;
+    for (;;) {
+        if (threadIdx.x == 0) shared.tile = atomicAdd(taken, 1ull);
         __syncthreads();
+        const std::size_t tile = shared.tile;
+        if (tile > n / offset_tile) break;
+        const std::size_t first = tile * offset_tile + threadIdx.x * offsets_a_thread;
+        unsigned long long counts[offsets_a_thread], sum = 0, place = 0, own = 0;
+        for (int k = 0; k < offsets_a_thread; ++k) {
+            const std::size_t i = first + static_cast<std::size_t>(k);
+            counts[k] = i < n ? out.offsets[i] : 0;
+            sum += counts[k];
+        }
+        cub::BlockScan<unsigned long long, offset_threads>(shared.scan).ExclusiveSum(sum, place);
+        if (threadIdx.x == offset_threads - 1) atomicExch(&told[tile], place + sum + 1);
+        for (std::size_t t = threadIdx.x; t < tile; t += offset_threads) own += told_sum(&told[t]);
         own = cub::BlockReduce<unsigned long long, offset_threads>(shared.sum).Sum(own);
         if (threadIdx.x == 0) shared.before = own;
-        const std::size_t first = tile * offset_tile + threadIdx.x * offsets_a_thread;
-        unsigned long long sum = 0, place = 0;
-        for (std::size_t i = first; i < first + offsets_a_thread; ++i) sum += i < n ? out.offsets[i] : 0;
-        cub::BlockScan<unsigned long long, offset_threads>(shared.scan).ExclusiveSum(sum, place);
         __syncthreads();
         place += shared.before;
-        for (std::size_t i = first; i < first + offsets_a_thread && i <= n; ++i) {
-            const unsigned long long count = i < n ? out.offsets[i] : 0;
+        for (int k = 0; k < offsets_a_thread; ++k) {
+            const std::size_t i = first + static_cast<std::size_t>(k);
+            if (i > n) break;
             out.offsets[i] = place;
-            place += count;
-            list_row(out, i, count, counters);
+            place += counts[k];
+            list_row(out, i, counts[k], counters);
         }
     }
 }
@@ -117,33 +137,40 @@ __global__ void order_kernel(std::size_t n, OutputArrays out, const Counters* co
         const PartRange range = range_of(out, part.row, part.number);
         const auto count = static_cast<unsigned>(range.end - range.begin);
         for (unsigned i = threadIdx.x; i < count; i += blockDim.x) {
-            shared.second[i] = out.second[range.begin + i];
+            shared.second[i] = out.key(range.begin + i);
             out.set_flags(static_cast<std::size_t>(part.row), shared.second[i]);
         }
         __syncthreads();
         sort_part(shared.second, count);
-        for (unsigned i = threadIdx.x; i < count; i += blockDim.x) out.second[range.begin + i] = shared.second[i];
+        for (unsigned i = threadIdx.x; i < count; i += blockDim.x) out.set_key(range.begin + i, shared.second[i]);
         __syncthreads();
     }
     for (unsigned long long i = grid_thread(); i < total; i += grid_stride()) {
-        const std::size_t a = segment_of(i, out.offsets, n);
+        const auto a = static_cast<std::size_t>(out.first_of(i));
         const unsigned long long begin = out.offsets[a], end = out.offsets[a + 1];
         if (end - begin > short_row) continue;
-        const Key b = out.second[i];
+        const Key b = out.key(i);
         out.set_flags(a, b);
-        unsigned long long rank = 0;
-        for (unsigned long long j = begin; j < end; ++j) rank += out.second[j] < b;
+        unsigned rank = 0;
+        unsigned long long j = begin;
+        if (j % 2 == 1) rank += out.key(j++) < b;
+        for (; j + 1 < end; j += 2) {
+            const auto [first, second] = out.two_keys(j);
+            rank += first < b;
+            rank += second < b;
+        }
+        if (j < end) rank += out.key(j) < b;
         out.write(begin + rank, static_cast<std::int32_t>(a), b);
     }
 }
 
 // How many of the sorted values [begin, end) are less than b.
-template <class Key>
-__device__ unsigned long long count_less(const Key* second, PartRange range, Key b) {
+template <class OutputArrays>
+__device__ unsigned long long count_less(const OutputArrays& out, PartRange range, typename OutputArrays::Key b) {
     unsigned long long begin = range.begin, end = range.end;
     while (begin < end) {
         const unsigned long long middle = (begin + end) / 2;
-        if (second[middle] < b)
+        if (out.key(middle) < b)
             begin = middle + 1;
         else
             end = middle;
@@ -164,10 +191,10 @@ __global__ void merge_kernel(std::size_t n, OutputArrays out, const Counters* co
         const unsigned long long begin = out.offsets[part.row], pairs = out.offsets[part.row + 1] - begin;
         const auto all = static_cast<std::uint32_t>((pairs + part_pairs - 1) / part_pairs);
         for (unsigned long long i = range.begin + threadIdx.x; i < range.end; i += blockDim.x) {
-            const auto b = out.second[i];
+            const auto b = out.key(i);
             unsigned long long place = begin + (i - range.begin);
             for (std::uint32_t other = 0; other < all; ++other)
-                if (other != part.number) place += count_less(out.second, range_of(out, part.row, other), b);
+                if (other != part.number) place += count_less(out, range_of(out, part.row, other), b);
             out.write(place, part.row, b);
         }
     }
@@ -178,7 +205,8 @@ __global__ void merge_kernel(std::size_t n, OutputArrays out, const Counters* co
 template <class OutputArrays>
 void make_offsets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                   Counters* counters) {
-    const auto blocks = static_cast<unsigned>(std::min<std::size_t>(offset_tiles(firsts), geometry.resident));
+    const auto blocks =
+        static_cast<unsigned>(std::min<std::size_t>(firsts / detail::offset_tile + 1, geometry.resident));
     Launch{stream, blocks, detail::offset_threads, sizeof(detail::OffsetsShared)}(detail::offsets_kernel<OutputArrays>,
                                                                                   firsts, output, counters);
 }

@@ -53,10 +53,7 @@ void Pass::cut(Cutter& c) {
     sorted_.rank = c.take<std::uint32_t>(rows);
     sorted_.bin_first = c.take<std::uint32_t>(leaves * (bins + 1));
     sorted_.binned = c.take<unsigned>(leaves);
-    sorted_.box = c.take<CrossBox>(rows);
-    sorted_.conflict = c.take<std::uint64_t>(rows);
-    sorted_.end = c.take<std::uint32_t>(rows);
-    sorted_.triangle = c.take<std::int32_t>(rows);
+    sorted_.row = c.take<SortedRow>(rows);
     sorted_.leaf = c.take<std::uint16_t>(rows);
     units_ = c.take<Unit>(plan.units);
     survivors_ = c.take<Candidate>(plan.survivors);

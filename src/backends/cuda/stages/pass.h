@@ -74,6 +74,7 @@ class Pass {
         sort_members(geometry_, stream_, scene, points_, plan.leaves(), members_of(last_level()),
                      members_[last_level()], frames(), ownership(), sorted_, primitive, records, units(), counters);
     }
+
     template <class Filter>
     void sweep_by(const Slice& slice, const Filter& filter) {
         cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), wanted, filter, survivors(), slice,

@@ -158,7 +158,7 @@ struct Plan {
     void make_room(std::int64_t n, unsigned long long spare) {
         const auto count = static_cast<unsigned long long>(n);
         members[0] = members[1] = count + 3 * count / 4 + spare;
-        units = count / 4 + spare;
+        units = count / 2 + spare;
         survivors = 4 * count + 1024;
         undecided = count / 2 + 1024;
         beyond = 1024;

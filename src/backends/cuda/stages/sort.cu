@@ -10,22 +10,29 @@ __device__ std::uint32_t bin_of(float x, const Frame& frame) {
     return b > 0 ? (b < bins - 1 ? static_cast<std::uint32_t>(b) : bins - 1) : 0;
 }
 
-// Turns a leaf's numbers by bin into first rows, by one warp.
+// Prefix sums of a round of a warp's counts, from `first` on. Returns the sum of all.
+__device__ std::uint32_t sum_round(std::uint32_t* place, std::uint32_t count, std::uint32_t first) {
+    std::uint32_t sum = count;
+    for (unsigned lanes = 1; lanes < 32; lanes *= 2) {
+        const std::uint32_t before = __shfl_up_sync(whole_warp, sum, lanes);
+        if (threadIdx.x % 32 >= lanes) sum += before;
+    }
+    *place = first + sum - count;
+    return first + __shfl_sync(whole_warp, sum, 31);
+}
+
+// Turns a leaf's numbers by bin into first rows, by one warp. It reads some rounds ahead, so that it waits for memory
+// once for all of them.
 __device__ void sum_bins(std::uint32_t* bin_first, std::uint32_t first) {
+    constexpr unsigned ahead = 16;
     const unsigned lane = threadIdx.x % 32;
-    for (unsigned b = lane; b < bins; b += 32) {
-        const std::uint32_t count = bin_first[b];
-        std::uint32_t sum = count;
-        for (unsigned lanes = 1; lanes < 32; lanes *= 2) {
-            const std::uint32_t before = __shfl_up_sync(whole_warp, sum, lanes);
-            if (lane >= lanes) sum += before;
-        }
-        bin_first[b] = first + sum - count;
-        first += __shfl_sync(whole_warp, sum, 31);
+    std::uint32_t counts[ahead];
+    for (unsigned b = lane; b < bins; b += 32 * ahead) {
+        for (unsigned k = 0; k < ahead; ++k) counts[k] = bin_first[b + 32 * k];
+        for (unsigned k = 0; k < ahead; ++k) first = sum_round(bin_first + b + 32 * k, counts[k], first);
     }
     if (lane == 0) bin_first[bins] = first;
 }
-
 // First and last bin of each member, and its place among those that start in the same bin. A warp's members are of one
 // leaf, and the warp that brings the leaf's last ones sums up its bins, which is a kernel less than to wait for all
 // leaves. Fences on both sides of the counter: the last warp sees what the others have counted. The first fence is lane
@@ -71,7 +78,7 @@ __global__ void unit_kernel(int leaves, Segments members_of, Sorted sorted, List
     const auto n = static_cast<std::size_t>(leaves);
     for (unsigned long long row = grid_thread(); row < members_of.first[n]; row += grid_stride()) {
         const auto rows_end = static_cast<std::uint32_t>(members_of.end(segment_of(row, members_of.first, n)));
-        std::uint32_t end = row < rows_end ? sorted.end[row] : 0;
+        std::uint32_t end = row < rows_end ? sorted.row[row].end : 0;
         for (int lanes = 16; lanes > 0; lanes /= 2) end = max(end, __shfl_xor_sync(whole_warp, end, lanes));
         const auto first = static_cast<std::uint32_t>(row) - lane, column = first + 1;
         const unsigned wanted = end > column ? (end - column + unit_columns - 1) / unit_columns : 0;

@@ -13,7 +13,7 @@
 namespace crumple::cuda {
 
 /// Who handles a pair: a leaf owns it iff no lower cluster of any level holds both triangles. The last level's clusters
-/// are bits of Sorted::conflict; the upper level is looked up for the pairs that are left.
+/// are bits of SortedRow::conflict; the upper level is looked up for the pairs that are left.
 struct Ownership {
     const std::uint64_t* upper_mask;  ///< by triangle, of the first of two levels, or null
     const std::uint64_t* last_mask;   ///< by member of the first level, or by triangle if there is one level

@@ -30,12 +30,12 @@ __global__ void place_kernel(PreparedScene scene, const Row<T>* rows, int leaves
         const auto child = leaf % static_cast<std::uint32_t>(ownership.last_fan_out);
         const std::uint64_t lower = ownership.last_mask[item] & ((std::uint64_t{1} << child) - 1);
         const std::uint64_t side = scene.between ? std::uint64_t{1} << (max_fan_out_between - 1 + scene.second(t)) : 0;
-        sorted.box[row] = {member.low.y - frame.margin, member.high.y + frame.margin, member.low.z - frame.margin,
-                           member.high.z + frame.margin};
+        sorted.row[row] = {{member.low.y - frame.margin, member.high.y + frame.margin, member.low.z - frame.margin,
+                            member.high.z + frame.margin},
+                           lower | side,
+                           end,
+                           t};
         records.put(row, t, p, corner, member, frame);
-        sorted.conflict[row] = lower | side;
-        sorted.end[row] = end;
-        sorted.triangle[row] = t;
         sorted.leaf[row] = static_cast<std::uint16_t>(leaf);
         tests += end - row - 1;
     }

@@ -1,8 +1,8 @@
 #pragma once
 
-// Stage `sweep`: pairs of rows whose boxes overlap ([MZ] sec. 3.1), that the leaf owns, whose groups (or
-// bodies) are wanted, and that the question's filter keeps. A filter while a pair's rows are in the cache saves the
-// list most of its length.
+// Stage `sweep`: pairs of rows whose boxes overlap ([MZ] sec. 3.1), that the leaf owns, whose groups (or bodies) are
+// wanted, and that the question's filter keeps. A filter while a pair's rows are in the cache saves the list most of
+// its length.
 
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/stages/layout.h"
@@ -21,8 +21,9 @@ struct Slice {
     WorldHits decided{};
 };
 
-/// `Filter`: a function of the device that tells of a Candidate whether it goes
-/// on. Defined in sweep_kernel.h.
+/// `Filter`: has a function of the device keeps(has, candidate, room) that tells of the candidate of each lane that has
+/// one whether it goes on; all lanes of a warp call it together, with a Filter::Room in shared memory. Lanes that have
+/// none name another's. Defined in sweep_kernel.h.
 template <class Filter>
 void sweep(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
            const List<Unit>& units, const Ownership& ownership, const WantedPairs& wanted, const Filter& filter,

@@ -2,36 +2,43 @@
 
 // The kernel of `sweep`, for those who bring a filter: a question includes this and instantiates sweep<Filter>().
 //
-// A warp sweeps 32 rows at a time, one a lane, against 32 columns that all lanes read from shared memory: a lane's
-// overlaps are the bits of one word, which takes no branch and no vote a column. They wait in a queue of the warp until
-// there are 32 candidates, one a lane again, for the tests that gather from memory; what these leave waits in a second
-// queue until 32 places in the list can be had by one atomic. So lanes are busy however the overlaps fall, and there is
-// no barrier beyond the warp's.
+// A block takes some of all units, and its warps take these one by one. A unit is 32 rows and 32 columns. A lane is a
+// column, which it holds; the rows, in shared memory, come one after the other, and those that have ended before these
+// columns do not come at all: rows differ much in length. A lane's overlaps are the bits of one word, which takes no
+// branch and no vote a row. They wait in a queue of the warp until there are 32 candidates, one a lane again, for the
+// tests that gather from memory; what these leave waits until there is so much that one atomic is little for its places
+// in the list.
 
+#include "backends/cuda/device/warp_queue.h"
 #include "backends/cuda/stages/sweep.h"
 
 namespace crumple::cuda {
 namespace detail {
 
-inline constexpr unsigned long long shares_a_warp = 8;
+using SurvivorQueue = ListQueue<Candidate, 96>;
 
+template <class Filter>
 struct WarpShared {
-    CrossBox box[32];
-    std::uint64_t conflict[32];
-    Candidate candidate[64], survivor[64];
+    SortedRow row[32];
+    WarpQueue<Candidate>::Places candidates;
+    SurvivorQueue::Places survivors;
+    typename Filter::Room room;
 };
-template <int threads>
+template <int threads, class Filter>
 struct SweepShared {
-    WarpShared warp[threads / 32];
+    WarpShared<Filter> warp[threads / 32];
+    unsigned survivors[threads / 32];
+    unsigned taken;                      // units that the block's warps have taken
+    unsigned long long overlaps, place;  // of the whole block
 };
 
-__device__ inline bool ours(const Ownership& o, std::uint32_t leaf, std::int32_t a, std::int32_t b) {
-    if (!o.upper_mask) return true;
-    const auto cluster =
-        leaf / static_cast<std::uint32_t>(o.last_fan_out) % static_cast<std::uint32_t>(o.upper_fan_out);
-    return !(o.upper_mask[a] & o.upper_mask[b] & ((std::uint64_t{1} << cluster) - 1));
+// Whether the boxes of a column and of a row before it overlap, and no lower cluster has both.
+__device__ inline bool overlap(const SortedRow& a, std::uint32_t column, const SortedRow& row) {
+    return !(a.conflict & row.conflict) & (column < row.end) & !(a.box.low_y > row.box.high_y) &
+           !(a.box.high_y < row.box.low_y) & !(a.box.low_z > row.box.high_z) & !(a.box.high_z < row.box.low_z);
 }
 
+// What a warp does with its overlaps. All lanes call its functions together.
 template <class Filter>
 struct Sweep {
     const PreparedScene& scene;
@@ -39,124 +46,111 @@ struct Sweep {
     const Ownership& ownership;
     const WantedPairs& wanted;
     const Filter& filter;
-    const List<Candidate>& list;
-    WarpShared& shared;
-    unsigned lane;
-    unsigned candidates = 0, survivors = 0;  // in the queues, the same in all lanes
+    WarpShared<Filter>& shared;
+    SurvivorQueue survivors;
+    WarpQueue<Candidate> candidates{shared.candidates};
+    unsigned lane = threadIdx.x % 32;
     unsigned long long overlaps = 0;
 
-    __device__ bool keeps(const Candidate& c) const {
-        const std::int32_t a = sorted.triangle[c.row], b = sorted.triangle[c.column];
-        if (!ours(ownership, sorted.leaf[c.row], a, b)) return false;
-        if (!wanted.all() && !wanted(scene.group(a), scene.group(b))) return false;
-        return filter(c);
+    __device__ bool is_ours(std::uint32_t leaf, std::int32_t a, std::int32_t b) const {
+        if (!ownership.upper_mask) return true;
+        const auto cluster = leaf / static_cast<std::uint32_t>(ownership.last_fan_out) %
+                             static_cast<std::uint32_t>(ownership.upper_fan_out);
+        return !(ownership.upper_mask[a] & ownership.upper_mask[b] & ((std::uint64_t{1} << cluster) - 1));
+    }
+    __device__ bool is_asked(const Candidate& c) const {
+        if (!ownership.upper_mask && wanted.all()) return true;
+        const std::int32_t a = sorted.row[c.row].triangle, b = sorted.row[c.column].triangle;
+        return is_ours(sorted.leaf[c.row], a, b) && (wanted.all() || wanted(scene.group(a), scene.group(b)));
     }
 
-    // Moves the last survivors of the queue, up to 32, to the list.
-    __device__ void list_survivors() {
-        const unsigned n = min(survivors, 32u), first = survivors - n;
-        unsigned long long place = 0;
-        if (lane == 0) place = atomicAdd(list.count, static_cast<unsigned long long>(n));
-        place = __shfl_sync(whole_warp, place, 0) + lane;
-        if (lane < n && place < list.capacity) list.data[place] = shared.survivor[first + lane];
+    // Meets the unit's columns with its rows. Returns the rows that the lane's column overlaps, a bit each.
+    __device__ unsigned overlaps_of(const Unit& unit) {
+        const bool has_row = unit.row + lane < unit.row_end;
+        const std::uint32_t column = unit.column + lane;
+        const bool has_column = column < unit.column_end;
+        const SortedRow row = has_row ? sorted.row[unit.row + lane] : SortedRow{};
+        const SortedRow own = has_column ? sorted.row[column] : SortedRow{};
+        shared.row[lane] = row;
         __syncwarp();
-        survivors = first;
-    }
-
-    // Tests the last candidates of the queue, up to 32.
-    __device__ void test_candidates() {
-        const unsigned n = min(candidates, 32u), first = candidates - n;
-        Candidate c{};
-        const bool keep = lane < n && (c = shared.candidate[first + lane], keeps(c));
-        const unsigned kept = __ballot_sync(whole_warp, keep);
-        if (keep) shared.survivor[survivors + static_cast<unsigned>(__popc(kept & ((1u << lane) - 1)))] = c;
+        unsigned overlapping = 0, open = __ballot_sync(whole_warp, row.end > unit.column);
+        const auto meet = [&] {
+            const int last = 31 - __clz(static_cast<int>(open));
+            const unsigned bit = 1u << last;
+            open ^= bit;
+            overlapping |= overlap(own, column, shared.row[last]) ? bit : 0u;
+        };
+        if (__popc(open) & 1) meet();
+        while (open) meet(), meet();  // two at a time, so that one does not wait for the other
         __syncwarp();
-        candidates = first;
-        survivors += static_cast<unsigned>(__popc(kept));
-        overlaps += n;
-        if (survivors >= 32) list_survivors();
+        // A row's columns are behind it.
+        const std::uint32_t before = column - unit.row;
+        if (before < 32) overlapping &= (1u << before) - 1;
+        return has_column ? overlapping : 0;
     }
-
-    // Queues the lane's overlaps, a bit a column from `first` on.
-    __device__ void queue(std::uint32_t row, std::uint32_t first, unsigned overlapping) {
-        while (const unsigned found = __ballot_sync(whole_warp, overlapping != 0)) {
-            if (overlapping) {
-                const auto column = first + static_cast<std::uint32_t>(__ffs(static_cast<int>(overlapping)) - 1);
-                shared.candidate[candidates + static_cast<unsigned>(__popc(found & ((1u << lane) - 1)))] = {row,
-                                                                                                            column};
-                overlapping &= overlapping - 1;
-            }
-            candidates += static_cast<unsigned>(__popc(found));
-            if (candidates < 32) continue;
-            __syncwarp();
-            test_candidates();
+    __device__ void sweep(const Unit& unit) {
+        unsigned rows = overlaps_of(unit);
+        while (const unsigned having = __ballot_sync(whole_warp, rows != 0)) {
+            const auto row = unit.row + static_cast<std::uint32_t>(31 - __clz(static_cast<int>(rows)));
+            candidates.add(rows != 0, {row, unit.column + lane}, having);
+            if (rows) rows ^= 1u << (row - unit.row);
+            if (candidates.size() >= 32) test_candidates();
         }
     }
-
-    __device__ void finish() {
-        while (candidates) test_candidates();
-        while (survivors) list_survivors();
+    // Tests the last candidates of the queue, up to 32.
+    __device__ void test_candidates() {
+        Candidate c{};
+        const unsigned taken = candidates.take(c);
+        survivors.add(filter.keeps(lane < taken && is_asked(c), c, shared.room), c);
+        overlaps += taken;
     }
 };
 
-// Bits of the columns [first, first + 32) that lie in [begin, end).
-__device__ inline unsigned columns_within(std::uint32_t first, std::uint32_t begin, std::uint32_t end) {
-    const auto below = [&](std::uint32_t c) {
-        return c <= first ? 0u : c - first >= 32 ? ~0u : (1u << (c - first)) - 1;
-    };
-    return below(end) & ~below(begin);
+// Lists what the warps of a block still have. All blocks end at much the same time, and atomics on one address are done
+// one after the other: so it is one a block.
+template <int threads, class Filter>
+__device__ void list_rest(SweepShared<threads, Filter>& shared, Sweep<Filter>& sweep, Counters* counters) {
+    const unsigned warp = threadIdx.x / 32;
+    if (sweep.lane == 0) {
+        shared.survivors[warp] = sweep.survivors.size();
+        atomicAdd(&shared.overlaps, sweep.overlaps);
+    }
+    __syncthreads();
+    if (threadIdx.x == 0) {
+        unsigned sum = 0;
+        for (const unsigned survivors : shared.survivors) sum += survivors;
+        if (sum) shared.place = atomicAdd(sweep.survivors.list().count, static_cast<unsigned long long>(sum));
+        if (shared.overlaps) atomicAdd(&counters->box_overlaps, shared.overlaps);
+    }
+    __syncthreads();
+    unsigned long long place = shared.place;
+    for (unsigned w = 0; w < warp; ++w) place += shared.survivors[w];
+    sweep.survivors.write(place);
 }
 
 template <int threads, class Filter>
 __global__ void __launch_bounds__(threads)
     sweep_kernel(PreparedScene scene, Sorted sorted, List<Unit> units, Ownership ownership, WantedPairs wanted,
                  Filter filter, List<Candidate> list, Slice slice, Counters* counters) {
-    const unsigned lane = threadIdx.x % 32;
-    WarpShared& shared = dynamic_shared<SweepShared<threads>>().warp[threadIdx.x / 32];
-    Sweep<Filter> sweep{scene, sorted, ownership, wanted, filter, list, shared, lane};
+    auto& shared = dynamic_shared<SweepShared<threads, Filter>>();
+    WarpShared<Filter>& own = shared.warp[threadIdx.x / 32];
+    Sweep<Filter> sweep{scene, sorted, ownership, wanted, filter, own, SurvivorQueue(own.survivors, list)};
+    if (threadIdx.x == 0) shared.taken = 0, shared.overlaps = 0, shared.place = 0;
+    __syncthreads();
     const unsigned long long all = (units.filled() + slice.step - 1) / slice.step;
-    const unsigned long long begin_unit = all * slice.turn / slice.turns;
-    const unsigned long long end_unit = all * (slice.turn + slice.count) / slice.turns;
-    // Units differ in cost, so warps take some at a time: few, or the last one would be late.
-    const unsigned long long share = (end_unit - begin_unit) / (shares_a_warp * (grid_stride() / 32)) + 1;
-    unsigned long long number = 0, last = 0;
-    for (;; ++number) {
-        if (number == last) {
-            if (has_ended(slice.found)) break;
-            if (lane == 0) number = begin_unit + atomicAdd(&counters->next_unit, share);
-            number = __shfl_sync(whole_warp, number, 0);
-            last = min(number + share, end_unit);
-            if (number >= end_unit) break;
-        }
+    const unsigned long long begin = all * slice.turn / slice.turns,
+                             end = all * (slice.turn + slice.count) / slice.turns;
+    while (!has_ended(slice.found)) {
+        unsigned taken = 0;
+        if (sweep.lane == 0) taken = atomicAdd(&shared.taken, 1u);
+        taken = __shfl_sync(whole_warp, taken, 0);
+        const unsigned long long number = begin + std::uint64_t{taken} * gridDim.x + blockIdx.x;
+        if (number >= end) break;
         const Unit unit = units.data[number * slice.step];
-        if (slice.decided.count && has_ended(slice.decided.of(sorted.leaf[unit.row]))) continue;
-        const std::uint32_t row = unit.row + lane;
-        const bool valid = row < unit.row_end;
-        const CrossBox box = valid ? sorted.box[row] : CrossBox{};
-        const std::uint64_t conflict = valid ? sorted.conflict[row] : 0;
-        const std::uint32_t row_end = valid ? sorted.end[row] : 0;
-        for (std::uint32_t first = unit.column; first < unit.column_end; first += 32) {
-            if (first + lane < unit.column_end) {
-                shared.box[lane] = sorted.box[first + lane];
-                shared.conflict[lane] = sorted.conflict[first + lane];
-            }
-            __syncwarp();
-            const std::uint32_t n = min(unit.column_end - first, 32u);
-            unsigned overlapping = 0;
-            for (std::uint32_t k = 0; k < n; ++k) {
-                const CrossBox other = shared.box[k];
-                const bool overlap = !(conflict & shared.conflict[k]) & !(other.low_y > box.high_y) &
-                                     !(other.high_y < box.low_y) & !(other.low_z > box.high_z) &
-                                     !(other.high_z < box.low_z);
-                overlapping |= static_cast<unsigned>(overlap) << k;
-            }
-            sweep.queue(row, first, overlapping & columns_within(first, row + 1, row_end));
-            __syncwarp();
-        }
+        if (!slice.decided.count || !has_ended(slice.decided.of(sorted.leaf[unit.row]))) sweep.sweep(unit);
     }
-    __syncwarp();
-    sweep.finish();
-    if (lane == 0 && sweep.overlaps) atomicAdd(&counters->box_overlaps, sweep.overlaps);
+    while (sweep.candidates.size()) sweep.test_candidates();
+    list_rest(shared, sweep, counters);
 }
 
 }  // namespace detail
@@ -167,14 +161,13 @@ void sweep(const Geometry& geometry, cudaStream_t stream, const PreparedScene& s
            const List<Candidate>& survivors, const Slice& slice, Counters* counters) {
     const auto run = [&]<int threads>() {
         constexpr auto kernel = detail::sweep_kernel<threads, Filter>;
-        constexpr std::size_t shared = sizeof(detail::SweepShared<threads>);
-        Launch{stream, geometry.fitting(kernel, shared), threads, shared}(kernel, scene, sorted, units, ownership,
-                                                                          wanted, filter, survivors, slice, counters);
+        constexpr std::size_t shared = sizeof(detail::SweepShared<threads, Filter>);
+        Launch{stream, geometry.fitting(kernel, shared, threads), threads, shared}(
+            kernel, scene, sorted, units, ownership, wanted, filter, survivors, slice, counters);
     };
-    if (geometry.threads == 64)
-        run.template operator()<64>();
-    else
-        run.template operator()<256>();
+    // What a block may have of shared memory without asking.
+    constexpr int most = sizeof(detail::SweepShared<256, Filter>) <= 48 * 1024 ? 256 : 128;
+    geometry.threads == 64 ? run.template operator()<64>() : run.template operator()<most>();
 }
 
 }  // namespace crumple::cuda
