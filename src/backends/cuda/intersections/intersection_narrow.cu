@@ -104,8 +104,9 @@ __global__ void __launch_bounds__(threads, 768 / threads)
 // goes to another warp as long as there are warps, for lanes that need not decide alike wait for each other.
 __global__ void exact_kernel(PreparedScene scene, Sorted sorted, Neighbours neighbours, IntersectionKind intersections,
                              List<Candidate> undecided, List<Pair> beyond, Hits hits) {
-    const unsigned long long n = undecided.filled(), warps = grid_stride() / 32, warp = grid_thread() / 32;
-    for (unsigned long long begin = warp; begin < n && !has_ended(hits.end()); begin += 32 * warps) {
+    // Of a grid of one thread, too, which interprets the kernel's PTX (tests/ptx).
+    const unsigned long long n = undecided.filled(), warps = (grid_stride() + 31) / 32, warp = grid_thread() / 32;
+    for (unsigned long long begin = warp; begin < n && !has_ended(hits.end()); begin += grid_stride()) {
         const unsigned long long i = begin + threadIdx.x % 32 * warps;
         Verdict verdict = Verdict::apart;
         Pair pair{};
