@@ -22,7 +22,7 @@ list_first_steps() {
 known_answers           20 find_known_answers
 & device_test           45 run_tests device_test 4
 & device_features_test  45 run_tests device_features_test 2
-bytes                   40 list_calls | compare_bytes
+bytes                   60 list_calls | compare_bytes
 figures                 40 benchmark cuda_first.json --scene "$scene" --largest 0 --worlds 0 --step none $frames
 rival                   20 run_rival
 profile                 60 profile_kernels
@@ -40,7 +40,7 @@ bytes_of_real_scenes    60 list_real_calls | compare_bytes
 python                  60 run_python_tests
 warp                    60 race_warp
 & memcheck              60 sanitize memcheck
-& racecheck             60 sanitize racecheck
+& racecheck             90 sanitize racecheck
 & synccheck             60 sanitize synccheck
 & initcheck             60 sanitize initcheck
 ncu_sections            60 profile_sections
