@@ -47,7 +47,7 @@ def cuda_short(results):
     rows += [[scene(row["step"]), f"{row['triangles']:,}", f"{row['rows']:,} impacts", ms(row["device"]), ms(row["cpu_all_threads"]), ""]
              for row in results.cuda["steps"] if (row["step"], row["question"]) == ("unc_cloth_ball", "impacts")]
     return table(["scene", "triangles", "found", results.cuda["device"]["name"], of_cpu(results),
-                  "cuBQL on the H200, boxes only, not run again"], rows)
+                  "cuBQL on the H200, boxes only"], rows)
 
 
 @block("cuda frames")
