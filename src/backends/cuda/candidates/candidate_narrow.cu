@@ -47,7 +47,7 @@ __device__ float gap(const CandidateBox& a, const CandidateBox& b) {
 
 using HitQueue = ListQueue<RankedCandidate, 224>;
 
-/// What two triangles own, a lane of each.
+/// Features of two triangles, a lane of each.
 struct LanePair {
     Candidate rows;
     std::uint32_t a, b;
@@ -61,7 +61,7 @@ struct PairShared {
     } warp[threads / 32];
 };
 
-// Which pairs of lanes are asked about: a bit each, of a's first lane with all of b's first.
+// The pairs of lanes that are asked about: a bit each, a's first lane with all of b's coming first.
 class WantedLanes {
    public:
     static constexpr int lanes = candidate_lanes - 1;
@@ -70,7 +70,7 @@ class WantedLanes {
         for (int a = 0; a < lanes; ++a)
             for (int b = 0; b < lanes; ++b) wanted_ |= std::uint64_t{asked.wants(kind_of(a, b))} << (lanes * a + b);
     }
-    // Of those, what two triangles own and where they have no vertex in common.
+    // Leaves the pairs that two triangles own and that have no vertex in common.
     __device__ std::uint64_t of(const CandidateRow& a, const CandidateRow& b) const {
         std::uint64_t pairs = 0;
         for (int lane = 0; lane < lanes; ++lane)

@@ -52,7 +52,7 @@ struct FilterShared {
     } warp[threads / 32];
 };
 
-// What filters can prove, in float32 and then in float64. Few pairs need the second, and few collide: both wait until
+// Proves what filters can, in float32 and then in float64. Few pairs need the second, and few collide: both wait until
 // there is one a lane. Where one hit ends the work, none waits.
 template <int threads>
 __global__ void __launch_bounds__(threads, 768 / threads)
@@ -104,7 +104,7 @@ __global__ void __launch_bounds__(threads, 768 / threads)
 // goes to another warp as long as there are warps, for lanes that need not decide alike wait for each other.
 __global__ void exact_kernel(PreparedScene scene, Sorted sorted, Neighbours neighbours, IntersectionKind intersections,
                              List<Candidate> undecided, List<Pair> beyond, Hits hits) {
-    // Of a grid of one thread, too, which interprets the kernel's PTX (tests/ptx).
+    // Right for a grid of one thread, too: tests/ptx interprets the kernel as one.
     const unsigned long long n = undecided.filled(), warps = (grid_stride() + 31) / 32, warp = grid_thread() / 32;
     for (unsigned long long begin = warp; begin < n && !has_ended(hits.end()); begin += grid_stride()) {
         const unsigned long long i = begin + threadIdx.x % 32 * warps;

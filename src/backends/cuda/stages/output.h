@@ -26,7 +26,7 @@ template <class Key>
 struct alignas(2 * sizeof(Key)) TwoKeys {
     Key first, second;
 };
-/// Those of two neighbours, of which the first has an even place: read at once.
+/// Keys of two neighbours, of which the first has an even place: read at once.
 __device__ inline TwoKeys<std::int32_t> keys_of(const BucketedPair* bucketed, unsigned long long i) {
     struct alignas(16) Two {
         BucketedPair pair[2];

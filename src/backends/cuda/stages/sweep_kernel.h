@@ -32,13 +32,13 @@ struct SweepShared {
     unsigned long long overlaps, place;  // of the whole block
 };
 
-// Whether the boxes of a column and of a row before it overlap, and no lower cluster has both.
+// Tells whether the boxes of a column and of a row before it overlap, and no lower cluster has both.
 __device__ inline bool overlap(const SortedRow& a, std::uint32_t column, const SortedRow& row) {
     return !(a.conflict & row.conflict) & (column < row.end) & !(a.box.low_y > row.box.high_y) &
            !(a.box.high_y < row.box.low_y) & !(a.box.low_z > row.box.high_z) & !(a.box.high_z < row.box.low_z);
 }
 
-// What a warp does with its overlaps. All lanes call its functions together.
+// The work of one warp. All lanes call its functions together.
 template <class Filter>
 struct Sweep {
     const PreparedScene& scene;
@@ -165,7 +165,7 @@ void sweep(const Geometry& geometry, cudaStream_t stream, const PreparedScene& s
         Launch{stream, geometry.fitting(kernel, shared, threads), threads, shared}(
             kernel, scene, sorted, units, ownership, wanted, filter, survivors, slice, counters);
     };
-    // What a block may have of shared memory without asking.
+    // A block may have 48 KiB of shared memory without asking.
     constexpr int most = sizeof(detail::SweepShared<256, Filter>) <= 48 * 1024 ? 256 : 128;
     geometry.threads == 64 ? run.template operator()<64>() : run.template operator()<most>();
 }
