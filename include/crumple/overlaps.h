@@ -22,6 +22,9 @@ struct BodyVertex {
 enum class OpenSurfaces : std::uint8_t {
     error,  ///< Error (invalid_argument) that names the body, an open edge and a triangle at it
     skip,   ///< its pairs have no rows, and Overlaps::skipped names it
+    /// Its pairs have a row where surfaces meet, whose relation is `undefined` and whose numbers are NaN, but for the
+    /// contact area and the torque point; curves are found if they are requested.
+    curves,
 };
 
 /// Query for how much closed bodies overlap, where, and which way out (docs/overlap.md). A value: it owns what it
@@ -44,6 +47,7 @@ struct OverlapQuery {
     /// are solids. Always of a scene that is one mesh.
     bool self_overlaps = false;
     bool gradient = false;  ///< also derivatives of volumes by vertices
+    bool curves = false;    ///< also the curves in which surfaces cross; not of a body with itself
     bool windings = false;  ///< also winding numbers at vertices
     /// Bodies are whole: groups of triangles (Shape::groups) are not looked at.
     PairFilter filter = {};
@@ -56,13 +60,14 @@ enum class OverlapRelation : std::uint8_t {
     first_inside,   ///< the overlap has the volume of the first body
     second_inside,  ///< the overlap has the volume of the second body
     equal,          ///< the overlap has the volume of both
+    undefined,      ///< a surface is not closed (OpenSurfaces::curves)
 };
 
 /// Result of an OverlapQuery: a row for each pair of bodies whose surfaces meet, or of which one has a component inside
 /// the other. First body < second body; rows in that order, so that worlds follow each other, and pairs among bodies
-/// that are in all worlds are last. Volumes, area vectors and torques are exact sums, rounded once; what is derived of
-/// them is within 2 units in the last place. The same bytes from every backend, thread count and instruction set. A
-/// plain value: copy it to keep it beyond the detector's next call.
+/// that are in all worlds are last. Volumes, area vectors, torques and areas are exact sums, rounded once; what is
+/// derived of them is within 2 units in the last place. The same bytes from every backend, thread count and instruction
+/// set. A plain value: copy it to keep it beyond the detector's next call.
 struct Overlaps {
     bool any = false;        ///< whether there is any row
     std::int64_t count = 0;  ///< rows, where they are listed; else 0
@@ -88,6 +93,8 @@ struct Overlaps {
     /// The derivative of the volume where the first body turns about `torque_point`: ∫ (x - p) × n dA.
     Array<std::array<double, 3>> torque;
     Array<std::array<double, 3>> torque_point;  ///< the centroid; where there is none, a point between the bodies
+    /// Area in which the surfaces coincide: what pairs of faces in one plane have in common, summed. Correctly rounded.
+    Array<double> contact_area;
 
     /// For OverlapQuery::gradient: the derivatives of volume i by the vertices of both bodies are gradient[j], j from
     /// gradient_offsets[i] to gradient_offsets[i + 1], by body and vertex; those that are 0 are left out. Their sum
@@ -95,6 +102,22 @@ struct Overlaps {
     Array<std::int64_t> gradient_offsets;
     Array<BodyVertex> gradient_vertices;
     Array<std::array<double, 3>> gradient;  ///< each coordinate correctly rounded
+
+    /// For OverlapQuery::curves: the curves in which the surfaces of row i cross are those from curve_offsets[i] to
+    /// curve_offsets[i + 1]. Seen on the first surface from outside, the inside of the second one is on their left.
+    /// Where surfaces lie on each other they are those of the second body shifted by (e, e², e³), e → 0+.
+    Array<std::int64_t> curve_offsets;
+    /// By curve: 1 if it is closed. Curves end at the boundaries of open surfaces, and between triangles that are not
+    /// oriented alike.
+    Array<std::uint8_t> curve_closed;
+    Array<std::array<double, 3>> curve_area_vector;  ///< its part of the area vector, from one side; NaN if it is open
+    Array<std::array<double, 3>> curve_torque;       ///< the same of the torque
+    /// Curve j has the points from curve_point_offsets[j] to curve_point_offsets[j + 1]; if it is closed, the last is
+    /// the first. Points may repeat where a curve passes a vertex.
+    Array<std::int64_t> curve_point_offsets;
+    Array<std::array<double, 3>> curve_points;  ///< each coordinate correctly rounded
+    /// By point: the triangles that cross between this point and the next one; −1 at the last point of a curve.
+    Array<Pair> curve_triangles;
 
     /// For OverlapQuery::windings: the winding numbers of the other body's surface at the vertices of each body, in the
     /// same way. Of a vertex that lies on the other surface the number holds for the second body shifted by (e, e²,

@@ -60,6 +60,9 @@ class Overlaps(Result):
         "(k, 3) float64: the derivative of the volume where the first body turns about `torque_point`.", (3,)
     )
     torque_point = float64("(k, 3) float64: the centroid; where there is none, a point between the bodies.", (3,))
+    contact_area = float64(
+        "(k,) float64: the area in which the surfaces coincide: what pairs of faces in one plane have in common, summed."
+    )
 
     gradient = float64(
         "(m, 3) float64: derivatives of volumes by vertices, those that are not 0, for OverlapQuery(gradient=True).",

@@ -226,7 +226,7 @@ class _CheckOverlaps(_Check):
         rows = len(found.bodies) if output in ("body_pairs", "pairs") else 0
         self._that(len(found.bodies) == len(found.relation) == found.count == rows, "count")
         numbers = (found.volume, found.centroid, found.area_vector, found.normal, found.mean_depth)
-        lengths = {len(array) for array in (*numbers, found.torque, found.torque_point)}
+        lengths = {len(array) for array in (*numbers, found.torque, found.torque_point, found.contact_area)}
         self._that(lengths == {rows if output == "pairs" else 0}, "lengths")
         first, second = found.bodies[:, 0].astype(np.int64), found.bodies[:, 1].astype(np.int64)
         has, of_mesh = self._request.options.__contains__, self._request.scene == "mesh"

@@ -250,6 +250,7 @@ void bind_overlaps(nb::module_& module) {
     numbers("normal", &R::normal, 3U);
     numbers("mean_depth", &R::mean_depth);
     numbers("torque", &R::torque, 3U);
+    numbers("contact_area", &R::contact_area);
     numbers("gradient", &R::gradient, 3U);
     numbers("body_volume", &R::body_volume);
     result.array<std::int64_t>(

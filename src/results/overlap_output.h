@@ -18,6 +18,14 @@ struct VertexWinding {
     std::int32_t vertex, winding;
 };
 
+/// A curve in which the surfaces cross.
+struct OverlapCurve {
+    bool closed = false;
+    Vec3d area_vector, torque;    ///< about the row's torque point; NaN if it is open
+    std::vector<Vec3d> points;    ///< one more than segments
+    std::vector<Pair> triangles;  ///< by segment
+};
+
 /// Result for one pair of bodies.
 struct OverlapRow {
     bool exists = false;  ///< the surfaces meet, or one has a component inside the other
@@ -26,6 +34,7 @@ struct OverlapRow {
     // As far as requested, of the first and the second body, in the order of vertices:
     std::array<std::vector<VertexVector>, 2> gradient;
     std::array<std::vector<VertexWinding>, 2> windings;
+    std::vector<OverlapCurve> curves;
     double body_volume = 0;  ///< of a body with itself: its own volume
 };
 
@@ -43,6 +52,11 @@ void clear(Overlaps& result);
 void begin(const OverlapQuery& query, std::int32_t worlds, std::int32_t bodies, Overlaps& result);
 /// Adds what the row of a body with itself says of that body.
 void add_body(std::int32_t body, const OverlapRow& row, Overlaps& result);
+
+/// The numbers of surfaces that are not closed: NaN, but for the torque point.
+OverlapNumbers undefined_numbers(const Vec3d& point);
+/// True if a query wants the row.
+bool is_listed(const OverlapQuery& query, const OverlapRow& row);
 
 /// Tells which bodies have been left out, named any number of times.
 void add_skipped(std::vector<std::int32_t> bodies, Overlaps& result);

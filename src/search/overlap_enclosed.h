@@ -21,6 +21,19 @@ inline Enclosed enclosed(const Rational& x) {
     return {value, beyond == 0 ? 0 : (1 + 0x1p-40) * beyond.convert_to<double>() + 0x1p-1070};
 }
 
+/// The share of its way after which an edge crosses the plane of a face, for coordinates in the range of double words.
+inline Enclosed enclosed_share(const CrossingEdge& edge) {
+    // Shares with larger bounds are too uncertain to be worth adding; smaller ones might underflow.
+    constexpr double largest_error = 0x1p-80, least_share = 0x1p-250;
+    const FaceCorners& q = edge.face;
+    const Vec3<Enclosed> normal = cross(enclosed_difference(q[1], q[0]), enclosed_difference(q[2], q[0]));
+    const Enclosed from = dot(normal, enclosed_difference(edge.from, q[0])),
+                   to = dot(normal, enclosed_difference(edge.to, q[0]));
+    const Enclosed share = from / (from - to);
+    if (share.error <= largest_error && share.magnitude() >= least_share) return share;
+    return enclosed(share_of_edge(edge.from, edge.to, q));
+}
+
 /// Terms in double words, for bodies in their range.
 class EnclosedTerms {
    public:
@@ -50,20 +63,10 @@ class EnclosedTerms {
     }
 
    private:
-    /// Shares with larger bounds are too uncertain to be worth adding; smaller ones might underflow.
-    static constexpr double largest_error = 0x1p-80, least_share = 0x1p-250;
-
     Vec3<Enclosed> at(const Vec3d& p) const { return enclosed_difference(p, scene_.origin); }
     Vec3<Enclosed> at(const CrossingEdge& edge) const {
         if (edge.is_vertex()) return at(edge.from);
-        const FaceCorners& q = edge.face;
-        const Vec3<Enclosed> normal = cross(enclosed_difference(q[1], q[0]), enclosed_difference(q[2], q[0]));
-        const Enclosed from = dot(normal, enclosed_difference(edge.from, q[0])),
-                       to = dot(normal, enclosed_difference(edge.to, q[0]));
-        Enclosed share = from / (from - to);
-        if (!(share.error <= largest_error) || share.magnitude() < least_share)
-            share = enclosed(share_of_edge(edge.from, edge.to, q));
-        return at(edge.from) + share * enclosed_difference(edge.to, edge.from);
+        return at(edge.from) + enclosed_share(edge) * enclosed_difference(edge.to, edge.from);
     }
 
     const OverlapScene& scene_;

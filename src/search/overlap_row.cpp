@@ -6,6 +6,7 @@
 
 #include "exact/overlap/quick_crossing.h"
 #include "exact/overlap/rational_crossing.h"
+#include "search/overlap_contact_area.h"
 #include "search/overlap_volumes.h"
 
 namespace crumple {
@@ -14,8 +15,18 @@ namespace {
 /// Steps and segments that some pairs of triangles make.
 struct CrossedPairs {
     std::array<std::array<WindingSteps, 2>, 2> steps;  ///< by shift and side
-    std::vector<Segment> segments;
+    std::vector<Segment> segments, links;
+    std::vector<Pair> coplanar;
 };
+
+/// Adds how edges of a degenerate face cross another one, if they do: a segment without length.
+void add_link(const Pair& pair, const FaceCrossing& jumps, std::vector<Segment>& links) {
+    const auto crosses = [](int jump) { return jump != 0; };
+    if (std::none_of(jumps.a.begin(), jumps.a.end(), crosses) && std::none_of(jumps.b.begin(), jumps.b.end(), crosses))
+        return;
+    Segment& link = links.emplace_back(segment_of(jumps, [](std::size_t, std::size_t) { return -1; }));
+    link.a = pair.a, link.b = pair.b;
+}
 
 /// Makes one entry of those of each face, and none where they cancel.
 void combine(std::vector<CountedFace>& faces) {
@@ -48,9 +59,25 @@ OverlapRow OverlapOfBodies::find_self(const PlacedSurface& body, std::span<const
     return row;
 }
 
+OverlapRow OverlapOfBodies::find_open(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
+                                      const Vec3d& origin, const Request& request) {
+    sums_.scene = {{&a, &b}, origin};
+    pairs_ = pairs;
+    OverlapRow row;
+    row.exists = !pairs.empty();
+    row.relation = OverlapRelation::undefined;
+    row.numbers = undefined_numbers(origin);
+    if (!row.exists || !request.numbers) return row;
+    cross_pairs(false);
+    row.numbers.contact_area = contact_area();
+    if (request.curves) row.curves = curves(origin);
+    return row;
+}
+
 OverlapRow OverlapOfBodies::find(const Request& request) {
     sums_.numbers = request.numbers;
     cross_pairs(request.gradient);
+    find_windings(request.gradient);
     OverlapRow row;
     row.exists = !pairs_.empty() || !steps(0).intervals().empty() || !steps(1).intervals().empty();
     if (!row.exists) return row;
@@ -59,6 +86,7 @@ OverlapRow OverlapOfBodies::find(const Request& request) {
         row.numbers = finish(sums_, sums_.scene.origin, self_ != 0);
     else
         row.numbers.volume = sums_.volume([](const auto& totals) { return totals.volume; }, self_ ? 12 : 6);
+    if (request.numbers) row.numbers.contact_area = contact_area();
     if (self_) row.exists = row.numbers.volume.scaled.mantissa != 0;
     if (!row.exists) return row;
     row.relation = relate(row.numbers);
@@ -66,6 +94,7 @@ OverlapRow OverlapOfBodies::find(const Request& request) {
         if (request.gradient) row.gradient[side] = gradient(side);
         if (request.windings) row.windings[side] = windings(side);
     }
+    if (request.curves && !self_) row.curves = curves(row.numbers.point);
     return row;
 }
 
@@ -83,6 +112,7 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
             auto& steps = crossed.steps[forward ? 0 : 1];
             steps[0].add_jumps(topology(0), pair.a, crossing.jumps.a);
             steps[1].add_jumps(topology(1), pair.b, crossing.jumps.b);
+            if (!crossing.jumps.segment && forward) add_link(pair, crossing.jumps, crossed.links);
             if (!crossing.jumps.segment || (times == 0 && !forward)) return;
             Segment segment = crossing.segment;
             segment.a = pair.a, segment.b = pair.b;
@@ -93,6 +123,7 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
         const auto add_pair = [&](const Pair& pair, const DecidedCrossings& both) {
             add(pair, both.forward, Shift::forward, both.tied ? once : 2 * once);
             if (both.tied || gradient) add(pair, both.backward, Shift::backward, both.tied ? once : 0);
+            if (both.coplanar && (self_ == 0 || pair.a < pair.b)) crossed.coplanar.push_back(pair);
         };
         const std::size_t end = std::min(pairs_.size(), (part + 1) * chunk);
         std::optional<CrossedFace> a;
@@ -116,17 +147,30 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
     std::size_t count = 0;
     for (const CrossedPairs& part : parts) count += part.segments.size();
     sums_.segments.reserve(count);
-    for (const CrossedPairs& part : parts)
+    for (const CrossedPairs& part : parts) {
         sums_.segments.insert(sums_.segments.end(), part.segments.begin(), part.segments.end());
+        links_.insert(links_.end(), part.links.begin(), part.links.end());
+        coplanar_.insert(coplanar_.end(), part.coplanar.begin(), part.coplanar.end());
+    }
+    for (std::size_t s = 0; s < (gradient ? 2 : 1); ++s)
+        for (std::size_t side = 0; side < 2; ++side)
+            for (const CrossedPairs& part : parts) steps_[s][side].add(part.steps[s][side]);
+}
+
+void OverlapOfBodies::find_windings(bool gradient) {
     for (std::size_t s = 0; s < (gradient ? 2 : 1); ++s)
         for (std::size_t side = 0; side < 2; ++side) {
-            WindingSteps& steps = steps_[s][side];
-            for (const CrossedPairs& part : parts) steps.add(part.steps[s][side]);
             const Shift of_second = both_shifts[s];
-            steps.add_components(body(side), body(1 - side), side == 0 ? of_second : opposite(of_second),
-                                 cancellation_);
-            steps.make_intervals();
+            steps_[s][side].add_components(body(side), body(1 - side), side == 0 ? of_second : opposite(of_second),
+                                           cancellation_);
+            steps_[s][side].make_intervals();
         }
+}
+
+double OverlapOfBodies::contact_area() {
+    const ContactArea contact = find_contact_area(sums_.scene, coplanar_, workers_, cancellation_);
+    was_exact_ |= contact.was_exact;
+    return contact.area;
 }
 
 // A face counts as often as the winding number at its first corner says, and where its edge 01 is crossed as often as

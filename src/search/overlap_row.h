@@ -7,6 +7,7 @@
 //   components --a ray each--> winding numbers of their first vertices
 //   steps --sorted--> intervals of places whose winding number is constant --> how often faces count
 //   segments, faces --overlap_sums.h--> numbers, each rounded once
+//   segments --results/joined_curves.h--> curves
 
 #include <array>
 #include <span>
@@ -27,7 +28,7 @@ class OverlapOfBodies {
    public:
     struct Request {
         bool numbers = true;  ///< otherwise no more than the volume and the relation
-        bool gradient = false, windings = false;
+        bool gradient = false, windings = false, curves = false;
         int orientation = 1;  ///< of a body with itself: −1 if its faces are meant to be reversed
     };
 
@@ -39,6 +40,10 @@ class OverlapOfBodies {
     /// their order. Sums are about `origin`.
     OverlapRow find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs, const Vec3d& origin,
                     const Request& request);
+
+    /// The same of surfaces of which one is not closed: a row without numbers.
+    OverlapRow find_open(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
+                         const Vec3d& origin, const Request& request);
 
     /// The overlap of a body with itself, and its volume: half of what its winding number squared exceeds the winding
     /// number by. `pairs`: all pairs of its triangles that have a common point, in both orders, but for pairs of one
@@ -54,12 +59,16 @@ class OverlapOfBodies {
     using ShiftedSteps = std::array<WindingSteps, 2>;
 
     OverlapRow find(const Request& request);
+    /// Decides how pairs cross, and with `gradient` keeps steps of both shifts.
+    void cross_pairs(bool gradient);
+    /// Makes the intervals in which winding numbers are constant.
+    void find_windings(bool gradient);
     bool in_range() const { return sums_.scene.in_range(); }
     const PlacedSurface& body(std::size_t side) const { return *sums_.scene.surface[side]; }
     const ClosedSurface& topology(std::size_t side) const { return *body(side).surface; }
     const WindingSteps& steps(std::size_t side) const { return steps_[0][side]; }
-    void cross_pairs(bool gradient);
     void count_faces();
+    double contact_area();
     bool is_inside(std::size_t side) const;
     OverlapRelation relate(const OverlapNumbers& numbers);
     bool has_volume_of(std::size_t side, const Scaled& volume);
@@ -67,6 +76,9 @@ class OverlapOfBodies {
     /// For further sums about the same bodies: without faces and segments, for volumes.
     OverlapSums sums_of_scene() const;
     std::vector<VertexWinding> windings(std::size_t side) const;
+
+    /// The curves, in overlap_curves.cpp. Torques are about `point`.
+    std::vector<OverlapCurve> curves(const Vec3d& point);
 
     // The gradient, in overlap_gradient.cpp:
     template <class Number, class Wanted>
@@ -81,7 +93,9 @@ class OverlapOfBodies {
     Cancellation& cancellation_;
     bool was_exact_ = false;
     std::span<const Pair> pairs_;
-    int self_ = 0;                       ///< the orientation of a body that is with itself, else 0
+    std::vector<Segment> links_;  ///< of degenerate faces, for curves: see results/joined_curves.h
+    std::vector<Pair> coplanar_;  ///< of these, the faces that lie in one plane; of a body with itself in one order
+    int self_ = 0;                ///< the orientation of a body that is with itself, else 0
     std::array<ShiftedSteps, 2> steps_;  ///< forward; for gradients also backward
     OverlapSums sums_;
 };

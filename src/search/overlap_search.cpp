@@ -147,21 +147,18 @@ void OverlapSearch::find_rows(BackendBase& backend, Overlaps& result) {
     std::vector<OverlapRow> rows(candidates_.size());
     std::atomic<std::int64_t> rational{0};
     std::atomic<bool> enough{false};
-    const auto is_listed = [&](const OverlapRow& row) {
-        return row.exists && std::abs(row.numbers.volume.value) >= query_.min_volume;
-    };
     backend.parallel_for(candidates_.size(), [&](std::size_t i) {
         if (enough.load(std::memory_order_relaxed)) return;
         cancellation_.check();
         bool was_exact = false;
         rows[i] = row_of(backend, candidates_[i], was_exact);
         if (was_exact) rational.fetch_add(1, std::memory_order_relaxed);
-        if (query_.output == Output::any && is_listed(rows[i])) enough.store(true, std::memory_order_relaxed);
+        if (query_.output == Output::any && is_listed(query_, rows[i])) enough.store(true, std::memory_order_relaxed);
     });
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const BodyPair& bodies = candidates_[i].bodies;
         if (bodies.first == bodies.second) add_body(bodies.first, rows[i], result);
-        if (is_listed(rows[i])) add_row(query_, bodies, outline_.body(bodies.first).world, rows[i], result);
+        if (is_listed(query_, rows[i])) add_row(query_, bodies, outline_.body(bodies.first).world, rows[i], result);
     }
     result.statistics.rational_tests += rational;
 }
@@ -223,18 +220,20 @@ std::vector<std::int32_t> OverlapSearch::list_candidates() {
         return open && a != b && !overlap(box_of_vertices(a), box_of_vertices(b));
     });
     for (const Candidate& candidate : candidates_) {
-        if (query_.open == OpenSurfaces::skip) continue;
+        if (query_.open != OpenSurfaces::error) continue;
         check_closed(candidate.bodies.first);
         check_closed(candidate.bodies.second);
     }
     std::vector<std::int32_t> open;
     std::erase_if(candidates_, [&](const Candidate& candidate) {
+        const auto [a, b] = candidate.bodies;
         const std::size_t before = open.size();
-        for (const std::int32_t body : {candidate.bodies.first, candidate.bodies.second})
+        for (const std::int32_t body : {a, b})
             if (!surface(body).closed.closed()) open.push_back(body);
-        return open.size() != before;
+        return open.size() != before && (query_.open == OpenSurfaces::skip || a == b);
     });
     none_is_open_ = open.empty();
+    if (query_.open == OpenSurfaces::curves) open.clear();
     return open;
 }
 
@@ -273,15 +272,19 @@ OverlapRow OverlapSearch::row_of(BackendBase& backend, const Candidate& candidat
     const std::span<const Pair> pairs(pairs_.data() + candidate.begin, candidate.end - candidate.begin);
     OverlapOfBodies overlap(backend, backend.overlap_kernels(), cancellation_);
     const bool numbers = query_.output == Output::pairs;
-    OverlapOfBodies::Request request{
-        .numbers = numbers, .gradient = numbers && query_.gradient, .windings = numbers && query_.windings};
+    OverlapOfBodies::Request request{.numbers = numbers,
+                                     .gradient = numbers && query_.gradient,
+                                     .windings = numbers && query_.windings,
+                                     .curves = numbers && query_.curves};
     OverlapRow row;
     if (first == second) {
         request.orientation = orientation(first);
         row = overlap.find_self(a, pairs_within(*a.surface, pairs), middle_of(a.box, a.box), request);
     } else {
         const PlacedSurface b = place(second, points_b);
-        row = overlap.find(a, b, pairs, middle_of(a.box, b.box), request);
+        const bool closed = a.surface->closed() && b.surface->closed();
+        const Vec3d origin = middle_of(a.box, b.box);
+        row = closed ? overlap.find(a, b, pairs, origin, request) : overlap.find_open(a, b, pairs, origin, request);
     }
     orient(orientation(first), orientation(second), row);
     was_exact = overlap.was_exact();

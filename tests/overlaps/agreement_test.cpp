@@ -38,7 +38,8 @@ TEST_P(OverlapAgreement, of_bodies_on_a_grid) {
         SCOPED_TRACE(seed);
         const ClosedBodies bodies = closed_bodies(seed, 3, true, false);
         compare(bodies.view());
-        if (seed % 3 == 0) compare(bodies.view(), {.self_overlaps = true, .gradient = true, .windings = true});
+        if (seed % 3 == 0)
+            compare(bodies.view(), {.self_overlaps = true, .gradient = true, .curves = true, .windings = true});
     }
     for (const int rows : relations_) EXPECT_GT(rows, 0);
 }
@@ -47,7 +48,7 @@ TEST_P(OverlapAgreement, of_bodies_anywhere) {
         SCOPED_TRACE(seed);
         const ClosedBodies bodies = closed_bodies(seed, 3, false, true);
         compare(bodies.view(), {.filter = {.groups = seed % 3 == 0 ? PairScope::between : PairScope::both}});
-        compare(bodies.view(), {.self_overlaps = seed % 2 == 0, .gradient = true, .windings = true});
+        compare(bodies.view(), {.self_overlaps = seed % 2 == 0, .gradient = true, .curves = true, .windings = true});
     }
     EXPECT_GT(relations_[1], 10);
 }
@@ -65,7 +66,39 @@ TEST_P(OverlapAgreement, of_bodies_of_which_one_is_open) {
         bodies.soups[1].triangles.pop_back();
         bodies.shapes[1] = Shape(bodies.soups[1].view());
         for (const Output output : {Output::any, Output::any_by_world, Output::pairs})
-            compare(bodies.view(), {.output = output, .open = OpenSurfaces::skip, .self_overlaps = seed % 2 == 0});
+            for (const OpenSurfaces open : {OpenSurfaces::skip, OpenSurfaces::curves})
+                compare(bodies.view(),
+                        {.output = output, .open = open, .self_overlaps = seed % 2 == 0, .curves = true});
+    }
+}
+
+TEST_P(OverlapAgreement, of_bodies_whose_common_planes_are_tilted) {
+    double area = 0;
+    for (unsigned seed = 300; seed < (sanitized ? 310u : 330u); ++seed) {
+        SCOPED_TRACE(seed);
+        ClosedBodies bodies = closed_bodies(seed, 3, true, false);
+        for (std::size_t b = 0; b < bodies.soups.size(); ++b) {
+            for (auto& [x, y, z] : bodies.soups[b].vertices) {
+                const double along = x + 2 * z, up = z - x + 3 * y;
+                x = along, z = up;
+            }
+            bodies.shapes[b] = Shape(bodies.soups[b].view());
+        }
+        compare(bodies.view(), {.self_overlaps = true, .curves = true});
+        for (const double contact : detector_.find(bodies.view(), OverlapQuery()).contact_area) area += contact;
+    }
+    EXPECT_GT(area, 10);
+}
+
+TEST_P(OverlapAgreement, of_bodies_that_share_edges_and_have_degenerate_faces) {
+    for (unsigned seed = 400; seed < 420; ++seed) {
+        SCOPED_TRACE(seed);
+        ClosedBodies bodies = closed_bodies(seed, 2, true, false);
+        for (std::size_t b = 0; b < bodies.soups.size(); ++b) {
+            test::put_a_triangle_into_an_edge(bodies.soups[b]);
+            bodies.shapes[b] = Shape(bodies.soups[b].view());
+        }
+        compare(bodies.view(), {.weld = true, .gradient = true, .curves = true, .windings = true});
     }
 }
 

@@ -74,6 +74,19 @@ inline ClosedBodies closed_bodies(unsigned seed, int bodies, bool grid, bool pos
     return all;
 }
 
+/// Makes a T-junction: a degenerate triangle between the first edge and its two halves.
+inline void put_a_triangle_into_an_edge(Soup<double>& soup) {
+    const auto [a, b, c] = soup.triangles[0];
+    const auto middle = static_cast<std::int32_t>(soup.vertices.size());
+    std::array<double, 3> p{};
+    for (std::size_t k = 0; k < 3; ++k)
+        p[k] = (soup.vertices[static_cast<std::size_t>(a)][k] + soup.vertices[static_cast<std::size_t>(b)][k]) / 2;
+    soup.vertices.push_back(p);
+    soup.triangles[0] = {a, middle, c};
+    soup.triangles.push_back({middle, b, c});
+    soup.triangles.push_back({a, b, middle});
+}
+
 /// Both as one body.
 inline Soup<double> joined(Soup<double> soup, const Soup<double>& other) {
     const auto first = static_cast<std::int32_t>(soup.vertices.size());
@@ -100,9 +113,17 @@ inline std::string difference(const Overlaps& x, const Overlaps& y) {
     if (differ(x.mean_depth, y.mean_depth)) return "mean_depth";
     if (differ(x.torque, y.torque)) return "torque";
     if (differ(x.torque_point, y.torque_point)) return "torque_point";
+    if (differ(x.contact_area, y.contact_area)) return "contact_area";
     if (differ(x.gradient_offsets, y.gradient_offsets)) return "gradient_offsets";
     if (differ(x.gradient_vertices, y.gradient_vertices)) return "gradient_vertices";
     if (differ(x.gradient, y.gradient)) return "gradient";
+    if (differ(x.curve_offsets, y.curve_offsets)) return "curve_offsets";
+    if (differ(x.curve_closed, y.curve_closed)) return "curve_closed";
+    if (differ(x.curve_area_vector, y.curve_area_vector)) return "curve_area_vector";
+    if (differ(x.curve_torque, y.curve_torque)) return "curve_torque";
+    if (differ(x.curve_point_offsets, y.curve_point_offsets)) return "curve_point_offsets";
+    if (differ(x.curve_points, y.curve_points)) return "curve_points";
+    if (differ(x.curve_triangles, y.curve_triangles)) return "curve_triangles";
     if (differ(x.winding_offsets, y.winding_offsets)) return "winding_offsets";
     if (differ(x.winding_vertices, y.winding_vertices)) return "winding_vertices";
     if (differ(x.windings, y.windings)) return "windings";

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "overlaps/closed_bodies.h"
@@ -87,9 +88,9 @@ class OverlapByName : public testing::Test {
             bodies.push_back({.shape = static_cast<std::int32_t>(bodies.size())});
         }
         const World world{shapes, bodies, poses};
-        const Overlaps& found = cpu_.find(world, OverlapQuery{.gradient = true, .windings = true});
-        EXPECT_EQ(test::difference(found, reference_.find(world, OverlapQuery{.gradient = true, .windings = true})),
-                  "");
+        const OverlapQuery query{.gradient = true, .curves = true, .windings = true};
+        const Overlaps& found = cpu_.find(world, query);
+        EXPECT_EQ(test::difference(found, reference_.find(world, query)), "");
         return found;
     }
     const Overlaps& find_with_itself(const Soup& soup) {
@@ -115,7 +116,70 @@ TEST_F(OverlapByName, an_aligned_stack_touches_with_the_normal_of_its_faces) {
     for (std::size_t row = 0; row < 2; ++row) {
         expect_row(found, row, OverlapRelation::touching, 0, {0, 0, 0.5});
         EXPECT_EQ(found.normal[row], (Numbers{0, 0, 1}));
+        EXPECT_EQ(found.contact_area[row], 1);
     }
+}
+
+TEST_F(OverlapByName, faces_in_a_tilted_plane_have_a_contact_area_that_is_a_root) {
+    std::vector<Soup> soups{box({0, 0, 0}, {1, 1, 1}), box({0.25, 0, 1}, {1.25, 1, 2})};
+    for (Soup& soup : soups)
+        for (auto& [x, y, z] : soup.vertices) {
+            const double along = x + z, up = z - x;
+            x = along, z = up;
+        }
+    const Overlaps& found = find(soups);
+    ASSERT_EQ(found.count, 1);
+    EXPECT_EQ(found.contact_area[0], std::sqrt(1.125));  // 3/4 of a square with a side of root 2
+}
+
+TEST_F(OverlapByName, two_pegs_cross_a_box_in_four_curves) {
+    const Soup plate = box({0, 0, 0}, {4, 4, 1}), one = box({1, 1, -1}, {1.5, 1.5, 2}),
+               other = box({2, 2, -1}, {3, 3, 2});
+    const Overlaps& found = cpu_.find(Scene(plate.view(), joined(one, other).view()), OverlapQuery{.curves = true});
+    ASSERT_EQ(found.count, 1);
+    ASSERT_EQ(found.curve_closed.size(), 4u);
+    Numbers sum{};
+    std::vector<double> areas;
+    for (std::size_t j = 0; j < 4; ++j) {
+        EXPECT_EQ(found.curve_closed[j], 1);
+        const Numbers& area = found.curve_area_vector[j];
+        for (std::size_t k = 0; k < 3; ++k) sum[k] += area[k];
+        areas.push_back(area[2]);
+        const std::int64_t begin = found.curve_point_offsets[j], end = found.curve_point_offsets[j + 1];
+        EXPECT_EQ(found.curve_points[begin], found.curve_points[end - 1]);
+        for (std::int64_t i = begin; i < end; ++i)
+            EXPECT_TRUE(found.curve_points[i][2] == 0 || found.curve_points[i][2] == 1);
+        EXPECT_EQ(found.curve_triangles[end - 1], (Pair{-1, -1}));
+    }
+    EXPECT_EQ(sum, found.area_vector[0]);
+    std::sort(areas.begin(), areas.end());
+    EXPECT_EQ(areas, (std::vector<double>{-1, -0.25, 0.25, 1}));
+}
+
+TEST_F(OverlapByName, boxes_that_touch_in_an_edge_are_cut_in_two_curves) {
+    const Soup twins = joined(box({0, 0, 0}, {1, 1, 2}), box({1, 1, 0}, {2, 2, 2})),
+               plate = box({-1, -1, 0.5}, {3, 3, 9});
+    const Overlaps& found = cpu_.find(Scene(twins.view(), plate.view()), OverlapQuery{.weld = true, .curves = true});
+    ASSERT_EQ(found.curve_closed.size(), 2u);
+    EXPECT_EQ(found.curve_area_vector[0], (Numbers{0, 0, 1}));
+    EXPECT_EQ(found.curve_area_vector[1], (Numbers{0, 0, 1}));
+}
+
+TEST_F(OverlapByName, a_sheet_through_a_box_has_an_open_curve) {
+    Soup sheet;
+    sheet.vertices = {{0.5, 0.5, 0.5}, {3, 0.5, 0.5}, {3, 3, 0.75}, {0.5, 3, 0.5}};
+    sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+    const Soup cube = box({0, 0, 0}, {1, 1, 1});
+    const OverlapQuery query{.open = OpenSurfaces::curves, .curves = true};
+    const Overlaps& found = cpu_.find(Scene(sheet.view(), cube.view()), query);
+    ASSERT_EQ(found.count, 1);
+    EXPECT_EQ(found.relation[0], OverlapRelation::undefined);
+    EXPECT_TRUE(std::isnan(found.volume[0]) && std::isnan(found.normal[0][0]));
+    ASSERT_EQ(found.curve_closed.size(), 1u);
+    EXPECT_EQ(found.curve_closed[0], 0);
+    EXPECT_TRUE(std::isnan(found.curve_area_vector[0][0]));
+    EXPECT_EQ(test::difference(found, reference_.find(Scene(sheet.view(), cube.view()), query)), "");
+    EXPECT_FALSE(cpu_.find(Scene(sheet.view(), cube.view()), OverlapQuery{.open = OpenSurfaces::skip}).any);
 }
 
 TEST_F(OverlapByName, three_equal_boxes_fill_the_same_space) {

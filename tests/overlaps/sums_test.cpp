@@ -104,6 +104,24 @@ TEST(RationalSum, TiesAndZeroAreDecidedByAddingUp) {
     EXPECT_EQ(tie.rounded_quotient(1, none).value, 1 + 0x1p-52);
 }
 
+TEST(RootSum, RootsAreRoundedOnceAndRationalOnesAreExact) {
+    Cancellation none;
+    RootSum sum;
+    EXPECT_EQ(sum.rounded_quotient(1, none).value, 0);
+    sum.times_root_of(Rational(9, 4)).add(Rational(1, 3));
+    EXPECT_EQ(sum.rounded_quotient(1, none).value, 0.5);
+    sum.times_root_of(Rational(1)).add(Rational(1, mp::cpp_int(1) << 54));  // a tie, to even
+    EXPECT_EQ(sum.rounded_quotient(1, none).value, 0.5);
+    // A root far below the last place decides the tie.
+    sum.times_root_of(Rational(2)).add(Rational(1, mp::cpp_int(1) << 900));
+    EXPECT_EQ(sum.rounded_quotient(1, none).value, 0.5 + 0x1p-53);
+    RootSum two;
+    two.times_root_of(Rational(2)).add(Rational(1));
+    two.add(two);
+    EXPECT_EQ(two.rounded_quotient(2, none).value, std::sqrt(2.0));
+    EXPECT_EQ(two.rounded_quotient(1, none).value, 2 * std::sqrt(2.0));
+}
+
 TEST(RationalSum, NumbersBeyondFloat64HaveAnExponentApart) {
     Cancellation none;
     RationalSum small, large;

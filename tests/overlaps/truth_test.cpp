@@ -22,10 +22,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-Json cases_of(const char* file) {
+Json truth_of(const char* file) {
     const auto folder = io::test::data_folder();
     if (!folder || !std::filesystem::exists(*folder / "gt-overlap" / file)) return nullptr;
-    return Json::parse(std::ifstream(*folder / "gt-overlap" / file)).at("cases");
+    return Json::parse(std::ifstream(*folder / "gt-overlap" / file));
+}
+Json cases_of(const char* file) {
+    const Json truth = truth_of(file);
+    return truth.is_null() ? truth : truth.at("cases");
 }
 
 double from_hexadecimal(const Json& text) { return std::strtod(text.get<std::string>().c_str(), nullptr); }
@@ -205,6 +209,68 @@ TEST(OverlapTruth, FacesCrossAsTheExactSignsOfTheShiftSay) {
         ++compared;
     }
     EXPECT_GE(compared, 40);
+}
+
+/// Compares curves with the number of curves and of pairs that cross.
+void expect_curves(const Surface& a, const Surface& b, const Json& c) {
+    const std::string name = c.at("name");
+    Detector detector;
+    const Overlaps& found = detector.find({a.view(), b.view()}, OverlapQuery{.curves = true});
+    EXPECT_EQ(found.curve_closed.size(), c.at("curves").get<std::size_t>()) << name;
+    std::int64_t segments = 0;
+    for (std::size_t j = 0; j < found.curve_closed.size(); ++j) {
+        EXPECT_EQ(found.curve_closed[j], 1) << name;
+        const std::int64_t first = found.curve_point_offsets[j], last = found.curve_point_offsets[j + 1] - 1;
+        EXPECT_EQ(found.curve_points[first], found.curve_points[last]) << name;
+        segments += last - first;
+    }
+    const Json& pairs = c.at("crossing_pairs");
+    EXPECT_EQ(segments, pairs.is_array() ? std::ssize(pairs) : pairs.get<std::int64_t>()) << name;
+}
+
+TEST(OverlapTruth, CurvesAreAsManyAsTheExactSignsSay) {
+    int compared = 0;
+    for (const char* const file : {"small.json", "large.json"}) {
+        const Json cases = cases_of(file);
+        if (cases.is_null()) GTEST_SKIP() << "no exact results";
+        for (const Json& c : cases) {
+            if (!c.contains("curves") || c.at("curves").is_null() || c.at("B").is_null()) continue;
+            Surface a, b;
+            for (const auto& [side, surface] : {std::pair("A", &a), std::pair("B", &b)})
+                c.at(side).contains("file") ? load(c.at(side), *surface) : read(c.at(side), *surface);
+            expect_curves(a, b, c);
+            ++compared;
+        }
+    }
+    EXPECT_GE(compared, 11);
+}
+
+TEST(OverlapTruth, BallsOfASceneOverlapByTheExactVolumesRoundedOnce) {
+    const Json truth = truth_of("balls16_18.json");
+    if (truth.is_null()) GTEST_SKIP() << "no exact results";
+    const std::filesystem::path file = *io::test::data_folder() / truth.at("file").get<std::string>();
+    const Json runs = Json::parse(std::ifstream(file.parent_path().parent_path().parent_path() / "derived" /
+                                                "n-body-simulation_components.json"));
+    Surface scene;
+    load({{"file", truth.at("file")}}, scene);
+    const auto part_of = [&](const char* name, std::size_t body, std::size_t end) {
+        const Json& starts = runs.at(name);
+        const auto at = [&](std::size_t b) { return b < starts.size() ? starts[b][1].get<std::size_t>() : end; };
+        return std::pair(at(body), at(body + 1));
+    };
+    const auto body = [&](std::size_t b) {
+        const auto [v, v_end] = part_of("vertex_runs", b, scene.xyz.size() / 3);
+        const auto [t, t_end] = part_of("triangle_runs", b, scene.triangles.size() / 3);
+        Surface surface{{&scene.xyz[3 * v], &scene.xyz[0] + 3 * v_end},
+                        {&scene.triangles[3 * t], &scene.triangles[0] + 3 * t_end}};
+        for (std::int32_t& vertex : surface.triangles) vertex -= static_cast<std::int32_t>(v);
+        return surface;
+    };
+    for (const Json& row : truth.at("rows")) {
+        const Surface a = body(row[0].get<std::size_t>()), b = body(row[1].get<std::size_t>());
+        EXPECT_EQ(overlap_of(a, b).volume, from_hexadecimal(row[2])) << row[0] << ' ' << row[1];
+    }
+    EXPECT_EQ(truth.at("rows").size(), 37u);
 }
 
 TEST(OverlapTruth, SurfacesOverlapThemselvesByTheExactVolume) {

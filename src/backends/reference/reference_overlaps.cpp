@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <set>
 #include <tuple>
@@ -11,8 +12,10 @@
 
 #include "exact/intersection/rational_intersection.h"
 #include "exact/overlap/overlap_totals.h"
+#include "exact/overlap/pair_terms.h"
 #include "exact/overlap/rational_crossing.h"
 #include "exact/overlap/rational_sum.h"
+#include "results/joined_curves.h"
 #include "results/overlap_output.h"
 #include "scene/body_rules.h"
 #include "scene/open_surface.h"
@@ -92,6 +95,36 @@ IntegerTriangle in_units(const std::array<Vec3d, 3>& p, int exponent) {
     return {scaled(p[0], exponent), scaled(p[1], exponent), scaled(p[2], exponent)};
 }
 
+Vec3<Rational> rational(const Vec3d& p) { return {Rational(p.x), Rational(p.y), Rational(p.z)}; }
+
+/// Twice the area vector of what two faces have in common; 0 unless they lie in one plane.
+Vec3<Rational> common_area_vector(const std::array<Vec3d, 3>& a, const std::array<Vec3d, 3>& b) {
+    const std::array q{rational(b[0]), rational(b[1]), rational(b[2])};
+    const Vec3<Rational> normal = cross(q[1] - q[0], q[2] - q[0]);
+    if (normal == Vec3<Rational>{}) return {};
+    std::vector<Vec3<Rational>> polygon{rational(a[0]), rational(a[1]), rational(a[2])};
+    for (const auto& p : polygon)
+        if (dot(normal, p - q[0]) != 0) return {};
+    for (std::size_t i = 0; i < 3; ++i) {  // what is left of each edge of b
+        std::vector<Vec3<Rational>> left;
+        const auto side = [&](const Vec3<Rational>& p) { return dot(normal, cross(q[(i + 1) % 3] - q[i], p - q[i])); };
+        for (std::size_t k = 0; k < polygon.size(); ++k) {
+            const Vec3<Rational>&from = polygon[k], &to = polygon[(k + 1) % polygon.size()];
+            const Rational start = side(from), end = side(to);
+            if (start >= 0) left.push_back(from);
+            if ((start > 0 && end < 0) || (start < 0 && end > 0)) {
+                const Rational share = start / (start - end);
+                left.push_back(from + share * (to - from));
+            }
+        }
+        polygon = std::move(left);
+    }
+    Vec3<Rational> area{};
+    for (std::size_t k = 2; k < polygon.size(); ++k)
+        area = area + cross(polygon[k - 1] - polygon[0], polygon[k] - polygon[0]);
+    return area;
+}
+
 /// Corners of a face from the origin, and its normal.
 struct PlacedFace {
     std::array<Vec3<Rational>, 3> corner;
@@ -110,6 +143,40 @@ PlacedFace placed(const std::array<Vec3d, 3>& p, const Vec3d& origin) {
     return face;
 }
 
+/// Sums over segments, as finish_curves() asks for them.
+struct CurveSums {
+    CurveTotals<RationalSum> totals;
+    Cancellation& cancellation;
+
+    template <class Combine>
+    RoundedSum curves(Combine combine, int divisor) const {
+        return combine(totals).rounded_quotient(divisor, cancellation);
+    }
+};
+
+/// A segment in which two faces cross, or that joins such segments, and its ends.
+struct PlacedSegment {
+    Segment segment;
+    bool is_link = false;
+    Vec3<Rational> start, end;
+};
+
+PlacedSegment placed(const RationalCrossing& crossing, std::size_t f, std::size_t g, const std::array<Vec3d, 3>& p) {
+    PlacedSegment placed;
+    placed.segment = segment_of(crossing.jumps, [](std::size_t, std::size_t) { return -1; });
+    placed.segment.a = static_cast<std::int32_t>(f);
+    placed.segment.b = static_cast<std::int32_t>(g);
+    placed.is_link = !crossing.jumps.segment;
+    if (placed.is_link) return placed;
+    const auto at = [&](const PointInFace<Rational>& x) {
+        const Vec3<Rational> q = rational(p[0]);
+        return q + x.u * (rational(p[1]) - q) + x.v * (rational(p[2]) - q);
+    };
+    placed.start = at(crossing.start_in_a);
+    placed.end = at(crossing.end_in_a);
+    return placed;
+}
+
 class BruteForceOverlap {
    public:
     /// `self`: 0, or the orientation of a body that is both a and b.
@@ -124,6 +191,19 @@ class BruteForceOverlap {
         }
     }
 
+    /// Without numbers, of surfaces of which one is not closed.
+    OverlapRow open_row() {
+        OverlapRow row;
+        add(Shift::forward, row);
+        row.exists = meet_;
+        row.relation = OverlapRelation::undefined;
+        row.windings = {};
+        row.numbers = undefined_numbers(origin_);
+        row.numbers.contact_area = contact_area_.rounded_quotient(2, cancellation_).value;
+        row.curves = curves(origin_);
+        return row;
+    }
+
     OverlapRow row() {
         OverlapRow row;
         for (const Shift shift : {Shift::forward, Shift::backward}) add(shift, row);
@@ -131,9 +211,11 @@ class BruteForceOverlap {
         row.exists = meet_ || enclosed_;
         if (!row.exists) return row;
         row.numbers = finish(*this, origin_, self_ != 0);
+        row.numbers.contact_area = contact_area_.rounded_quotient(2, cancellation_).value;
         if (self_ != 0) row.exists = row.numbers.volume.scaled.mantissa != 0;
         row.relation = self_ != 0 ? OverlapRelation::overlapping : relation();
         for (std::size_t side = 0; side < 2; ++side) row.gradient[side] = gradient(side);
+        if (self_ == 0) row.curves = curves(row.numbers.point);
         return row;
     }
 
@@ -182,8 +264,13 @@ class BruteForceOverlap {
                 const auto p = a_.corners(f), q = b_.corners(g);
                 if (!boxes_meet(p, q)) continue;
                 meet_ = meet_ || triangles_meet(p, q);
+                if (forward && (self_ == 0 || f < g)) add_contact_area(common_area_vector(p, q));
                 const RationalCrossing crossing =
                     cross_rationally(in_units(p, exponent_), in_units(q, exponent_), shift);
+                const auto crosses = [](int jump) { return jump != 0; };
+                if (forward && (std::any_of(crossing.jumps.a.begin(), crossing.jumps.a.end(), crosses) ||
+                                std::any_of(crossing.jumps.b.begin(), crossing.jumps.b.end(), crosses)))
+                    segments_.push_back(placed(crossing, f, g, p));
                 for (std::size_t k = 0; k < 3; ++k) {
                     on_a[f][k] += crossing.a[k];
                     on_b[g][k] += crossing.b[k];
@@ -207,6 +294,60 @@ class BruteForceOverlap {
         const FaceWeights<Rational> one{-self_, -self_, -self_};
         for (std::size_t f = 0; f < a_.face.size() && forward; ++f) add_volume(placed(a_.corners(f), origin_), one);
         add_gradient(a_, Weights(a_.face.size(), one), gradient_[0]);
+    }
+
+    void add_contact_area(const Vec3<Rational>& twice) {
+        if (const Rational square = dot(twice, twice); square != 0)
+            contact_area_.times_root_of(square).add(Rational(1));
+    }
+
+    std::vector<OverlapCurve> curves(const Vec3d& point) {
+        std::stable_partition(segments_.begin(), segments_.end(), [](const auto& s) { return !s.is_link; });
+        std::vector<Segment> segments;
+        std::size_t links = 0;
+        for (const PlacedSegment& placed : segments_) {
+            segments.push_back(placed.segment);
+            if (!placed.is_link) ++links;
+        }
+        const auto face = [&](std::size_t side, std::int32_t f) {
+            const PosedBody& body = side == 0 ? a_ : b_;
+            FaceOfSurface of{body.face[static_cast<std::size_t>(f)], body.corners(static_cast<std::size_t>(f))};
+            for (std::int32_t& vertex : of.vertex) vertex = body.name[static_cast<std::size_t>(vertex)];
+            return of;
+        };
+        std::vector<OverlapCurve> curves;
+        for (const JoinedCurve& joined : join_segments(segments, links, face))
+            curves.push_back(curve_of(joined, point));
+        return curves;
+    }
+
+    OverlapCurve curve_of(const JoinedCurve& joined, const Vec3d& point) {
+        OverlapCurve curve;
+        curve.closed = joined.closed;
+        CurveSums sums{{}, cancellation_};
+        const auto add_point = [&](const Vec3<Rational>& p) {
+            curve.points.push_back({rounded(p.x, 1), rounded(p.y, 1), rounded(p.z, 1)});
+        };
+        for (const std::int32_t s : joined.segments) {
+            const PlacedSegment& placed = segments_[static_cast<std::size_t>(s)];
+            add_point(placed.start);
+            curve.triangles.push_back({placed.segment.a, placed.segment.b});
+            CurveTerms<Rational> terms;
+            const Vec3<Rational> origin = rational(origin_);
+            terms.add(placed.start - origin, placed.end - origin);
+            for (int axis = 0; axis < 3; ++axis) {
+                sums.totals.area[static_cast<std::size_t>(axis)].add(2 * terms.area[axis]);
+                sums.totals.torque[static_cast<std::size_t>(axis)].add(2 * terms.torque[axis]);
+            }
+        }
+        add_point(segments_[static_cast<std::size_t>(joined.segments.back())].end);
+        constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+        curve.area_vector = curve.torque = {nan, nan, nan};
+        if (!curve.closed) return curve;
+        const CurveNumbers numbers = finish_curves(sums, origin_, point);
+        curve.area_vector = CurveNumbers::values(numbers.area);
+        curve.torque = CurveNumbers::values(numbers.torque);
+        return curve;
     }
 
     using Gradient = std::map<std::int32_t, std::array<RationalSum, 3>>;
@@ -297,6 +438,8 @@ class BruteForceOverlap {
     Rational six_volumes_ = 0;  ///< of the overlap
     VolumeTotals<RationalSum> volume_totals_;
     CurveTotals<RationalSum> curve_totals_;
+    RootSum contact_area_;
+    std::vector<PlacedSegment> segments_;
     std::array<Gradient, 2> gradient_;
 };
 
@@ -330,19 +473,19 @@ void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query,
                 if (query.open == OpenSurfaces::error)
                     fail_open_surface(index, body->open.size(), body->open.begin()->second);
                 open = true;
-                skipped.push_back(index);
+                if (query.open == OpenSurfaces::skip) skipped.push_back(index);
             }
-            if (open) continue;
+            if (open && (a == b || query.open == OpenSurfaces::skip)) continue;
             const auto orientation = [&](std::int32_t body) {
                 return orientation_of(outline.placement(body)) < 0 ? -1 : 1;
             };
-            OverlapRow row = BruteForceOverlap(p, q, a == b ? orientation(a) : 0, cancellation).row();
+            BruteForceOverlap overlap(p, q, a == b ? orientation(a) : 0, cancellation);
+            OverlapRow row = open ? overlap.open_row() : overlap.row();
             if (a == b) add_body(a, row, result);
             orient(orientation(a), orientation(b), row);
             if (!query.gradient) row.gradient = {};
             if (!query.windings) row.windings = {};
-            if (row.exists && std::abs(row.numbers.volume.value) >= query.min_volume)
-                add_row(query, {a, b}, one.world, row, result);
+            if (is_listed(query, row)) add_row(query, {a, b}, one.world, row, result);
         }
     }
     add_skipped(std::move(skipped), result);

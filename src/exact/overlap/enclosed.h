@@ -9,6 +9,7 @@
 // Sums and products of two numbers that are float64 numbers exactly are exact, and so are quotients without remainder.
 // So small whole numbers, as in many scenes made by hand, have a bound of 0.
 
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -56,6 +57,17 @@ CRUMPLE_HD inline Enclosed operator/(const Enclosed& x, const Enclosed& y) {
     const bool exact =
         quotient.low == 0 && x.value.low == 0 && y.value.low == 0 && back.low == 0 && back.high == x.value.high;
     return {quotient, detail::above * (error + (exact ? 0 : 0x1p-102 * std::abs(quotient.high)))};
+}
+
+/// x is positive; the bound is infinite where it may not be.
+inline Enclosed sqrt(const Enclosed& x) {
+    const double root = std::sqrt(x.value.high);
+    if (!(x.magnitude() > 2 * x.error)) return {{root, 0}, std::numeric_limits<double>::infinity()};
+    // A step of Newton's method: root is off by 2^-52 of itself, so that the step leaves 2^-105 of it.
+    const DoubleWord rest = x.value - two_product(root, root);
+    const DoubleWord value = fast_two_sum(root, rest.high / (2 * root));
+    const double rounding = rest.high == 0 ? 0 : 0x1p-102 * root;
+    return {value, detail::above * (x.error / root + rounding)};
 }
 
 /// The float64 number nearest to x / divisor, ties to even, if that is certain.

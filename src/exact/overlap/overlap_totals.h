@@ -46,6 +46,7 @@ struct OverlapNumbers {
     Vec3d torque;       ///< about that point exactly, correctly rounded
     Vec3d normal;       ///< NaN where the area vector is 0
     double mean_depth = std::numeric_limits<double>::quiet_NaN();
+    double contact_area = 0;  ///< correctly rounded; not of these sums
 };
 
 namespace detail {
@@ -77,12 +78,44 @@ struct ScaledDirection {
 
 }  // namespace detail
 
+/// Area vector, and torque about a point, of sums over segments.
+struct CurveNumbers {
+    std::array<RoundedSum, 3> area, torque;
+
+    static Vec3d values(const std::array<RoundedSum, 3>& v) { return {v[0].value, v[1].value, v[2].value}; }
+};
+
+/// `sums` has curves(combine, divisor), as for finish().
+template <class Sums>
+CurveNumbers finish_curves(Sums& sums, const Vec3d& origin, const Vec3d& point) {
+    const auto next = [](std::size_t k) { return k == 2 ? std::size_t{0} : k + 1; };
+    CurveNumbers numbers;
+    for (std::size_t k = 0; k < 3; ++k) {
+        numbers.area[k] = sums.curves([&](const auto& totals) { return totals.area[k]; }, 4);
+        const auto about_point = [&](const auto& totals) {
+            std::remove_cvref_t<decltype(totals.torque[k])> sum;
+            sum.add_product(totals.torque[k], -1);
+            // 3 (O − c) × (4 S), the difference in two parts
+            const auto add = [&](std::size_t axis, std::size_t of_area, double sign) {
+                const int i = static_cast<int>(axis);
+                TwoTerms away = two_sum(origin[i], -point[i]);
+                if (!std::isfinite(away.high)) away = {origin[i], -point[i]};
+                for (const double part : {away.high, away.low})
+                    for (int times = 0; times < 3; ++times) sum.add_product(totals.area[of_area], sign * part);
+            };
+            add(next(k), next(next(k)), 1);
+            add(next(next(k)), next(k), -1);
+            return sum;
+        };
+        numbers.torque[k] = sums.curves(about_point, 12);
+    }
+    return numbers;
+}
+
 /// Computes the numbers. `sums` has volume(combine, divisor) and curves(combine, divisor): a RoundedSum of what
 /// `combine` makes of the totals of either. `self`: the sums are of a body with itself.
 template <class Sums>
 OverlapNumbers finish(Sums& sums, const Vec3d& origin, bool self) {
-    const auto next = [](std::size_t k) { return k == 2 ? std::size_t{0} : k + 1; };
-    const auto values = [](const std::array<RoundedSum, 3>& v) { return Vec3d{v[0].value, v[1].value, v[2].value}; };
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
     OverlapNumbers numbers;
@@ -103,28 +136,9 @@ OverlapNumbers finish(Sums& sums, const Vec3d& origin, bool self) {
         if (all_finite(numbers.centroid)) numbers.point = numbers.centroid;
     }
 
-    std::array<RoundedSum, 3> area, torque;
-    for (std::size_t k = 0; k < 3; ++k) {
-        area[k] = sums.curves([&](const auto& totals) { return totals.area[k]; }, 4);
-        const auto about_point = [&](const auto& totals) {
-            std::remove_cvref_t<decltype(totals.torque[k])> sum;
-            sum.add_product(totals.torque[k], -1);
-            // 3 (O − c) × (4 S), the difference in two parts
-            const auto add = [&](std::size_t axis, std::size_t of_area, double sign) {
-                const int i = static_cast<int>(axis);
-                TwoTerms away = two_sum(origin[i], -numbers.point[i]);
-                if (!std::isfinite(away.high)) away = {origin[i], -numbers.point[i]};
-                for (const double part : {away.high, away.low})
-                    for (int times = 0; times < 3; ++times) sum.add_product(totals.area[of_area], sign * part);
-            };
-            add(next(k), next(next(k)), 1);
-            add(next(next(k)), next(k), -1);
-            return sum;
-        };
-        torque[k] = sums.curves(about_point, 12);
-    }
-    numbers.area_vector = values(area);
-    numbers.torque = values(torque);
+    const auto [area, torque] = finish_curves(sums, origin, numbers.point);
+    numbers.area_vector = CurveNumbers::values(area);
+    numbers.torque = CurveNumbers::values(torque);
     if (area[0].scaled.mantissa != 0 || area[1].scaled.mantissa != 0 || area[2].scaled.mantissa != 0) {
         const detail::ScaledDirection along(area);
         numbers.normal = along.direction;

@@ -89,6 +89,8 @@ class QuickSigns {
         return in_plane(next_corner(edge)) ? static_cast<int>(next_corner(edge)) : -1;
     }
 
+    CRUMPLE_HD bool in_plane_of_b(std::size_t i) { return sign_of_a(i) == 0; }
+
     // The signs of the placement as given, which may be 0:
     CRUMPLE_HD int sign_of_a(std::size_t i) { return side(b_, a_.corner[i], side_of_a_[i]); }
     CRUMPLE_HD int sign_of_b(std::size_t i) { return side(a_, b_.corner[i], side_of_b_[i]); }

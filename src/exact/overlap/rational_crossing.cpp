@@ -51,6 +51,7 @@ class IntegerSigns {
         return plane(of[next_corner(edge)]) == 0 ? static_cast<int>(next_corner(edge)) : -1;
     }
 
+    bool in_plane_of_b(std::size_t i) const { return plane_b_(a_[i]) == 0; }
     Integer a_distance(std::size_t i) const { return plane_b_(a_[i]); }
     Integer b_distance(std::size_t i) const { return plane_a_(b_[i]); }
     Integer volume(std::size_t i, std::size_t j) const {

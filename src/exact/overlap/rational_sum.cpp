@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace crumple {
 namespace {
@@ -39,6 +40,14 @@ RoundedSum round(const mp::cpp_int& numerator, const mp::cpp_int& denominator, i
 
 bool same(const RoundedSum& x, const RoundedSum& y) {
     return x.value == y.value && x.scaled.mantissa == y.scaled.mantissa && x.scaled.exponent == y.scaled.exponent;
+}
+
+/// The root of a positive number, if that is rational.
+std::optional<Rational> rational_root(const Rational& square) {
+    const mp::cpp_int above = numerator(square), below = denominator(square), root_above = mp::sqrt(above),
+                      root_below = mp::sqrt(below);
+    if (root_above * root_above != above || root_below * root_below != below) return std::nullopt;
+    return Rational(root_above, root_below);
 }
 
 /// The quotient, rounded down.
@@ -121,6 +130,45 @@ Rational RationalSum::total(Cancellation& cancellation) const {
         sums.resize((sums.size() + 1) / 2);
     }
     return sums.empty() ? Rational(0) : sums[0];
+}
+
+void RootSum::add(const RootSum& other) {
+    for (const auto& [square, sum] : other.of_) of_[square].add(sum);
+}
+
+RoundedSum RootSum::rounded_quotient(int divisor, Cancellation& cancellation) const {
+    RationalSum rational;
+    std::vector<Rational> squares;  // of irrational terms
+    for (const auto& [square, sum] : of_) {
+        const Rational times = sum.total(cancellation);
+        if (times == 0) continue;
+        if (const auto root = rational_root(square))
+            rational.add(times * *root);
+        else
+            squares.push_back(times * times * square);
+    }
+    if (squares.empty()) return rational.rounded_quotient(divisor, cancellation);
+    const Rational rest = rational.total(cancellation);
+    const auto power = [](const Rational& x) {  // 2^power < 2 x
+        return static_cast<int>(msb(numerator(x))) - static_cast<int>(msb(denominator(x)));
+    };
+    int largest = rest == 0 ? std::numeric_limits<int>::min() : power(rest);
+    for (const Rational& square : squares) largest = std::max(largest, power(square) / 2);
+    const auto floor_in_units = [](const Rational& x, int unit) {
+        return unit < 0 ? floor_quotient(numerator(x) << -unit, denominator(x))
+                        : floor_quotient(numerator(x), denominator(x) << unit);
+    };
+    for (int bits = 128;; bits *= 2) {
+        const int unit = largest - bits;
+        mp::cpp_int low = floor_in_units(rest, unit);
+        for (const Rational& square : squares) {
+            cancellation.check();
+            low += mp::sqrt(floor_in_units(square, 2 * unit));
+        }
+        const mp::cpp_int high = low + squares.size() + 1;
+        const RoundedSum least = round(low, divisor, unit);
+        if (same(least, round(high, divisor, unit))) return least;
+    }
 }
 
 }  // namespace crumple

@@ -2,6 +2,7 @@
 
 // Sums of many rational numbers, rounded correctly, whatever their denominators. Host only.
 
+#include <map>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -37,6 +38,21 @@ class RationalSum {
     };
 
     std::unordered_map<mp::cpp_int, Part> over_;  ///< what stands over each odd denominator
+};
+
+/// Sum of square roots of rational numbers, each times a sum that is not negative.
+class RootSum {
+   public:
+    /// The sum that is multiplied by the root of a positive number.
+    RationalSum& times_root_of(const Rational& square) { return of_[square]; }
+    void add(const RootSum& other);
+
+    /// The sum divided by a whole number, rounded to nearest, ties to even. Roots that are rational are added up
+    /// exactly. A sum with others is irrational, as nothing cancels: so some precision decides how it is rounded.
+    RoundedSum rounded_quotient(int divisor, Cancellation& cancellation) const;
+
+   private:
+    std::map<Rational, RationalSum> of_;
 };
 
 }  // namespace crumple

@@ -53,11 +53,12 @@ struct DecidedCrossing {
 /// The same under either shift.
 struct DecidedCrossings {
     DecidedCrossing forward, backward;
-    bool tied = false;  ///< they may differ
+    bool tied = false;      ///< they may differ
+    bool coplanar = false;  ///< both faces lie in one plane, and have an inside
 };
 
-/// `Signs` is what cross_faces() asks for, and has set(shift), vertex(side, edge) for segment_of(), and `tied`: whether
-/// some sign was that of the shift.
+/// `Signs` is what cross_faces() asks for, and has set(shift), vertex(side, edge) for segment_of(), `tied`: whether
+/// some sign was that of the shift, and in_plane_of_b(i): whether corner i of a is, if b has an inside.
 template <class Signs>
 CRUMPLE_HD DecidedCrossings decide_crossings(Signs& signs) {
     const auto decide = [&](Shift shift) {
@@ -72,7 +73,10 @@ CRUMPLE_HD DecidedCrossings decide_crossings(Signs& signs) {
     DecidedCrossings both;
     both.forward = both.backward = decide(Shift::forward);
     both.tied = signs.tied;
-    if (both.tied) both.backward = decide(Shift::backward);
+    if (!both.tied) return both;
+    both.backward = decide(Shift::backward);
+    both.coplanar = signs.has_inside_a && signs.has_inside_b && signs.in_plane_of_b(0) && signs.in_plane_of_b(1) &&
+                    signs.in_plane_of_b(2);
     return both;
 }
 

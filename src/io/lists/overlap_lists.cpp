@@ -15,8 +15,8 @@
 namespace crumple::io {
 namespace {
 
-constexpr std::array<std::string_view, 5> relation_names{"touching", "overlapping", "first_inside", "second_inside",
-                                                         "equal"};
+constexpr std::array<std::string_view, 6> relation_names{"touching",      "overlapping", "first_inside",
+                                                         "second_inside", "equal",       "undefined"};
 
 /// Calls use(quantity, place of its first number in a row).
 template <class Use>
@@ -214,7 +214,7 @@ class OverlapReader {
         fail(row_name(array, row) + ": " + message);
     }
 
-    static constexpr std::array<double, relation_names.size()> all_relations{0, 1, 2, 3, 4};
+    static constexpr std::array<double, relation_names.size()> all_relations{0, 1, 2, 3, 4, 5};
     const Source& source_;
     std::size_t count_;  ///< bodies
     std::unordered_map<std::string, std::int32_t> bodies_;
@@ -249,6 +249,7 @@ void OverlapList::add(const Overlaps& overlaps, std::int32_t bodies, std::int32_
         put(overlaps.mean_depth);
         put(overlaps.torque);
         put(overlaps.torque_point);
+        put(overlaps.contact_area);
     }
 }
 

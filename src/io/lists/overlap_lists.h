@@ -28,7 +28,7 @@ struct OverlapQuantity {
     std::size_t width;
     bool may_be_nan = false;
 };
-inline constexpr std::array<OverlapQuantity, 7> overlap_quantities{{
+inline constexpr std::array<OverlapQuantity, 8> overlap_quantities{{
     {"volume", 1},
     {"centroid", 3, true},
     {"area_vector", 3},
@@ -36,6 +36,7 @@ inline constexpr std::array<OverlapQuantity, 7> overlap_quantities{{
     {"mean_depth", 1, true},
     {"torque", 3},
     {"torque_point", 3},
+    {"contact_area", 1},
 }};
 inline constexpr std::size_t overlap_number_count = [] {
     std::size_t count = 0;
@@ -53,6 +54,7 @@ struct OverlapListRow {
     double volume() const { return numbers[0]; }
     std::array<double, 3> normal() const { return {numbers[7], numbers[8], numbers[9]}; }
     double mean_depth() const { return numbers[10]; }
+    double contact_area() const { return numbers[17]; }
 };
 
 struct OverlapList {

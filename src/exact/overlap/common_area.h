@@ -1,0 +1,81 @@
+#pragma once
+
+// Area that two faces in one plane have in common, for any type of number that is exact or has a bound.
+//
+// In a projection of the plane, both faces counter-clockwise, the common area is bounded by what of the edges of each
+// lies in the other: cones from the first corner of a over these. Ties are decided as if b were shifted by (e, e²) in
+// the projection, e → 0+, on which the area does not depend: so each edge that crosses another one does so at one
+// point, and its length inside is a sum over crossings, in any order.
+
+#include <array>
+#include <cstddef>
+#include <utility>
+
+#include "exact/overlap/crossing.h"
+#include "exact/overlap/enclosed.h"
+#include "geometry/predicates.h"
+
+namespace crumple {
+
+/// A projection along an axis, of points with float64 coordinates in the range of double words.
+struct EnclosedProjection {
+    int axis;
+
+    int sign(const Vec3d& p, const Vec3d& q, const Vec3d& r) const {
+        return p == r || q == r ? 0 : orient2d(p, q, r, axis);
+    }
+    /// The determinant (q − p) × (r − p), 0 without error where that is 0.
+    Enclosed value(const Vec3d& p, const Vec3d& q, const Vec3d& r) const {
+        if (sign(p, q, r) == 0) return Enclosed(0);
+        const Vec3<Enclosed> along = enclosed_difference(q, p), to = enclosed_difference(r, p);
+        const int x = first_axis(axis), y = second_axis(axis);
+        return along[x] * to[y] - along[y] * to[x];
+    }
+};
+
+namespace detail {
+
+/// The sign of a point about the line p → q where it lies on that line and is shifted.
+template <class Point>
+int sign_on_line(const Point& p, const Point& q, int axis) {
+    const int x = first_axis(axis), y = second_axis(axis);
+    if (q[y] != p[y]) return q[y] > p[y] ? -1 : 1;
+    return q[x] > p[x] ? 1 : -1;
+}
+
+}  // namespace detail
+
+/// Adds twice the common area of the projections of a and b, neither of which is degenerate: sum.add(x), and
+/// sum.add_share(x, start, end) for x · start / (start − end).
+template <class Projection, class Corners, class Sum>
+void add_common_area(const Projection& projection, Corners a, Corners b, Sum& sum) {
+    const std::array<Corners*, 2> faces{&a, &b};
+    for (Corners* const face : faces)
+        if (projection.sign((*face)[0], (*face)[1], (*face)[2]) < 0) std::swap((*face)[1], (*face)[2]);
+    int side[2][3][3];  // of corner i of a face about edge j of the other: 1 is inside
+    for (std::size_t of = 0; of < 2; ++of)
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j) {
+                const Corners& other = *faces[1 - of];
+                const auto &p = other[j], &q = other[next_corner(j)];
+                const int sign = projection.sign(p, q, (*faces[of])[i]);
+                const int shifted = of == 1 ? 1 : -1;
+                side[of][i][j] = sign != 0 ? sign : shifted * detail::sign_on_line(p, q, projection.axis);
+            }
+    const auto add_edge = [&](std::size_t of, std::size_t i) {
+        const std::size_t next = next_corner(i);
+        const auto &from = (*faces[of])[i], &to = (*faces[of])[next];
+        const auto cone = projection.value(a[0], from, to);
+        if (side[of][next][0] > 0 && side[of][next][1] > 0 && side[of][next][2] > 0) sum.add(cone);
+        for (std::size_t j = 0; j < 3; ++j) {
+            if (side[of][i][j] == side[of][next][j] || side[1 - of][j][i] == side[1 - of][next_corner(j)][i]) continue;
+            const auto &p = (*faces[1 - of])[j], &q = (*faces[1 - of])[next_corner(j)];
+            const bool leaves = side[of][i][j] > 0;
+            sum.add_share(leaves ? cone : -cone, projection.value(p, q, from), projection.value(p, q, to));
+        }
+    };
+    add_edge(0, 1);
+    for (std::size_t j = 0; j < 3; ++j) add_edge(1, j);
+}
+
+}  // namespace crumple

@@ -1,0 +1,110 @@
+#include "search/overlap_contact_area.h"
+
+#include <algorithm>
+#include <mutex>
+
+#include "exact/overlap/common_area.h"
+#include "exact/overlap/fixed_sum.h"
+#include "exact/overlap/rational_sum.h"
+
+namespace crumple {
+namespace {
+
+// Areas are those of a projection along an axis, times the length of the normal over its component along the axis.
+
+struct EnclosedArea {
+    Enclosed twice{0};
+
+    void add(const Enclosed& x) { twice = twice + x; }
+    void add_share(const Enclosed& x, const Enclosed& start, const Enclosed& end) {
+        const bool whole = end.value.high == 0 && end.error == 0;
+        add(whole ? x : x * (start / (start - end)));
+    }
+};
+
+/// In units of 2^exponent.
+struct RationalArea {
+    RationalSum& twice;
+    int exponent;
+
+    void add(const Integer& x) { twice.add(x, 1, 2 * exponent); }
+    void add_share(const Integer& x, const Integer& start, const Integer& end) {
+        const Integer all = start - end, part = x * start;
+        all < 0 ? twice.add(-part, -all, 2 * exponent) : twice.add(part, all, 2 * exponent);
+    }
+};
+
+struct IntegerProjection {
+    int axis;
+
+    Integer value(const Vec3<Integer>& p, const Vec3<Integer>& q, const Vec3<Integer>& r) const {
+        return cross(q - p, r - p)[axis];
+    }
+    int sign(const Vec3<Integer>& p, const Vec3<Integer>& q, const Vec3<Integer>& r) const {
+        return value(p, q, r).sign();
+    }
+};
+
+void add_enclosed(const FaceCorners& a, const FaceCorners& b, FixedSum& sum) {
+    const Vec3<Enclosed> normal = cross(enclosed_difference(a[1], a[0]), enclosed_difference(a[2], a[0]));
+    int axis = 0;
+    for (const int other : {1, 2})
+        if (normal[other].magnitude() > normal[axis].magnitude()) axis = other;
+    EnclosedArea area;
+    add_common_area(EnclosedProjection{axis}, a, b, area);
+    if (area.twice.value.high == 0 && area.twice.error == 0) return;
+    const int x = first_axis(axis), y = second_axis(axis);
+    if (orient2d(a[0], a[1], a[2], x) != 0 || orient2d(a[0], a[1], a[2], y) != 0) {
+        const Enclosed across = normal[axis].value.high < 0 ? -normal[axis] : normal[axis];
+        area.twice = area.twice * (sqrt(dot(normal, normal)) / across);
+    }
+    sum.add(area.twice);
+}
+
+void add_exactly(const FaceCorners& a, const FaceCorners& b, RootSum& sum) {
+    const int exponent = common_exponent(std::array{a[0], a[1], a[2], b[0], b[1], b[2]});
+    const auto in_units = [&](const FaceCorners& p) {
+        return std::array{scaled(p[0], exponent), scaled(p[1], exponent), scaled(p[2], exponent)};
+    };
+    const std::array<Vec3<Integer>, 3> p = in_units(a);
+    const Vec3<Integer> normal = cross(p[1] - p[0], p[2] - p[0]);
+    const int axis = normal.x != 0 ? 0 : normal.y != 0 ? 1 : 2;
+    const auto wide = [](const Integer& x) { return Rational(mp::cpp_int(x)); };
+    const Rational square = wide(dot(normal, normal)) / wide(normal[axis] * normal[axis]);
+    RationalArea area{sum.times_root_of(square), exponent};
+    add_common_area(IntegerProjection{axis}, p, in_units(b), area);
+}
+
+/// Adds up the areas of pairs, some pairs at a time: add(a, b, sum).
+template <class Sum, class Add>
+Sum sum_of(const OverlapScene& scene, std::span<const Pair> pairs, ParallelFor& workers, Cancellation& cancellation,
+           Add add) {
+    constexpr std::size_t chunk = 256;
+    Sum sum;
+    std::mutex mutex;
+    workers.parallel_for((pairs.size() + chunk - 1) / chunk, [&](std::size_t i) {
+        Sum part;
+        for (const Pair& pair : pairs.subspan(i * chunk, std::min(chunk, pairs.size() - i * chunk))) {
+            cancellation.check();
+            add(scene.corners(0, pair.a), scene.corners(1, pair.b), part);
+        }
+        const std::scoped_lock lock(mutex);
+        sum.add(part);
+    });
+    return sum;
+}
+
+}  // namespace
+
+ContactArea find_contact_area(const OverlapScene& scene, std::span<const Pair> pairs, ParallelFor& workers,
+                              Cancellation& cancellation) {
+    if (pairs.empty()) return {};
+    if (scene.in_range()) {
+        const auto sum = sum_of<FixedSum>(scene, pairs, workers, cancellation, add_enclosed);
+        if (const auto known = sum.rounded_quotient(2)) return {known->value};
+    }
+    const auto sum = sum_of<RootSum>(scene, pairs, workers, cancellation, add_exactly);
+    return {sum.rounded_quotient(2, cancellation).value, true};
+}
+
+}  // namespace crumple

@@ -1,0 +1,95 @@
+// The curves in which two surfaces cross: segments that follow each other, with points that are rounded once.
+
+#include <algorithm>
+#include <limits>
+
+#include "exact/overlap/rational_sum.h"
+#include "results/joined_curves.h"
+#include "search/overlap_enclosed.h"
+#include "search/overlap_row.h"
+
+namespace crumple {
+namespace {
+
+/// The point at which an edge crosses a face, each coordinate correctly rounded.
+class RoundedCrossing {
+   public:
+    RoundedCrossing(bool in_range, Cancellation& cancellation) : in_range_(in_range), cancellation_(cancellation) {}
+
+    bool was_exact = false;
+
+    Vec3d operator()(const CrossingEdge& edge) {
+        Vec3d point;
+        for (int axis = 0; axis < 3; ++axis) point[axis] = edge.from[axis] + 0.0;  // never -0
+        if (edge.is_vertex()) return point;
+        if (in_range_) {
+            const Enclosed share = enclosed_share(edge);
+            bool certain = true;
+            for (int axis = 0; axis < 3; ++axis) {
+                const Enclosed x =
+                    Enclosed(edge.from[axis]) + share * Enclosed::difference(edge.to[axis], edge.from[axis]);
+                const auto rounded = nearest_quotient(x, 1);
+                certain = certain && rounded;
+                if (rounded) point[axis] = *rounded;
+            }
+            if (certain) return point;
+        }
+        was_exact = true;
+        const Rational share = share_of_edge(edge.from, edge.to, edge.face);
+        for (int axis = 0; axis < 3; ++axis) {
+            RationalSum sum;
+            sum.add(Rational(edge.from[axis]));
+            sum.add(share * (Rational(edge.to[axis]) - Rational(edge.from[axis])));
+            point[axis] = sum.rounded_quotient(1, cancellation_).value;
+        }
+        return point;
+    }
+
+   private:
+    bool in_range_;
+    Cancellation& cancellation_;
+};
+
+}  // namespace
+
+std::vector<OverlapCurve> OverlapOfBodies::curves(const Vec3d& point) {
+    std::vector<Segment> segments;
+    std::copy_if(sums_.segments.begin(), sums_.segments.end(), std::back_inserter(segments),
+                 [](const Segment& segment) { return segment.in_volume; });
+    const std::size_t links = segments.size();
+    segments.insert(segments.end(), links_.begin(), links_.end());
+    const auto joined = join_segments(segments, links, [&](std::size_t side, std::int32_t face) {
+        const std::int32_t* c = topology(side).corners(face);
+        return FaceOfSurface{{c[0], c[1], c[2]}, body(side).corners(face)};
+    });
+
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    std::vector<OverlapCurve> curves(joined.size());
+    RoundedCrossing round(in_range(), cancellation_);
+    for (std::size_t i = 0; i < joined.size(); ++i) {
+        OverlapCurve& curve = curves[i];
+        curve.closed = joined[i].closed;
+        OverlapSums sums = sums_of_scene();
+        sums.numbers = true;
+        for (const std::int32_t s : joined[i].segments) {
+            cancellation_.check();
+            Segment segment = segments[static_cast<std::size_t>(s)];
+            curve.points.push_back(round(CrossingEdge(sums_.scene, segment, segment.start)));
+            curve.triangles.push_back({segment.a, segment.b});
+            segment.times = 2;
+            segment.in_volume = false;
+            sums.segments.push_back(segment);
+        }
+        curve.points.push_back(round(CrossingEdge(sums_.scene, sums.segments.back(), sums.segments.back().end)));
+        curve.area_vector = curve.torque = {nan, nan, nan};
+        if (!curve.closed) continue;
+        const CurveNumbers numbers = finish_curves(sums, sums_.scene.origin, point);
+        curve.area_vector = CurveNumbers::values(numbers.area);
+        curve.torque = CurveNumbers::values(numbers.torque);
+        was_exact_ |= sums.was_exact();
+    }
+    was_exact_ |= round.was_exact;
+    return curves;
+}
+
+}  // namespace crumple
