@@ -5,11 +5,23 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import ClassVar
 
+import numpy as np
+
 from ._results import Result, bools, float64, int32, int64, uint8
 
 _FROM = {"skipped": "any", "world_hit": "any_by_world", "bodies": "body_pairs", "relation": "body_pairs"}
 _ORDER = ("any", "any_by_world", "body_pairs", "pairs")
+_OF_CURVES = (
+    "curve_offsets",
+    "curve_closed",
+    "curve_area_vector",
+    "curve_torque",
+    "curve_point_offsets",
+    "curve_points",
+    "curve_triangles",
+)
 _OPTION = {
+    **dict.fromkeys(_OF_CURVES, "curves"),
     **dict.fromkeys(("gradient", "gradient_vertices", "gradient_offsets"), "gradient"),
     **dict.fromkeys(("windings", "winding_vertices", "winding_offsets"), "windings"),
     **dict.fromkeys(("body_volume", "is_solid"), "self_overlaps"),
@@ -20,7 +32,8 @@ class OverlapRelation(IntEnum):
     """Relation of two bodies, decided exactly; volumes are integrals of winding numbers, in magnitude.
 
     TOUCHING: their surfaces meet, and the overlap has no volume. FIRST_INSIDE, SECOND_INSIDE, EQUAL: the overlap has
-    the volume of the first body, of the second, of both. OVERLAPPING: none of these.
+    the volume of the first body, of the second, of both. OVERLAPPING: none of these. UNDEFINED: a surface is not
+    closed (open="curves").
     """
 
     TOUCHING = 0
@@ -28,6 +41,7 @@ class OverlapRelation(IntEnum):
     FIRST_INSIDE = 2
     SECOND_INSIDE = 3
     EQUAL = 4
+    UNDEFINED = 5
 
 
 class Overlaps(Result):
@@ -70,6 +84,26 @@ class Overlaps(Result):
     )
     gradient_vertices = int32("(m, 2) int32: of each of `gradient` the body, and the vertex of its shape.", (2,))
     gradient_offsets = int64("(k + 1,) int64: row i has gradient[gradient_offsets[i] : gradient_offsets[i + 1]].")
+    curve_offsets = int64(
+        "(k + 1,) int64: for OverlapQuery(curves=True), row i has the curves from curve_offsets[i] to "
+        "curve_offsets[i + 1]. Seen on the first surface from outside, the inside of the second is on their left."
+    )
+    curve_closed = bools("(c,) bool: of each curve, whether it is closed. Curves end at boundaries of open surfaces.")
+    curve_area_vector = float64(
+        "(c, 3) float64: of each curve, its part of the area vector, from one side; NaN of one that is not closed.", (3,)
+    )
+    curve_torque = float64("(c, 3) float64: the same of the torque.", (3,))
+    curve_point_offsets = int64(
+        "(c + 1,) int64: curve j has curve_points[curve_point_offsets[j] : curve_point_offsets[j + 1]]."
+    )
+    curve_points = float64(
+        "(n, 3) float64: points of the curves, one after the other; of a closed one the last is the first.", (3,)
+    )
+    curve_triangles = int32(
+        "(n, 2) int32: the triangles of the two bodies that cross between a point and the next; -1 at the last point of "
+        "a curve.",
+        (2,),
+    )
     windings = int32(
         "(m,) int32: winding numbers of the other body at vertices, those that are not 0, for "
         "OverlapQuery(windings=True)."
@@ -90,6 +124,13 @@ class Overlaps(Result):
         least = _FROM.get(name, "pairs")
         if _ORDER.index(self._request.output) < _ORDER.index(least):
             self._refuse(name, f'output="{least}"')
+
+    @property
+    def curves(self) -> list[list[np.ndarray]]:
+        """The curves of each row: a list of arrays (m, 3) of points, which are parts of `curve_points`."""
+        points = np.split(self.curve_points, self.curve_point_offsets[1:-1])
+        first, last = self.curve_offsets[:-1], self.curve_offsets[1:]
+        return [points[begin:end] for begin, end in zip(first, last)]
 
     @property
     def count(self) -> int:

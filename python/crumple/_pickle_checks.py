@@ -234,7 +234,8 @@ class _CheckOverlaps(_Check):
         self._that((0 <= first).all() and (first <= second if itself else first < second).all(), "bodies")
         self._that((np.diff(first << 32 | second) > 0).all(), "bodies")
         self._that((found.skipped >= 0).all() and (np.diff(found.skipped) > 0).all(), "skipped")
-        self._that((found.relation < 5).all(), "relation")
+        self._that((found.relation < 6).all(), "relation")
+        self._curves(rows)
         for option, offsets, vertices, values in (
             ("gradient", found.gradient_offsets, found.gradient_vertices, found.gradient),
             ("windings", found.winding_offsets, found.winding_vertices, found.windings),
@@ -244,6 +245,17 @@ class _CheckOverlaps(_Check):
             self._that(len(values) == len(vertices) and (has(option) or not len(values)), option)
             self._that((vertices >= 0).all(), option)
         self._that(len(found.body_volume) == len(found.is_solid) and (itself or not len(found.is_solid)), "is_solid")
+
+    def _curves(self, rows: int) -> None:
+        found, has = self._found, "curves" in self._request.options
+        curves, points = len(found.curve_closed), len(found.curve_points)
+        if has:
+            self._offsets(found.curve_offsets, rows, curves, "curve_offsets")
+            self._offsets(found.curve_point_offsets, curves, points, "curve_point_offsets")
+        self._that(has or not curves + points, "curves")
+        self._that(len(found.curve_area_vector) == len(found.curve_torque) == curves, "curves")
+        self._that(len(found.curve_triangles) == points, "curve_triangles")
+        self._that((found.curve_triangles >= -1).all(), "curve_triangles")
 
 
 class _CheckIntersections(_Check):

@@ -261,11 +261,13 @@ class OverlapQuery(Query):
             their relation; "pairs": all numbers.
         min_volume: only pairs of bodies whose overlap has at least this volume, in magnitude, as it is rounded.
         open: a body whose surface is not closed is an "error", which names an edge, or its pairs have no rows and
-            Overlaps.skipped names it ("skip").
+            Overlaps.skipped names it ("skip"); or they have a row where surfaces meet, with the relation UNDEFINED, and
+            without numbers but for the contact area and curves ("curves").
         weld: vertices of a shape at equal positions are one, which closes seams, as of STL files.
         self_overlaps: also the overlap of each body with itself, whatever its self_collisions: rows (i, i), volumes of
             bodies, and whether they are solids. Always of a scene that is one mesh.
         gradient: also the derivatives of volumes by the vertices.
+        curves: also the curves in which surfaces cross; not of a body with itself.
         windings: also winding numbers at the vertices.
         filter: which pairs of bodies.
 
@@ -274,10 +276,11 @@ class OverlapQuery(Query):
 
     output: Literal["any", "any_by_world", "body_pairs", "pairs"] = "pairs"
     min_volume: float = 0.0
-    open: Literal["error", "skip"] = "error"
+    open: Literal["error", "skip", "curves"] = "error"
     weld: bool = False
     self_overlaps: bool = False
     gradient: bool = False
+    curves: bool = False
     windings: bool = False
     filter: PairFilter = PairFilter()
 

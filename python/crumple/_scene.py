@@ -164,7 +164,7 @@ RESULTS: dict[str, type[Result]] = {
     "distances": Distances,
     "overlaps": Overlaps,
 }
-_OPTIONS = ("index", "triangle_pairs", "closest", "least", "self_overlaps", "gradient", "windings")
+_OPTIONS = ("index", "triangle_pairs", "closest", "least", "self_overlaps", "gradient", "curves", "windings")
 
 
 def show(found: Any, scene: Any, query: Any, copy: bool, block: bool = False) -> Any:

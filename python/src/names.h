@@ -51,8 +51,8 @@ inline constexpr Names<Output, 4> overlap_output_names{{{"any", Output::any},
                                                         {"any_by_world", Output::any_by_world},
                                                         {"body_pairs", Output::body_pairs},
                                                         {"pairs", Output::pairs}}};
-inline constexpr Names<OpenSurfaces, 2> open_surfaces_names{
-    {{"error", OpenSurfaces::error}, {"skip", OpenSurfaces::skip}}};
+inline constexpr Names<OpenSurfaces, 3> open_surfaces_names{
+    {{"error", OpenSurfaces::error}, {"skip", OpenSurfaces::skip}, {"curves", OpenSurfaces::curves}}};
 inline constexpr Names<CandidateKind, 6> candidate_kind_names{{{"vertex_face", CandidateKind::vertex_face},
                                                                {"edge_edge", CandidateKind::edge_edge},
                                                                {"edge_face", CandidateKind::edge_face},

@@ -95,6 +95,7 @@ void read(nb::handle given, OverlapQuery& query) {
     query.weld = flag_of(given, "weld");
     query.self_overlaps = flag_of(given, "self_overlaps");
     query.gradient = flag_of(given, "gradient");
+    query.curves = flag_of(given, "curves");
     query.windings = flag_of(given, "windings");
     query.filter = filter_of(given);
 }

@@ -258,6 +258,17 @@ void bind_overlaps(nb::module_& module) {
     result.array<std::int32_t>(
         "gradient_vertices", [](const R& r) -> auto& { return r.gradient_vertices; }, 2U);
     result.array<std::int64_t>(
+        "curve_offsets", [](const R& r) -> auto& { return r.curve_offsets; });
+    result.array<bool>(
+        "curve_closed", [](const R& r) -> auto& { return r.curve_closed; });
+    numbers("curve_area_vector", &R::curve_area_vector, 3U);
+    numbers("curve_torque", &R::curve_torque, 3U);
+    result.array<std::int64_t>(
+        "curve_point_offsets", [](const R& r) -> auto& { return r.curve_point_offsets; });
+    numbers("curve_points", &R::curve_points, 3U);
+    result.array<std::int32_t>(
+        "curve_triangles", [](const R& r) -> auto& { return r.curve_triangles; }, 2U);
+    result.array<std::int64_t>(
         "winding_offsets", [](const R& r) -> auto& { return r.winding_offsets; });
     result.array<std::int32_t>(
         "winding_vertices", [](const R& r) -> auto& { return r.winding_vertices; }, 2U);

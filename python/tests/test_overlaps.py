@@ -74,6 +74,34 @@ def test_winding_numbers_are_those_of_corners_inside(detector):
     assert found.winding_vertices.tolist() == [[0, 7], [1, 0]] and found.windings.tolist() == [1, 1]
 
 
+def test_curves_follow_each_other_and_add_up(detector):
+    found = detector.overlaps(UNIT, box([0.5, 0.5, 0.5]), curves=True)
+    ((curve,),) = found.curves
+    assert found.curve_offsets.tolist() == [0, 1] and found.curve_closed.tolist() == [True]
+    assert curve.tolist() == found.curve_points.tolist() and curve[0].tolist() == curve[-1].tolist()
+    assert found.curve_area_vector.tolist() == found.area_vector.tolist() == [[0.25, 0.25, 0.25]]
+    assert (found.curve_triangles[:-1] >= 0).all() and found.curve_triangles[-1].tolist() == [-1, -1]
+    area = np.cross(curve[:-1], curve[1:]).sum(0) / 2
+    assert area.tolist() == found.area_vector[0].tolist()
+    assert detector.overlaps(UNIT, box([3, 0, 0]), curves=True).curves == []
+
+
+def test_open_surfaces_have_open_curves(detector):
+    sheet = crumple.Mesh(np.array([[0.5, 0.5, 0.5], [2, 0.5, 0.5], [0.5, 2, 0.5]]), [[0, 1, 2]])
+    found = detector.overlaps(UNIT, sheet, open="curves", curves=True)
+    assert found.relation.tolist() == [OverlapRelation.UNDEFINED] and np.isnan(found.volume).all()
+    ((curve,),) = found.curves
+    assert found.curve_closed.tolist() == [False] and np.isnan(found.curve_area_vector).all()
+    assert sorted([curve[0].tolist(), curve[-1].tolist()]) == [[0.5, 1, 0.5], [1, 0.5, 0.5]]
+    assert pickle.loads(pickle.dumps(found)).curves[0][0].tolist() == curve.tolist()
+
+
+def test_faces_in_one_plane_have_a_contact_area(detector):
+    found = detector.overlaps(UNIT, box([0.25, 0, 1]))
+    assert found.contact_area.tolist() == [0.75] and found.relation.tolist() == [OverlapRelation.TOUCHING]
+    assert detector.overlaps(UNIT, box([0.25, 0.25, 0.25])).contact_area.tolist() == [0]
+
+
 def test_a_mesh_overlaps_itself(detector):
     alone = detector.overlaps(UNIT)
     assert len(alone) == 0 and alone.body_volume.tolist() == [1] and alone.is_solid.tolist() == [True]
@@ -115,7 +143,12 @@ def test_arrays_that_were_not_requested_say_how(detector):
     found = detector.overlaps(UNIT, UNIT, output="body_pairs")
     with pytest.raises(crumple.InvalidInput, match=r'volume was not requested: OverlapQuery\(output="pairs"\)'):
         _ = found.volume
-    for name, option in (("gradient", "gradient"), ("windings", "windings"), ("is_solid", "self_overlaps")):
+    for name, option in (
+        ("gradient", "gradient"),
+        ("windings", "windings"),
+        ("curve_points", "curves"),
+        ("is_solid", "self_overlaps"),
+    ):
         with pytest.raises(crumple.InvalidInput, match=rf"{name} was not requested: OverlapQuery\({option}=True\)"):
             getattr(detector.overlaps(UNIT, UNIT), name)
 
@@ -126,7 +159,7 @@ def test_arrays_that_were_not_requested_say_how(detector):
         ({"min_volume": -1.0}, "min_volume must be finite and 0 or more"),
         ({"min_volume": float("nan")}, "min_volume must be finite and 0 or more"),
         ({"output": "count"}, "output must be one of"),
-        ({"open": "close"}, 'open must be one of "error", "skip", not "close"'),
+        ({"open": "close"}, 'open must be one of "error", "skip", "curves", not "close"'),
         ({"filter": crumple.PairFilter(bodies="within")}, "bodies must not be within"),
     ],
 )
@@ -136,8 +169,8 @@ def test_wrong_queries_are_named(detector, options, message):
 
 
 def test_results_are_copied_and_pickled(detector):
-    found = detector.overlaps(crumple.World([UNIT, box([0.5, 0, 0])]), self_overlaps=True, gradient=True, windings=True)
+    found = detector.overlaps(crumple.World([UNIT, box([0.5, 0, 0])]), self_overlaps=True, gradient=True, windings=True, curves=True)
     for same in (pickle.loads(pickle.dumps(found)), copy.copy(found), copy.deepcopy(found)):
-        for name in ("bodies", "relation", "volume", "torque", "gradient", "gradient_vertices", "windings", "is_solid"):
+        for name in ("bodies", "relation", "volume", "torque", "gradient", "gradient_vertices", "windings", "is_solid", "contact_area"):
             assert np.array_equal(getattr(same, name), getattr(found, name))
     assert repr(found) == repr(copy.copy(found)) and "1 pair of bodies" in repr(found)

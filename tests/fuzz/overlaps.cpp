@@ -32,6 +32,8 @@ struct Bodies {
         query.self_overlaps = wanted & 4;
         query.weld = wanted & 8;
         query.open = wanted & 16 ? OpenSurfaces::skip : OpenSurfaces::error;
+        query.curves = wanted & 128;
+        if (query.curves && wanted & 16 && bytes.flag()) query.open = OpenSurfaces::curves;
         constexpr Output outputs[] = {Output::pairs, Output::pairs, Output::body_pairs, Output::any};
         query.output = outputs[wanted >> 5 & 3];
         constexpr double volumes[] = {0, 0, 0, 0x1p-10, 1, 1e300};
@@ -98,6 +100,11 @@ void judge(const Bodies& bodies, Detector& reference) {
     if (error || wanted) return;
     const std::string different = test::difference(std::get<Overlaps>(found), std::get<Overlaps>(expected));
     if (!different.empty()) fail(different + " differs");
+    const Overlaps& overlaps = std::get<Overlaps>(found);
+    for (std::size_t i = 0; bodies.query.curves && i < overlaps.volume.size(); ++i)
+        for (std::int64_t j = overlaps.curve_offsets[i]; j < overlaps.curve_offsets[i + 1]; ++j)
+            if (overlaps.curve_closed[j] == 0 && overlaps.relation[i] != OverlapRelation::undefined)
+                fail("a curve of closed surfaces is open");
 }
 
 /// Tells of the bodies that are judged when the process ends: sanitizers and broken promises alike.
@@ -110,7 +117,8 @@ void tell() {
                        ", min_volume " + std::to_string(query.min_volume) + ", open " +
                        std::to_string(static_cast<int>(query.open)) + ", weld " + std::to_string(query.weld) +
                        ", self_overlaps " + std::to_string(query.self_overlaps) + ", gradient " +
-                       std::to_string(query.gradient) + ", windings " + std::to_string(query.windings) + "\n";
+                       std::to_string(query.gradient) + ", curves " + std::to_string(query.curves) + ", windings " +
+                       std::to_string(query.windings) + "\n";
     for (std::size_t b = 0; b < running->meshes.size(); ++b) {
         code += as_code(running->meshes[b], std::to_string(b));
         for (const double x : running->poses[b].rows) code += " " + std::to_string(x);
