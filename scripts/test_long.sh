@@ -25,6 +25,9 @@ row() {
 CRUMPLE_ROUNDS=5 scripts/test.sh
 ctest --preset release -C nvcc -L nvcc -j "$(nproc)"
 
+# A million small overlaps against rational arithmetic; docs/overlap.md has what this prints.
+CRUMPLE_ROUNDS=1000 build/tests/overlaps/overlaps_test --gtest_brief=1 --gtest_filter='OverlapSmallCases.*'
+
 # The player of devices, of which .ci/run tests only what has changed.
 cuda_on_cpu/test.sh
 
