@@ -1,7 +1,8 @@
 #pragma once
 
-// On which side does a point lie? Signs of determinants of differences, in two steps: float64 with a bound on its
-// error, then expansions. Compiled for host and device.
+// On which side does a point lie? Signs of determinants of differences, in steps: float64 with a bound on its error,
+// then, on the host, whole numbers of 128 bits where coordinates are few bits apart, as those of float32 meshes are,
+// then expansions. Compiled for host and device.
 //
 // Filters are right for every finite input: they answer `undecided` rather than wrongly, also where products over- or
 // underflow. They cost a few nanoseconds. Expansions are exact for coordinates that are 0 or between 2^-300 and 2^300
@@ -16,6 +17,8 @@
 // Comparisons are written so that infinities and NaN leave the sign undecided.
 
 #include <array>
+#include <bit>
+#include <cstdint>
 
 #include "geometry/expansion.h"
 #include "geometry/vec.h"
@@ -84,9 +87,79 @@ CRUMPLE_HD inline int orient3d_filtered(const Vec3d& a, const Vec3d& b, const Ve
     return FilteredPlane({a, b, c}).side(d);
 }
 
+#ifndef __CUDA_ARCH__
+namespace detail {
+
+__extension__ using WideInteger = __int128;
+
+/// Differences of numbers in the range of expansions, as whole numbers of one power of two.
+template <std::size_t size>
+class WholeDifferences {
+   public:
+    void add(double p, double q) {
+        const TwoTerms difference = two_sum(p, -q);
+        exact_ = exact_ && difference.low == 0;
+        value_[count_++] = difference.high;
+    }
+    /// Scales all of them; false if some are not below 2^41, or not whole.
+    bool make_whole() {
+        double most = 0;
+        for (const double x : value_) most = max(most, std::abs(x));
+        if (!exact_) return false;
+        if (most == 0) return true;
+        // The power of two that takes `most` to between 2^40 and 2^41.
+        const auto exponent = std::bit_cast<std::uint64_t>(most) >> 52;
+        const auto scale = std::bit_cast<double>((std::uint64_t{1023 + 1023 + 40} - exponent) << 52);
+        for (std::size_t i = 0; i < size; ++i) {
+            const double x = value_[i] * scale;
+            whole_[i] = static_cast<std::int64_t>(x);
+            if (static_cast<double>(whole_[i]) != x) return false;
+        }
+        return true;
+    }
+    WideInteger operator[](std::size_t i) const { return whole_[i]; }
+
+   private:
+    std::array<double, size> value_{};
+    std::array<std::int64_t, size> whole_{};
+    std::size_t count_ = 0;
+    bool exact_ = true;
+};
+
+inline int sign_of(WideInteger x) { return (x > 0) - (x < 0); }
+
+/// The sign of (b − a) × (c − a) without one axis, if whole numbers hold it.
+inline int orient2d_whole(const Vec3d& a, const Vec3d& b, const Vec3d& c, int x, int y) {
+    WholeDifferences<4> d;
+    for (const Vec3d* const p : {&b, &c})
+        for (const int axis : {x, y}) d.add((*p)[axis], a[axis]);
+    return d.make_whole() ? sign_of(d[0] * d[3] - d[1] * d[2]) : undecided;
+}
+/// The sign of (b − a) × (c − a) · (d − a), if whole numbers hold it: six products below 2^123.
+inline int orient3d_whole(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+    WholeDifferences<9> w;
+    for (const Vec3d* const p : {&b, &c, &d})
+        for (int axis = 0; axis < 3; ++axis) w.add((*p)[axis], a[axis]);
+    if (!w.make_whole()) return undecided;
+    const auto minor = [&](std::size_t y, std::size_t z) { return w[y] * w[3 + z] - w[z] * w[3 + y]; };
+    return sign_of(minor(1, 2) * w[6] + minor(2, 0) * w[7] + minor(0, 1) * w[8]);
+}
+
+/// True if all of them have the same coordinate on some axis.
+inline bool in_axis_plane(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+    const auto same = [&](int axis) { return a[axis] == b[axis] && a[axis] == c[axis] && a[axis] == d[axis]; };
+    return same(0) || same(1) || same(2);
+}
+
+}  // namespace detail
+#endif
+
 /// The exact signs, for coordinates in the range of expansions. Up to 1 us; some kilobytes of stack.
 CRUMPLE_HD_COLD inline int orient2d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     const int x = first_axis(dropped), y = second_axis(dropped);
+#ifndef __CUDA_ARCH__
+    if (const int sign = detail::orient2d_whole(a, b, c, x, y); sign != undecided) return sign;
+#endif
     return (exact_difference(b[x], a[x]) * exact_difference(c[y], a[y]) -
             exact_difference(b[y], a[y]) * exact_difference(c[x], a[x]))
         .sign();
@@ -102,6 +175,10 @@ CRUMPLE_HD_COLD inline void orient3d_term(const Vec3d& a, const Vec3d& b, const 
 }
 
 CRUMPLE_HD_COLD inline int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+#ifndef __CUDA_ARCH__
+    if (detail::in_axis_plane(a, b, c, d)) return 0;
+    if (const int sign = detail::orient3d_whole(a, b, c, d); sign != undecided) return sign;
+#endif
     Expansion<64> x, y, z;
     orient3d_term(a, b, c, d, 0, 1, 2, x);
     orient3d_term(a, b, c, d, 1, 2, 0, y);

@@ -46,15 +46,12 @@ struct IntegerProjection {
 };
 
 void add_enclosed(const FaceCorners& a, const FaceCorners& b, FixedSum& sum) {
-    const Vec3<Enclosed> normal = cross(enclosed_difference(a[1], a[0]), enclosed_difference(a[2], a[0]));
-    int axis = 0;
-    for (const int other : {1, 2})
-        if (normal[other].magnitude() > normal[axis].magnitude()) axis = other;
+    const int axis = FilteredPlane(a).dominant_axis(), x = first_axis(axis), y = second_axis(axis);
     EnclosedArea area;
     add_common_area(EnclosedProjection{axis}, a, b, area);
     if (area.twice.value.high == 0 && area.twice.error == 0) return;
-    const int x = first_axis(axis), y = second_axis(axis);
     if (orient2d(a[0], a[1], a[2], x) != 0 || orient2d(a[0], a[1], a[2], y) != 0) {
+        const Vec3<Enclosed> normal = cross(enclosed_difference(a[1], a[0]), enclosed_difference(a[2], a[0]));
         const Enclosed across = normal[axis].value.high < 0 ? -normal[axis] : normal[axis];
         area.twice = area.twice * (sqrt(dot(normal, normal)) / across);
     }

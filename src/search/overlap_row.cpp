@@ -28,18 +28,6 @@ void add_link(const Pair& pair, const FaceCrossing& jumps, std::vector<Segment>&
     link.a = pair.a, link.b = pair.b;
 }
 
-/// Makes one entry of those of each face, and none where they cancel.
-void combine(std::vector<CountedFace>& faces) {
-    std::sort(faces.begin(), faces.end(), [](const auto& x, const auto& y) { return x.face < y.face; });
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < faces.size();) {
-        CountedFace sum = faces[i];
-        for (++i; i < faces.size() && faces[i].face == sum.face; ++i) sum.times += faces[i].times;
-        if (sum.times != 0) faces[count++] = sum;
-    }
-    faces.resize(count);
-}
-
 }  // namespace
 
 OverlapRow OverlapOfBodies::find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
@@ -211,20 +199,25 @@ bool OverlapOfBodies::is_inside(std::size_t side) const {
 
 bool OverlapOfBodies::has_volume_of(std::size_t side, const Scaled& volume) {
     if (is_inside(side)) return true;
+    int least_sign = -1, greatest_sign = 1;  // of what the volume of the body may be
     if (in_range()) {
         const VolumeBounds own = bounds_of_volume(body(side), sums_.scene.origin);
         const double size = 6 * std::abs(volume.value());
         const double least = std::max(std::max(own.low, -own.high), 0.0), most = std::max(own.high, -own.low);
         if (size * (1 + 0x1p-50) < least || size * (1 - 0x1p-50) > most) return false;
+        if (own.low > 0) least_sign = 1;
+        if (own.high < 0) greatest_sign = -1;
     }
     // The difference to the volume of the body or its opposite: most faces cancel.
-    for (const int sign : {1, -1}) {
+    std::vector<std::int32_t> times(static_cast<std::size_t>(topology(side).face_count()));
+    for (int sign = least_sign; sign <= greatest_sign; sign += 2) {
         OverlapSums difference = sums_of_scene();
         difference.segments = sums_.segments;
-        difference.faces = sums_.faces;
-        auto& faces = difference.faces[side];
-        for (std::int32_t face = 0; face < topology(side).face_count(); ++face) faces.push_back({face, -sign});
-        combine(faces);
+        difference.faces[1 - side] = sums_.faces[1 - side];
+        std::fill(times.begin(), times.end(), (volume.mantissa > 0) == (sign > 0) ? -1 : 1);
+        for (const CountedFace& face : sums_.faces[side]) times[static_cast<std::size_t>(face.face)] += face.times;
+        for (std::size_t face = 0; face < times.size(); ++face)
+            if (times[face] != 0) difference.faces[side].push_back({static_cast<std::int32_t>(face), times[face]});
         const RoundedSum six = difference.volume([](const auto& totals) { return totals.volume; }, 1);
         was_exact_ |= difference.was_exact();
         if (six.scaled.mantissa == 0) return true;

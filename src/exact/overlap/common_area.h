@@ -24,12 +24,11 @@ struct EnclosedProjection {
     int sign(const Vec3d& p, const Vec3d& q, const Vec3d& r) const {
         return p == r || q == r ? 0 : orient2d(p, q, r, axis);
     }
-    /// The determinant (q − p) × (r − p), 0 without error where that is 0.
+    /// The determinant (q − p) × (r − p).
     Enclosed value(const Vec3d& p, const Vec3d& q, const Vec3d& r) const {
-        if (sign(p, q, r) == 0) return Enclosed(0);
-        const Vec3<Enclosed> along = enclosed_difference(q, p), to = enclosed_difference(r, p);
         const int x = first_axis(axis), y = second_axis(axis);
-        return along[x] * to[y] - along[y] * to[x];
+        const auto difference = [](double to, double from) { return Enclosed::difference(to, from); };
+        return difference(q[x], p[x]) * difference(r[y], p[y]) - difference(q[y], p[y]) * difference(r[x], p[x]);
     }
 };
 
@@ -52,30 +51,38 @@ void add_common_area(const Projection& projection, Corners a, Corners b, Sum& su
     const std::array<Corners*, 2> faces{&a, &b};
     for (Corners* const face : faces)
         if (projection.sign((*face)[0], (*face)[1], (*face)[2]) < 0) std::swap((*face)[1], (*face)[2]);
-    int side[2][3][3];  // of corner i of a face about edge j of the other: 1 is inside
+    // Of corner i of a face about edge j of the other: 1 is inside.
+    int sign[2][3][3], side[2][3][3];
     for (std::size_t of = 0; of < 2; ++of)
-        for (std::size_t i = 0; i < 3; ++i)
-            for (std::size_t j = 0; j < 3; ++j) {
-                const Corners& other = *faces[1 - of];
-                const auto &p = other[j], &q = other[next_corner(j)];
-                const int sign = projection.sign(p, q, (*faces[of])[i]);
-                const int shifted = of == 1 ? 1 : -1;
-                side[of][i][j] = sign != 0 ? sign : shifted * detail::sign_on_line(p, q, projection.axis);
+        for (std::size_t j = 0; j < 3; ++j) {
+            const auto &p = (*faces[1 - of])[j], &q = (*faces[1 - of])[next_corner(j)];
+            const int of_line = (of == 1 ? 1 : -1) * detail::sign_on_line(p, q, projection.axis);
+            bool apart = true;
+            for (std::size_t i = 0; i < 3; ++i) {
+                sign[of][i][j] = projection.sign(p, q, (*faces[of])[i]);
+                side[of][i][j] = sign[of][i][j] != 0 ? sign[of][i][j] : of_line;
+                apart = apart && sign[of][i][j] <= 0;
             }
-    const auto add_edge = [&](std::size_t of, std::size_t i) {
+            if (apart) return;
+        }
+    // The determinant of edge j of a face and a corner of the other.
+    using Number = decltype(projection.value(a[0], a[1], a[2]));
+    const auto value = [&](std::size_t of, std::size_t i, std::size_t j) {
+        if (sign[of][i][j] == 0) return Number(0);
+        return projection.value((*faces[1 - of])[j], (*faces[1 - of])[next_corner(j)], (*faces[of])[i]);
+    };
+    const auto add_edge = [&](std::size_t of, std::size_t i, const Number& cone) {
         const std::size_t next = next_corner(i);
-        const auto &from = (*faces[of])[i], &to = (*faces[of])[next];
-        const auto cone = projection.value(a[0], from, to);
         if (side[of][next][0] > 0 && side[of][next][1] > 0 && side[of][next][2] > 0) sum.add(cone);
         for (std::size_t j = 0; j < 3; ++j) {
             if (side[of][i][j] == side[of][next][j] || side[1 - of][j][i] == side[1 - of][next_corner(j)][i]) continue;
-            const auto &p = (*faces[1 - of])[j], &q = (*faces[1 - of])[next_corner(j)];
             const bool leaves = side[of][i][j] > 0;
-            sum.add_share(leaves ? cone : -cone, projection.value(p, q, from), projection.value(p, q, to));
+            sum.add_share(leaves ? cone : -cone, value(of, i, j), value(of, next, j));
         }
     };
-    add_edge(0, 1);
-    for (std::size_t j = 0; j < 3; ++j) add_edge(1, j);
+    add_edge(0, 1, projection.value(a[0], a[1], a[2]));
+    for (std::size_t j = 0; j < 3; ++j)
+        if (sign[0][0][j] != 0) add_edge(1, j, value(0, 0, j));
 }
 
 }  // namespace crumple
