@@ -154,12 +154,9 @@ inline bool in_axis_plane(const Vec3d& a, const Vec3d& b, const Vec3d& c, const 
 }  // namespace detail
 #endif
 
-/// The exact signs, for coordinates in the range of expansions. Up to 1 us; some kilobytes of stack.
-CRUMPLE_HD_COLD inline int orient2d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
+/// The exact sign of orient2d(), by expansions. Up to 1 us; some kilobytes of stack.
+CRUMPLE_HD_COLD inline int orient2d_expansion(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     const int x = first_axis(dropped), y = second_axis(dropped);
-#ifndef __CUDA_ARCH__
-    if (const int sign = detail::orient2d_whole(a, b, c, x, y); sign != undecided) return sign;
-#endif
     return (exact_difference(b[x], a[x]) * exact_difference(c[y], a[y]) -
             exact_difference(b[y], a[y]) * exact_difference(c[x], a[x]))
         .sign();
@@ -174,16 +171,28 @@ CRUMPLE_HD_COLD inline void orient3d_term(const Vec3d& a, const Vec3d& b, const 
     term = (uy * vz - uz * vy) * exact_difference(d[x], a[x]);
 }
 
-CRUMPLE_HD_COLD inline int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-#ifndef __CUDA_ARCH__
-    if (detail::in_axis_plane(a, b, c, d)) return 0;
-    if (const int sign = detail::orient3d_whole(a, b, c, d); sign != undecided) return sign;
-#endif
+CRUMPLE_HD_COLD inline int orient3d_expansion(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
     Expansion<64> x, y, z;
     orient3d_term(a, b, c, d, 0, 1, 2, x);
     orient3d_term(a, b, c, d, 1, 2, 0, y);
     orient3d_term(a, b, c, d, 2, 0, 1, z);
     return (x + y + z).sign();
+}
+
+/// The exact signs, for coordinates in the range of expansions.
+CRUMPLE_HD inline int orient2d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
+#ifndef __CUDA_ARCH__
+    const int sign = detail::orient2d_whole(a, b, c, first_axis(dropped), second_axis(dropped));
+    if (sign != undecided) return sign;
+#endif
+    return orient2d_expansion(a, b, c, dropped);
+}
+CRUMPLE_HD inline int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+#ifndef __CUDA_ARCH__
+    if (detail::in_axis_plane(a, b, c, d)) return 0;
+    if (const int sign = detail::orient3d_whole(a, b, c, d); sign != undecided) return sign;
+#endif
+    return orient3d_expansion(a, b, c, d);
 }
 
 /// The exact signs, by the filter where that decides, which takes about 10 ns.

@@ -67,9 +67,11 @@ TEST_P(PredicatesOfEachKind, ExpansionsAreExactInTheirRange) {
         if (!in_expansion_range(a) || !in_expansion_range(b) || !in_expansion_range(c) || !in_expansion_range(d))
             continue;
         ++in_range;
+        ASSERT_EQ(orient3d_expansion(a, b, c, d), rational_orient3d(a, b, c, d)) << describe(a, b, c, d);
         ASSERT_EQ(orient3d_exact(a, b, c, d), rational_orient3d(a, b, c, d)) << describe(a, b, c, d);
         ASSERT_EQ(orient3d(a, b, c, d), rational_orient3d(a, b, c, d)) << describe(a, b, c, d);
         for (int axis = 0; axis < 3; ++axis) {
+            ASSERT_EQ(orient2d_expansion(a, b, c, axis), rational_orient2d(a, b, c, axis)) << describe(a, b, c, d);
             ASSERT_EQ(orient2d_exact(a, b, c, axis), rational_orient2d(a, b, c, axis)) << describe(a, b, c, d);
             ASSERT_EQ(orient2d(a, b, c, axis), rational_orient2d(a, b, c, axis)) << describe(a, b, c, d);
         }
@@ -123,6 +125,39 @@ TEST(Predicates, ExpansionsAreExactAtTheEdgesOfTheirRange) {
             ASSERT_EQ(sign, rational_orient3d(a, b, c, d)) << describe(a, b, c, d);
         }
     }
+}
+
+// Whole numbers of up to 44 bits, scaled, and points that all but lie in a plane: decided up to 40 bits.
+TEST(Predicates, WholeNumbersOfOnePowerOfTwoAreDecidedInIntegers) {
+    std::mt19937_64 engine(6);
+    for (const int bits : {3, 20, 40, 42, 44})
+        for (const int exponent : {-290, -20, 0, 250})
+            for (int i = 0; i < 500; ++i) {
+                const auto number = [&] {
+                    const auto magnitude = static_cast<double>(engine() >> (64 - bits));
+                    return std::ldexp(engine() & 1 ? magnitude : -magnitude, exponent);
+                };
+                const Vec3d a{}, b{number(), number(), number()}, c{number(), number(), number()};
+                const Vec3d step{i % 3 ? 0 : std::ldexp(1, exponent), 0, 0};
+                const Vec3d d = i % 5 ? Vec3d{b.x / 2 + c.x / 2, b.y / 2 + c.y / 2, b.z / 2 + c.z / 2} + step : b;
+                const int sign = detail::orient3d_whole(a, b, c, d), turn = detail::orient2d_whole(a, b, c, 0, 1);
+                if (bits < 40) {
+                    ASSERT_NE(sign, undecided);
+                }
+                if (bits <= 40) {
+                    ASSERT_NE(turn, undecided);
+                }
+                if (sign != undecided) {
+                    ASSERT_EQ(sign, rational_orient3d(a, b, c, d)) << describe(a, b, c, d);
+                }
+                if (turn != undecided) {
+                    ASSERT_EQ(turn, rational_orient2d(a, b, c, 2)) << describe(a, b, c, d);
+                }
+            }
+    const Vec3d o{}, third{1.0 / 3, 0, 0}, one{1, 1e-9, 1};
+    EXPECT_EQ(detail::orient3d_whole(o, third, one, {0, 0, 1}), undecided) << "it is not whole";
+    EXPECT_EQ(detail::orient3d_whole({1e-30, 0, 0}, {1, 0, 0}, one, {0, 0, 1}), undecided) << "differences are rounded";
+    EXPECT_EQ(detail::orient3d_whole(o, o, o, o), 0);
 }
 
 TEST(Predicates, FiltersDecideOrdinaryPoints) {
