@@ -88,7 +88,8 @@ class CRUMPLE_API Detector {
     const typename Query::Result& find(const Scene& scene, const Query& query = {}, std::stop_token stop = {});
 
     /// True if find() takes queries of this type about such a scene: by what it is, where it lies, and the backend that
-    /// works. docs/supported.md has the table. Says nothing of options and sizes, and looks at no array.
+    /// works. docs/supported.md has the table. Of options only IntersectionQuery::containment matters; says nothing of
+    /// sizes, and looks at no array.
     template <AnyQuery Query = IntersectionQuery>
     bool supports(const Scene& scene, const Query& query = {}) const;
 

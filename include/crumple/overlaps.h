@@ -18,15 +18,6 @@ struct BodyVertex {
     friend bool operator==(const BodyVertex&, const BodyVertex&) = default;
 };
 
-/// Treatment of a body whose surface is not closed, where its winding numbers are needed.
-enum class OpenSurfaces : std::uint8_t {
-    error,  ///< Error (invalid_argument) that names the body, an open edge and a triangle at it
-    skip,   ///< its pairs have no rows, and Overlaps::skipped names it
-    /// Its pairs have a row where surfaces meet, whose relation is `undefined` and whose numbers are NaN, but for the
-    /// contact area and the torque point; curves are found if they are requested.
-    curves,
-};
-
 /// Query for how much closed bodies overlap, where, and which way out (docs/overlap.md). A value: it owns what it
 /// names.
 ///

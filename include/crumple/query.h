@@ -1,6 +1,6 @@
 #pragma once
 
-// The options that all queries have in common.
+// Options that several queries have in common.
 
 #include <cstdint>
 #include <vector>
@@ -42,6 +42,16 @@ struct PairFilter {
     /// worlds only.
     std::vector<BodyPair> excluded_bodies = {};
     std::vector<GroupPair> excluded_groups = {};
+};
+
+/// Treatment of a body whose surface is not closed, where its winding numbers are needed. A surface is closed if each
+/// edge is named as often in one direction as in the other.
+enum class OpenSurfaces : std::uint8_t {
+    error,  ///< Error (invalid_argument) that names the body, an open edge and a triangle at it
+    skip,   ///< the body has no inside, and `skipped` of the result names it; overlaps have no rows for its pairs
+    /// Overlaps only: its pairs have a row where surfaces meet, whose relation is `undefined` and whose numbers are NaN,
+    /// but for the contact area and the torque point; curves are found if they are requested.
+    curves,
 };
 
 }  // namespace crumple

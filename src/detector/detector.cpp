@@ -32,7 +32,7 @@ struct Detector::Implementation : MeshCalls {
 
     /// Why a query cannot be asked of this scene with this backend, in one sentence; else empty.
     template <class Query>
-    const char* refusal(const Scene& scene) const {
+    const char* refusal(const Scene& scene, const Query& query) const {
         constexpr bool intersections = std::same_as<Query, IntersectionQuery>;
         constexpr bool distances = std::same_as<Query, DistanceQuery>, overlaps = std::same_as<Query, OverlapQuery>;
         const auto* mesh = std::get_if<MeshView>(&scene.source());
@@ -41,6 +41,10 @@ struct Detector::Implementation : MeshCalls {
         const auto on_device = [](const MeshView& of) { return of.memory != MemorySpace::host; };
         const bool some_on_device = (mesh && on_device(*mesh)) || (two && (on_device(two->a) || on_device(two->b)));
         const bool on_cuda = working == Backend::cuda;
+        if constexpr (intersections) {
+            if (query.containment && on_cuda) return "containment needs the cpu backend (Options::backend)";
+            if (query.containment && !two && !world) return "containment is that of bodies: a world, or two meshes";
+        }
         if (distances && on_cuda) return "distances of bodies need the cpu backend (Options::backend)";
         if (overlaps && on_cuda) return "overlaps of bodies need the cpu backend (Options::backend)";
         if (distances && mesh) return "distances are those of bodies: a world, or two meshes";
@@ -54,8 +58,8 @@ struct Detector::Implementation : MeshCalls {
         return "";
     }
     template <class Query>
-    void require_supported(const Scene& scene) {
-        if (const char* why = refusal<Query>(scene); *why) refuse(why);
+    void require_supported(const Scene& scene, const Query& query) {
+        if (const char* why = refusal(scene, query); *why) refuse(why);
     }
 
     // Queries about a step of one scene:
@@ -67,7 +71,7 @@ struct Detector::Implementation : MeshCalls {
         return first_impact = find(scene, impacts_of, std::move(stop)).first;
     }
     const FreeStep& find(const Scene& scene, const FreeStepQuery& query, const std::stop_token& stop) {
-        require_supported<FreeStepQuery>(scene);
+        require_supported(scene, query);
         const MeshView* mesh = std::get_if<MeshView>(&scene.source());
         HostShape copy;
         MeshView on_host = *mesh;
@@ -101,7 +105,7 @@ struct Detector::Implementation : MeshCalls {
     const typename Query::Result& find(const Scene& scene, const Query& query, std::stop_token stop) {
         using Result = typename Query::Result;
         constexpr bool intersections = std::same_as<Query, IntersectionQuery>;
-        require_supported<Query>(scene);
+        require_supported(scene, query);
         const auto of_mesh = [&](const MeshView& mesh) -> const Result& {
             if constexpr (intersections)
                 return find(mesh, nullptr, query, std::move(stop));
@@ -146,12 +150,18 @@ struct Detector::Implementation : MeshCalls {
     template <class Query>
     bool any(const Scene& scene, const Query& query, std::stop_token stop) {
         if constexpr (std::same_as<Query, IntersectionQuery>) {
+            if (query.containment) return has_any(scene, query, std::move(stop));
             if (const auto* mesh = std::get_if<MeshView>(&scene.source()))
                 return any(*mesh, nullptr, query, std::move(stop));
             if (const auto* two = std::get_if<TwoMeshes>(&scene.source()))
                 return any(two->a, &two->b, query, std::move(stop));
             if (std::holds_alternative<const Part*>(scene.source())) return find(scene, query, std::move(stop)).any;
         }
+        return has_any(scene, query, std::move(stop));
+    }
+    /// True if find() finds anything.
+    template <class Query>
+    bool has_any(const Scene& scene, const Query& query, std::stop_token stop) {
         Query whether = query;
         whether.output = Output::any;
         if constexpr (PairQuery<Query>) whether.index = false;
@@ -234,8 +244,8 @@ const typename Query::Result& Detector::find(const Scene& scene, const Query& qu
     return implementation_->find(scene, query, std::move(stop));
 }
 template <AnyQuery Query>
-bool Detector::supports(const Scene& scene, const Query&) const {
-    return !*implementation_->refusal<Query>(scene);
+bool Detector::supports(const Scene& scene, const Query& query) const {
+    return !*implementation_->refusal(scene, query);
 }
 template <FlagQuery Query>
 bool Detector::any(const Scene& scene, const Query& query, std::stop_token stop) {

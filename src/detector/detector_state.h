@@ -19,6 +19,7 @@
 #include "results/nearest_output.h"
 #include "results/overlap_output.h"
 #include "results/world_output.h"
+#include "search/closed_bodies.h"
 #include "search/feature_search.h"
 #include "search/nearest_bodies.h"
 #include "search/overlap_search.h"
@@ -40,7 +41,8 @@ struct DetectorState {
     ShapeTrees named{meter};
     WorldSearch worlds{meter, cancellation, named};
     NearestSearch nearest{meter, cancellation, named};
-    OverlapSearch overlap_search{meter, cancellation};
+    ClosedBodies closed_bodies{meter, cancellation};
+    OverlapSearch overlap_search{meter, cancellation, closed_bodies};
     FeatureSearch features{meter, cancellation};
     Backend working = Backend::cpu;  ///< what `backend` is
     std::unique_ptr<BackendBase> backend;
@@ -93,6 +95,7 @@ struct DetectorState {
         named.release();
         nearest_bodies = metered_nearest(&meter);
         overlap_search.release();
+        closed_bodies.release();
         overlaps = metered_overlaps(&meter);
         features.release();
         impacts = metered_impacts(&meter);

@@ -49,7 +49,7 @@ const Intersections& MeshCalls::find(const MeshView& a, const MeshView* b, const
                                      std::stop_token stop) {
     if (query.output == Output::pairs || query.output == Output::contacts)
         return find_pairs(a, b, nullptr, query, std::move(stop));
-    if (query.output == Output::any) {
+    if (query.output == Output::any && !query.containment) {
         const bool found = any(a, b, query, std::move(stop));
         clear(result);
         result.any = found;
@@ -97,6 +97,7 @@ Statistics MeshCalls::stream(const MeshView& a, const MeshView* b, const Interse
 LaunchNumber MeshCalls::launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) {
     return run_launch([&] {
         check_query(a, b, query);
+        check(!query.containment, "containment must be false: launches find the surfaces that meet");
         if (a.memory == MemorySpace::host)
             throw Error(ErrorCode::invalid_argument, "launches take meshes in device memory");
         return backend->launch(a, b, query);

@@ -2,11 +2,13 @@
 
 #include <utility>
 
+#include "backends/reference/reference_containment.h"
 #include "backends/reference/reference_distances.h"
 #include "backends/reference/reference_overlaps.h"
 #include "backends/reference/reference_worlds.h"
 #include "base/stopwatch.h"
 #include "scene/lone_bodies.h"
+#include "search/containment_search.h"
 
 namespace crumple {
 namespace {
@@ -61,11 +63,16 @@ const Intersections& WorldCalls::find(const World& world, const IntersectionQuer
 
 void WorldCalls::search(const World& world, const IntersectionQuery& query, const WorldBlocks* blocks) {
     check_question(query);
+    if (query.containment) check_containment(query, world);
     check_bodies_have_triangles(world, query.filter, true, "only triangles intersect");
     if (!blocks && working == Backend::cuda && lies_on_device(world) && found_on_device(world, query)) return;
     const PosedOnHost there(*backend, world);
-    if (working == Backend::reference)
+    if (working == Backend::reference && query.containment)
+        find_with_containment_by_brute_force(there.world(), query, meter, cancellation, result);
+    else if (working == Backend::reference)
         find_by_brute_force(there.world(), query, meter, cancellation, result, blocks);
+    else if (query.containment)
+        find_with_containment(*backend, worlds, closed_bodies, there.world(), query, meter, cancellation, result);
     else
         worlds.find(*backend, there.world(), query, result, blocks);
 }

@@ -38,10 +38,13 @@ void tell(const PairFilter& rules, bool world, Asked& asked) {
     asked.between_groups = !world && rules.groups == PairScope::between;
 }
 
+constexpr const char* no_containment = "containment must be false: ranks find the surfaces that meet";
+
 }  // namespace
 
 Asked asked_by(const IntersectionQuery& query, RankOutput output) {
     check(output != RankOutput::body_pairs, "body_pairs are those of bodies, and a share is no world");
+    check(!query.containment, no_containment);
     Asked asked;
     asked.told = {static_cast<std::int64_t>(Kind::intersections),
                   static_cast<std::int64_t>(output),
@@ -75,6 +78,7 @@ RankOutput output_of(const IntersectionQuery& question) {
 
 Asked asked_by(const IntersectionQuery& question) {
     check(!question.index, "index must be false: ranks have no offsets by body");
+    check(!question.containment, no_containment);
     Asked asked;
     asked.told = {static_cast<std::int64_t>(Kind::of_bodies), static_cast<std::int64_t>(question.output),
                   static_cast<std::int64_t>(question.neighbours), static_cast<std::int64_t>(question.kind),

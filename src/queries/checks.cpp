@@ -14,6 +14,14 @@ constexpr const char* nothing_to_exclude = "excluded_groups need groups, and the
 constexpr const char* no_groups =
     "filter.groups = between needs groups, and the mesh has none: nothing lies between different groups";
 
+void check_whole_bodies(const PairFilter& filter, const World& world) {
+    const bool by_groups = filter.groups != PairScope::both || !filter.excluded_groups.empty();
+    for (const Shape& shape : world.shapes)
+        check(!by_groups || shape.groups.empty(),
+              "a filter of groups needs bodies without groups of triangles: overlaps and insides are those of whole "
+              "bodies");
+}
+
 }  // namespace
 
 void check(bool holds, const char* message) {
@@ -57,6 +65,7 @@ void check_device_poses(const World& world) {
 void check_on_device(const IntersectionQuery& question) {
     check(question.output != Output::body_pairs, "which bodies collide is told by find(), not by a launch");
     check(!question.index, "index must be false: of a launch there are offsets of worlds only");
+    check(!question.containment, "containment must be false: launches find the surfaces that meet");
 }
 
 void check_blocks(std::int64_t block_rows) {
@@ -82,6 +91,18 @@ void check_in_blocks(const ProximityQuery& q) {
 void check_question(const IntersectionQuery& q) {
     check(q.output <= Output::contacts && q.output != Output::first,
           "output must be any, any_by_world, body_pairs, count, pairs or contacts");
+    if (!q.containment) return;
+    check(q.output <= Output::body_pairs,
+          "output must be any, any_by_world or body_pairs with containment: a body inside another one has no pairs of "
+          "triangles; an overlap query has its volume");
+    check(q.kind == IntersectionKind::all,
+          "kind must be all with containment; OverlapQuery::min_volume leaves out bodies that only touch");
+    check(!q.weld || q.neighbours == Neighbours::geometric, "neighbours must be geometric with containment and weld");
+}
+
+void check_containment(const IntersectionQuery& q, const World& world) {
+    check_whole_bodies(q.filter, world);
+    check(q.filter.bodies != PairScope::within, "bodies must not be within with containment, which is between bodies");
 }
 
 void check_question(const ImpactQuery& q, bool world) {
@@ -121,10 +142,7 @@ void check_question(const OverlapQuery& q, const World& world) {
     check(q.output == Output::any || q.output == Output::any_by_world || q.output == Output::body_pairs ||
               q.output == Output::pairs,
           "output must be any, any_by_world, body_pairs or pairs");
-    const bool by_groups = q.filter.groups != PairScope::both || !q.filter.excluded_groups.empty();
-    for (const Shape& shape : world.shapes)
-        check(!by_groups || shape.groups.empty(),
-              "a filter of groups needs bodies without groups of triangles: overlaps are those of whole bodies");
+    check_whole_bodies(q.filter, world);
     check(q.min_volume >= 0 && std::isfinite(q.min_volume), "min_volume must be finite and 0 or more");
     check(q.filter.bodies != PairScope::within, "bodies must not be within: overlaps are between bodies");
 }

@@ -23,9 +23,9 @@ void add_pass(const Statistics& pass, Statistics& sum);
 
 /// All arrays of a result.
 inline auto arrays(Intersections& r) {
-    return std::tie(r.world_hit, r.world_counts, r.bodies, r.pairs, r.contacts.kinds, r.contacts.offsets,
-                    r.contacts.points, r.offsets, r.hit_second, r.hit, r.world_offsets, r.body_offsets,
-                    r.first_triangle);
+    return std::tie(r.world_hit, r.world_counts, r.bodies, r.inside, r.skipped, r.pairs, r.contacts.kinds,
+                    r.contacts.offsets, r.contacts.points, r.offsets, r.hit_second, r.hit, r.world_offsets,
+                    r.body_offsets, r.first_triangle);
 }
 
 /// Empties a result, keeps its memory.

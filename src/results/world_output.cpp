@@ -54,6 +54,14 @@ void add_contact(ContactKind kind, std::span<const std::array<double, 3>> points
     contacts.offsets.push_back(static_cast<std::int64_t>(contacts.points.size()));
 }
 
+void add_contained(std::span<const BodyPair> pairs, Intersections& result) {
+    for (const BodyPair& pair : pairs) result.bodies.push_back(pair);
+    std::sort(result.bodies.begin(), result.bodies.end());
+    result.inside.resize_discard(result.bodies.size());
+    std::transform(result.bodies.begin(), result.bodies.end(), result.inside.begin(),
+                   [&](const BodyPair& pair) { return std::binary_search(pairs.begin(), pairs.end(), pair); });
+}
+
 void finish(const WorldOutline& outline, const IntersectionQuery& question, Intersections& result) {
     if (question.output == Output::body_pairs) {
         std::sort(result.bodies.begin(), result.bodies.end());

@@ -34,6 +34,10 @@ void add_pair(const WorldOutline& outline, const IntersectionQuery& question, st
 /// Where the last pair meets.
 void add_contact(ContactKind kind, std::span<const std::array<double, 3>> points, Intersections& result);
 
+/// Adds pairs of bodies, in order, of which one is inside the other, to those whose surfaces meet (Output::body_pairs).
+/// `finish` comes before it.
+void add_contained(std::span<const BodyPair> pairs, Intersections& result);
+
 /// What follows from the pairs: offsets and hit flags; bodies in order.
 void finish(const WorldOutline& outline, const IntersectionQuery& question, Intersections& result);
 

@@ -16,14 +16,15 @@ struct OpenEdge {
     std::int32_t triangle;  ///< the lowest that names it
 };
 
-/// `first`: the lowest of the open edges of a body.
-[[noreturn]] inline void fail_open_surface(std::int32_t body, std::size_t edges, const OpenEdge& first) {
+/// `first`: the lowest of the open edges of a body. `query`: the name of the query whose options the message names.
+[[noreturn]] inline void fail_open_surface(std::int32_t body, std::size_t edges, const OpenEdge& first,
+                                           const std::string& query) {
     throw Error(ErrorCode::invalid_argument,
                 "body " + std::to_string(body) + ": its surface is not closed: " + std::to_string(edges) +
                     " edges are named more often in one direction than in the other, the first between vertices " +
                     std::to_string(first.edge.a) + " and " + std::to_string(first.edge.b) + ", of triangle " +
-                    std::to_string(first.triangle) +
-                    "; OverlapQuery::weld closes seams, OverlapQuery::open leaves such bodies out",
+                    std::to_string(first.triangle) + "; " + query + "::weld closes seams, " + query +
+                    "::open leaves such bodies out",
                 Element::body, body);
 }
 

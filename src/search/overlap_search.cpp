@@ -9,6 +9,7 @@
 #include "crumple/error.h"
 #include "results/intersection_output.h"
 #include "results/overlap_output.h"
+#include "search/contained_bodies.h"
 
 namespace crumple {
 namespace {
@@ -48,32 +49,18 @@ std::vector<Pair> pairs_within(const ClosedSurface& surface, std::span<const Pai
 
 bool is_flag(Output output) { return output == Output::any || output == Output::any_by_world; }
 
-bool in_double_word_range(const Vec3d& p) {
-    for (int axis = 0; axis < 3; ++axis)
-        if (p[axis] != 0 && !(std::abs(p[axis]) >= 0x1p-150 && std::abs(p[axis]) <= 0x1p150)) return false;
-    return true;
-}
-
 }  // namespace
 
-OverlapSearch::OverlapSearch(MemoryMeter& meter, Cancellation& cancellation)
+OverlapSearch::OverlapSearch(MemoryMeter& meter, Cancellation& cancellation, ClosedBodies& bodies)
     : meter_(meter),
       cancellation_(cancellation),
-      outline_(&meter),
-      rules_(&meter),
-      near_(&meter),
-      buffers_(&meter),
+      bodies_(bodies),
       buffers_of_two_(&meter),
       found_(metered(&meter)),
       pairs_(&meter) {}
 
 void OverlapSearch::release() {
-    outline_ = WorldOutline(&meter_);
-    rules_ = BodyRules(&meter_);
-    near_ = NearBodies(&meter_);
-    buffers_ = SceneBuffers(&meter_);
     buffers_of_two_ = SceneBuffers(&meter_);
-    surfaces_.clear();
     found_ = metered(&meter_);
     pairs_.release();
     candidates_.clear();
@@ -86,25 +73,16 @@ void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World&
     std::vector<Body> bodies(given.bodies.begin(), given.bodies.end());
     for (Body& body : bodies) body.self = query.self_overlaps;
     world.bodies = bodies;
-    outline_.read(world, query.filter);
-    rules_.prepare(query.filter);
-    begin(query, outline_.worlds(), outline_.bodies(), result);
-    read_surfaces(backend);
+    bodies_.read(backend, world, query.filter, query.weld);
+    begin(query, outline().worlds(), outline().bodies(), result);
     add_skipped(list_candidates(), result);
     // Where nothing but flags is wanted, surfaces that meet decide most of it, and the search for them ends early.
     const bool by_meeting = is_flag(query.output) && query.min_volume == 0 && !query.self_overlaps && none_is_open_;
-    if (!by_meeting && is_one_pair_at_rest()) {
-        find_pairs_of_two(backend);
-    } else {
-        IntersectionQuery intersections;
-        intersections.filter = query.filter;
-        if (by_meeting) intersections.output = query.output;
-        worlds.find(backend, world, intersections, found_);
-        by_meeting ? take_flags(result) : sort_pairs();
-    }
-    result.statistics = found_.statistics;
-    result.statistics.triangles = outline_.triangles();
-    find_rows(backend, result);
+    if (by_meeting)
+        find_flags(backend, worlds, world, result);
+    else
+        find_rows(backend, worlds, world, result);
+    result.statistics.triangles = outline().triangles();
     result.count = static_cast<std::int64_t>(result.bodies.size());
 }
 
@@ -113,7 +91,7 @@ bool OverlapSearch::is_one_pair_at_rest() const {
     if (candidates_.size() != 1) return false;
     const auto [a, b] = candidates_[0].bodies;
     const auto is_at_rest = [&](std::int32_t body) {
-        return outline_.placement(body).identity() && outline_.shape(body).name == 0;
+        return outline().placement(body).identity() && outline().shape(body).name == 0;
     };
     return a != b && is_at_rest(a) && is_at_rest(b);
 }
@@ -121,7 +99,7 @@ bool OverlapSearch::is_one_pair_at_rest() const {
 // Backends search two meshes faster than a world.
 void OverlapSearch::find_pairs_of_two(BackendBase& backend) {
     const auto mesh = [&](std::int32_t body) {
-        const Shape& shape = outline_.shape(body);
+        const Shape& shape = outline().shape(body);
         return MeshView(shape.vertices, shape.triangles);
     };
     Candidate& candidate = candidates_[0];
@@ -132,18 +110,30 @@ void OverlapSearch::find_pairs_of_two(BackendBase& backend) {
     candidate.end = pairs_.size();
 }
 
-// Leaves the candidates whose worlds are not known to have a row.
-void OverlapSearch::take_flags(Overlaps& result) {
+void OverlapSearch::find_flags(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result) {
+    IntersectionQuery intersections;
+    intersections.filter = query_.filter;
+    intersections.output = query_.output;
+    worlds.find(backend, world, intersections, found_);
+    Array<BodyPair> apart(&meter_);
+    for (const Candidate& candidate : candidates_) apart.push_back(candidate.bodies);
+    leave_undecided(outline(), query_.output, found_, apart);
+    ContainedBodies(meter_, cancellation_, bodies_, false).add(backend, apart.span(), query_.output, found_);
     result.any = found_.any;
-    if (query_.output == Output::any_by_world)
-        std::copy(found_.world_hit.begin(), found_.world_hit.end(), result.world_hit.begin());
-    std::erase_if(candidates_, [&](const Candidate& candidate) {
-        const std::int32_t world = outline_.body(candidate.bodies.first).world;
-        return query_.output == Output::any ? result.any : world >= 0 && result.world_hit[world] != 0;
-    });
+    std::copy(found_.world_hit.begin(), found_.world_hit.end(), result.world_hit.begin());
+    result.statistics = found_.statistics;
 }
 
-void OverlapSearch::find_rows(BackendBase& backend, Overlaps& result) {
+void OverlapSearch::find_rows(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result) {
+    if (is_one_pair_at_rest()) {
+        find_pairs_of_two(backend);
+    } else {
+        IntersectionQuery intersections;
+        intersections.filter = query_.filter;
+        worlds.find(backend, world, intersections, found_);
+        sort_pairs();
+    }
+    result.statistics = found_.statistics;
     std::vector<OverlapRow> rows(candidates_.size());
     std::atomic<std::int64_t> rational{0};
     std::atomic<bool> enough{false};
@@ -158,24 +148,9 @@ void OverlapSearch::find_rows(BackendBase& backend, Overlaps& result) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const BodyPair& bodies = candidates_[i].bodies;
         if (bodies.first == bodies.second) add_body(bodies.first, rows[i], result);
-        if (is_listed(query_, rows[i])) add_row(query_, bodies, outline_.body(bodies.first).world, rows[i], result);
+        if (is_listed(query_, rows[i])) add_row(query_, bodies, outline().body(bodies.first).world, rows[i], result);
     }
     result.statistics.rational_tests += rational;
-}
-
-void OverlapSearch::read_surfaces(BackendBase& backend) {
-    const auto& shapes = outline_.world().shapes;
-    surfaces_.resize(shapes.size());
-    for (std::size_t s = 0; s < shapes.size(); ++s) {
-        cancellation_.check();
-        if (!surfaces_[s]) surfaces_[s] = std::make_unique<Surface>(&meter_);
-        Surface& surface = *surfaces_[s];
-        const PreparedScene scene =
-            prepare_scene(MeshView(shapes[s].vertices, shapes[s].triangles), nullptr, query_.weld, backend, buffers_);
-        surface.closed.prepare(scene, backend);
-        surface.empty = shapes[s].triangles.rows == 0;
-        surface.box = CentredBox({scene.low, scene.high});
-    }
 }
 
 // From the order of first body, its triangle, second body, its triangle, to that of the candidates.
@@ -195,80 +170,26 @@ void OverlapSearch::sort_pairs() {
     }
 }
 
-// Lists the pairs of bodies whose boxes overlap, of closed surfaces. Returns the other bodies of such pairs.
+// Lists the pairs of bodies whose boxes overlap, of closed surfaces and for OpenSurfaces::curves of any. Returns the
+// bodies that are left out.
 std::vector<std::int32_t> OverlapSearch::list_candidates() {
-    candidates_.clear();
-    near_.prepare(outline_,
-                  [&](std::int32_t b) { return surface(b).empty ? no_bounds : outline_.placement(b)(surface(b).box); });
-    const auto add = [&](std::int32_t a, std::int32_t b) {
-        if (rules_.groups(outline_.body(a).group, outline_.body(b).group)) candidates_.push_back({{a, b}, 0, 0});
-    };
-    for (std::int32_t w = 0; w <= outline_.worlds(); ++w)
-        near_.for_each_pair(w, [&](std::int32_t a, std::int32_t b) {
-            cancellation_.check();
-            if (rules_.between(a, b)) add(a, b);
-            return true;
-        });
-    for (std::int32_t b = 0; b < outline_.bodies(); ++b)
-        if (rules_.within(b, query_.self_overlaps)) add(b, b);
-    std::sort(candidates_.begin(), candidates_.end(),
-              [](const Candidate& x, const Candidate& y) { return x.bodies < y.bodies; });
-    // Boxes of poses are a little too large: who is asked for a closed surface is told by those of the vertices.
-    std::erase_if(candidates_, [&](const Candidate& candidate) {
-        const auto [a, b] = candidate.bodies;
-        const bool open = !surface(a).closed.closed() || !surface(b).closed.closed();
-        return open && a != b && !overlap(box_of_vertices(a), box_of_vertices(b));
-    });
-    for (const Candidate& candidate : candidates_) {
-        if (query_.open != OpenSurfaces::error) continue;
-        check_closed(candidate.bodies.first);
-        check_closed(candidate.bodies.second);
-    }
-    std::vector<std::int32_t> open;
-    std::erase_if(candidates_, [&](const Candidate& candidate) {
-        const auto [a, b] = candidate.bodies;
-        const std::size_t before = open.size();
-        for (const std::int32_t body : {a, b})
-            if (!surface(body).closed.closed()) open.push_back(body);
-        return open.size() != before && (query_.open == OpenSurfaces::skip || a == b);
-    });
+    const Array<BodyPair> pairs = bodies_.near_pairs(query_.self_overlaps);
+    std::vector<std::int32_t> open = bodies_.open_bodies(pairs.span(), query_.open, "OverlapQuery");
     none_is_open_ = open.empty();
+    candidates_.clear();
+    for (const BodyPair& pair : pairs) {
+        const bool closed = bodies_.is_closed(pair.first) && bodies_.is_closed(pair.second);
+        const bool has_curves = query_.open == OpenSurfaces::curves && pair.first != pair.second;
+        if (closed || has_curves) candidates_.push_back({pair, 0, 0});
+    }
     if (query_.open == OpenSurfaces::curves) open.clear();
     return open;
 }
 
-Bounds OverlapSearch::box_of_vertices(std::int32_t body) const {
-    std::vector<Vec3d> points;
-    return place(body, points).box;
-}
-
-void OverlapSearch::check_closed(std::int32_t body) const {
-    const ClosedSurface& closed = surface(body).closed;
-    if (closed.closed()) return;
-    const Array<OpenEdge> open = closed.open_edges();
-    fail_open_surface(body, open.size(), open[0]);
-}
-
-PlacedSurface OverlapSearch::place(std::int32_t body, std::vector<Vec3d>& points) const {
-    const Shape& shape = outline_.shape(body);
-    const VertexReader position = reader_of(shape);
-    const Placement pose = outline_.placement(body);
-    PlacedSurface placed;
-    placed.surface = &surface(body).closed;
-    points.resize(static_cast<std::size_t>(shape.vertices.rows));
-    for (std::size_t v = 0; v < points.size(); ++v) {
-        points[v] = pose(position(static_cast<std::int64_t>(v)));
-        placed.box.widen(points[v]);
-        placed.in_range &= in_double_word_range(points[v]);
-    }
-    placed.points = points.data();
-    return placed;
-}
-
 OverlapRow OverlapSearch::row_of(BackendBase& backend, const Candidate& candidate, bool& was_exact) const {
-    std::vector<Vec3d> points_a, points_b;
+    Array<Vec3d> points_a = bodies_.metered_points(), points_b = bodies_.metered_points();
     const auto [first, second] = candidate.bodies;
-    const PlacedSurface a = place(first, points_a);
+    const PlacedSurface a = bodies_.place(first, points_a);
     const std::span<const Pair> pairs(pairs_.data() + candidate.begin, candidate.end - candidate.begin);
     OverlapOfBodies overlap(backend, backend.overlap_kernels(), cancellation_);
     const bool numbers = query_.output == Output::pairs;
@@ -278,15 +199,15 @@ OverlapRow OverlapSearch::row_of(BackendBase& backend, const Candidate& candidat
                                      .curves = numbers && query_.curves};
     OverlapRow row;
     if (first == second) {
-        request.orientation = orientation(first);
+        request.orientation = bodies_.orientation(first);
         row = overlap.find_self(a, pairs_within(*a.surface, pairs), middle_of(a.box, a.box), request);
     } else {
-        const PlacedSurface b = place(second, points_b);
+        const PlacedSurface b = bodies_.place(second, points_b);
         const bool closed = a.surface->closed() && b.surface->closed();
         const Vec3d origin = middle_of(a.box, b.box);
         row = closed ? overlap.find(a, b, pairs, origin, request) : overlap.find_open(a, b, pairs, origin, request);
     }
-    orient(orientation(first), orientation(second), row);
+    orient(bodies_.orientation(first), bodies_.orientation(second), row);
     was_exact = overlap.was_exact();
     return row;
 }

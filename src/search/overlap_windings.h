@@ -8,24 +8,10 @@
 
 #include "base/cancellation.h"
 #include "exact/overlap/face_crossing.h"
-#include "geometry/triangle.h"
 #include "scene/closed_surface.h"
-#include "scene/placement.h"
+#include "search/placed_surface.h"
 
 namespace crumple {
-
-/// A body where it is.
-struct PlacedSurface {
-    const ClosedSurface* surface = nullptr;
-    const Vec3d* points = nullptr;  ///< by vertex
-    Bounds box = no_bounds;
-    bool in_range = true;  ///< of double words
-
-    std::array<Vec3d, 3> corners(std::int32_t face) const {
-        const std::int32_t* c = surface->corners(face);
-        return {points[c[0]], points[c[1]], points[c[2]]};
-    }
-};
 
 /// A winding number that is constant on an interval of places.
 struct WindingInterval {

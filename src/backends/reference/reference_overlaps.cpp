@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "backends/reference/reference_bodies.h"
 #include "exact/intersection/rational_intersection.h"
 #include "exact/overlap/overlap_totals.h"
 #include "exact/overlap/pair_terms.h"
@@ -17,79 +18,10 @@
 #include "exact/overlap/rational_sum.h"
 #include "results/joined_curves.h"
 #include "results/overlap_output.h"
-#include "scene/body_rules.h"
-#include "scene/open_surface.h"
 #include "scene/orientation.h"
-#include "scene/world_outline.h"
-#include "scene/world_scene.h"
 
 namespace crumple {
 namespace {
-
-/// A body where it is.
-struct PosedBody {
-    std::vector<Vec3d> point;
-    std::vector<std::array<std::int32_t, 3>> face;
-    std::vector<std::int32_t> name;  ///< by vertex: the lowest vertex that it is one with
-    std::set<std::int32_t> used;     ///< names of vertices at which there is an edge
-    std::map<Edge, OpenEdge> open;
-    Bounds box = no_bounds;
-
-    std::array<Vec3d, 3> corners(std::size_t f) const {
-        const auto at = [&](std::size_t k) { return point[static_cast<std::size_t>(face[f][k])]; };
-        return {at(0), at(1), at(2)};
-    }
-};
-
-void find_open_edges(const std::vector<Vec3d>& given, bool weld, PosedBody& body) {
-    std::map<std::tuple<double, double, double>, std::int32_t> first_at;
-    auto& name = body.name;
-    for (std::size_t v = 0; v < given.size(); ++v) {
-        const auto at = std::tuple(given[v].x + 0.0, given[v].y + 0.0, given[v].z + 0.0);  // -0 + 0 is +0
-        const auto own = static_cast<std::int32_t>(v);
-        name.push_back(weld ? first_at.try_emplace(at, own).first->second : own);
-    }
-    std::map<Edge, int> directions;
-    for (std::size_t t = 0; t < body.face.size(); ++t)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto v = [&](std::size_t corner) { return name[static_cast<std::size_t>(body.face[t][corner])]; };
-            const std::int32_t a = v(k), b = v((k + 1) % 3);
-            if (a == b) continue;
-            body.used.insert({a, b});
-            const Edge edge{std::min(a, b), std::max(a, b)};
-            directions[edge] += a < b ? 1 : -1;
-            body.open.try_emplace(edge, OpenEdge{edge, static_cast<std::int32_t>(t)});
-        }
-    for (const auto& [edge, sum] : directions)
-        if (sum == 0) body.open.erase(edge);
-}
-
-PosedBody posed_body(const WorldOutline& outline, std::int32_t b, bool weld) {
-    const Shape& shape = outline.shape(b);
-    const VertexReader position = reader_of(shape);
-    const Placement place = outline.placement(b);
-    PosedBody body;
-    std::vector<Vec3d> given;
-    for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
-        given.push_back(position(v));
-        body.point.push_back(place(given.back()));
-        if (!all_finite(body.point.back())) fail_body_not_finite(outline, b);
-        body.box.widen(body.point.back());
-    }
-    with_corner_reader(shape, [&](auto corner) {
-        for (std::int64_t t = 0; t < shape.triangles.rows; ++t) {
-            std::array<std::int32_t, 3>& face = body.face.emplace_back();
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::int64_t v = corner(t, static_cast<int>(k));
-                if (v < 0 || v >= shape.vertices.rows) fail_index(WorldOutline::name(b), t, v, shape.vertices.rows);
-                face[k] = static_cast<std::int32_t>(v);
-            }
-        }
-    });
-    if (body.face.empty()) body.box = no_bounds;  // its vertices are nothing
-    find_open_edges(given, weld, body);
-    return body;
-}
 
 IntegerTriangle in_units(const std::array<Vec3d, 3>& p, int exponent) {
     return {scaled(p[0], exponent), scaled(p[1], exponent), scaled(p[2], exponent)};
@@ -447,46 +379,27 @@ class BruteForceOverlap {
 
 void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query, MemoryMeter& meter,
                                   Cancellation& cancellation, Overlaps& result) {
-    WorldOutline outline(&meter);
-    outline.read(world, query.filter);
-    BodyRules rules(&meter);
-    rules.prepare(query.filter);
+    const PosedBodies bodies(world, query.filter, query.weld, meter);
+    const WorldOutline& outline = bodies.outline();
     begin(query, outline.worlds(), outline.bodies(), result);
     result.statistics.backend = "reference";
     result.statistics.simd = "scalar";
     result.statistics.triangles = outline.triangles();
-    std::vector<PosedBody> bodies;
-    bodies.reserve(static_cast<std::size_t>(outline.bodies()));
-    for (std::int32_t b = 0; b < outline.bodies(); ++b) bodies.push_back(posed_body(outline, b, query.weld));
     std::vector<std::int32_t> skipped;
-    for (std::int32_t a = 0; a < outline.bodies(); ++a) {
-        for (std::int32_t b = query.self_overlaps ? a : a + 1; b < outline.bodies(); ++b) {
-            const Body &one = outline.body(a), &other = outline.body(b);
-            if (one.world != other.world && other.world != -1) continue;
-            if (!(a == b ? rules.within(a, query.self_overlaps) : rules.between(a, b))) continue;
-            if (!rules.groups(one.group, other.group)) continue;
-            const PosedBody &p = bodies[static_cast<std::size_t>(a)], &q = bodies[static_cast<std::size_t>(b)];
-            if (a != b && !overlap(p.box, q.box)) continue;
-            bool open = false;
-            for (const auto& [body, index] : {std::pair(&p, a), std::pair(&q, b)}) {
-                if (body->open.empty()) continue;
-                if (query.open == OpenSurfaces::error)
-                    fail_open_surface(index, body->open.size(), body->open.begin()->second);
-                open = true;
-                if (query.open == OpenSurfaces::skip) skipped.push_back(index);
-            }
-            if (open && (a == b || query.open == OpenSurfaces::skip)) continue;
-            const auto orientation = [&](std::int32_t body) {
-                return orientation_of(outline.placement(body)) < 0 ? -1 : 1;
-            };
-            BruteForceOverlap overlap(p, q, a == b ? orientation(a) : 0, cancellation);
-            OverlapRow row = open ? overlap.open_row() : overlap.row();
-            if (a == b) add_body(a, row, result);
-            orient(orientation(a), orientation(b), row);
-            if (!query.gradient) row.gradient = {};
-            if (!query.windings) row.windings = {};
-            if (is_listed(query, row)) add_row(query, {a, b}, one.world, row, result);
-        }
+    for (const auto& [a, b] : bodies.near_pairs(query.self_overlaps)) {
+        const std::vector<std::int32_t> open = bodies.open_bodies({a, b}, query.open, "OverlapQuery");
+        if (query.open == OpenSurfaces::skip) skipped.insert(skipped.end(), open.begin(), open.end());
+        if (!open.empty() && (a == b || query.open == OpenSurfaces::skip)) continue;
+        const auto orientation = [&](std::int32_t body) {
+            return orientation_of(outline.placement(body)) < 0 ? -1 : 1;
+        };
+        BruteForceOverlap overlap(bodies[a], bodies[b], a == b ? orientation(a) : 0, cancellation);
+        OverlapRow row = open.empty() ? overlap.row() : overlap.open_row();
+        if (a == b) add_body(a, row, result);
+        orient(orientation(a), orientation(b), row);
+        if (!query.gradient) row.gradient = {};
+        if (!query.windings) row.windings = {};
+        if (is_listed(query, row)) add_row(query, {a, b}, outline.body(a).world, row, result);
     }
     add_skipped(std::move(skipped), result);
     result.count = static_cast<std::int64_t>(result.bodies.size());

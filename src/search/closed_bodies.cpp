@@ -1,0 +1,100 @@
+#include "search/closed_bodies.h"
+
+#include <algorithm>
+#include <map>
+
+namespace crumple {
+
+ClosedBodies::ClosedBodies(MemoryMeter& meter, Cancellation& cancellation)
+    : meter_(meter), cancellation_(cancellation), outline_(&meter), rules_(&meter), near_(&meter), buffers_(&meter) {}
+
+void ClosedBodies::release() {
+    outline_ = WorldOutline(&meter_);
+    rules_ = BodyRules(&meter_);
+    near_ = NearBodies(&meter_);
+    buffers_ = SceneBuffers(&meter_);
+    surfaces_.clear();
+}
+
+void ClosedBodies::read(BackendBase& backend, const World& world, const PairFilter& filter, bool weld) {
+    outline_.read(world, filter);
+    rules_.prepare(filter);
+    read_surfaces(backend, weld);
+    near_.prepare(outline_, [&](std::int32_t b) {
+        return surface_of(b).empty ? no_bounds : outline_.placement(b)(surface_of(b).box);
+    });
+}
+
+void ClosedBodies::read_surfaces(BackendBase& backend, bool weld) {
+    const auto& shapes = outline_.world().shapes;
+    surfaces_.resize(shapes.size());
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+        cancellation_.check();
+        if (!surfaces_[s]) surfaces_[s] = std::make_unique<Surface>(&meter_);
+        Surface& surface = *surfaces_[s];
+        const PreparedScene scene =
+            prepare_scene(MeshView(shapes[s].vertices, shapes[s].triangles), nullptr, weld, backend, buffers_);
+        surface.closed.prepare(scene, backend);
+        surface.empty = shapes[s].triangles.rows == 0;
+        surface.box = CentredBox({scene.low, scene.high});
+    }
+}
+
+Array<BodyPair> ClosedBodies::near_pairs(bool self) const {
+    std::map<std::int32_t, Bounds> boxes;  // of vertices
+    const auto box_of_vertices = [&](std::int32_t body) {
+        const auto known = boxes.find(body);
+        if (known != boxes.end()) return known->second;
+        Array<Vec3d> points = metered_points();
+        return boxes[body] = place(body, points).box;
+    };
+    Array<BodyPair> pairs(&meter_);
+    for (std::int32_t w = 0; w <= outline_.worlds(); ++w)
+        near_.for_each_pair(w, [&](std::int32_t a, std::int32_t b) {
+            cancellation_.check();
+            const bool wanted = rules_.between(a, b) && rules_.groups(outline_.body(a).group, outline_.body(b).group);
+            if (!wanted) return true;
+            const bool closed = is_closed(a) && is_closed(b);
+            if (closed || overlap(box_of_vertices(a), box_of_vertices(b))) pairs.push_back({a, b});
+            return true;
+        });
+    for (std::int32_t b = 0; self && b < outline_.bodies(); ++b)
+        if (rules_.within(b, self) && rules_.groups(outline_.body(b).group, outline_.body(b).group))
+            pairs.push_back({b, b});
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+}
+
+std::vector<std::int32_t> ClosedBodies::open_bodies(std::span<const BodyPair> pairs, OpenSurfaces open,
+                                                    const char* query) const {
+    std::vector<std::int32_t> bodies;
+    for (const auto& [first, second] : pairs)
+        for (const std::int32_t body : {first, second}) {
+            if (is_closed(body)) continue;
+            if (open == OpenSurfaces::error) {
+                const Array<OpenEdge> edges = surface(body).open_edges();
+                fail_open_surface(body, edges.size(), edges[0], query);
+            }
+            bodies.push_back(body);
+        }
+    std::sort(bodies.begin(), bodies.end());
+    bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+    return bodies;
+}
+
+PlacedSurface ClosedBodies::place(std::int32_t body, Array<Vec3d>& points) const {
+    const VertexReader position = reader_of(outline_.shape(body));
+    const Placement pose = outline_.placement(body);
+    PlacedSurface placed;
+    placed.surface = &surface(body);
+    points.resize_discard(static_cast<std::size_t>(outline_.shape(body).vertices.rows));
+    for (std::size_t v = 0; v < points.size(); ++v) {
+        points[v] = pose(position(static_cast<std::int64_t>(v)));
+        placed.box.widen(points[v]);
+        placed.in_range &= in_double_word_range(points[v]);
+    }
+    placed.points = points.data();
+    return placed;
+}
+
+}  // namespace crumple
