@@ -19,7 +19,7 @@
 #include "results/nearest_output.h"
 #include "results/overlap_output.h"
 #include "results/world_output.h"
-#include "search/closed_bodies.h"
+#include "search/containment/closed_bodies.h"
 #include "search/feature_search.h"
 #include "search/nearest_bodies.h"
 #include "search/overlap_search.h"

@@ -8,7 +8,7 @@
 #include "backends/reference/reference_worlds.h"
 #include "base/stopwatch.h"
 #include "scene/lone_bodies.h"
-#include "search/containment_search.h"
+#include "search/containment/containment_search.h"
 
 namespace crumple {
 namespace {

@@ -9,7 +9,7 @@
 #include "crumple/error.h"
 #include "results/intersection_output.h"
 #include "results/overlap_output.h"
-#include "search/contained_bodies.h"
+#include "search/containment/contained_bodies.h"
 
 namespace crumple {
 namespace {

@@ -4,7 +4,7 @@
 // triangles that intersect, and each pair of bodies becomes a row by sums over these (search/overlap_row.h).
 //
 //   bodies  --worlds, by the backend----->  pairs of triangles, by pair of bodies
-//           --search/closed_bodies.h----->  pairs of bodies whose boxes overlap, of closed surfaces
+//           --search/containment/closed_bodies.h----->  pairs of bodies whose boxes overlap, of closed surfaces
 //   each pair of bodies, on one worker: posed vertices, sums, numbers, relation -> a row
 
 #include <vector>
@@ -12,7 +12,7 @@
 #include "backends/backend.h"
 #include "base/cancellation.h"
 #include "crumple/overlaps.h"
-#include "search/closed_bodies.h"
+#include "search/containment/closed_bodies.h"
 #include "search/overlap_row.h"
 #include "search/world_search.h"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "search/winding_rays.h"
+#include "search/containment/winding_rays.h"
 
 namespace crumple {
 

@@ -9,7 +9,7 @@
 #include "base/cancellation.h"
 #include "exact/overlap/face_crossing.h"
 #include "scene/closed_surface.h"
-#include "search/placed_surface.h"
+#include "search/containment/placed_surface.h"
 
 namespace crumple {
 

@@ -19,7 +19,7 @@
 #include "scene/near_bodies.h"
 #include "scene/orientation.h"
 #include "scene/world_outline.h"
-#include "search/placed_surface.h"
+#include "search/containment/placed_surface.h"
 
 namespace crumple {
 

@@ -16,8 +16,8 @@
 
 #include "base/parallel_for.h"
 #include "crumple/intersections.h"
-#include "search/closed_bodies.h"
-#include "search/winding_rays.h"
+#include "search/containment/closed_bodies.h"
+#include "search/containment/winding_rays.h"
 
 namespace crumple {
 

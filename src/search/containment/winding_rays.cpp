@@ -1,4 +1,4 @@
-#include "search/winding_rays.h"
+#include "search/containment/winding_rays.h"
 
 #include <algorithm>
 

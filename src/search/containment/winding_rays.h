@@ -8,7 +8,7 @@
 
 #include "base/cancellation.h"
 #include "exact/overlap/face_crossing.h"
-#include "search/placed_surface.h"
+#include "search/containment/placed_surface.h"
 
 namespace crumple {
 

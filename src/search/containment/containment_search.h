@@ -3,7 +3,7 @@
 // Answers intersection queries with containment on any backend that runs on the host: bodies whose surfaces meet, by
 // the search of worlds, and those of which one has a component inside the other.
 
-#include "search/closed_bodies.h"
+#include "search/containment/closed_bodies.h"
 #include "search/world_search.h"
 
 namespace crumple {

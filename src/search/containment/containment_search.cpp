@@ -1,7 +1,7 @@
-#include "search/containment_search.h"
+#include "search/containment/containment_search.h"
 
 #include "results/world_output.h"
-#include "search/contained_bodies.h"
+#include "search/containment/contained_bodies.h"
 
 namespace crumple {
 

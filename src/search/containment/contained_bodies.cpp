@@ -1,4 +1,4 @@
-#include "search/contained_bodies.h"
+#include "search/containment/contained_bodies.h"
 
 #include <algorithm>
 #include <atomic>

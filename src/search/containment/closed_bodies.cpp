@@ -1,4 +1,4 @@
-#include "search/closed_bodies.h"
+#include "search/containment/closed_bodies.h"
 
 #include <algorithm>
 #include <map>

@@ -1,0 +1,359 @@
+// Intersections with containment: against brute force in rational arithmetic, against overlaps, and by name.
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "error_of.h"
+#include "memory_limit.h"
+#include "overlaps/closed_bodies.h"
+#include "rounds.h"
+
+namespace crumple {
+namespace {
+
+using test::closed_bodies;
+using test::ClosedBodies;
+using test::Dice;
+using test::error_of;
+
+constexpr Output contained_outputs[] = {Output::any, Output::any_by_world, Output::body_pairs};
+
+IntersectionQuery with_containment(Output output = Output::body_pairs, bool weld = false) {
+    return {.output = output, .weld = weld, .containment = true, .open = OpenSurfaces::skip};
+}
+
+/// The first part in which two results differ; empty if none does.
+std::string difference(const Intersections& x, const Intersections& y) {
+    const auto differ = [](const auto& a, const auto& b) {
+        return !std::equal(a.begin(), a.end(), b.begin(), b.end());
+    };
+    if (x.any != y.any) return "any";
+    if (x.count != y.count) return "count";
+    if (differ(x.world_hit, y.world_hit)) return "world_hit";
+    if (differ(x.bodies, y.bodies)) return "bodies";
+    if (differ(x.inside, y.inside)) return "inside";
+    if (differ(x.skipped, y.skipped)) return "skipped";
+    return {};
+}
+
+using ContainedSoup = test::Soup<double>;
+
+/// A cube of this size around a point.
+ContainedSoup cube(double x, double y, double z, double size) {
+    Dice dice(0);
+    ContainedSoup soup;
+    test::add_box(dice, true, 1, soup);
+    for (int v = 0; v < 8; ++v)
+        soup.vertices[static_cast<std::size_t>(v)] = {x + (v & 1 ? 0.5 : -0.5) * size, y + (v & 2 ? 0.5 : -0.5) * size,
+                                                      z + (v & 4 ? 0.5 : -0.5) * size};
+    return soup;
+}
+ContainedSoup inside_out(ContainedSoup soup) {
+    for (auto& t : soup.triangles) std::swap(t[1], t[2]);
+    return soup;
+}
+ContainedSoup hollow_cube() { return test::joined(cube(0, 0, 0, 4), inside_out(cube(0, 0, 0, 2))); }
+/// Closed bodies of three sizes, so that some lie inside others, or in their cavities; on a grid or not, some mirrored.
+ClosedBodies nested_bodies(unsigned seed, int bodies, bool grid) {
+    ClosedBodies all = closed_bodies(seed, bodies, grid, false);
+    Dice dice(seed + 1000);
+    for (std::size_t b = 0; b < all.poses.size(); ++b) {
+        const bool large = b % 4 == 0;
+        if (large) all.soups[b] = dice.chance(0.4) ? hollow_cube() : cube(0, 0, 0, 4);
+        all.shapes[b] = Shape(all.soups[b].view());
+        Pose& pose = all.poses[b] = grid ? Pose{} : test::random_motion(dice, 0.5);
+        const double scale = large ? 4 : dice.chance(0.5) ? 0.5 : 0.25;
+        for (std::size_t i = 0; i < 12; ++i)
+            if (i % 4 != 3) pose.rows[i] *= i < 4 && dice.chance(0.2) ? -scale : scale;
+        for (std::size_t i = 3; i < 12; i += 4) pose.rows[i] += large ? dice.below(2) : dice.below(16) - 8;
+    }
+    return all;
+}
+
+class Containment : public testing::TestWithParam<int> {
+   protected:
+    Detector detector_{Options{.backend = Backend::cpu, .threads = GetParam()}};
+    Detector reference_{Options{.backend = Backend::reference}};
+    std::int64_t contained_ = 0, meeting_ = 0, skipped_ = 0;
+
+    Intersections compare(const Scene& scene, const IntersectionQuery& query) {
+        const Intersections& found = detector_.find(scene, query);
+        EXPECT_EQ(difference(found, reference_.find(scene, query)), "");
+        for (const std::uint8_t inside : found.inside) ++(inside ? contained_ : meeting_);
+        skipped_ += static_cast<std::int64_t>(found.skipped.size());
+        return found;
+    }
+    void compare_all(const World& world, const PairFilter& filter = {}) {
+        for (const bool weld : {false, true})
+            for (const Output output : contained_outputs) {
+                SCOPED_TRACE(static_cast<int>(output));
+                IntersectionQuery query = with_containment(output, weld);
+                query.filter = filter;
+                const Intersections found = compare(world, query);
+                EXPECT_EQ(detector_.any(world, query), found.any);
+            }
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(Threads, Containment, testing::Values(1, 3), testing::PrintToStringParamName());
+
+TEST_P(Containment, agrees_with_brute_force) {
+    for (unsigned seed = 0; seed < (sanitized ? 10u : 24u); ++seed) {
+        SCOPED_TRACE(seed);
+        compare_all(nested_bodies(seed, 4, seed % 2 == 0).view());
+    }
+    EXPECT_GT(contained_, 20);
+    EXPECT_GT(meeting_, 20);
+    EXPECT_EQ(skipped_, 0);
+}
+
+TEST_P(Containment, agrees_with_brute_force_on_many_worlds_and_filters) {
+    for (unsigned seed = 300; seed < (sanitized ? 303u : 308u); ++seed) {
+        SCOPED_TRACE(seed);
+        ClosedBodies bodies = nested_bodies(seed, 9, seed % 2 == 0);
+        for (std::size_t b = 0; b < 9; ++b)
+            bodies.bodies[b].world = b >= 7 ? -1 : static_cast<std::int32_t>(b / 2 + (b > 3 ? 1 : 0));
+        if (seed % 3 == 0)
+            for (std::size_t b = 0; b < 9; ++b)
+                bodies.shapes[b] = Shape(bodies.soups[b].view(), 1 + b + 9 * std::uint64_t{seed});
+        compare_all(bodies.view());
+        compare_all(bodies.view(), {.groups = seed % 2 == 0 ? PairScope::between : PairScope::within,
+                                    .excluded_bodies = {{0, 1}, {7, 2}}});
+        compare_all(bodies.view(), {.bodies = PairScope::between, .excluded_groups = {{0, 1}}});
+    }
+    EXPECT_GT(contained_, 20);
+}
+
+TEST_P(Containment, agrees_with_brute_force_where_surfaces_are_open) {
+    for (unsigned seed = 600; seed < (sanitized ? 604u : 612u); ++seed) {
+        SCOPED_TRACE(seed);
+        ClosedBodies bodies = nested_bodies(seed, 5, seed % 2 == 0);
+        for (const std::size_t open : {1, 4}) {
+            bodies.soups[open].triangles.pop_back();
+            bodies.shapes[open] = Shape(bodies.soups[open].view());
+        }
+        if (seed % 3 == 0) bodies.bodies[4].world = -1;
+        compare_all(bodies.view());
+    }
+    EXPECT_GT(contained_, 5);
+    EXPECT_GT(skipped_, 5);
+}
+
+TEST_P(Containment, lists_the_body_pairs_of_an_overlap_query) {
+    for (unsigned seed = 900; seed < 960; ++seed) {
+        SCOPED_TRACE(seed);
+        ClosedBodies bodies = nested_bodies(seed, 6, seed % 2 == 0);
+        for (Body& body : bodies.bodies) body.self = false;
+        const Overlaps overlaps = detector_.find(bodies.view(), OverlapQuery{.output = Output::body_pairs});
+        const Intersections& found = detector_.find(bodies.view(), with_containment());
+        EXPECT_TRUE(
+            std::equal(found.bodies.begin(), found.bodies.end(), overlaps.bodies.begin(), overlaps.bodies.end()));
+        for (std::size_t i = 0; i < found.bodies.size(); ++i)
+            EXPECT_FALSE(found.inside[i] && overlaps.relation[i] == OverlapRelation::touching);
+        EXPECT_EQ(detector_.any(bodies.view(), OverlapQuery()), found.any);
+        const Array<std::uint8_t> hit = found.world_hit;
+        EXPECT_TRUE(
+            std::equal(hit.begin(), hit.end(),
+                       detector_.find(bodies.view(), OverlapQuery{.output = Output::any_by_world}).world_hit.begin()));
+    }
+}
+
+TEST_P(Containment, changes_nothing_without_the_option) {
+    const ClosedBodies bodies = nested_bodies(4, 6, false);
+    const Intersections& found = detector_.find(bodies.view(), {.output = Output::body_pairs});
+    EXPECT_TRUE(found.inside.empty());
+    EXPECT_TRUE(found.skipped.empty());
+}
+
+/// The same with three vertices for each triangle, as in an STL file.
+ContainedSoup unwelded(const ContainedSoup& soup) {
+    ContainedSoup apart;
+    for (const auto& t : soup.triangles) {
+        const auto first = static_cast<std::int32_t>(apart.vertices.size());
+        for (const std::int32_t v : t) apart.vertices.push_back(soup.vertices[static_cast<std::size_t>(v)]);
+        apart.triangles.push_back({first, first + 1, first + 2});
+    }
+    return apart;
+}
+
+class ContainmentByName : public testing::Test {
+   protected:
+    /// How two bodies are: "apart", "meeting" or "inside".
+    std::string relation(const ContainedSoup& a, const ContainedSoup& b, bool weld = false) {
+        IntersectionQuery query = with_containment(Output::body_pairs, weld);
+        query.open = OpenSurfaces::error;
+        const Scene scene(a.view(), b.view());
+        const Intersections& found = cpu_.find(scene, query);
+        EXPECT_EQ(difference(found, reference_.find(scene, query)), "");
+        EXPECT_EQ(found.bodies.size(), found.inside.size());
+        const std::string is = found.bodies.empty() ? "apart" : found.inside[0] ? "inside" : "meeting";
+        EXPECT_EQ(cpu_.any(scene, query), is != "apart");
+        EXPECT_EQ(reference_.any(scene, query), is != "apart");
+        return is;
+    }
+
+    Detector cpu_{Options{.backend = Backend::cpu, .threads = 1}};
+    Detector reference_{Options{.backend = Backend::reference}};
+};
+
+TEST_F(ContainmentByName, a_body_in_another_is_inside) {
+    EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(0.5, 0, 0, 1)), "inside");
+    EXPECT_EQ(relation(cube(0.5, 0, 0, 1), cube(0, 0, 0, 4)), "inside");
+    EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(9, 0, 0, 1)), "apart");
+    EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(2, 0, 0, 1)), "meeting");
+}
+TEST_F(ContainmentByName, a_body_that_touches_the_other_from_inside_meets_it) {
+    EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(1.5, 0, 0, 1)), "meeting");
+    EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(0, 0, 0, 4)), "meeting");
+}
+TEST_F(ContainmentByName, a_cavity_is_outside) {
+    EXPECT_EQ(relation(hollow_cube(), cube(0, 0, 0, 1)), "apart");
+    EXPECT_EQ(relation(hollow_cube(), cube(1.5, 1.5, 1.5, 0.5)), "inside");
+    EXPECT_EQ(relation(hollow_cube(), cube(0, 0, 0, 3)), "inside") << "it fills the cavity and more";
+    EXPECT_EQ(relation(test::joined(cube(0, 0, 0, 4), cube(0, 0, 0, 2)), cube(0, 0, 0, 1)), "inside")
+        << "covered twice, which is no cavity";
+}
+TEST_F(ContainmentByName, one_component_inside_suffices) {
+    EXPECT_EQ(relation(cube(0, 0, 0, 4), test::joined(cube(9, 0, 0, 1), cube(0, 0, 0, 1))), "inside");
+    EXPECT_EQ(relation(test::joined(cube(9, 0, 0, 4), cube(0, 0, 0, 4)), cube(0, 0, 0, 1)), "inside");
+    EXPECT_EQ(relation(test::joined(cube(9, 0, 0, 4), cube(0, 0, 0, 4)), cube(4.5, 0, 0, 1)), "apart");
+}
+TEST_F(ContainmentByName, bodies_that_are_inside_out_contain_as_well) {
+    EXPECT_EQ(relation(inside_out(cube(0, 0, 0, 4)), cube(0, 0, 0, 1)), "inside");
+    EXPECT_EQ(relation(cube(0, 0, 0, 4), inside_out(cube(0, 0, 0, 1))), "inside");
+}
+TEST_F(ContainmentByName, poses_that_mirror_change_nothing) {
+    const ContainedSoup outer = cube(0, 0, 0, 4), inner = cube(0, 0, 0, 1);
+    const Shape shapes[] = {Shape(outer.view()), Shape(inner.view())};
+    const Body bodies[] = {{.shape = 0}, {.shape = 1}};
+    Pose mirror;
+    mirror.rows[0] = -1;
+    const Pose poses[] = {mirror, {}};
+    EXPECT_EQ(cpu_.find(World{shapes, bodies, poses}, with_containment()).inside.size(), 1u);
+}
+
+TEST_F(ContainmentByName, welding_closes_seams) {
+    const ContainedSoup outer = unwelded(cube(0, 0, 0, 4)), inner = unwelded(cube(0, 0, 0, 1));
+    EXPECT_EQ(relation(outer, inner, true), "inside");
+    const Error error = error_of([&] { relation(outer, inner); });
+    EXPECT_EQ(error.element, Element::body);
+    EXPECT_NE(std::string(error.what()).find("IntersectionQuery::weld closes seams, IntersectionQuery::open leaves"),
+              std::string::npos)
+        << error.what();
+}
+TEST_F(ContainmentByName, welded_vertices_neither_meet_nor_count) {
+    ContainedSoup corner = cube(0, 0, 0, 1);  // one vertex at that of the cube, the others inside
+    corner.vertices[7] = {2, 2, 2};
+    EXPECT_EQ(relation(cube(0, 0, 0, 4), corner), "meeting");
+    EXPECT_EQ(relation(cube(0, 0, 0, 4), corner, true), "inside");
+    EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(4, 4, 4, 4), true), "apart") << "touches at a corner from outside";
+    EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(0, 0, 0, 4), true), "meeting") << "triangles that are equal";
+}
+TEST_F(ContainmentByName, a_body_that_goes_in_through_welded_vertices_is_inside) {
+    // Two cones with one tip at a vertex of the cube, one of them inside, one outside, and one component for all.
+    ContainedSoup hourglass;
+    hourglass.vertices = {{2, 2, 2}, {1, 1, 0}, {0, 1, 1}, {1, 0, 1}, {3, 3, 4}, {4, 3, 3}, {3, 4, 3}};
+    hourglass.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}, {0, 4, 5}, {0, 5, 6}, {0, 6, 4}, {4, 6, 5}};
+    EXPECT_EQ(relation(cube(0, 0, 0, 4), hourglass), "meeting");
+    EXPECT_EQ(relation(cube(0, 0, 0, 4), hourglass, true), "inside");
+}
+
+TEST_F(ContainmentByName, an_open_body_may_lie_inside_but_contains_nothing) {
+    ContainedSoup open_inner = cube(0, 0, 0, 1), open_outer = cube(0, 0, 0, 4);
+    open_inner.triangles.pop_back();
+    open_outer.triangles.pop_back();
+    const ContainedSoup outer = cube(0, 0, 0, 4), inner = cube(0, 0, 0, 1), far = cube(2, 0, 0, 1);
+    for (Detector* detector : {&cpu_, &reference_}) {
+        const Intersections in = detector->find({outer.view(), open_inner.view()}, with_containment());
+        ASSERT_EQ(in.inside.size(), 1u);
+        EXPECT_EQ(in.inside[0], 1);
+        ASSERT_EQ(in.skipped.size(), 1u);
+        EXPECT_EQ(in.skipped[0], 1);
+        const Intersections around = detector->find({open_outer.view(), inner.view()}, with_containment());
+        EXPECT_FALSE(around.any);
+        ASSERT_EQ(around.skipped.size(), 1u);
+        EXPECT_EQ(around.skipped[0], 0);
+        // Where surfaces meet, no winding number is needed.
+        for (const Output output : contained_outputs) {
+            IntersectionQuery query = with_containment(output);
+            query.open = OpenSurfaces::error;
+            EXPECT_TRUE(detector->find({open_outer.view(), far.view()}, query).any);
+            EXPECT_EQ(error_of([&] { detector->find({outer.view(), open_inner.view()}, query); }).index, 1);
+        }
+    }
+}
+
+TEST_F(ContainmentByName, rows_come_in_the_order_of_bodies) {
+    const ContainedSoup outer = cube(0, 0, 0, 8), left = cube(-2, 0, 0, 2), right = cube(-1, 0, 0, 2);
+    const Shape shapes[] = {Shape(left.view()), Shape(outer.view()), Shape(right.view())};
+    const Body bodies[] = {{.shape = 0}, {.shape = 1}, {.shape = 2}};
+    const Intersections found = cpu_.find(World{shapes, bodies, {}}, with_containment());
+    const std::vector<BodyPair> expected{{0, 1}, {0, 2}, {1, 2}};
+    EXPECT_TRUE(std::equal(found.bodies.begin(), found.bodies.end(), expected.begin(), expected.end()));
+    const std::vector<std::uint8_t> inside{1, 0, 1};
+    EXPECT_TRUE(std::equal(found.inside.begin(), found.inside.end(), inside.begin(), inside.end()));
+    EXPECT_EQ(found.world_hit[0], 1);
+    EXPECT_EQ(found.count, 0);
+}
+
+TEST_F(ContainmentByName, refuses_what_has_no_insides) {
+    const ContainedSoup a = cube(0, 0, 0, 4), b = cube(0, 0, 0, 1);
+    const Scene two(a.view(), b.view());
+    const auto message = [&](const Scene& scene, IntersectionQuery query) {
+        query.containment = true;
+        return std::string(error_of([&] { cpu_.find(scene, query); }).what());
+    };
+    EXPECT_EQ(message(a.view(), {.output = Output::any}), "containment is that of bodies: a world, or two meshes");
+    EXPECT_FALSE(cpu_.supports(a.view(), with_containment()));
+    EXPECT_TRUE(cpu_.supports(two, with_containment()));
+    EXPECT_FALSE(cpu_.supports(cpu_.partition(two, {}, 2)[0], with_containment()));
+    EXPECT_EQ(error_of([&] { cpu_.any(a.view(), with_containment()); }).code, ErrorCode::invalid_argument);
+    for (const Output output : {Output::count, Output::pairs, Output::contacts})
+        EXPECT_NE(message(two, {.output = output}).find("output must be any, any_by_world or body_pairs with"),
+                  std::string::npos);
+    EXPECT_NE(message(two, {.output = Output::any, .kind = IntersectionKind::proper}).find("kind must be all"),
+              std::string::npos);
+    EXPECT_NE(message(two, {.output = Output::any, .neighbours = Neighbours::skip, .weld = true})
+                  .find("neighbours must be geometric"),
+              std::string::npos);
+    const Shape shape(a.view());
+    const Body body{.shape = 0};
+    EXPECT_NE(
+        message(World{{&shape, 1}, {&body, 1}, {}}, {.output = Output::any, .filter = {.bodies = PairScope::within}})
+            .find("bodies must not be within"),
+        std::string::npos);
+    EXPECT_EQ(error_of([&] { cpu_.stream(two, with_containment(), [](const Intersections&) { FAIL(); }); }).code,
+              ErrorCode::invalid_argument);
+    EXPECT_TRUE(cpu_.any(two, with_containment())) << "and goes on";
+}
+
+TEST(ContainmentMemory, is_limited_and_given_back) {
+    const ClosedBodies bodies = nested_bodies(12, 40, false);
+    const auto find = [&](Detector& detector) { return detector.find(bodies.view(), with_containment()); };
+    Detector unlimited(Options{.backend = Backend::cpu});
+    const Intersections expected = find(unlimited);
+    const Options options{.backend = Backend::cpu, .threads = 1};
+    Options limited = options;
+    limited.memory_limit = test::sufficient_limit(
+        options, [&](Detector& d) { EXPECT_EQ(find(d).any, expected.any); }, 4);
+    Detector detector(limited);
+    const Intersections found = find(detector);
+    EXPECT_EQ(difference(found, expected), "");
+    EXPECT_LE(found.statistics.peak_memory_bytes, limited.memory_limit);
+    EXPECT_EQ(difference(find(detector), expected), "") << "again";
+}
+
+TEST(ContainmentStops, before_the_call_ends) {
+    const ClosedBodies bodies = nested_bodies(12, 10, false);
+    Detector detector(Options{.backend = Backend::cpu});
+    std::stop_source source;
+    source.request_stop();
+    EXPECT_EQ(error_of([&] { detector.find(bodies.view(), with_containment(), source.get_token()); }).code,
+              ErrorCode::cancelled);
+    EXPECT_NO_THROW(detector.find(bodies.view(), with_containment()));
+}
+
+}  // namespace
+}  // namespace crumple
