@@ -29,6 +29,11 @@ io::WorldMesh read_one(const std::string& file, const io::ReadOptions& how) {
     return world;
 }
 
+/// Takes the word about a pair away that detect --containment writes behind two names.
+void drop_inside(std::vector<std::string>& fields) {
+    if (fields.size() == 3 && (fields[2] == "inside" || fields[2] == "1" || fields[2] == "0")) fields.pop_back();
+}
+
 /// Two names of a line; nothing if there are more or fewer.
 std::optional<std::pair<std::string, std::string>> split(std::string_view line) {
     const bool by_tab = line.find('\t') != line.npos;
@@ -53,6 +58,7 @@ std::optional<std::pair<std::string, std::string>> split(std::string_view line) 
         while (!word.empty() && is_blank(word.back())) word.remove_suffix(1);
         words.emplace_back(word);
     }
+    drop_inside(words);
     if (words.size() != 2) return std::nullopt;
     return std::pair(words[0], words[1]);
 }
@@ -152,7 +158,8 @@ std::vector<BodyPair> BodyNames::read_pairs(const std::string& path) const {
     };
     std::vector<BodyPair> pairs;
     if (extension == ".csv") {
-        for_each_record(source, [&](const std::vector<std::string>& fields, const char* place) {
+        for_each_record(source, [&](std::vector<std::string> fields, const char* place) {
+            drop_inside(fields);
             if (fields.size() != 2) source.fail_at_line(place, "two names are expected, with a comma between");
             if (place != source.text_begin() || fields != std::vector<std::string>{"first", "second"})
                 pairs.push_back(named({fields[0], fields[1]}, place));

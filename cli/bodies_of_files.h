@@ -30,7 +30,7 @@ class BodyNames {
     BodyPair pair(const std::string& text) const;
     /// A list that detect has written, .csv or .json by extension. Any other is text: two names a line, with a tab
     /// between or, where no name has blanks, with blanks; quoted as `quoted` does. Blank lines and comments (#) are
-    /// skipped. Throws Error that names the line.
+    /// skipped, and so is what detect --containment says behind a pair. Throws Error that names the line.
     std::vector<BodyPair> read_pairs(const std::string& path) const;
 
     const std::vector<std::string>& list() const { return names_; }

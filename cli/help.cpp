@@ -24,7 +24,7 @@ const std::vector<Group>& groups() {
           "groups", "filter", "help"}},
         {"What counts",
          {"neighbours", "kind", "polygons", "part", "min-distance", "min-distance-share", "inflation", "kinds", "below",
-          "radii", "rings", "rest", "rest-radius", "min-volume", "self-overlaps", "open"}},
+          "radii", "rings", "rest", "rest-radius", "min-volume", "self-overlaps", "containment", "open"}},
         {"Bodies", {"excluded-bodies", "excluded-bodies-from", "poses", "any-by-world"}},
         {"Reading files", {"unit", "weld", "no-weld", "precision", "triangulation", "strict"}},
         {"Writing, and telling what is done", {"format", "stream", "stats", "progress"}},

@@ -26,6 +26,14 @@ std::string json_pair(const std::vector<std::string>& names, const BodyPair& pai
     return as_json({name(names, pair.first), name(names, pair.second)});
 }
 
+/// `begin`, `end`: of pairs.
+std::string json_inside(const std::vector<std::uint8_t>& inside, std::size_t begin, std::size_t end) {
+    std::string text;
+    for (std::size_t i = begin; i < end; ++i)
+        text += std::string(i > begin ? "," : "") + (inside[i] ? "true" : "false");
+    return '[' + text + ']';
+}
+
 void write_configuration(std::ostream& out, const ConfigurationList& list, std::size_t c) {
     out << "{\"" << list.verb << "\":" << (list.collides[c] ? "true" : "false");
     if (list.has_pairs) {
@@ -34,6 +42,7 @@ void write_configuration(std::ostream& out, const ConfigurationList& list, std::
         for (std::size_t i = begin; i < list.ends[c]; ++i)
             out << (i > begin ? "," : "") << json_pair(list.names, list.pairs[i]);
         out << ']';
+        if (list.has_inside) out << R"(,"inside":)" << json_inside(list.inside, begin, list.ends[c]);
     }
     out << '}';
 }
@@ -49,16 +58,22 @@ void write_list(std::ostream& out, const BodyList& list, ListFormat format) {
         out << "{\n\"bodies\": " << as_json(list.names) << ",\n\"pairs\": [";
         for (std::size_t i = 0; i < list.pairs.size(); ++i)
             out << (i ? ",\n" : "\n") << json_pair(list.names, list.pairs[i]);
-        out << "],\n\"milliseconds\": " << as_json_time(list.statistics.milliseconds) << "\n}\n";
+        out << ']';
+        if (list.has_inside) out << ",\n\"inside\": " << json_inside(list.inside, 0, list.pairs.size());
+        out << ",\n\"milliseconds\": " << as_json_time(list.statistics.milliseconds) << "\n}\n";
         return;
     }
     const bool csv = format == ListFormat::csv;
     const auto written = [&](std::int32_t b) {
         return csv ? io::csv_cell(name(list.names, b)) : quoted_name(name(list.names, b));
     };
-    if (csv) out << "first,second\n";
-    for (const BodyPair& pair : list.pairs)
-        out << written(pair.first) << (csv ? ',' : '\t') << written(pair.second) << '\n';
+    if (csv) out << (list.has_inside ? "first,second,inside\n" : "first,second\n");
+    for (std::size_t i = 0; i < list.pairs.size(); ++i) {
+        const auto [first, second] = list.pairs[i];
+        out << written(first) << (csv ? ',' : '\t') << written(second);
+        if (list.has_inside) out << (csv ? (list.inside[i] ? ",1" : ",0") : (list.inside[i] ? "\tinside" : ""));
+        out << '\n';
+    }
 }
 
 void write_list(std::ostream& out, const ConfigurationList& list, ListFormat format) {
@@ -74,10 +89,17 @@ void write_list(std::ostream& out, const ConfigurationList& list, ListFormat for
     }
     const bool csv = format == ListFormat::csv;
     const char between = csv ? ',' : ' ';
-    if (csv) out << "configuration," << list.verb << (list.has_pairs ? ",pairs\n" : "\n");
+    if (csv)
+        out << "configuration," << list.verb << (list.has_pairs ? ",pairs" : "")
+            << (list.has_inside ? ",inside\n" : "\n");
     for (std::size_t c = 0; c < count; ++c) {
         out << c << between << (csv ? (list.collides[c] ? "1" : "0") : (list.collides[c] ? "yes" : "no"));
-        if (list.has_pairs) out << between << list.ends[c] - (c ? list.ends[c - 1] : 0);
+        const std::size_t begin = c && list.has_pairs ? list.ends[c - 1] : 0;
+        if (list.has_pairs) out << between << list.ends[c] - begin;
+        if (list.has_inside)
+            out << between
+                << std::count(list.inside.begin() + static_cast<std::ptrdiff_t>(begin),
+                              list.inside.begin() + static_cast<std::ptrdiff_t>(list.ends[c]), 1);
         out << '\n';
     }
 }

@@ -73,4 +73,13 @@ std::vector<Pose> BodyScene::read_poses(const std::string& path) const {
     return poses;
 }
 
+void BodyScene::print_skipped(const std::set<std::int32_t>& bodies, const char* consequence) const {
+    std::vector<std::string> skipped;
+    skipped.reserve(bodies.size());
+    for (const std::int32_t body : bodies) skipped.push_back(quoted_name(names()[static_cast<std::size_t>(body)]));
+    if (skipped.empty()) return;
+    print_note(fmt::format("{} not closed, and {}: {}", skipped.size() == 1 ? "this body is" : "these bodies are",
+                           consequence, fmt::join(skipped, ", ")));
+}
+
 }  // namespace crumple::cli

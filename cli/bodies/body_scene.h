@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -55,6 +56,9 @@ class BodyScene {
     std::vector<BodyPair> excluded(std::size_t count) const;
     /// Reads a file of poses: those of each body in turn, configuration after configuration. Throws Error.
     std::vector<Pose> read_poses(const std::string& path) const;
+
+    /// Tells which bodies are not closed, and what follows: "left out".
+    void print_skipped(const std::set<std::int32_t>& bodies, const char* consequence) const;
 
     /// Searches the configurations with these poses, as many at once as take little memory beside the shapes.
     /// query_of(count) returns the query of so many configurations; take(found, first, count) takes their result, and

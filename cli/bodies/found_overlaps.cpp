@@ -14,16 +14,6 @@ namespace {
 
 constexpr NumberRange any_volume{std::numeric_limits<double>::infinity(), "volume of 0 or more"};
 
-/// Tells which bodies have been left out, for they are not closed.
-void print_skipped(const std::set<std::int32_t>& bodies, const BodyScene& scene) {
-    std::vector<std::string> names;
-    names.reserve(bodies.size());
-    for (const std::int32_t body : bodies) names.push_back(quoted_name(scene.names()[static_cast<std::size_t>(body)]));
-    if (names.empty()) return;
-    print_note(fmt::format("{} not closed, and left out: {}", names.size() == 1 ? "this body is" : "these bodies are",
-                           fmt::join(names, ", ")));
-}
-
 OverlapQuery query_of(const OverlapOptions& options, Output output, const BodyScene& scene, std::size_t count) {
     OverlapQuery query;
     query.output = output;
@@ -87,14 +77,14 @@ FoundOverlaps find_overlaps(Search& search, const BodyScene& scene, const Overla
         scene.search_all(
             search, scene.read_poses(options.bodies.poses), false,
             [&](std::size_t count) { return query_of(options, output, scene, count); }, take);
-        print_skipped(skipped, scene);
+        scene.print_skipped(skipped, "left out");
         return result;
     }
     const io::WorldView view = scene.mesh().view();
     const std::vector<Body> all = scene.bodies(1, false);
     const World world{view.shapes, all, view.poses};
     take(search.find(scene.origins(), -1, world, query_of(options, output, scene, 1)), 0, 1);
-    print_skipped(skipped, scene);
+    scene.print_skipped(skipped, "left out");
     return result;
 }
 

@@ -25,7 +25,7 @@ constexpr const char* formats =
 
 struct Detect : SearchCommand {
     std::vector<std::string> files;
-    BodyOptions bodies;
+    DetectBodyOptions bodies;
 
     static std::optional<io::PairFormat> list_format(const std::string& extension) {
         const io::PairFormat format = io::pair_format_of(extension);

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "cli/bodies/body_lists.h"
 #include "cli/bodies_of_files.h"
+#include "cli/choice.h"
 #include "cli/commands.h"
 #include "cli/search.h"
+#include "cli/search_command.h"
 #include "cli/steps.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
@@ -48,13 +51,15 @@ bool has_pictures(const BodyTask& task) {
 
 /// Query of `count` configurations. --filter says whether pairs within a body count, and --excluded-bodies A,A switches
 /// them off for one.
-IntersectionQuery query_of(const QueryOptions& query_options, Output output, const BodyScene& scene,
-                           std::size_t count) {
+IntersectionQuery query_of(const BodyTask& task, Output output, const BodyScene& scene, std::size_t count) {
+    const QueryOptions& query_options = task.query_options;
     IntersectionQuery query;
     query.output = output;
     query.neighbours = query_options.neighbours;
     query.kind = query_options.kind;
     query.weld = query_options.weld.value_or(false);
+    query.containment = task.bodies.containment;
+    query.open = task.bodies.open.value_or(OpenSurfaces::error);
     query.filter.bodies = query_options.filter.value_or(PairScope::between);
     query.filter.excluded_bodies = scene.excluded(count);
     return query;
@@ -73,12 +78,31 @@ void write(const std::string& path, const List& list, ListFormat format) {
     file.commit();
 }
 
+void print_skipped(const BodyScene& scene, const std::set<std::int32_t>& bodies) {
+    scene.print_skipped(bodies, "what lies inside does not count");
+}
+
 /// Each pair of bodies once, in order.
 std::vector<BodyPair> distinct(const Array<BodyPair>& bodies) {
     std::vector<BodyPair> pairs(bodies.begin(), bodies.end());
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
     return pairs;
+}
+
+/// Result in which all triangles of the bodies of these pairs are hit, for pictures.
+Intersections whole_bodies(const io::WorldMesh& mesh, const std::vector<BodyPair>& pairs) {
+    Intersections result;
+    result.first_triangle.push_back(0);
+    for (const io::NamedBody& body : mesh.bodies)
+        result.first_triangle.push_back(result.first_triangle.back() +
+                                        mesh.shapes[static_cast<std::size_t>(body.shape)].triangle_count());
+    result.hit.assign(static_cast<std::size_t>(mesh.triangle_count()), 0);
+    for (const BodyPair& pair : pairs)
+        for (const std::int32_t b : {pair.first, pair.second})
+            std::fill(result.hit.begin() + result.first_triangle[b], result.hit.begin() + result.first_triangle[b + 1],
+                      std::uint8_t{1});
+    return result;
 }
 
 std::string summary(const BodyList& list) {
@@ -89,8 +113,10 @@ std::string summary(const BodyList& list) {
     std::vector<std::uint8_t> hit(list.names.size());
     for (const BodyPair& pair : list.pairs)
         for (const std::int32_t b : {pair.first, pair.second}) hit[static_cast<std::size_t>(b)] = 1;
-    return fmt::format("{} pair{} of bodies, {} of {} bodies, {:.1f} ms\n",
+    const std::int64_t inside = std::count(list.inside.begin(), list.inside.end(), 1);
+    return fmt::format("{} pair{} of bodies{}, {} of {} bodies, {:.1f} ms\n",
                        grouped(static_cast<std::int64_t>(list.pairs.size())), list.pairs.size() == 1 ? "" : "s",
+                       list.has_inside ? fmt::format(" ({} inside)", grouped(inside)) : "",
                        grouped(std::count(hit.begin(), hit.end(), 1)), grouped(bodies), list.statistics.milliseconds);
 }
 
@@ -101,25 +127,34 @@ int find_once(const BodyTask& task, Search& search, const BodyScene& scene, cons
     const std::vector<Body> bodies = scene.bodies(1, true);
     const World world{view.shapes, bodies, view.poses};
     const bool only_status = task.check && task.outputs.empty(), pictures = has_pictures(task);
-    const Output output = only_status ? Output::any : pictures ? Output::pairs : Output::body_pairs;
-    IntersectionQuery query = query_of(task.query_options, output, scene, 1);
-    query.index = pictures;
+    const bool of_triangles = pictures && !task.bodies.containment;  // else whole bodies are coloured
+    const Output output = only_status ? Output::any : of_triangles ? Output::pairs : Output::body_pairs;
+    IntersectionQuery query = query_of(task, output, scene, 1);
+    query.index = of_triangles;
     steps.begin("search");
     const Intersections& found = search.find(scene.origins(), -1, world, query);
+    print_skipped(scene, {found.skipped.begin(), found.skipped.end()});
     if (only_status) return report(found.any);
 
     steps.begin("write");
-    const BodyList list{scene.names(), distinct(found.bodies), found.statistics};
+    const BodyList list{.names = scene.names(),
+                        .pairs = distinct(found.bodies),
+                        .inside = {found.inside.begin(), found.inside.end()},
+                        .has_inside = task.bodies.containment,
+                        .statistics = found.statistics};
+    const Intersections of_bodies =
+        pictures && !of_triangles ? whole_bodies(scene.mesh(), list.pairs) : Intersections();
+    const Intersections& shown = of_triangles ? found : of_bodies;
     for (const std::string& path : task.outputs) {
         const std::string extension = extension_of(path, task.format);
         if (const auto format = list_format(extension))
             write(path, list, *format);
         else if (is_standard(path))
             to_standard_output([&](std::ostream& out) {
-                io::write_coloured(out, scene.mesh(), found, io::mesh_format_of(extension));
+                io::write_coloured(out, scene.mesh(), shown, io::mesh_format_of(extension));
             });
         else
-            io::write_coloured(path, scene.mesh(), found);
+            io::write_coloured(path, scene.mesh(), shown);
     }
     if (task.outputs.empty()) write("-", list, ListFormat::txt);
     if (list.pairs.empty() || tells_summary(task)) say(summary(list));
@@ -138,6 +173,7 @@ void add(const Intersections& found, std::size_t count, ConfigurationList& list)
             list.pairs.push_back({found.bodies[i].first - first, found.bodies[i].second - first});
         list.ends.push_back(list.pairs.size());
     }
+    if (list.has_inside) list.inside.insert(list.inside.end(), found.inside.begin(), found.inside.end());
     list.milliseconds += found.statistics.milliseconds;
 }
 
@@ -145,16 +181,21 @@ int find_configurations(const BodyTask& task, Search& search, const BodyScene& s
     const std::vector<Pose> poses = scene.read_poses(task.bodies.poses);
     const bool only_status = task.check && task.outputs.empty();
     const Output output = only_status ? Output::any : task.bodies.any ? Output::any_by_world : Output::body_pairs;
-    ConfigurationList list{scene.names(), !task.bodies.any};
+    ConfigurationList list{.names = scene.names(), .has_pairs = !task.bodies.any};
+    list.has_inside = task.bodies.containment && list.has_pairs;
+    std::set<std::int32_t> skipped;
     bool any = false;
     steps.begin("search");
     scene.search_all(
-        search, poses, true, [&](std::size_t count) { return query_of(task.query_options, output, scene, count); },
+        search, poses, true, [&](std::size_t count) { return query_of(task, output, scene, count); },
         [&](const Intersections& found, std::size_t, std::size_t count) {
             any = any || found.any;
+            for (const std::int32_t body : found.skipped)
+                skipped.insert(body % static_cast<std::int32_t>(list.names.size()));
             if (!only_status) add(found, count, list);
             return !only_status || !any;
         });
+    print_skipped(scene, skipped);
     if (only_status) return report(any);
     steps.begin("write");
     for (const std::string& path : task.outputs) write(path, list, *list_format(extension_of(path, task.format)));
@@ -168,19 +209,28 @@ int find_configurations(const BodyTask& task, Search& search, const BodyScene& s
 
 }  // namespace
 
-void add_detect_body_options(CLI::App& app, BodyOptions& options) {
+void add_detect_body_options(CLI::App& app, DetectBodyOptions& options) {
     add_body_options(app, options,
                      {"With --groups bodies: ", "these two bodies may collide; A,A: with itself",
                       "For each configuration a row tells its number, whether anything collides, and how many pairs of "
                       "bodies do"});
     app.add_flag("--any-by-world", options.any,
                  "With --poses: only whether anything collides in each configuration, which is a world; faster");
+    app.add_flag("--containment", options.containment,
+                 "With --groups bodies: a body inside another one collides with it, too, although their surfaces do "
+                 "not meet; lists then say which pairs are such, and pictures colour whole bodies");
+    add_choice<std::optional<OpenSurfaces>, OpenSurfaces>(
+        app, "--open", options.open, {{"error", OpenSurfaces::error}, {"skip", OpenSurfaces::skip}},
+        "With --containment: bodies whose surface is not closed are an error where it matters what lies inside them, "
+        "or nothing does");
 }
 
-void check_detect_body_options(const BodyOptions& options, const QueryOptions& query_options) {
+void check_detect_body_options(const DetectBodyOptions& options, const QueryOptions& query_options) {
     if (options.any && options.poses.empty())
         refuse("--any-by-world changes nothing without --poses; --check tells whether anything collides");
+    if (options.open && !options.containment) refuse("--open changes nothing without --containment");
     if (query_options.of_bodies()) return;
+    if (options.containment) refuse("--containment needs --groups bodies");
     if (!options.excluded.empty()) refuse("--excluded-bodies needs --groups bodies");
     if (!options.exclude_from.empty()) refuse("--excluded-bodies-from needs --groups bodies");
     if (!options.poses.empty()) refuse("--poses needs --groups bodies");
@@ -192,7 +242,7 @@ int detect_bodies(const BodyTask& task) {
     task.bodies.add_files(inputs);
     check_standard_input(inputs);
     check_outputs(task.outputs, inputs, task.query_options);
-    Search search(task.query_options, task.options);
+    Search search(task.query_options, task.bodies.containment ? feature_options(task.options) : task.options);
     const Steps steps(task.progress);
     steps.begin("read");
     const BodyScene scene(task.files, task.query_options, task.bodies);

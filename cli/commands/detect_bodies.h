@@ -2,6 +2,7 @@
 
 // crumple detect --groups bodies: which bodies of a world collide, in one configuration or in many.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,17 +10,21 @@
 
 namespace crumple::cli {
 
+struct DetectBodyOptions : BodyOptions {
+    bool containment = false;          ///< a body inside another one counts
+    std::optional<OpenSurfaces> open;  ///< absent: error
+};
 /// Adds the options of bodies in the words of crumple detect.
-void add_detect_body_options(CLI::App& app, BodyOptions& options);
+void add_detect_body_options(CLI::App& app, DetectBodyOptions& options);
 /// Throws Error (invalid_argument) for options of bodies that change nothing without another one.
-void check_detect_body_options(const BodyOptions& options, const QueryOptions& query_options);
+void check_detect_body_options(const DetectBodyOptions& options, const QueryOptions& query_options);
 
 /// Request to crumple detect.
 struct BodyTask {
     const std::vector<std::string>&files, &outputs;
     const std::string& format;  ///< of `-o -`
     const QueryOptions& query_options;
-    const BodyOptions& bodies;
+    const DetectBodyOptions& bodies;
     const Options& options;
     bool check;     ///< by exit status
     bool progress;  ///< its steps are told

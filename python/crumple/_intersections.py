@@ -21,9 +21,18 @@ _PAIR_FILES = {".txt", ".csv", ".json", ".npz"}
 _MESH_FILES = {".ply", ".obj", ".glb", ".3mf", ".html"}
 OUTPUTS = ("any", "any_by_world", "body_pairs", "count", "pairs", "contacts")
 # The least of OUTPUTS that an array or a count is made for.
-_FROM = {"world_hit": "any_by_world", "count": "count", "world_counts": "count", "pairs": "pairs"}
+_FROM = {
+    "skipped": "any",
+    "world_hit": "any_by_world",
+    "bodies": "body_pairs",
+    "inside": "body_pairs",
+    "count": "count",
+    "world_counts": "count",
+    "pairs": "pairs",
+}
 _OF_MESHES = ("offsets", "hit_second")
 _OF_WORLDS = ("world_hit", "world_counts", "world_offsets", "body_offsets", "first_triangle")
+_OF_CONTAINMENT = ("inside", "skipped")
 _INDEX = ("world_offsets", "body_offsets", "first_triangle", "hit")
 
 
@@ -53,9 +62,11 @@ class Intersections(Result):
 
     def _check(self, name: str) -> None:
         request = self._request
-        least = _FROM.get(name, "body_pairs" if name == "bodies" else "pairs" if name not in _OF_WORLDS else "any")
+        least = _FROM.get(name, "pairs" if name not in _OF_WORLDS else "any")
         if request.block and name not in ("pairs", "bodies", "count") and not name.startswith("contact"):
             raise InvalidInput(f"{name} is part of a whole result, but this is one of its blocks")
+        if name in _OF_CONTAINMENT and "containment" not in request.options:
+            self._refuse(name, "containment=True")
         if name in _OF_MESHES and self._of_world:
             raise InvalidInput(f"{name} is for meshes, but the scene is a world")
         if name in _OF_WORLDS and not self._of_world:
@@ -92,6 +103,14 @@ class Intersections(Result):
     bodies = int32(
         '(k, 2) int32, of a world: the bodies of each pair; of output="body_pairs" those that intersect, each once.',
         (2,),
+    )
+    inside = bools(
+        '(k,) bool, with `containment` and output="body_pairs": of which of `bodies` the surfaces do not meet, and one '
+        "has a component inside the other."
+    )
+    skipped = int32(
+        '(s,) int32, with `containment`: for open="skip" the bodies whose surfaces are not closed, of the wanted pairs '
+        "whose boxes overlap and whose surfaces do not meet."
     )
     offsets = int64("(m + 1,) int64, of meshes: pairs whose first triangle is i are pairs[offsets[i]:offsets[i + 1]].")
     hit = bools(

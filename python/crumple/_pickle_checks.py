@@ -272,8 +272,17 @@ class _CheckIntersections(_Check):
         counted = least >= OUTPUTS.index("count") and not request.block
         self._that(not counted or found.count == found.statistics.pairs, "statistics")
         self._that(contacts == (len(found.pairs) if request.output == "contacts" else 0), "contacts")
+        self._containment()
         if request.scene == "world":
             self._world(least)
+
+    def _containment(self) -> None:
+        found, request = self._found, self._request
+        asked = "containment" in request.options
+        rows = len(found.bodies) if asked and request.output == "body_pairs" else 0
+        self._that(len(found.inside) == rows, "inside")
+        self._that(asked or not len(found.skipped), "skipped")
+        self._that((found.skipped >= 0).all() and (np.diff(found.skipped) > 0).all(), "skipped")
 
     def _world(self, least: int) -> None:
         found, request, world, rows = self._found, self._request, self._scene[0], len(self._found.bodies)

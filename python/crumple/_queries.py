@@ -66,6 +66,12 @@ class IntersectionQuery(Query):
             they share (a fold counts, a hinge does not); "skip": never reported.
         kind: "all": touching counts; "proper": only if an edge strictly crosses an interior.
         weld: vertices at equal positions count as one, also those of different meshes and bodies.
+        containment: a body inside another one counts in the outputs "any", "any_by_world" and "body_pairs", never as
+            pairs of triangles; a body pair then says so (`Intersections.inside`). Two bodies count if their surfaces
+            meet, or else if a component of one has a vertex at which the winding number of the other's surface is not
+            0. Of worlds and two meshes, with `kind` "all", with the cpu and the reference backend.
+        open: with `containment`, bodies whose surfaces are not closed are an "error" in pairs whose boxes overlap and
+            whose surfaces do not meet, or nothing lies inside them, and Intersections.skipped names them ("skip").
         filter: which pairs.
         index: of worlds, also make offsets by world and by body, and hit flags; those of meshes are always there.
 
@@ -77,6 +83,8 @@ class IntersectionQuery(Query):
     neighbours: Literal["geometric", "skip"] = "geometric"
     kind: Literal["all", "proper"] = "all"
     weld: bool = False
+    containment: bool = False
+    open: Literal["error", "skip"] = "error"
     filter: PairFilter = PairFilter()
     index: bool = False
 

@@ -187,6 +187,8 @@ def _request_of(query: Any, kind: str, copy: bool, block: bool) -> Request:
     output = getattr(query, "output", "pairs")
     listed = output in ("pairs", "contacts")
     options = frozenset(name for name in _OPTIONS if listed and getattr(query, name, False))
+    if getattr(query, "containment", False):
+        options |= {"containment"}
     return Request(kind, of_bodies, output, options, getattr(query, "kinds", ()), copy, block)
 
 

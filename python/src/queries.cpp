@@ -43,6 +43,8 @@ void read(nb::handle given, IntersectionQuery& query) {
     query.neighbours = named(neighbours_names, "neighbours", given.attr("neighbours"));
     query.kind = named(intersection_kind_names, "kind", given.attr("kind"));
     query.weld = flag_of(given, "weld");
+    query.containment = flag_of(given, "containment");
+    query.open = named(open_surfaces_names, "open", given.attr("open"));
     query.filter = filter_of(given);
     query.index = flag_of(given, "index");
 }

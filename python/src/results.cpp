@@ -80,6 +80,10 @@ void bind_intersections(nb::module_& module) {
         "pairs", [](const R& r) -> auto& { return r.pairs; }, 2U);
     result.array<std::int32_t>(
         "bodies", [](const R& r) -> auto& { return r.bodies; }, 2U);
+    result.array<bool>(
+        "inside", [](const R& r) -> auto& { return r.inside; });
+    result.array<std::int32_t>(
+        "skipped", [](const R& r) -> auto& { return r.skipped; });
     result.array<std::int64_t>(
         "offsets", [](const R& r) -> auto& { return r.offsets; });
     result.array<bool>(

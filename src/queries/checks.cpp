@@ -97,6 +97,7 @@ void check_question(const IntersectionQuery& q) {
           "triangles; an overlap query has its volume");
     check(q.kind == IntersectionKind::all,
           "kind must be all with containment; OverlapQuery::min_volume leaves out bodies that only touch");
+    check(q.open != OpenSurfaces::curves, "open must be error or skip: curves are those of overlaps");
     check(!q.weld || q.neighbours == Neighbours::geometric, "neighbours must be geometric with containment and weld");
 }
 
