@@ -313,6 +313,10 @@ TEST(CudaDeviceWorlds, refuse_what_they_cannot) {
               "which bodies collide is told by find(), not by a launch");
     EXPECT_EQ(message_of([&] { cuda.launch(device.view(), {.index = true}); }),
               "index must be false: of a launch there are offsets of worlds only");
+    EXPECT_EQ(message_of([&] { cuda.launch(device.view(), {.output = Output::any, .containment = true}); }),
+              "containment must be false: launches find the surfaces that meet");
+    EXPECT_EQ(message_of([&] { cuda.find(world->view(), {.output = Output::any, .containment = true}); }),
+              "containment needs the cpu backend (Options::backend)");
     EXPECT_EQ(message_of([&] { cuda.launch(world->view()); }), "launch takes worlds whose poses lie in device memory");
     EXPECT_EQ(message_of([&] { cpu.launch(device.view()); }),
               "poses in device memory need the cuda backend (Options::backend)");

@@ -344,6 +344,8 @@ TEST(RankBodies, are_refused_alike_on_all_ranks) {
               "rank 0: the ranks ask different questions, or have different options");
     EXPECT_EQ(refused([](int, WorldPiece&, Share&, IntersectionQuery& question) { question.index = true; }),
               "rank 0: index must be false: ranks have no offsets by body");
+    EXPECT_EQ(refused([](int, WorldPiece&, Share&, IntersectionQuery& question) { question.containment = true; }),
+              "rank 0: containment must be false: ranks find the surfaces that meet");
 }
 
 // A rank that asks about triangles does not leave the others waiting.

@@ -1,8 +1,10 @@
-// Fuzz target: overlaps of closed bodies. Broken promises besides what the sanitizers see: an answer of the cpu backend
-// that differs in a byte from brute force in rational arithmetic, or an error that the other backend does not give.
+// Fuzz target: overlaps of closed bodies, and intersections with containment. Broken promises besides what the
+// sanitizers see: an answer of the cpu backend that differs in a byte from brute force in rational arithmetic, or an
+// error that the other backend does not give.
 
 #include <sanitizer/asan_interface.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,6 +78,26 @@ struct Bodies {
     }
 };
 
+/// Returns what was found, unless that is an error.
+template <class Query>
+std::optional<typename Query::Result> judge(const World& world, const Query& query, Detector& detector,
+                                            Detector& reference) {
+    using Result = typename Query::Result;
+    const auto ask = [&](Detector& by) {
+        return outcome_of<Result>([&]() -> const Result& { return by.find(world, query); });
+    };
+    const Outcome<Result> found = ask(detector), expected = ask(reference);
+    const auto *error = std::get_if<Error>(&found), *wanted = std::get_if<Error>(&expected);
+    // A body that can meet none need not be looked at (docs/worlds.md).
+    if (error && !wanted && error->code != ErrorCode::not_finite) fail(std::string("find throws: ") + error->what());
+    if (wanted && !error && wanted->code != ErrorCode::not_finite)
+        fail(std::string("find does not throw: ") + wanted->what());
+    if (error || wanted) return std::nullopt;
+    const std::string different = test::difference(std::get<Result>(found), std::get<Result>(expected));
+    if (!different.empty()) fail(different + " differs");
+    return std::get<Result>(found);
+}
+
 void judge(const Bodies& bodies, Detector& reference) {
     std::vector<Arrays> arrays;
     std::vector<Shape> shapes;
@@ -87,24 +109,18 @@ void judge(const Bodies& bodies, Detector& reference) {
         all.push_back({.shape = static_cast<std::int32_t>(all.size())});
     }
     const World world{shapes, all, bodies.poses};
-    const auto ask = [&](Detector& by) {
-        return outcome_of<Overlaps>([&]() -> const Overlaps& { return by.find(world, bodies.query); });
-    };
     Detector detector(bodies.options);
-    const Outcome<Overlaps> found = ask(detector), expected = ask(reference);
-    const auto *error = std::get_if<Error>(&found), *wanted = std::get_if<Error>(&expected);
-    // A body that can meet none need not be looked at (docs/worlds.md).
-    if (error && !wanted && error->code != ErrorCode::not_finite) fail(std::string("find throws: ") + error->what());
-    if (wanted && !error && wanted->code != ErrorCode::not_finite)
-        fail(std::string("find does not throw: ") + wanted->what());
-    if (error || wanted) return;
-    const std::string different = test::difference(std::get<Overlaps>(found), std::get<Overlaps>(expected));
-    if (!different.empty()) fail(different + " differs");
-    const Overlaps& overlaps = std::get<Overlaps>(found);
-    for (std::size_t i = 0; bodies.query.curves && i < overlaps.volume.size(); ++i)
-        for (std::int64_t j = overlaps.curve_offsets[i]; j < overlaps.curve_offsets[i + 1]; ++j)
-            if (overlaps.curve_closed[j] == 0 && overlaps.relation[i] != OverlapRelation::undefined)
-                fail("a curve of closed surfaces is open");
+    if (const auto overlaps = judge(world, bodies.query, detector, reference); overlaps && bodies.query.curves)
+        for (std::size_t i = 0; i < overlaps->volume.size(); ++i)
+            for (std::int64_t j = overlaps->curve_offsets[i]; j < overlaps->curve_offsets[i + 1]; ++j)
+                if (overlaps->curve_closed[j] == 0 && overlaps->relation[i] != OverlapRelation::undefined)
+                    fail("a curve of closed surfaces is open");
+    IntersectionQuery inside{.weld = bodies.query.weld, .containment = true};
+    if (bodies.query.open == OpenSurfaces::skip) inside.open = OpenSurfaces::skip;
+    for (const Output output : {Output::any, Output::any_by_world, Output::body_pairs}) {
+        inside.output = output;
+        judge(world, inside, detector, reference);
+    }
 }
 
 /// Tells of the bodies that are judged when the process ends: sanitizers and broken promises alike.

@@ -2,6 +2,7 @@
 
 // Closed bodies by chance, and where two results about such bodies differ.
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <string>
@@ -129,6 +130,20 @@ inline std::string difference(const Overlaps& x, const Overlaps& y) {
     if (differ(x.windings, y.windings)) return "windings";
     if (differ(x.body_volume, y.body_volume)) return "body_volume";
     if (differ(x.is_solid, y.is_solid)) return "is_solid";
+    return {};
+}
+
+/// The first part in which two results with containment differ; empty if none does.
+inline std::string difference(const Intersections& x, const Intersections& y) {
+    const auto differ = [](const auto& a, const auto& b) {
+        return !std::equal(a.begin(), a.end(), b.begin(), b.end());
+    };
+    if (x.any != y.any) return "any";
+    if (x.count != y.count) return "count";
+    if (differ(x.world_hit, y.world_hit)) return "world_hit";
+    if (differ(x.bodies, y.bodies)) return "bodies";
+    if (differ(x.inside, y.inside)) return "inside";
+    if (differ(x.skipped, y.skipped)) return "skipped";
     return {};
 }
 

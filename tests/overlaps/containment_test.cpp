@@ -16,26 +16,13 @@ namespace {
 using test::closed_bodies;
 using test::ClosedBodies;
 using test::Dice;
+using test::difference;
 using test::error_of;
 
 constexpr Output contained_outputs[] = {Output::any, Output::any_by_world, Output::body_pairs};
 
 IntersectionQuery with_containment(Output output = Output::body_pairs, bool weld = false) {
     return {.output = output, .weld = weld, .containment = true, .open = OpenSurfaces::skip};
-}
-
-/// The first part in which two results differ; empty if none does.
-std::string difference(const Intersections& x, const Intersections& y) {
-    const auto differ = [](const auto& a, const auto& b) {
-        return !std::equal(a.begin(), a.end(), b.begin(), b.end());
-    };
-    if (x.any != y.any) return "any";
-    if (x.count != y.count) return "count";
-    if (differ(x.world_hit, y.world_hit)) return "world_hit";
-    if (differ(x.bodies, y.bodies)) return "bodies";
-    if (differ(x.inside, y.inside)) return "inside";
-    if (differ(x.skipped, y.skipped)) return "skipped";
-    return {};
 }
 
 using ContainedSoup = test::Soup<double>;
