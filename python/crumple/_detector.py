@@ -203,7 +203,7 @@ class Detector(_core.Detector):
     def supports(self, scene: Any, query: Query = _ALL) -> bool:
         """True if find takes queries of this type about such a scene: by what it is, where it lies, and the backend.
 
-        docs/supported.md has the table. Says nothing of options and sizes.
+        docs/supported.md has the table. Of options only `containment` of intersections matters; says nothing of sizes.
         """
         scene = scene_of(scene)
         return self._call("supports", scene, checked_query(scene, query))

@@ -4,7 +4,8 @@
 // triangles that intersect, and each pair of bodies becomes a row by sums over these (search/overlap_row.h).
 //
 //   bodies  --worlds, by the backend----->  pairs of triangles, by pair of bodies
-//           --search/containment/closed_bodies.h----->  pairs of bodies whose boxes overlap, of closed surfaces
+//           --containment/closed_bodies.h-> pairs of bodies whose boxes overlap, of closed surfaces
+//   only flags: which surfaces meet, by the backend, else what lies inside what (containment/contained_bodies.h)
 //   each pair of bodies, on one worker: posed vertices, sums, numbers, relation -> a row
 
 #include <vector>
@@ -36,6 +37,7 @@ class OverlapSearch {
         BodyPair bodies;
         std::size_t begin, end;
     };
+
     std::vector<std::int32_t> list_candidates();
     bool is_one_pair_at_rest() const;
     void find_pairs_of_two(BackendBase& backend);
