@@ -5,10 +5,10 @@ import pickle
 
 import numpy as np
 import pytest
+from test_overlaps import CORNERS, FACES, UNIT, box
 
 import crumple
 from features import restored
-from test_overlaps import CORNERS, FACES, UNIT, box
 
 ROOM = box([-1, -1, -1], 4.0)
 INSIDE = {"output": "body_pairs", "containment": True}
@@ -88,7 +88,9 @@ def test_states_that_do_not_fit_are_refused(detector):
 def test_arrays_that_were_not_requested_say_how(detector):
     with pytest.raises(crumple.InvalidInput, match=r"inside was not requested: IntersectionQuery\(containment=True\)"):
         _ = detector.intersections(world(), output="body_pairs").inside
-    with pytest.raises(crumple.InvalidInput, match=r'inside was not requested: IntersectionQuery\(output="body_pairs"\)'):
+    with pytest.raises(
+        crumple.InvalidInput, match=r'inside was not requested: IntersectionQuery\(output="body_pairs"\)'
+    ):
         _ = detector.intersections(world(), output="any", containment=True).inside
 
 
