@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/memory_claim.h"
+
 namespace crumple {
 namespace {
 
@@ -64,6 +66,13 @@ void clear(Overlaps& result) {
     result.any = false;
     result.count = 0;
     result.statistics = {};
+}
+
+std::size_t bytes_of(const OverlapRow& row) {
+    std::size_t bytes = bytes_of(row.curves);
+    for (std::size_t side = 0; side < 2; ++side) bytes += bytes_of(row.gradient[side]) + bytes_of(row.windings[side]);
+    for (const OverlapCurve& curve : row.curves) bytes += bytes_of(curve.points) + bytes_of(curve.triangles);
+    return bytes;
 }
 
 void orient(int first, int second, OverlapRow& row) {

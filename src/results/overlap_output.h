@@ -38,6 +38,9 @@ struct OverlapRow {
     double body_volume = 0;  ///< of a body with itself: its own volume
 };
 
+/// Memory of a row's lists.
+std::size_t bytes_of(const OverlapRow& row);
+
 /// Turns bodies inside out whose orientation is −1.
 void orient(int first, int second, OverlapRow& row);
 

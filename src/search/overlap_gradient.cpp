@@ -79,6 +79,9 @@ WeightedFaces<Number> OverlapOfBodies::weigh(std::size_t side, Wanted wanted) co
             if (b) weights[s][1].add(pair.b, crossing.shifted[s].b);
         }
     }
+    MemoryClaim memory(meter_);
+    for (const auto& shifted : weights)
+        for (const WeightedFaces<Number>& of_copy : shifted) memory.add(of_copy.bytes());
     WeightedFaces<Number> all;
     const auto add = [&](std::int32_t face, const FaceWeights<Number>& w) {
         if (wanted(face)) all.add(face, w);
@@ -116,6 +119,8 @@ std::vector<VertexVector> OverlapOfBodies::gradient(std::size_t side) {
         const Vec3<Enclosed> normal = enclosed_normal(body(side).corners(face));
         for (std::size_t k = 0; k < 3; ++k) terms.push_back({topology(side).corners(face)[k], weights[k] * normal});
     }
+    MemoryClaim memory(meter_);
+    memory.add(weighted.bytes() + bytes_of(terms));
     std::stable_sort(terms.begin(), terms.end(), [](const auto& x, const auto& y) { return x.vertex < y.vertex; });
     for (std::size_t i = 0; i < terms.size();) {
         Vec3<Enclosed> sum = terms[i].term;

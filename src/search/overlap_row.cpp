@@ -17,6 +17,13 @@ struct CrossedPairs {
     std::array<std::array<WindingSteps, 2>, 2> steps;  ///< by shift and side
     std::vector<Segment> segments, links;
     std::vector<Pair> coplanar;
+
+    std::size_t bytes() const {
+        std::size_t bytes = bytes_of(segments) + bytes_of(links) + bytes_of(coplanar);
+        for (const auto& shifted : steps)
+            for (const WindingSteps& of_side : shifted) bytes += of_side.bytes();
+        return bytes;
+    }
 };
 
 /// Adds how edges of a degenerate face cross another one, if they do: a segment without length.
@@ -128,10 +135,16 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
             add_pair(pair, decide_crossings(signs));
         }
     };
+    MemoryClaim memory_of_parts(meter_);
+    const auto cross_and_count = [&](std::size_t part) {
+        cross(part);
+        memory_of_parts.add(parts[part].bytes());
+    };
     if (parts.size() == 1)
-        cross(0);
+        cross_and_count(0);
     else
-        workers_.parallel_for(parts.size(), cross);
+        workers_.parallel_for(parts.size(), cross_and_count);
+    memory_.add(memory_of_parts.bytes());  // for all of them once more, joined
     std::size_t count = 0;
     for (const CrossedPairs& part : parts) count += part.segments.size();
     sums_.segments.reserve(count);
@@ -175,9 +188,10 @@ void OverlapOfBodies::count_faces() {
                 if (end.side == side && end.edge == 0) faces.push_back({side == 0 ? segment.a : segment.b, end.jump});
         }
     }
-    if (self_ == 0) return;
-    // The winding number itself, of the whole surface.
-    for (std::int32_t face = 0; face < topology(0).face_count(); ++face) sums_.faces[0].push_back({face, -self_});
+    // Of a body with itself, subtract the winding number of the whole surface.
+    for (std::int32_t face = 0; self_ != 0 && face < topology(0).face_count(); ++face)
+        sums_.faces[0].push_back({face, -self_});
+    for (const auto& faces : sums_.faces) memory_.add(bytes_of(faces));
 }
 
 OverlapSums OverlapOfBodies::sums_of_scene() const {

@@ -15,6 +15,7 @@
 
 #include "backends/overlap_kernels.h"
 #include "base/cancellation.h"
+#include "base/memory_claim.h"
 #include "base/parallel_for.h"
 #include "crumple/intersections.h"
 #include "results/overlap_output.h"
@@ -33,8 +34,13 @@ class OverlapOfBodies {
     };
 
     /// `kernels`: those of the backend, or null.
-    OverlapOfBodies(ParallelFor& workers, const OverlapKernels* kernels, Cancellation& cancellation)
-        : workers_(workers), kernels_(kernels), cancellation_(cancellation), sums_(workers, kernels, cancellation) {}
+    OverlapOfBodies(ParallelFor& workers, const OverlapKernels* kernels, MemoryMeter& meter, Cancellation& cancellation)
+        : workers_(workers),
+          kernels_(kernels),
+          meter_(meter),
+          cancellation_(cancellation),
+          memory_(meter),
+          sums_(workers, kernels, cancellation) {}
 
     /// The overlap of a and b; called once. `pairs`: all pairs of triangles of a and b that have a common point, in
     /// their order. Sums are about `origin`.
@@ -90,7 +96,9 @@ class OverlapOfBodies {
 
     ParallelFor& workers_;
     const OverlapKernels* kernels_;
+    MemoryMeter& meter_;
     Cancellation& cancellation_;
+    MemoryClaim memory_;  ///< steps, segments, faces
     bool was_exact_ = false;
     std::span<const Pair> pairs_;
     std::vector<Segment> links_;  ///< of degenerate faces, for curves: see results/joined_curves.h

@@ -134,6 +134,8 @@ void OverlapSearch::find_rows(BackendBase& backend, WorldSearch& worlds, const W
         sort_pairs();
     }
     result.statistics = found_.statistics;
+    MemoryClaim memory(meter_);
+    memory.add(candidates_.size() * sizeof(OverlapRow));
     std::vector<OverlapRow> rows(candidates_.size());
     std::atomic<std::int64_t> rational{0};
     std::atomic<bool> enough{false};
@@ -142,6 +144,7 @@ void OverlapSearch::find_rows(BackendBase& backend, WorldSearch& worlds, const W
         cancellation_.check();
         bool was_exact = false;
         rows[i] = row_of(backend, candidates_[i], was_exact);
+        memory.add(bytes_of(rows[i]));
         if (was_exact) rational.fetch_add(1, std::memory_order_relaxed);
         if (query_.output == Output::any && is_listed(query_, rows[i])) enough.store(true, std::memory_order_relaxed);
     });
@@ -191,7 +194,7 @@ OverlapRow OverlapSearch::row_of(BackendBase& backend, const Candidate& candidat
     const auto [first, second] = candidate.bodies;
     const PlacedSurface a = bodies_.place(first, points_a);
     const std::span<const Pair> pairs(pairs_.data() + candidate.begin, candidate.end - candidate.begin);
-    OverlapOfBodies overlap(backend, backend.overlap_kernels(), cancellation_);
+    OverlapOfBodies overlap(backend, backend.overlap_kernels(), meter_, cancellation_);
     const bool numbers = query_.output == Output::pairs;
     OverlapOfBodies::Request request{.numbers = numbers,
                                      .gradient = numbers && query_.gradient,

@@ -54,6 +54,8 @@ class WeightedFaces {
         mark(0);
     }
 
+    std::size_t bytes() const { return bytes_of(faces_) + bytes_of(is_crossed_); }
+
     struct Entry {
         std::int32_t face;
         FaceWeights<Number> weights;

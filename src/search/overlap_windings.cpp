@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "exact/overlap/crossing.h"
 #include "search/containment/winding_rays.h"
 
 namespace crumple {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/cancellation.h"
+#include "base/memory_claim.h"
 #include "exact/overlap/face_crossing.h"
 #include "scene/closed_surface.h"
 #include "search/containment/placed_surface.h"
@@ -33,6 +34,8 @@ class WindingSteps {
     /// Adds the winding numbers of `other`, which is shifted, at the first vertex of each component of `of`. After all
     /// steps of edges.
     void add_components(const PlacedSurface& of, const PlacedSurface& other, Shift shift, Cancellation& cancellation);
+
+    std::size_t bytes() const { return bytes_of(steps_) + bytes_of(intervals_); }
 
     /// Makes the intervals of the steps.
     void make_intervals();

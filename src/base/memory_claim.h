@@ -1,0 +1,37 @@
+#pragma once
+
+// Memory that is counted by a meter as long as an object lives, for containers that do not count themselves.
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "crumple/array.h"
+
+namespace crumple {
+
+template <class T>
+std::size_t bytes_of(const std::vector<T>& vector) {
+    return vector.capacity() * sizeof(T);
+}
+
+class MemoryClaim {
+   public:
+    explicit MemoryClaim(MemoryMeter& meter) : meter_(meter) {}
+    ~MemoryClaim() { meter_.add(-bytes_.load()); }
+    MemoryClaim(const MemoryClaim&) = delete;
+    MemoryClaim& operator=(const MemoryClaim&) = delete;
+
+    /// Throws MemoryMeter::Exceeded. Safe from several threads.
+    void add(std::size_t bytes) {
+        meter_.add(static_cast<std::int64_t>(bytes));
+        bytes_ += static_cast<std::int64_t>(bytes);
+    }
+    std::size_t bytes() const { return static_cast<std::size_t>(bytes_.load()); }
+
+   private:
+    MemoryMeter& meter_;
+    std::atomic<std::int64_t> bytes_{0};
+};
+
+}  // namespace crumple
