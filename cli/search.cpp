@@ -325,10 +325,12 @@ namespace {
 
 /// The message with members of queries as the options that they are here.
 std::string in_words_of_options(std::string message) {
-    constexpr std::pair<std::string_view, std::string_view> options[] = {{"OverlapQuery::weld", "--weld"},
-                                                                         {"OverlapQuery::open", "--open skip"},
-                                                                         {"IntersectionQuery::weld", "--weld"},
-                                                                         {"IntersectionQuery::open", "--open skip"}};
+    constexpr std::pair<std::string_view, std::string_view> options[] = {
+        {"open_edges lists", "info --open-edges lists"},
+        {"OverlapQuery::weld", "--weld"},
+        {"OverlapQuery::open", "--open skip"},
+        {"IntersectionQuery::weld", "--weld"},
+        {"IntersectionQuery::open", "--open skip"}};
     for (const auto& [member, option] : options)
         if (const std::size_t at = message.find(member); at != message.npos) message.replace(at, member.size(), option);
     return message;

@@ -16,6 +16,7 @@
 #include "cli/terminal.h"
 #include "cli/topology.h"
 #include "crumple/device.h"
+#include "crumple/open_edges.h"
 #include "io/formats.h"
 
 namespace crumple::cli {
@@ -73,7 +74,7 @@ std::optional<Box> box_of(const io::TriangleMesh& mesh) {
 
 /// Reports on a body where it is posed.
 struct Report {
-    explicit Report(const io::TriangleMesh& mesh)
+    Report(const io::TriangleMesh& mesh, bool lists_open_edges)
         : vertices(mesh.vertex_count()),
           unused(count_unused_vertices(mesh)),
           triangles(mesh.triangle_count()),
@@ -84,6 +85,7 @@ struct Report {
           edges(report_edges(mesh)) {
         std::vector<std::int32_t> labels;
         components = label_components(mesh, labels);
+        if (lists_open_edges) listed = open_edges(mesh.view());
         if (triangles > 0 && edges.closed && !edges.flipped) volume = signed_volume(mesh);
     }
     /// Tells whether it is the surface of a solid: closed, consistently oriented, with an area everywhere.
@@ -94,6 +96,7 @@ struct Report {
     std::optional<Box> box;
     std::vector<std::int32_t> degenerate, duplicated;
     EdgeReport edges;
+    std::optional<Array<OpenEdge>> listed;
     std::int32_t components = 0;
     std::optional<double> volume;  ///< of a closed mesh with one orientation
 };
@@ -126,6 +129,7 @@ class Printer {
         row("open edges", grouped(std::ssize(report.edges.open)));
         for (std::size_t i = 0; i < std::min(most_edges, report.edges.open.size()); ++i)
             row(i ? "" : "  the first", describe(mesh, report.edges.open[i]));
+        if (report.listed) print_list(mesh, *report.listed);
         row("holes", grouped(report.edges.holes));
         row("non-manifold edges", grouped(report.edges.non_manifold));
         row("orientation", report.edges.flipped ? "not consistent" : "consistent");
@@ -138,6 +142,12 @@ class Printer {
     }
 
    private:
+    void print_list(const io::TriangleMesh& mesh, const Array<OpenEdge>& edges) {
+        row("list of open edges", grouped(static_cast<std::int64_t>(edges.size())));
+        for (const OpenEdge& open : edges)
+            row("", fmt::format("{}, of triangle {}", describe(mesh, open.edge), open.triangle));
+    }
+
     std::string volume_of(const Report& report) const {
         if (!report.volume) return "none, for the surface is not closed, or not consistently oriented";
         return fmt::format("{:.6g}{}{}", *report.volume,
@@ -158,34 +168,41 @@ nlohmann::json json_of(const std::string& name, const io::TriangleMesh& mesh, co
     Json open = Json::array();
     for (std::size_t i = 0; i < std::min(most_edges, report.edges.open.size()); ++i)
         open.push_back(json_of(mesh, report.edges.open[i]));
+    Json listed = Json::array();
+    for (const OpenEdge& edge : report.listed ? report.listed->span() : std::span<const OpenEdge>()) {
+        listed.push_back(json_of(mesh, edge.edge));
+        listed.back()["triangle"] = edge.triangle;
+    }
     Json flipped;
     if (const auto& found = report.edges.flipped) {
         flipped = json_of(mesh, found->edge);
         flipped["triangles"] = {found->first, found->second};
     }
-    return {{"name", name},
-            {"vertices", report.vertices},
-            {"unused_vertices", report.unused},
-            {"triangles", report.triangles},
-            {"precision", report.precision},
-            {"box", report.box ? Json{{"low", report.box->low}, {"high", report.box->high}} : Json()},
-            {"degenerate_triangles", report.degenerate},
-            {"duplicated_triangles", report.duplicated},
-            {"open_edges", {{"count", report.edges.open.size()}, {"first", open}}},
-            {"holes", report.edges.holes},
-            {"non_manifold_edges", report.edges.non_manifold},
-            {"consistently_oriented", !report.edges.flipped},
-            {"first_flipped_edge", flipped},
-            {"connected_components", report.components},
-            {"closed", report.triangles > 0 && report.edges.closed},
-            {"volume", report.volume ? Json(*report.volume) : Json()},
-            {"sound", report.is_sound()}};
+    Json result{{"name", name},
+                {"vertices", report.vertices},
+                {"unused_vertices", report.unused},
+                {"triangles", report.triangles},
+                {"precision", report.precision},
+                {"box", report.box ? Json{{"low", report.box->low}, {"high", report.box->high}} : Json()},
+                {"degenerate_triangles", report.degenerate},
+                {"duplicated_triangles", report.duplicated},
+                {"open_edges", {{"count", report.edges.open.size()}, {"first", open}}},
+                {"holes", report.edges.holes},
+                {"non_manifold_edges", report.edges.non_manifold},
+                {"consistently_oriented", !report.edges.flipped},
+                {"first_flipped_edge", flipped},
+                {"connected_components", report.components},
+                {"closed", report.triangles > 0 && report.edges.closed},
+                {"volume", report.volume ? Json(*report.volume) : Json()},
+                {"sound", report.is_sound()}};
+    if (report.listed) result["list_of_open_edges"] = std::move(listed);
+    return result;
 }
 
 struct Info {
     std::string file;
     ReadingOptions reading;
-    bool json = false, check = false;
+    bool json = false, check = false, open_edges = false;
 
     int run() const {
         const io::WorldMesh world = read_bodies({file}, reading);
@@ -208,7 +225,7 @@ struct Info {
             if (!json && !scene) printer.print_unit();
             for (std::size_t b = 0; b < bodies; ++b) {
                 const io::TriangleMesh posed = mesh(b);
-                const Report report(posed);
+                const Report report(posed, open_edges);
                 sound = sound && report.is_sound();
                 if (json) {
                     list.push_back(json_of(body(b).name, posed, report));
@@ -277,6 +294,10 @@ Command add_info(CLI::App& app) {
     command.add_flag("--check", info->check,
                      "Exit with status 1 unless every body is closed, consistently oriented, and without degenerate "
                      "triangles. Whether it passes through itself is for detect --check");
+    command.add_flag("--open-edges", info->open_edges,
+                     "List all edges of a body that its triangles name more often in one direction than in the other, "
+                     "with the lowest of these triangles. crumple overlap needs bodies without any. Edges of two "
+                     "triangles that run along them in the same direction are among them");
     // Like --version, which CLI11 has this for: no file is needed, the text is printed, and that is all.
     command.set_version_flag("--devices", describe_devices,
                              "List the devices of the cuda backend, or why there is none, and exit");
@@ -284,7 +305,8 @@ Command add_info(CLI::App& app) {
         "Closed: every edge has two triangles, or another even number. Degenerate and duplicated triangles are found\n"
         "by exact tests on positions; edges, holes and components go by vertex index, so files without shared\n"
         "vertices want --weld. Bodies of a scene are told of where they are posed.\n"
-        "Example: crumple info part.stl --check");
+        "Example: crumple info part.stl --check\n"
+        "         crumple info scan.ply --weld --open-edges");
     return {&command, [info] { return info->run(); }};
 }
 

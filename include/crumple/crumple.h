@@ -11,6 +11,7 @@
 #include "crumple/impacts.h"
 #include "crumple/intersections.h"
 #include "crumple/mesh.h"
+#include "crumple/open_edges.h"
 #include "crumple/options.h"
 #include "crumple/overlaps.h"
 #include "crumple/proximities.h"

@@ -46,7 +46,7 @@ from ._files import ProceduralScene as ProceduralScene
 from ._files import make_scene, read_mesh, read_pairs, read_poses, read_world, scenes, write_mesh
 from ._intersections import Intersections
 from ._mesh import FileMesh as FileMesh
-from ._mesh import Mesh, Shape, as_mesh
+from ._mesh import Mesh, Shape, as_mesh, open_edges
 from ._mesh import Polygons as Polygons
 from ._overlaps import OverlapRelation as OverlapRelation
 from ._overlaps import Overlaps
@@ -137,6 +137,7 @@ __all__ = [
     "intersections",
     "list_devices",
     "make_scene",
+    "open_edges",
     "overlaps",
     "pair_distances",
     "pair_impacts",

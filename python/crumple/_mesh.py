@@ -9,6 +9,8 @@ from . import _core
 from ._errors import Error, InvalidInput, InvalidType, name_of_type, suggesting
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
     from typing_extensions import Self
 
 
@@ -153,6 +155,22 @@ def mesh_of(vertices: Any, faces: Any = None, **attributes: Any) -> Mesh:
         faces = []  # a mesh without faces
     mesh = as_mesh(vertices) if faces is None else Mesh(vertices, faces)
     return mesh._with(**given) if given else mesh
+
+
+def open_edges(vertices: Any, faces: Any = None, weld: bool = False) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """The open edges of a surface: those that triangles name more often in one direction than in the other.
+
+    A surface without any is closed, as an OverlapQuery needs it. An edge of one triangle is open, and so is one along
+    which two triangles run in the same direction.
+
+    Args:
+        vertices, faces: (n, 3) and (m, 3), on the host; or one object that as_mesh takes.
+        weld: vertices at equal positions are one, the lowest of them.
+
+    Returns (k, 2) int32, the two vertices of each edge, the lower one first, in lexicographic order; and (k,) int32,
+    the lowest triangle that names it. Raises InvalidInput, InvalidType.
+    """
+    return _core.open_edges(mesh_of(vertices, faces), weld)
 
 
 def _from_open3d(mesh: Any) -> Mesh:

@@ -16,6 +16,7 @@
 #include "arguments.h"
 #include "arrays.h"
 #include "crumple/io.h"
+#include "crumple/open_edges.h"
 #include "detector.h"
 #include "gil.h"
 #include "io/meshes/triangulate.h"
@@ -183,8 +184,36 @@ nb::object cut_quadrilaterals(
     return nb::cast(nb::ndarray<nb::numpy, std::int64_t>(triangles->data(), {triangles->size() / 3, 3}, owner));
 }
 
+namespace {
+
+// (k, 2) vertices and (k,) triangles.
+nb::tuple open_edges_of(const nb::tuple& mesh, nb::handle weld) {
+    const bool welds = flag("weld", weld);
+    const BorrowedMesh borrowed(mesh);
+    Array<OpenEdge> open;
+    {
+        const WithoutGil released;
+        open = open_edges(borrowed.view(), welds);
+    }
+    import_numpy();
+    struct Columns {
+        std::vector<std::int32_t> vertices, triangles;
+    };
+    const auto columns = new Columns;
+    const nb::capsule owner(columns, [](void* p) noexcept { delete static_cast<Columns*>(p); });
+    for (const auto& [edge, triangle] : open) {
+        columns->vertices.insert(columns->vertices.end(), {edge.a, edge.b});
+        columns->triangles.push_back(triangle);
+    }
+    return nb::make_tuple(nb::ndarray<nb::numpy, std::int32_t>(columns->vertices.data(), {open.size(), 2}, owner),
+                          nb::ndarray<nb::numpy, std::int32_t>(columns->triangles.data(), {open.size()}, owner));
+}
+
+}  // namespace
+
 void bind_files(nb::module_& module) {
     module.def("cut_quadrilaterals", cut_quadrilaterals, "points"_a, "quads"_a);
+    module.def("open_edges", open_edges_of, "mesh"_a, "weld"_a.none());
     module.def(
         "read_mesh",
         [](nb::handle path, nb::handle precision, nb::handle weld, nb::handle group_property, nb::handle triangulation,

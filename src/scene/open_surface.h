@@ -6,15 +6,9 @@
 #include <string>
 
 #include "crumple/error.h"
-#include "crumple/features.h"
+#include "crumple/open_edges.h"
 
 namespace crumple {
-
-/// An edge that is named more often in one direction than in the other.
-struct OpenEdge {
-    Edge edge;
-    std::int32_t triangle;  ///< the lowest that names it
-};
 
 /// `first`: the lowest of the open edges of a body. `query`: the name of the query whose options the message names.
 [[noreturn]] inline void fail_open_surface(std::int32_t body, std::size_t edges, const OpenEdge& first,
@@ -23,8 +17,8 @@ struct OpenEdge {
                 "body " + std::to_string(body) + ": its surface is not closed: " + std::to_string(edges) +
                     " edges are named more often in one direction than in the other, the first between vertices " +
                     std::to_string(first.edge.a) + " and " + std::to_string(first.edge.b) + ", of triangle " +
-                    std::to_string(first.triangle) + "; " + query + "::weld closes seams, " + query +
-                    "::open leaves such bodies out",
+                    std::to_string(first.triangle) + "; open_edges lists them all, " + query + "::weld closes seams, " +
+                    query + "::open leaves such bodies out",
                 Element::body, body);
 }
 

@@ -80,6 +80,26 @@ TEST_F(Info, JudgesWhetherASurfaceIsThatOfASolid) {
     EXPECT_TRUE(contains(info(scaled("e200")).out, "volume                inf\n"));
 }
 
+TEST_F(Info, ListsAllEdgesThatKeepASurfaceOpen) {
+    write("closed.off", cube_with("3 3 7 5"));
+    EXPECT_TRUE(contains(crumple("info closed.off --open-edges").out, "\nlist of open edges    0\nholes "));
+    write("a.off", cube_with("3 3 5 7"));  // the last one is flipped
+    EXPECT_TRUE(contains(crumple("info a.off --open-edges").out,
+                         "open edges            0\n"
+                         "list of open edges    3\n"
+                         "                      3-5, from (1 1 0) to (1 0 1), of triangle 10\n"
+                         "                      3-7, from (1 1 0) to (1 1 1), of triangle 7\n"
+                         "                      5-7, from (1 0 1) to (1 1 1), of triangle 3\n"
+                         "holes "))
+        << crumple("info a.off --open-edges").out;
+    const auto json = nlohmann::json::parse(crumple("info a.off --open-edges --json").out)["bodies"][0];
+    ASSERT_EQ(json["list_of_open_edges"].size(), 3u);
+    EXPECT_EQ(json["list_of_open_edges"][1].dump(),
+              R"({"points":[[1.0,1.0,0.0],[1.0,1.0,1.0]],"triangle":7,"vertices":[3,7]})");
+    EXPECT_FALSE(nlohmann::json::parse(crumple("info a.off --json").out)["bodies"][0].contains("list_of_open_edges"));
+    EXPECT_EQ(crumple("info a.off --open-edges --check").status, 1);
+}
+
 TEST_F(Info, WritesJson) {
     write("a.off", cube_with("3 3 7 5"));
     const auto json = nlohmann::json::parse(crumple("info a.off --json --unit mm").out);

@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "error_of.h"
 #include "search/overlap_row.h"
 
 namespace crumple {
@@ -46,6 +47,40 @@ TEST(ClosedSurface, ATetrahedronIsClosedAndWithoutAFaceIsNot) {
     EXPECT_EQ(edges[0].triangle, 0);
     EXPECT_EQ(edges[2].edge, (Edge{2, 3}));
     EXPECT_EQ(edges[2].triangle, 2);
+}
+
+TEST(OpenEdges, are_listed_by_vertices_with_the_lowest_triangle) {
+    const std::vector<float> xyz{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    std::vector<std::int32_t> triangles = tetrahedron(0);
+    const auto list = [&](bool weld = false) {
+        const auto count = static_cast<std::int64_t>(triangles.size() / 3);
+        const Array<OpenEdge> open = open_edges(MeshView(xyz.data(), 4, triangles.data(), count), weld);
+        return std::vector<OpenEdge>(open.begin(), open.end());
+    };
+    EXPECT_TRUE(list().empty());
+    std::swap(triangles[10], triangles[11]);  // the last triangle runs along its edges as its neighbours do
+    EXPECT_EQ(list(), (std::vector<OpenEdge>{{{0, 2}, 0}, {{0, 3}, 1}, {{2, 3}, 2}}));
+    triangles = {0, 1, 2};
+    EXPECT_EQ(list(), (std::vector<OpenEdge>{{{0, 1}, 0}, {{0, 2}, 0}, {{1, 2}, 0}}));
+    triangles.clear();
+    EXPECT_TRUE(list().empty());
+    triangles = {0, 1, 4};
+    EXPECT_EQ(test::error_of([&] { list(); }).code, ErrorCode::index_out_of_range);
+}
+
+TEST(OpenEdges, welding_closes_seams) {
+    std::vector<double> xyz;
+    std::vector<std::int32_t> triangles;
+    for (const std::int32_t corner : tetrahedron(0)) {
+        for (int axis = 0; axis < 3; ++axis) xyz.push_back(corner == axis + 1);
+        triangles.push_back(static_cast<std::int32_t>(triangles.size()));
+    }
+    const MeshView mesh(xyz.data(), 12, triangles.data(), 4);
+    EXPECT_EQ(open_edges(mesh).size(), 12u);
+    EXPECT_TRUE(open_edges(mesh, true).empty());
+    const Array<OpenEdge> of_three = open_edges(MeshView(xyz.data(), 12, triangles.data(), 3), true);
+    ASSERT_EQ(of_three.size(), 3u);
+    EXPECT_EQ(of_three[0], (OpenEdge{{0, 1}, 0})) << "by the lowest of equal vertices";
 }
 
 TEST(ClosedSurface, ClosedIsWhatNamesEachEdgeAsOftenInBothDirections) {
