@@ -1,8 +1,9 @@
-"""Drawings that explain: [MZ] fig. 1, the sweep along a principal component, and fig. 4, membership at a border."""
+"""Drawings that explain: [MZ] fig. 1, the sweep along a principal component, and fig. 4, membership at a border; and
+the numbers of an overlap."""
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.patches import Polygon, Rectangle
+from matplotlib.patches import Circle, Polygon, Rectangle
 
 from .style import plot
 
@@ -85,4 +86,73 @@ def overlap(_, theme):
         ax.axis("off")
         ax.set_title("balls that reach over the border: both share a cluster" if local
                      else "nearest centre only: the two that collide\nbelong to different clusters", fontsize=9)
+    return figure
+
+
+def arrow(ax, begin, end, colour, width=1.8, size=13):
+    ax.annotate("", end, begin, zorder=5, annotation_clip=False,
+                arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": width, "mutation_scale": size,
+                            "shrinkA": 0, "shrinkB": 0})
+
+
+@plot
+def overlap_numbers(_, theme):
+    """A section through a ball and a box that overlap, as long as they are in the third direction: volume, centroid, area
+    vector, normal and mean depth."""
+    ball, radius, corner, size = np.array([0.0, 0.0]), 1.0, np.array([0.3, 0.05]), np.array([1.75, -1.55])
+    # The arc of the ball inside the box, from its top side to its left side.
+    angles = np.linspace(np.arcsin(corner[1]), -np.arccos(corner[0]), 400)
+    arc = ball + radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    region = np.vstack([corner, arc])
+    x, y = region.T
+    cross = x * np.roll(y, -1) - np.roll(x, -1) * y
+    volume = cross.sum() / 2  # negative: clockwise
+    centroid = ((region + np.roll(region, -1, axis=0)) * cross[:, None]).sum(0) / (6 * volume)
+    area = np.array([arc[0, 1] - arc[-1, 1], arc[-1, 0] - arc[0, 0]])  # the chord, turned by a right angle
+    normal, depth = area / np.linalg.norm(area), abs(volume) / np.linalg.norm(area)
+    along = np.array([-normal[1], normal[0]]) * np.linalg.norm(area) / 2
+
+    first, second, strong = theme.series[0], theme.series[2], theme.accent
+    figure, panels = plt.subplots(1, 3, figsize=(7.2, 2.6))
+    titles = ("the space that both bodies cover:\nvolume and centroid",
+              "the first surface in the second body:\narea vector and normal", "volume divided by area:\nmean depth")
+    for ax, title in zip(panels, titles):
+        ax.add_patch(Rectangle(corner, *size, facecolor=second, alpha=0.16, edgecolor="none"))
+        ax.add_patch(Rectangle(corner, *size, fill=False, edgecolor=second, linewidth=1.4))
+        ax.add_patch(Circle(ball, radius, facecolor=first, alpha=0.16, edgecolor="none"))
+        ax.add_patch(Circle(ball, radius, fill=False, edgecolor=first, linewidth=1.4))
+        ax.set_title(title, fontsize=9)
+        ax.set_xlim(-1.1, 2.15)
+        ax.set_ylim(-1.6, 1.1)
+        ax.set_aspect("equal")
+        ax.axis("off")
+    for ax, alpha in zip(panels, (0.75, 0.3, 0.3)):
+        ax.add_patch(Polygon(region, facecolor=strong, alpha=alpha, edgecolor="none"))
+
+    panels[0].plot(*centroid, "o", color=theme.text, markersize=5)
+    panels[0].annotate("centroid", centroid, (1.2, 0.55), fontsize=9,
+                       arrowprops={"arrowstyle": "-", "color": theme.muted, "linewidth": 0.8})
+    panels[0].text(-0.42, 0.2, "first\nbody", color=first, ha="center", va="center")
+    panels[0].text(1.45, -1.05, "second\nbody", color=second, ha="center", va="center")
+
+    panels[1].plot(*arc.T, color=strong, linewidth=3, solid_capstyle="butt")
+    for i in np.linspace(0, len(arc) - 1, 8).astype(int)[1:-1]:
+        arrow(panels[1], arc[i], arc[i] + 0.3 * (arc[i] - ball), strong, 1, 7)
+    arrow(panels[1], centroid, centroid + area, theme.text)
+    panels[1].text(1.38, -1.24, "area vector", ha="center", va="center")
+
+    middle = centroid
+    base = np.array([middle - along - depth / 2 * normal, middle + along - depth / 2 * normal,
+                     middle + along + depth / 2 * normal, middle - along + depth / 2 * normal])
+    panels[2].add_patch(Polygon(base, facecolor=strong, alpha=0.75, edgecolor="none"))
+    side = middle + 1.25 * along
+    for sign in (-1, 1):
+        arrow(panels[2], side, side + sign * depth / 2 * normal, theme.text, 1.2, 8)
+    panels[2].annotate("mean depth", side, side + [0.35, 0.42], ha="center", fontsize=9,
+                       arrowprops={"arrowstyle": "-", "color": theme.muted, "linewidth": 0.8})
+    away = ball - 0.35 * normal
+    arrow(panels[2], away, away - 0.5 * normal, first)
+    panels[2].text(*(away + [-0.28, -0.14]), "way out", color=first, ha="center", va="center")
+    panels[2].text(1.3, -1.1, "the same\nvolume", color=strong, ha="center", va="center")
+    panels[2].plot([1.2, middle[0] + 0.15], [-0.86, middle[1] - 0.12], color=theme.muted, linewidth=0.8)
     return figure
