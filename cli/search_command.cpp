@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/ranges.h>
+
 #include "cli/bodies_of_files.h"
 #include "cli/commands.h"
 #include "cli/statistics_table.h"
@@ -63,13 +65,15 @@ Options feature_options(Options options) {
     return options;
 }
 
-void ListOutputs::check(const std::string& what, bool coloured) const {
+void ListOutputs::check(const std::string& what, const std::vector<std::string>& coloured) const {
     check_format(paths, format);
     for (const std::string& path : paths) {
         const std::string extension = extension_of(path, format);
-        if ((extension == ".glb" && coloured) || io::pair_format_of(extension) != io::PairFormat::automatic) continue;
+        const bool is_coloured = std::find(coloured.begin(), coloured.end(), extension) != coloured.end();
+        if (is_coloured || io::pair_format_of(extension) != io::PairFormat::automatic) continue;
         refuse("-o " + (path.empty() ? "''" : path) + (is_standard(path) ? " --format " + format : "") + ": " + what +
-               " are written as .txt, .csv, .json or .npz" + (coloured ? ", coloured as .glb" : ""));
+               fmt::format(" are written as .txt, .csv, .json or .npz{}{}", coloured.empty() ? "" : ", coloured as ",
+                           fmt::join(coloured, ", ")));
     }
 }
 

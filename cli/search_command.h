@@ -45,9 +45,9 @@ struct ListOutputs {
     std::vector<std::string> paths;
     std::string format;
 
-    /// Throws Error (invalid_argument) where a file is none of these. `what`: "impacts"; `coloured`: whether there is a
-    /// mesh to colour.
-    void check(const std::string& what, bool coloured = true) const;
+    /// Throws Error (invalid_argument) where a file is none of these. `what`: "impacts"; `coloured`: extensions of
+    /// coloured meshes.
+    void check(const std::string& what, const std::vector<std::string>& coloured = {".glb"}) const;
     /// True if one of them is a file.
     bool have_files() const;
 

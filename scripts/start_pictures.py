@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws docs/images/start/*.png: what the programs of docs/start_*.md write, seen from one side.
+"""Draws docs/images/start/*.png: what the programs of docs/start_*.md write, seen from one side; and overlap.png, a picture of
+overlaps (docs/overlap.md).
 
     scripts/start_pictures.py
 
@@ -11,7 +12,10 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
 import pyvista
+
+import crumple
 
 TOP = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(TOP / "python" / "tests"))
@@ -39,7 +43,34 @@ def draw(scene, picture, eye, zoom):
     plotter.close()
 
 
+def ring(turn, centre):
+    """A torus whose plane is turned about the x axis."""
+    around, across, radius, thickness = 96, 40, 1.0, 0.35
+    u, v = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
+    a, b = 2 * np.pi * u.ravel() / around, 2 * np.pi * v.ravel() / across
+    x, y, z = np.cos(a) * (radius + thickness * np.cos(b)), np.sin(a) * (radius + thickness * np.cos(b)), thickness * np.sin(b)
+    points = np.stack([x, y * np.cos(turn) - z * np.sin(turn), y * np.sin(turn) + z * np.cos(turn)], axis=1) + centre
+
+    def corner(du, dv):
+        return ((u + du) % around * across + (v + dv) % across).ravel()
+
+    return points, np.concatenate([
+        np.stack([corner(0, 0), corner(1, 0), corner(1, 1)], axis=1),
+        np.stack([corner(0, 0), corner(1, 1), corner(0, 1)], axis=1),
+    ])
+
+
+def draw_overlap(picture):
+    rings = ring(0, [0, 0, 0]), ring(1.3, [0.6, 0.1, 0.05])
+    with tempfile.TemporaryDirectory() as folder:
+        scene = Path(folder) / "overlap.glb"
+        crumple.overlaps(*rings).save(scene, *rings)
+        draw(scene, picture, (1, -1.3, 0.8), 1.5)
+
+
 def main():
+    draw_overlap(IMAGES / "overlap.png")
+    print("docs/images/start/overlap.png")
     for page in pages.PAGES:
         if page.stem not in VIEWS:
             continue

@@ -108,7 +108,7 @@ struct ImpactsCommand : SearchCommand {
     }
 
     int list_candidates() const {
-        outputs.check("candidates", false);
+        outputs.check("candidates", {});
         check_stream();
         check_outputs(outputs.paths, {start, end}, query_options);
         Search search(query_options, feature_options(options));

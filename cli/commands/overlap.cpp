@@ -38,8 +38,19 @@ struct OverlapCommand : SearchCommand {
         return overlap.bodies.any ? Output::any_by_world : body_pairs ? Output::body_pairs : Output::pairs;
     }
 
+    bool is_picture(const std::string& path) const {
+        return io::has_colours(io::mesh_format_of(extension_of(path, outputs.format)));
+    }
+
     void check_options() const {
-        outputs.check("overlaps", false);
+        outputs.check("overlaps", {".html", ".glb", ".3mf", ".obj", ".ply"});
+        for (const std::string& path : outputs.paths) {
+            if (!is_picture(path)) continue;
+            if (!overlap.bodies.poses.empty())
+                refuse("-o " + path + ": --poses give rows, as .txt, .csv, .json or .npz");
+            if (is_standard(path) && outputs.format == "obj")
+                refuse("-o - --format obj: a coloured .obj needs a file beside it");
+        }
         if (!overlap.bodies.any) return;
         if (overlap.bodies.poses.empty())
             refuse("--any-by-world changes nothing without --poses; --check tells whether anything overlaps");
@@ -62,17 +73,34 @@ struct OverlapCommand : SearchCommand {
         });
     }
 
+    /// Writes the bodies with their overlaps coloured, to a path or to a stream.
+    template <class To>
+    void write_picture(To& to, const BodyScene& scene, const FoundOverlaps& found) const {
+        Overlaps rows;
+        for (const io::OverlapListRow& row : found.list.rows) {
+            rows.bodies.push_back(row.bodies);
+            rows.relation.push_back(row.relation);
+        }
+        if constexpr (std::is_base_of_v<std::ostream, To>)
+            io::write_coloured(to, scene.mesh(), rows, io::mesh_format_of("." + outputs.format),
+                               feature_options(options));
+        else
+            io::write_coloured(to, scene.mesh(), rows, feature_options(options));
+    }
+
     void write(const BodyScene& scene, const FoundOverlaps& found) const {
         if (overlap.bodies.any) return write_configurations(scene, found);
         const io::OverlapBodies bodies{scene.names(), scene.mesh().unit};
-        outputs.write([&](auto& to, io::PairFormat format) {
-            if (format == io::PairFormat::txt)
-                write_whole(to, [&](std::ostream& out) { write_text(out, found.list, bodies); });
-            else
-                write_whole(to, [&](std::ostream& out) {
-                    io::write_overlaps(out, found.list, bodies, found.statistics, format);
-                });
-        });
+        outputs.write(
+            [&](auto& to, io::PairFormat format) {
+                if (format == io::PairFormat::txt)
+                    write_whole(to, [&](std::ostream& out) { write_text(out, found.list, bodies); });
+                else
+                    write_whole(to, [&](std::ostream& out) {
+                        io::write_overlaps(out, found.list, bodies, found.statistics, format);
+                    });
+            },
+            [&](auto& to) { write_picture(to, scene, found); });
     }
 
     std::string summary(const FoundOverlaps& found, std::size_t bodies) const {
@@ -120,11 +148,13 @@ Command add_overlap(CLI::App& app) {
         ->expected(1, std::numeric_limits<int>::max());
     command
         .add_option("-o,--output", overlap->outputs.paths,
-                    "All numbers as .csv, .json or .npz, which read back exactly, or the text as .txt; may be "
-                    "repeated. - is standard output, see --format. Without it the text goes there")
+                    "All numbers as .csv, .json or .npz, which read back exactly, or the text as .txt; or a picture as "
+                    ".html, .glb, .3mf or .obj, in which the surface of the overlaps is seen through the bodies, or as "
+                    ".ply, which holds that surface alone. May be repeated. - is standard output, see --format. "
+                    "Without it the text goes there")
         ->type_name("OUT")
         ->allow_extra_args(false);
-    add_format_option(command, overlap->outputs.format, "txt|csv|json|npz");
+    add_format_option(command, overlap->outputs.format, "txt|csv|json|npz|html|glb|3mf|ply");
     command.add_flag("--check", overlap->check,
                      "Exit with status 1 if bodies overlap or touch. Without -o that is all that is searched for, and "
                      "one line is printed");
@@ -149,6 +179,7 @@ Command add_overlap(CLI::App& app) {
         "where one is not. STL files and glTF scenes are welded, other files whose faces share no vertices want "
         "--weld.\n\n"
         "Example: crumple overlap lid.stl pot.stl\n"
+        "         crumple overlap lid.stl pot.stl -o overlap.html\n"
         "         crumple overlap robot.glb --excluded-bodies base,arm --min-volume 1e-9 -o overlaps.csv");
     return {&command, [overlap] { return overlap->run(); }};
 }

@@ -13,6 +13,8 @@
 #include "crumple/export.h"
 #include "crumple/intersections.h"
 #include "crumple/mesh.h"
+#include "crumple/options.h"
+#include "crumple/overlaps.h"
 #include "crumple/world.h"
 
 namespace crumple::io {
@@ -221,6 +223,22 @@ CRUMPLE_API void write_coloured(const std::filesystem::path& path, const WorldMe
 /// The same to a stream, as ply, glb, 3mf or html.
 CRUMPLE_API void write_coloured(std::ostream& out, const WorldMesh& world, const Intersections& collisions,
                                 MeshFormat format);
+
+/// Writes a world with its overlaps visible from outside: what lies inside another body of a row, or inside the same
+/// body a second time, is opaque and in a strong colour, all else translucent. Bodies of rows are cut for that along
+/// the curves in which they cross, which are searched anew, by a detector with these options; their triangles and
+/// vertices are other ones than before. Overlaps of Output::body_pairs suffice. Rows of surfaces that are not closed
+/// have no inside. Without rows all is translucent.
+///
+/// .glb and .3mf have bodies with names, .obj and .html one mesh; .html also shows the curves. .ply knows nothing
+/// translucent: it holds the surface of the overlaps alone, which may be empty, with the bodies as groups. Throws as
+/// write_coloured does for collisions, also for overlaps without rows or of another world, and as Detector::find.
+CRUMPLE_API void write_coloured(const std::filesystem::path& path, const WorldMesh& world, const Overlaps& overlaps,
+                                const Options& options = {});
+
+/// The same to a stream, as ply, glb, 3mf or html.
+CRUMPLE_API void write_coloured(std::ostream& out, const WorldMesh& world, const Overlaps& overlaps, MeshFormat format,
+                                const Options& options = {});
 
 /// A piece of HTML as high as this many pixels, of which a page may hold several; otherwise as write_coloured makes it.
 CRUMPLE_API std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions,

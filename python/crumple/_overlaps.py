@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from enum import IntEnum
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from ._results import Result, bools, float64, int32, int64, uint8
+from . import _core
+from ._errors import InvalidInput
+from ._mesh import as_mesh
+from ._results import Result, bools, extension_of, file_name, float64, int32, int64, uint8
+from ._world import World
 
 _FROM = {"skipped": "any", "world_hit": "any_by_world", "bodies": "body_pairs", "relation": "body_pairs"}
 _ORDER = ("any", "any_by_world", "body_pairs", "pairs")
@@ -124,6 +129,31 @@ class Overlaps(Result):
         least = _FROM.get(name, "pairs")
         if _ORDER.index(self._request.output) < _ORDER.index(least):
             self._refuse(name, f'output="{least}"')
+
+    def save(self, path: str | os.PathLike[str], *scene: Any) -> None:
+        """Writes a picture in which overlaps are seen from outside: save("overlap.html", world), or (path, mesh, mesh).
+
+        What lies inside another body of a row, or a second time inside its own, is opaque and in a strong colour, all
+        else is translucent. Bodies of rows are cut for that along the curves in which they cross, which are searched
+        anew, so that the file has other triangles than the scene.
+
+        - .html: a page to turn and zoom, which also shows the curves
+        - .glb, .3mf: bodies with names; .obj: one mesh, with its materials in a .mtl beside it
+        - .ply, which knows nothing translucent: the surface of the overlaps alone
+
+        `scene` is what was searched: a World of one configuration, or one or two meshes as as_mesh takes them. A file
+        appears when it is complete; Ctrl-C waits until then. Raises InvalidInput for other extensions, for results that
+        do not list bodies, and for a scene that does not fit; FileError.
+        """
+        name = file_name(path)
+        if extension_of(name) not in (".html", ".glb", ".3mf", ".obj", ".ply"):
+            raise InvalidInput(f"{name}: a picture of overlaps is saved as .html, .glb, .3mf, .obj or .ply")
+        bodies, relations = self.bodies, self.relation
+        is_world = len(scene) == 1 and isinstance(scene[0], World)
+        world = scene[0] if is_world else World([as_mesh(mesh) for mesh in scene])
+        if (world.worlds > 0).any():
+            raise InvalidInput("a picture of overlaps shows one configuration, but the world has several")
+        _core.write_coloured_overlaps(path, world, world.poses, world._all_names(), bodies, relations)
 
     @property
     def curves(self) -> list[list[np.ndarray]]:

@@ -153,6 +153,17 @@ void write_coloured(nb::handle path, nb::handle world, nb::handle poses, const s
     io::write_coloured(to, mesh, collisions);
 }
 
+void write_coloured_overlaps(nb::handle path, nb::handle world, nb::handle poses, const std::vector<std::string>& names,
+                             const Rows& bodies, const Column<std::uint8_t>& relations) {
+    const Path to = python::path("path", path);
+    const io::WorldMesh mesh = copy_of(world, poses, names);
+    Overlaps overlaps;
+    fill(overlaps.bodies, bodies);
+    fill(overlaps.relation, relations);
+    const WithoutGil released(at_exit(to));
+    io::write_coloured(to, mesh, overlaps);
+}
+
 nb::tuple posed_mesh(nb::handle world, nb::handle poses, const std::vector<std::string>& names) {
     const io::WorldMesh mesh = copy_of(world, poses, names);
     return python::give(io::posed_mesh(mesh));
@@ -166,6 +177,8 @@ void bind_world_files(nb::module_& module) {
     module.def("read_poses", read_poses, "path"_a.none(), "names"_a);
     module.def("write_coloured_world", write_coloured, "path"_a.none(), "world"_a.none(), "poses"_a.none(), "names"_a,
                "bodies"_a, "pairs"_a, "contact_kinds"_a, "contact_offsets"_a, "contact_points"_a);
+    module.def("write_coloured_overlaps", write_coloured_overlaps, "path"_a.none(), "world"_a.none(), "poses"_a.none(),
+               "names"_a, "bodies"_a, "relations"_a);
     module.def("posed_mesh", posed_mesh, "world"_a.none(), "poses"_a.none(), "names"_a);
 }
 

@@ -174,3 +174,69 @@ def test_results_are_copied_and_pickled(detector):
         for name in ("bodies", "relation", "volume", "torque", "gradient", "gradient_vertices", "windings", "is_solid", "contact_area"):
             assert np.array_equal(getattr(same, name), getattr(found, name))
     assert repr(found) == repr(copy.copy(found)) and "1 pair of bodies" in repr(found)
+
+
+def area_of(mesh):
+    a, b, c = np.moveaxis(mesh.vertices[mesh.faces], 1, 0)
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+
+
+@pytest.mark.parametrize("name", ["a.html", "a.glb", "a.3mf", "a.obj", "a.ply"])
+def test_pictures_show_the_surface_of_the_overlap(detector, tmp_path, name):
+    other = box([0.5, 0.25, 0.125])  # both cover a box of 1/2 x 3/4 x 7/8
+    detector.overlaps(UNIT, other).save(tmp_path / name, UNIT, other)
+    world = crumple.World([UNIT], [0, 0], poses=np.array([np.eye(4), np.eye(4)]), names=["a", "b"])
+    world.poses[1, :3, 3] = [0.5, 0.25, 0.125]
+    found = detector.overlaps(world, output="body_pairs")
+    found.save(tmp_path / f"world_{name}", world)
+    if name == "a.html":
+        assert b"1 overlap of 2 bodies" in (tmp_path / name).read_bytes()
+        return
+    surface = 2 * (0.5 * 0.75 + 0.5 * 0.875 + 0.75 * 0.875)
+    for file in (tmp_path / name, tmp_path / f"world_{name}"):
+        assert area_of(crumple.read_mesh(file)) == pytest.approx(surface if name == "a.ply" else 12)
+    if name in ("a.glb", "a.3mf"):
+        assert list(crumple.read_world(tmp_path / f"world_{name}").names) == ["a", "b"]
+
+
+def test_a_picture_of_one_mesh_shows_what_it_covers_twice(detector, tmp_path):
+    other = box([0.5, 0.25, 0.125])
+    both = np.concatenate([UNIT.vertices, other.vertices]), np.concatenate([FACES, FACES + 8])
+    detector.overlaps(*both).save(tmp_path / "a.ply", both)
+    assert area_of(crumple.read_mesh(tmp_path / "a.ply")) == pytest.approx(2.9375)
+
+
+def test_a_picture_of_open_surfaces_shows_their_curves(detector, tmp_path):
+    scene = UNIT, crumple.Mesh(box([0.5, 0.25, 0.125]).vertices, FACES[:-2])
+    detector.overlaps(*scene, open="curves").save(tmp_path / "a.html", *scene)
+    page = (tmp_path / "a.html").read_text()
+    assert "crossing of surfaces" in page and '"opaque": 0,' in page
+
+
+def test_pictures_that_cannot_be_are_refused(detector, tmp_path):
+    found = detector.overlaps(UNIT, box([0.5, 0, 0]))
+    with pytest.raises(crumple.InvalidInput, match="saved as .html, .glb, .3mf, .obj or .ply"):
+        found.save(tmp_path / "a.csv", UNIT, box([0.5, 0, 0]))
+    with pytest.raises(crumple.InvalidInput, match="not those of this world"):
+        found.save(tmp_path / "a.glb", UNIT)
+    with pytest.raises(crumple.InvalidInput, match='output="body_pairs"'):
+        detector.overlaps(UNIT, box([0.5, 0, 0]), output="any").save(tmp_path / "a.glb", UNIT, UNIT)
+    several = crumple.World([UNIT], [0, 0], worlds=[0, 1])
+    with pytest.raises(crumple.InvalidInput, match="shows one configuration"):
+        detector.overlaps(several).save(tmp_path / "a.glb", several)
+    assert not list(tmp_path.iterdir())
+
+
+def test_open_edges_are_listed():
+    edges, triangles = crumple.open_edges(CORNERS, FACES)
+    assert edges.shape == (0, 2) and triangles.shape == (0,)
+    edges, triangles = crumple.open_edges(CORNERS, FACES[:-1])
+    assert edges.dtype == np.int32 and edges.tolist() == [[3, 5], [3, 7], [5, 7]] and triangles.tolist() == [10, 7, 3]
+    flipped = np.concatenate([FACES[:-1], FACES[-1:, ::-1]])
+    assert crumple.open_edges((CORNERS, flipped))[0].tolist() == edges.tolist()
+    soup = CORNERS[FACES].reshape(-1, 3), np.arange(36)
+    assert len(crumple.open_edges(*soup)[0]) == 36 and len(crumple.open_edges(*soup, weld=True)[0]) == 0
+    with pytest.raises(crumple.InvalidInput):
+        crumple.open_edges(CORNERS, [[0, 1, 8]])
+    with pytest.raises(crumple.InvalidType, match="weld"):
+        crumple.open_edges(CORNERS, FACES, weld="yes")

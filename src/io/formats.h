@@ -2,6 +2,7 @@
 
 // One reader and one writer a format; what they have in common.
 
+#include <array>
 #include <cstdint>
 #include <iosfwd>
 #include <span>
@@ -27,10 +28,27 @@ std::size_t off_keyword(std::string_view word);
 /// A statement that OBJ files begin with.
 bool starts_obj(std::string_view word);
 
+struct Colour {
+    std::uint8_t red, green, blue;
+};
+inline constexpr Colour free_colour{178, 178, 178};
+inline constexpr Colour colliding_colour{213, 94, 0};  // vermilion: strong on grey, also to the colour-blind
+
+/// Colour under the name that files give it.
+struct Material {
+    const char* name;
+    Colour colour;
+    double opacity = 1;  ///< below 1: translucent
+};
+inline constexpr std::array<Material, 2> collision_materials{{{"free", free_colour}, {"colliding", colliding_colour}}};
+inline constexpr std::array<Material, 2> overlap_materials{
+    {{"outside", free_colour, 0.2}, {"inside", colliding_colour}}};
+
 /// What the writers colour: one soup of one or two meshes, with polygons if these are coloured instead of triangles.
 struct ColouredMesh {
     TriangleMesh mesh;
     std::vector<std::uint8_t> hit;  ///< which triangles collide, or whose polygons do: 1, or a shade
+    std::span<const Material> materials = collision_materials;  ///< by `hit`
 
     bool has_polygons() const { return !mesh.polygons.empty(); }
 };
@@ -58,12 +76,6 @@ void check_collisions(const TriangleMesh& mesh, const TriangleMesh* second, cons
 /// The same, and both meshes as one.
 ColouredMesh coloured_mesh(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions);
 
-struct Colour {
-    std::uint8_t red, green, blue;
-};
-inline constexpr Colour free_colour{178, 178, 178};
-inline constexpr Colour colliding_colour{213, 94, 0};  // vermilion: strong on grey, also to the colour-blind
-
 /// `polygons`: faces are the mesh's polygons.
 void write_ply(std::ostream& out, const TriangleMesh& mesh, bool polygons);
 void write_obj(std::ostream& out, const TriangleMesh& mesh, bool polygons);
@@ -74,25 +86,30 @@ void write_glb(std::ostream& out, const TriangleMesh& mesh, bool);
 /// A world without colours.
 void write_3mf(std::ostream& out, const WorldMesh& world);
 void write_glb(std::ostream& out, const WorldMesh& world);
-/// `hit`: for each triangle of each body, which of the materials it has; without materials there are none.
-void write_3mf(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit,
-               std::span<const Colour> materials);
 
 void write_coloured_ply(std::ostream& out, const ColouredMesh& coloured);
 void write_coloured_obj(std::ostream& out, const ColouredMesh& coloured, const std::string& material_file);
 /// Materials of the file above, which begin with this line.
-void write_materials(std::ostream& out);
+void write_materials(std::ostream& out, std::span<const Material> materials);
 inline constexpr std::string_view title_of_materials = "# Crumple: materials of free and of colliding triangles";
+/// Writes both files, which appear or stay as they were. Throws as the public write_coloured does.
+void write_coloured_obj(const std::filesystem::path& path, const ColouredMesh& coloured);
 void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured);
 void write_coloured_3mf(std::ostream& out, const ColouredMesh& coloured);
-void write_coloured_3mf(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit);
+/// `hit`: for each triangle of each body, which of the materials it has; without materials there are none.
+void write_coloured_3mf(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit,
+                        std::span<const Material> materials);
 /// `hit` counts in the shades.
 void write_shaded_glb(std::ostream& out, const ColouredMesh& coloured, std::span<const Colour> shades);
-/// A node for each body. `hit`: for each triangle of each body.
-void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit);
+/// The same, with a node for each body.
+void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit,
+                        std::span<const Material> materials);
 /// A page of its own, or for a height in pixels a piece of one. The collisions are those of the meshes.
 void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
                 const Intersections& collisions, int height = 0);
+/// Writes a page that shows opaque triangles through translucent ones, and lines, each by its two ends.
+void write_overlap_html(std::ostream& out, const ColouredMesh& coloured, std::vector<std::array<double, 3>> lines,
+                        const std::string& caption);
 
 /// Lower-case extension, with its dot; .obj for mesh.obj.gz.
 std::string extension_of(const std::filesystem::path& path);
@@ -102,6 +119,9 @@ PairFormat pair_format_of(std::string_view extension);
 /// Whether meshes are written so, or those with colours.
 bool holds_meshes(MeshFormat format);
 bool has_colours(MeshFormat format);
+/// Throws Error (invalid_argument) unless coloured meshes are written so, to a path or to a stream.
+void check_has_colours(const std::filesystem::path& path, MeshFormat format);
+void check_has_colours(MeshFormat format);
 
 /// Throws unless the arrays have the right sizes, indices are in range and coordinates finite.
 void validate(const TriangleMesh& mesh);

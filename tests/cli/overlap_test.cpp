@@ -262,7 +262,8 @@ TEST_F(Overlap, stl_is_closed_and_other_seams_want_weld) {
 
 TEST_F(Overlap, open_bodies_are_named_or_left_out) {
     expect_refused("overlap low.off open.off", "open.off: body 'open': its surface is not closed: 4 edges");
-    expect_refused("overlap low.off open.off", "--weld closes seams, --open skip leaves such bodies out");
+    expect_refused("overlap low.off open.off",
+                   "info --open-edges lists them all, --weld closes seams, --open skip leaves such bodies out");
     expect_refused("overlap low.off open.off --open error", "open.off: body 'open'");
     EXPECT_EQ(text("open.off far.off", "nothing overlaps"), "") << "no winding number is needed";
     const Outcome outcome = crumple("overlap low.off open.off small.off --open skip");
@@ -343,12 +344,38 @@ TEST_F(Overlap, lists_that_cannot_be_read_are_errors_that_name_the_place) {
                  ": there is no array \"centroid\"");
 }
 
+TEST_F(Overlap, pictures_show_the_surface_of_the_overlap) {
+    const std::string outputs = " -o a.html -o a.glb -o a.3mf -o a.obj -o a.ply -o a.csv";
+    const Outcome outcome = crumple("overlap low.off high.off far.off" + outputs);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_TRUE(outcome.err.starts_with("1 pair of bodies (1 overlapping), 2 of 3 bodies, ")) << outcome.err;
+    EXPECT_TRUE(contains(read("a.csv"), "\nlow,high,overlapping,0.25,"));
+    EXPECT_TRUE(contains(read("a.html"), "1 overlap of 3 bodies"));
+    EXPECT_TRUE(contains(read("a.obj"), "mtllib a.mtl\n"));
+    EXPECT_TRUE(contains(crumple("info a.ply").out, "box                   0 0 0.75 to 1 1 1\n"));
+    EXPECT_TRUE(contains(crumple("info a.3mf").out, "\nbody 2                far\n"));
+    EXPECT_EQ(shell("$crumple overlap low.off high.off far.off -o - --format glb > b.glb").status, 0);
+    EXPECT_EQ(read("b.glb"), read("a.glb"));
+    EXPECT_EQ(crumple("overlap low.off high.off --body-pairs --check -o c.ply").status, 1);
+    EXPECT_TRUE(contains(crumple("info c.ply").out, "box                   0 0 0.75 to 1 1 1\n"));
+}
+
+TEST_F(Overlap, a_picture_without_overlaps_colours_nothing) {
+    EXPECT_EQ(crumple("overlap low.off far.off -o a.ply -o a.glb").status, 0);
+    EXPECT_TRUE(contains(crumple("info a.ply").out, "triangles             0\n"));
+    EXPECT_TRUE(contains(crumple("info a.glb").out, "triangles             24\n"));
+}
+
 TEST_F(Overlap, options_that_make_no_sense_are_refused) {
     expect_refused("overlap low.off high.off --open close", "close is none of error|skip");
     expect_refused("overlap low.off high.off --groups bodies", "--groups");
     expect_refused("overlap low.off high.off --any-by-world", "--any-by-world changes nothing without --poses");
     expect_refused("overlap low.off high.off --excluded-bodies low,hihg", "there is no body hihg; did you mean high?");
-    expect_refused("overlap low.off high.off -o a.glb", "overlaps are written as .txt, .csv, .json or .npz");
+    expect_refused("overlap low.off high.off -o a.stl",
+                   "overlaps are written as .txt, .csv, .json or .npz, coloured as .html, .glb, .3mf, .obj, .ply");
+    expect_refused("overlap low.off high.off -o - --format obj", "a coloured .obj needs a file beside it");
+    expect_refused("overlap low.off high.off --poses p.csv -o a.glb", "--poses give rows");
     expect_refused("overlap low.off high.off -o low.off", "overlaps are written as");
     expect_refused("overlap low.off high.off -o -", "-o - needs --format");
     expect_refused("overlap low.off high.off --poses p.csv --any-by-world -o a.npz",

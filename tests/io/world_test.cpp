@@ -129,7 +129,8 @@ TEST(ColouredWorld, CollisionsOfAnotherWorldAreRefused) {
     const Folder folder;
     world.bodies.pop_back();
     EXPECT_EQ(error_of([&] { write_coloured(folder / "c.glb", world, found); }).code, ErrorCode::invalid_argument);
-    EXPECT_EQ(error_of([&] { write_coloured(folder / "c.glb", robot(), {}); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { write_coloured(folder / "c.glb", robot(), Intersections()); }).code,
+              ErrorCode::invalid_argument);
     EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 

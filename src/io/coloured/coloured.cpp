@@ -93,18 +93,6 @@ void check_materials(const std::filesystem::path& path) {
                 Element::none, -1, 0, EEXIST);
 }
 
-/// Both appear, or neither.
-void write_obj_files(const std::filesystem::path& path, const ColouredMesh& coloured) {
-    const std::filesystem::path materials = without_gzip_name(path).replace_extension(".mtl");
-    check_materials(materials);
-    AtomicFile file(path), material_file(materials);
-    write_coloured_obj(file.stream(), coloured, materials.filename().string());
-    write_materials(material_file.stream());
-    file.complete();
-    material_file.commit();
-    file.commit();
-}
-
 void write(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions,
            MeshFormat format) {
     if (format == MeshFormat::html) {
@@ -137,13 +125,33 @@ bool has_colours(MeshFormat format) {
            format == MeshFormat::html || format == MeshFormat::threemf;
 }
 
+void check_has_colours(const std::filesystem::path& path, MeshFormat format) {
+    if (has_colours(format)) return;
+    throw Error(ErrorCode::invalid_argument,
+                "cannot write " + path.string() + ": coloured meshes are written as .ply, .obj, .glb, .3mf or .html");
+}
+
+void check_has_colours(MeshFormat format) {
+    if (has_colours(format) && format != MeshFormat::obj) return;
+    throw Error(ErrorCode::invalid_argument,
+                "coloured meshes are written to a stream as ply, glb, 3mf or html; obj needs a second file");
+}
+
+void write_coloured_obj(const std::filesystem::path& path, const ColouredMesh& coloured) {
+    const std::filesystem::path materials = without_gzip_name(path).replace_extension(".mtl");
+    check_materials(materials);
+    AtomicFile file(path), material_file(materials);
+    write_coloured_obj(file.stream(), coloured, materials.filename().string());
+    write_materials(material_file.stream(), coloured.materials);
+    file.complete();
+    material_file.commit();
+    file.commit();
+}
+
 void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
                     const Intersections& collisions, MeshFormat format) {
     const FloatEnvironment environment;
-    if (!has_colours(format) || format == MeshFormat::obj) {
-        throw Error(ErrorCode::invalid_argument,
-                    "coloured meshes are written to a stream as ply, glb, 3mf or html; obj needs a second file");
-    }
+    check_has_colours(format);
     write(out, mesh, second, collisions, format);
     if (!out.flush()) throw Error(ErrorCode::file, "cannot write a coloured mesh to the stream");
 }
@@ -152,12 +160,8 @@ void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh,
                     const Intersections& collisions) {
     const FloatEnvironment environment;
     const MeshFormat format = mesh_format_of(extension_of(path));
-    if (format == MeshFormat::obj) return write_obj_files(path, coloured_mesh(mesh, second, collisions));
-    if (!has_colours(format)) {
-        throw Error(
-            ErrorCode::invalid_argument,
-            "cannot write " + path.string() + ": coloured meshes are written as .ply, .obj, .glb, .3mf or .html");
-    }
+    check_has_colours(path, format);
+    if (format == MeshFormat::obj) return write_coloured_obj(path, coloured_mesh(mesh, second, collisions));
     AtomicFile file(path);
     write(file.stream(), mesh, second, collisions, format);
     file.commit();

@@ -9,7 +9,7 @@ namespace crumple::io {
 
 namespace {
 
-using Writer = void (*)(std::ostream&, const WorldMesh&, std::span<const std::uint8_t>);
+using Writer = void (*)(std::ostream&, const WorldMesh&, std::span<const std::uint8_t>, std::span<const Material>);
 
 /// Of formats that keep bodies.
 Writer writer_of_bodies(MeshFormat format) {
@@ -49,7 +49,7 @@ void write_coloured(const std::filesystem::path& path, const WorldMesh& world, c
     const Writer write = writer_of_bodies(mesh_format_of(extension_of(path)));
     if (!write) return write_coloured(path, posed_mesh(world), nullptr, of_posed_mesh(collisions));
     AtomicFile file(path);
-    write(file.stream(), world, collisions.hit.span());
+    write(file.stream(), world, collisions.hit.span(), collision_materials);
     file.commit();
 }
 
@@ -58,7 +58,7 @@ void write_coloured(std::ostream& out, const WorldMesh& world, const Intersectio
     check(world, collisions);
     const Writer write = writer_of_bodies(format);
     if (!write) return write_coloured(out, posed_mesh(world), nullptr, of_posed_mesh(collisions), format);
-    write(out, world, collisions.hit.span());
+    write(out, world, collisions.hit.span(), collision_materials);
     if (!out.flush()) throw Error(ErrorCode::file, "cannot write a coloured mesh to the stream");
 }
 

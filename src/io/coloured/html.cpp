@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 #include <sstream>
+#include <utility>
 
 #include "base/float_environment.h"
 #include "crumple/io.h"
@@ -30,12 +31,24 @@ using Point = std::array<double, 3>;
 struct Side {
     const TriangleMesh* mesh;
     std::vector<std::uint8_t> hit;  ///< of its triangles
-    Colour free, colliding;
+    Material free, colliding;
+
+    const Material& material(std::size_t triangle) const { return hit[triangle] ? colliding : free; }
 };
 
-/// Colours as files have them; a second mesh is bluish, to be told from the first.
-constexpr Colour colours[2][2] = {{free_colour, colliding_colour}, {{150, 168, 188}, colliding_colour}};
+/// Colours as files have them, with the words of the legend; a second mesh is bluish, to be told from the first.
+constexpr Material collides{"collides", colliding_colour};
+constexpr Material materials_of_meshes[2][2] = {{{"free", free_colour}, collides},
+                                                {{"free", {150, 168, 188}}, collides}};
 constexpr Colour contact_colour{20, 20, 20};
+
+/// Contents of a page.
+struct Page {
+    std::vector<Side> sides;
+    std::vector<Point> lines, points;  ///< ends of lines, two each; points alone
+    std::string caption;
+    const char* line_name = "contact";
+};
 
 Point corner_of(const TriangleMesh& mesh, std::size_t corner) {
     const auto vertex = 3 * static_cast<std::size_t>(mesh.triangles[corner]);
@@ -135,52 +148,50 @@ void member(Sink& sink, const char* before, const char* name, Write write) {
     sink << '"';
 }
 
-void write_data(Sink& sink, const std::vector<Side>& sides, const Intersections& collisions) {
-    const Normalised normalised(sides);
-    member(sink, "{", "corners", [&](Base64& out) {
-        for (const Side& side : sides) {
+/// Calls take(side, corner) for the corners of all triangles, of the translucent ones last.
+template <class Take>
+void for_each_corner(const std::vector<Side>& sides, Take take) {
+    for (const bool translucent : {false, true})
+        for (const Side& side : sides)
             for (std::size_t i = 0; i < side.mesh->triangles.size(); ++i)
-                normalised.write(out, corner_of(*side.mesh, i));
-        }
-    });
-    member(sink, ", ", "colours", [&](Base64& out) {
-        for (const Side& side : sides) {
-            for (std::size_t i = 0; i < side.mesh->triangles.size(); ++i)
-                out.colour(side.hit[i / 3] ? side.colliding : side.free);
-        }
-    });
-    const std::size_t pairs = has_contacts(collisions) ? collisions.pairs.size() : 0;
-    member(sink, ", ", "lines", [&](Base64& out) {
-        for (std::size_t i = 0; i < pairs; ++i) {
-            const auto points = points_of_pair(collisions.contacts, i);
-            const std::size_t lines = points.size() < 3 ? points.size() - 1 : points.size();  // an area is closed
-            for (std::size_t k = 0; k < lines; ++k) {
-                normalised.write(out, points[k]);
-                normalised.write(out, points[(k + 1) % points.size()]);
-            }
-        }
-    });
-    member(sink, ", ", "points", [&](Base64& out) {
-        for (std::size_t i = 0; i < pairs; ++i) {
-            const auto points = points_of_pair(collisions.contacts, i);
-            if (points.size() == 1) normalised.write(out, points[0]);
-        }
-    });
-    member(sink, ", ", "contact", [&](Base64& out) { out.colour(contact_colour); });
-    sink << "}";
+                if ((side.material(i / 3).opacity < 1) == translucent) take(side, i);
 }
 
-void write_legend(Sink& sink, const std::vector<Side>& sides, bool contacts) {
-    const auto entry = [&](const Colour& c, const std::string& text) {
-        sink << "<span class=\"entry\"><i style=\"background:rgb(" << int{c.red} << ',' << int{c.green} << ','
-             << int{c.blue} << ")\"></i>" << text << "</span>\n";
+void write_data(Sink& sink, const Page& page) {
+    const Normalised normalised(page.sides);
+    member(sink, "{", "corners", [&](Base64& out) {
+        for_each_corner(page.sides,
+                        [&](const Side& side, std::size_t i) { normalised.write(out, corner_of(*side.mesh, i)); });
+    });
+    std::int64_t opaque = 0;
+    double opacity = 1;
+    member(sink, ", ", "colours", [&](Base64& out) {
+        for_each_corner(page.sides, [&](const Side& side, std::size_t i) {
+            const Material& material = side.material(i / 3);
+            out.colour(material.colour);
+            material.opacity < 1 ? void(opacity = material.opacity) : void(++opaque);
+        });
+    });
+    for (const auto& [name, points] : {std::pair{"lines", &page.lines}, {"points", &page.points}})
+        member(sink, ", ", name, [&, all = points](Base64& out) {
+            for (const Point& p : *all) normalised.write(out, p);
+        });
+    member(sink, ", ", "contact", [&](Base64& out) { out.colour(contact_colour); });
+    sink << ", \"opaque\": " << opaque << ", \"opacity\": " << opacity << "}";
+}
+
+void write_legend(Sink& sink, const Page& page) {
+    const auto entry = [&](const Material& material, const std::string& mesh) {
+        const Colour& c = material.colour;
+        sink << "<span class=\"entry\"><i style=\"background:rgba(" << int{c.red} << ',' << int{c.green} << ','
+             << int{c.blue} << ',' << material.opacity << ")\"></i>" << mesh << material.name << "</span>\n";
     };
-    for (std::size_t i = 0; i < sides.size(); ++i) {
-        const std::string mesh = sides.size() == 1 ? "" : i == 0 ? "first mesh: " : "second mesh: ";
-        entry(sides[i].colliding, mesh + "collides");
-        entry(sides[i].free, mesh + "free");
+    for (std::size_t i = 0; i < page.sides.size(); ++i) {
+        const std::string mesh = page.sides.size() == 1 ? "" : i == 0 ? "first mesh: " : "second mesh: ";
+        entry(page.sides[i].colliding, mesh);
+        entry(page.sides[i].free, mesh);
     }
-    if (contacts) entry(contact_colour, "contact");
+    if (!page.lines.empty() || !page.points.empty()) entry({page.line_name, contact_colour}, "");
 }
 
 /// A name for the page's elements: a notebook holds many pages.
@@ -191,16 +202,19 @@ std::string unique_name() {
     return name;
 }
 
-}  // namespace
+void add_contacts(const Intersections& collisions, Page& page) {
+    if (!has_contacts(collisions)) return;
+    for (std::size_t i = 0; i < collisions.pairs.size(); ++i) {
+        const auto points = points_of_pair(collisions.contacts, i);
+        if (points.size() == 1) page.points.push_back(points[0]);
+        const std::size_t lines = points.size() < 3 ? points.size() - 1 : points.size();  // an area is closed
+        for (std::size_t k = 0; k < lines; ++k)
+            page.lines.insert(page.lines.end(), {points[k], points[(k + 1) % points.size()]});
+    }
+}
 
-void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
-                const Intersections& collisions, int height) {
-    std::vector<Side> sides{{&mesh, hit_triangles(mesh, collisions.hit), colours[0][0], colours[0][1]}};
-    if (second) sides.push_back({second, hit_triangles(*second, collisions.hit_second), colours[1][0], colours[1][1]});
-    std::size_t triangles = 0;
-    for (const Side& side : sides) triangles += side.hit.size();
-    const std::size_t faces = collisions.hit.size() + (second ? collisions.hit_second.size() : 0);
-
+/// Writes a page of its own for height 0, else a piece of one of this height in pixels.
+void write_page(std::ostream& out, const Page& contents, int height) {
     Sink sink(out);
     const std::string name = unique_name();
     std::string_view text = viewer_html;
@@ -213,15 +227,42 @@ void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh*
         const std::string_view key = text.substr(begin + 1, end - begin - 1);
         if (key == "ID") sink << name;
         if (key == "HEIGHT") sink << (page ? std::string("100vh") : std::to_string(height) + "px");
-        if (key == "CAPTION") {
-            sink << grouped(static_cast<std::int64_t>(collisions.pairs.size())) << " colliding pairs of "
-                 << grouped(static_cast<std::int64_t>(faces)) << (faces == triangles ? " triangles" : " polygons");
-        }
-        if (key == "LEGEND") write_legend(sink, sides, has_contacts(collisions));
-        if (key == "DATA") write_data(sink, sides, collisions);
+        if (key == "CAPTION") sink << contents.caption;
+        if (key == "LEGEND") write_legend(sink, contents);
+        if (key == "DATA") write_data(sink, contents);
         text.remove_prefix(end + 1);
     }
     if (page) sink << "</html>\n";
+}
+
+}  // namespace
+
+void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
+                const Intersections& collisions, int height) {
+    Page page;
+    const auto& [of_first, of_second] = materials_of_meshes;
+    page.sides.push_back({&mesh, hit_triangles(mesh, collisions.hit), of_first[0], of_first[1]});
+    if (second)
+        page.sides.push_back({second, hit_triangles(*second, collisions.hit_second), of_second[0], of_second[1]});
+    std::size_t triangles = 0;
+    for (const Side& side : page.sides) triangles += side.hit.size();
+    const std::size_t faces = collisions.hit.size() + (second ? collisions.hit_second.size() : 0);
+    page.caption = grouped(static_cast<std::int64_t>(collisions.pairs.size())) + " colliding pairs of " +
+                   grouped(static_cast<std::int64_t>(faces)) + (faces == triangles ? " triangles" : " polygons");
+    add_contacts(collisions, page);
+    write_page(out, page, height);
+}
+
+void write_overlap_html(std::ostream& out, const ColouredMesh& coloured, std::vector<std::array<double, 3>> lines,
+                        const std::string& caption) {
+    Page page;
+    Side side{&coloured.mesh, coloured.hit, coloured.materials[0], coloured.materials[1]};
+    side.colliding.name = "inside another body";
+    page.sides.push_back(std::move(side));
+    page.lines = std::move(lines);
+    page.caption = caption;
+    page.line_name = "crossing of surfaces";
+    write_page(out, page, 0);
 }
 
 std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions, int height) {

@@ -179,9 +179,11 @@ void write_face(Sink& sink, std::span<const std::int32_t> corners) {
     sink << '\n';
 }
 
-void write_material(Sink& sink, const char* name, const Colour& colour) {
+void write_material(Sink& sink, const Material& material) {
+    const auto& [name, colour, opacity] = material;
     sink << "newmtl " << name << "\nKd " << colour.red / 255.0f << ' ' << colour.green / 255.0f << ' '
          << colour.blue / 255.0f << '\n';
+    if (opacity < 1) sink << "d " << opacity << '\n';
 }
 
 }  // namespace
@@ -213,17 +215,16 @@ void write_coloured_obj(std::ostream& out, const ColouredMesh& coloured, const s
     int material = -1;  // faces keep their order, so that ids stay what they are
     for_each_face(coloured.mesh, coloured.has_polygons(), [&](auto corners, std::size_t triangle) {
         const int wanted = coloured.hit[triangle] != 0;
-        if (wanted != material) sink << (wanted ? "usemtl colliding\n" : "usemtl free\n");
+        if (wanted != material) sink << "usemtl " << coloured.materials[wanted ? 1 : 0].name << '\n';
         material = wanted;
         write_face(sink, corners);
     });
 }
 
-void write_materials(std::ostream& out) {
+void write_materials(std::ostream& out, std::span<const Material> materials) {
     Sink sink(out);
     sink << title_of_materials << '\n';
-    write_material(sink, "free", free_colour);
-    write_material(sink, "colliding", colliding_colour);
+    for (const Material& material : materials) write_material(sink, material);
 }
 
 }  // namespace crumple::io

@@ -259,7 +259,8 @@ void write_header(Sink& sink, const TriangleMesh& mesh, std::int64_t faces, bool
 }
 
 /// `hit` may be null: no colours.
-void write(std::ostream& out, const TriangleMesh& mesh, bool polygons, const std::vector<std::uint8_t>* hit) {
+void write(std::ostream& out, const TriangleMesh& mesh, bool polygons, const std::vector<std::uint8_t>* hit,
+           std::span<const Material> materials = {}) {
     using Corners = std::span<const std::int32_t>;
     std::vector<std::uint8_t> hit_vertices(hit ? static_cast<std::size_t>(mesh.vertex_count()) : 0);
     bool long_lists = false;
@@ -270,7 +271,7 @@ void write(std::ostream& out, const TriangleMesh& mesh, bool polygons, const std
     });
     Sink sink(out);
     const auto colour = [&](bool collides) {
-        const Colour& c = collides ? colliding_colour : free_colour;
+        const Colour& c = materials[collides ? 1 : 0].colour;
         sink.little(c.red, c.green, c.blue);
     };
     write_header(sink, mesh, polygons ? mesh.polygons.count() : mesh.triangle_count(), hit != nullptr, long_lists);
@@ -304,7 +305,7 @@ TriangleMesh read_ply(const Source& source, const ReadOptions& options, Warnings
 void write_ply(std::ostream& out, const TriangleMesh& mesh, bool polygons) { write(out, mesh, polygons, nullptr); }
 
 void write_coloured_ply(std::ostream& out, const ColouredMesh& coloured) {
-    write(out, coloured.mesh, coloured.has_polygons(), &coloured.hit);
+    write(out, coloured.mesh, coloured.has_polygons(), &coloured.hit, coloured.materials);
 }
 
 }  // namespace crumple::io

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <span>
 #include <streambuf>
 #include <string>
@@ -74,12 +75,14 @@ std::string attribute(const std::string& name) {
     return result;
 }
 
-/// #RRGGBB
-std::string hexadecimal(const Colour& colour) {
+/// #RRGGBB, or #RRGGBBAA if it is translucent.
+std::string hexadecimal(const Material& material) {
+    const auto& [red, green, blue] = material.colour;
+    const int alpha = static_cast<int>(std::lround(255 * material.opacity));
     std::string text = "#";
-    for (const int value : {int{colour.red}, int{colour.green}, int{colour.blue}})
+    for (const int value : {int{red}, int{green}, int{blue}, alpha})
         for (const int digit : {value >> 4, value & 15}) text += "0123456789ABCDEF"[digit];
-    return text;
+    return alpha < 255 ? text : text.substr(0, 7);
 }
 
 /// A shape as bodies have it. `hit`: each triangle's material, or empty.
@@ -92,14 +95,13 @@ struct WrittenMesh {
 
 class ModelText {
    public:
-    ModelText(std::ostream& out, Unit unit, std::span<const Colour> materials)
+    ModelText(std::ostream& out, Unit unit, std::span<const Material> materials)
         : out_(out), materials_(materials.size()) {
         out_ << xml << "<model unit=\"" << name_in_3mf(unit) << model_begin;
         if (materials.empty()) return;
         out_ << "  <basematerials id=\"1\">\n";
-        for (std::size_t i = 0; i < materials.size(); ++i)
-            out_ << "   <base name=\"" << (i ? "colliding" : "free") << "\" displaycolor=\""
-                 << hexadecimal(materials[i]) << "\"/>\n";
+        for (const Material& material : materials)
+            out_ << "   <base name=\"" << material.name << "\" displaycolor=\"" << hexadecimal(material) << "\"/>\n";
         out_ << "  </basematerials>\n";
         last_id_ = 1;
     }
@@ -176,7 +178,7 @@ std::vector<WrittenMesh> meshes_of(const WorldMesh& world, std::span<const std::
 }
 
 void add_model(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit,
-               std::span<const Colour> materials) {
+               std::span<const Material> materials) {
     std::vector<std::size_t> of_body;
     std::vector<WrittenMesh> meshes = meshes_of(world, hit, of_body);
     ModelText text(out, world.unit, materials);
@@ -205,8 +207,8 @@ std::uint64_t most_bytes(const WorldMesh& world) {
 
 }  // namespace
 
-void write_3mf(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit,
-               std::span<const Colour> materials) {
+void write_coloured_3mf(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit,
+                        std::span<const Material> materials) {
     ZipWriter archive("3MF");
     const auto add = [&](const char* name, std::string_view text) {
         archive.begin(name, ZipWriter::Method::deflate, xml.size() + text.size());
@@ -225,16 +227,12 @@ void write_3mf(std::ostream& out, const WorldMesh& world, std::span<const std::u
     archive.write(out);
 }
 
-void write_3mf(std::ostream& out, const WorldMesh& world) { write_3mf(out, world, {}, {}); }
+void write_3mf(std::ostream& out, const WorldMesh& world) { write_coloured_3mf(out, world, {}, {}); }
 
 void write_3mf(std::ostream& out, const TriangleMesh& mesh, bool) { write_3mf(out, world_of(mesh)); }
 
-void write_coloured_3mf(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit) {
-    write_3mf(out, world, hit, std::array{free_colour, colliding_colour});
-}
-
 void write_coloured_3mf(std::ostream& out, const ColouredMesh& coloured) {
-    write_coloured_3mf(out, world_of(coloured.mesh), coloured.hit);
+    write_coloured_3mf(out, world_of(coloured.mesh), coloured.hit, coloured.materials);
 }
 
 }  // namespace crumple::io

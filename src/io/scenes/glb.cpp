@@ -63,12 +63,13 @@ double linear(std::uint8_t srgb) {
     return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
 }
 
-tinygltf::Material material(const char* name, const Colour& colour) {
+tinygltf::Material material(const char* name, const Colour& colour, double opacity = 1) {
     tinygltf::Material material;
     material.name = name;
     material.doubleSided = true;
+    if (opacity < 1) material.alphaMode = "BLEND";
     auto& surface = material.pbrMetallicRoughness;
-    surface.baseColorFactor = {linear(colour.red), linear(colour.green), linear(colour.blue), 1};
+    surface.baseColorFactor = {linear(colour.red), linear(colour.green), linear(colour.blue), opacity};
     surface.metallicFactor = 0;
     surface.roughnessFactor = 0.8;
     return material;
@@ -151,11 +152,11 @@ int add_to_scene(tinygltf::Model& model, tinygltf::Node node) {
 
 }  // namespace
 
-tinygltf::Model empty_glb() {
+tinygltf::Model empty_glb(std::span<const Material> materials) {
     tinygltf::Model model;
     model.asset.version = "2.0";
     model.asset.generator = "Crumple";
-    model.materials = {material("free", free_colour), material("colliding", colliding_colour)};
+    for (const auto& [name, colour, opacity] : materials) model.materials.push_back(material(name, colour, opacity));
     model.scenes.resize(1);
     model.scenes[0].name = "collisions";
     model.defaultScene = 0;
@@ -259,8 +260,9 @@ void write_glb(std::ostream& out, const WorldMesh& world, std::span<const std::u
 
 }  // namespace
 
-void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit) {
-    tinygltf::Model model = empty_glb();
+void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit,
+                        std::span<const Material> materials) {
+    tinygltf::Model model = empty_glb(materials);
     write_glb(out, world, hit, model);
 }
 
@@ -284,7 +286,7 @@ void write_shaded_glb(std::ostream& out, const ColouredMesh& coloured, std::span
 }
 
 void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured) {
-    tinygltf::Model model = empty_glb();
+    tinygltf::Model model = empty_glb(coloured.materials);
     add_node(model, coloured);
     write_glb(out, model, coloured.mesh.unit);
 }

@@ -14,8 +14,8 @@ class Model;
 
 namespace crumple::io {
 
-/// An empty scene with both materials.
-tinygltf::Model empty_glb();
+/// An empty scene with these materials.
+tinygltf::Model empty_glb(std::span<const Material> materials = collision_materials);
 
 /// Adds a mesh as a node of the scene and returns the node's index; nothing for a mesh without triangles. Throws Error
 /// (invalid_argument) if the file would outgrow the format or a coordinate float32.

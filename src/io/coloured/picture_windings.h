@@ -1,0 +1,41 @@
+#pragma once
+
+// Winding numbers of points about a mesh, by a ray from each point, for pictures: in float64, not exactly.
+//
+// All rays have one direction that no edge of a usual model has. Triangles are projected along it into a grid of cells.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/vec.h"
+
+namespace crumple::io {
+
+class PictureWindings {
+   public:
+    /// `corners`: three a triangle, indices of `points`.
+    PictureWindings(std::span<const Vec3d> points, std::span<const std::int32_t> corners);
+
+    static constexpr Vec3d direction{0.3712, 0.2153, 0.9033};
+
+    /// Returns the winding number at a point that does not lie on the surface; crossings of the triangle `ignored` are
+    /// left out. Cost: the triangles of one cell.
+    int at(const Vec3d& point, std::int32_t ignored = -1) const;
+
+   private:
+    std::int32_t column(double x) const { return place(x, low_.x, high_.x); }
+    std::int32_t row(double y) const { return place(y, low_.y, high_.y); }
+    std::int32_t place(double x, double low, double high) const;
+    template <class Take>
+    void for_each_cell(std::int32_t triangle, Take take) const;
+
+    std::vector<Vec3d> points_;  ///< x and y across the direction, z along it
+    std::span<const std::int32_t> corners_;
+    Vec3d low_{}, high_{};
+    std::int32_t size_ = 1;  ///< cells in a row, and in a column
+    std::vector<std::size_t> first_;
+    std::vector<std::int32_t> triangles_;  ///< of cell c: from first_[c] to first_[c + 1]
+};
+
+}  // namespace crumple::io
