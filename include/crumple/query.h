@@ -49,8 +49,8 @@ struct PairFilter {
 enum class OpenSurfaces : std::uint8_t {
     error,  ///< Error (invalid_argument) that names the body, an open edge and a triangle at it
     skip,   ///< the body has no inside, and `skipped` of the result names it; overlaps have no rows for its pairs
-    /// Overlaps only: its pairs have a row where surfaces meet, whose relation is `undefined` and whose numbers are NaN,
-    /// but for the contact area and the torque point; curves are found if they are requested.
+    /// Overlaps only: its pairs have a row where surfaces meet, whose relation is `undefined` and whose numbers are
+    /// NaN, but for the contact area and the torque point; curves are found if they are requested.
     curves,
 };
 

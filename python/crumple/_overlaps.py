@@ -80,7 +80,8 @@ class Overlaps(Result):
     )
     torque_point = float64("(k, 3) float64: the centroid; where there is none, a point between the bodies.", (3,))
     contact_area = float64(
-        "(k,) float64: the area in which the surfaces coincide: what pairs of faces in one plane have in common, summed."
+        "(k,) float64: the area in which the surfaces coincide: what pairs of faces in one plane have in common, "
+        "summed."
     )
 
     gradient = float64(
@@ -95,7 +96,8 @@ class Overlaps(Result):
     )
     curve_closed = bools("(c,) bool: of each curve, whether it is closed. Curves end at boundaries of open surfaces.")
     curve_area_vector = float64(
-        "(c, 3) float64: of each curve, its part of the area vector, from one side; NaN of one that is not closed.", (3,)
+        "(c, 3) float64: of each curve, its part of the area vector, from one side; NaN of one that is not closed.",
+        (3,),
     )
     curve_torque = float64("(c, 3) float64: the same of the torque.", (3,))
     curve_point_offsets = int64(
@@ -105,8 +107,8 @@ class Overlaps(Result):
         "(n, 3) float64: points of the curves, one after the other; of a closed one the last is the first.", (3,)
     )
     curve_triangles = int32(
-        "(n, 2) int32: the triangles of the two bodies that cross between a point and the next; -1 at the last point of "
-        "a curve.",
+        "(n, 2) int32: the triangles of the two bodies that cross between a point and the next; -1 at the last point "
+        "of a curve.",
         (2,),
     )
     windings = int32(

@@ -169,9 +169,21 @@ def test_wrong_queries_are_named(detector, options, message):
 
 
 def test_results_are_copied_and_pickled(detector):
-    found = detector.overlaps(crumple.World([UNIT, box([0.5, 0, 0])]), self_overlaps=True, gradient=True, windings=True, curves=True)
+    found = detector.overlaps(
+        crumple.World([UNIT, box([0.5, 0, 0])]), self_overlaps=True, gradient=True, windings=True, curves=True
+    )
     for same in (pickle.loads(pickle.dumps(found)), copy.copy(found), copy.deepcopy(found)):
-        for name in ("bodies", "relation", "volume", "torque", "gradient", "gradient_vertices", "windings", "is_solid", "contact_area"):
+        for name in (
+            "bodies",
+            "relation",
+            "volume",
+            "torque",
+            "gradient",
+            "gradient_vertices",
+            "windings",
+            "is_solid",
+            "contact_area",
+        ):
             assert np.array_equal(getattr(same, name), getattr(found, name))
     assert repr(found) == repr(copy.copy(found)) and "1 pair of bodies" in repr(found)
 

@@ -73,10 +73,11 @@ std::string unshared(const Corner& low, const Corner& high, bool stl) {
     return out.str() + (stl ? "endsolid box\n" : faces.str());
 }
 
-constexpr const char* low_high = "low,high,overlapping,0.25,0.5,0.5,0.875,0,0,1,0,0,1,0.25,0,0,0,0.5,0.5,0.875\n";
+constexpr const char* low_high = "low,high,overlapping,0.25,0.5,0.5,0.875,0,0,1,0,0,1,0.25,0,0,0,0.5,0.5,0.875,1\n";
 constexpr const char* heading =
     "first,second,relation,volume,centroid_x,centroid_y,centroid_z,area_vector_x,area_vector_y,area_vector_z,normal_x,"
-    "normal_y,normal_z,mean_depth,torque_x,torque_y,torque_z,torque_point_x,torque_point_y,torque_point_z\n";
+    "normal_y,normal_z,mean_depth,torque_x,torque_y,torque_z,torque_point_x,torque_point_y,torque_point_z,contact_"
+    "area\n";
 
 class Overlap : public Cli {
    protected:
@@ -199,15 +200,15 @@ TEST_F(Overlap, every_format_reads_back_exactly) {
     EXPECT_EQ(json["names"].dump(), R"(["low","third","high","on","small"])");
     EXPECT_EQ(json["relation"].size(), 5u);
     EXPECT_EQ(json["unit"], nullptr);
-    for (const char* const array :
-         {"bodies", "relation", "volume", "centroid", "area_vector", "normal", "mean_depth", "torque", "torque_point"})
+    for (const char* const array : {"bodies", "relation", "volume", "centroid", "area_vector", "normal", "mean_depth",
+                                    "torque", "torque_point", "contact_area"})
         EXPECT_TRUE(contains(read("a.npz"), std::string(array) + ".npy")) << array;
 }
 
 TEST_F(Overlap, missing_numbers_are_empty_and_null) {
     ASSERT_EQ(crumple("overlap low.off small.off -o a.csv -o a.json").status, 0);
     EXPECT_EQ(read("a.csv"), heading + std::string("low,small,second_inside,0.015625,0.375,0.375,0.375,0,0,0,,,,,0,0,0,"
-                                                   "0.375,0.375,0.375\n"));
+                                                   "0.375,0.375,0.375,0\n"));
     EXPECT_EQ(nlohmann::json::parse(read("a.json"))["normal"].dump(), "[[null,null,null]]");
     EXPECT_EQ(crumple("verify --overlaps low.off small.off a.csv").status, 0);
     EXPECT_EQ(crumple("verify --overlaps low.off small.off a.json").status, 0);
@@ -289,10 +290,10 @@ TEST_F(Overlap, verify_names_what_is_wrong) {
               "wrong: 1 overlaps, 0 missed, 0 false, 1 of another relation, 0 of other numbers, 0 repeated\n"
               "relation of low and high: equal, it is overlapping\n");
     EXPECT_EQ(
-        verify("low,high,overlapping,0.25000000000000006,0.5,0.5,0.875,0,0,1,0,0,1,0.25,0,0,0,0.5,0.5,0.875\n").out,
+        verify("low,high,overlapping,0.25000000000000006,0.5,0.5,0.875,0,0,1,0,0,1,0.25,0,0,0,0.5,0.5,0.875,1\n").out,
         "wrong: 1 overlaps, 0 missed, 0 false, 0 of another relation, 1 of other numbers, 0 repeated\n"
         "numbers of low and high: volume 0.25000000000000006, it is 0.25\n");
-    EXPECT_EQ(verify("low,high,overlapping,0.25,0.5,0.5,0.875,0,0,1,0,0,,0.25,0,0,0,0.5,0.5,0.875\n").out,
+    EXPECT_EQ(verify("low,high,overlapping,0.25,0.5,0.5,0.875,0,0,1,0,0,,0.25,0,0,0,0.5,0.5,0.875,1\n").out,
               "wrong: 1 overlaps, 0 missed, 0 false, 0 of another relation, 1 of other numbers, 0 repeated\n"
               "numbers of low and high: normal 0 0 nan, it is 0 0 1\n");
     EXPECT_EQ(verify(right, "--excluded-bodies low,high").out,
@@ -329,14 +330,14 @@ TEST_F(Overlap, lists_that_cannot_be_read_are_errors_that_name_the_place) {
     };
     expect_error("a.csv", heading + std::string("low,hihg,equal\n"), ", line 2: there is no body 'hihg'");
     expect_error("a.csv", "low,high,near\n", ", line 1: 'near' is no relation of two bodies");
-    expect_error("a.csv", "low,high,equal,1\n", ", line 1: after its relation a row has all 17 numbers, or none");
+    expect_error("a.csv", "low,high,equal,1\n", ", line 1: after its relation a row has all 18 numbers, or none");
     expect_error("a.csv", "low,high,equal\n" + std::string(low_high),
                  ", line 2: some rows have numbers and some do not");
-    expect_error("a.csv", "low\n", ", line 1: 1 columns in place of 20");
+    expect_error("a.csv", "low\n", ", line 1: 1 columns in place of 21");
     expect_error("a.csv", "\"low,high,equal\n", ", line 1: a quote is not closed");
     expect_error("a.json", "{}", ": there is no array \"bodies\"");
     expect_error("a.json", R"({"bodies": [[0, 2]], "relation": [1]})", ": row 0 of \"bodies\": there is no such body");
-    expect_error("a.json", R"({"bodies": [[0, 1]], "relation": [5]})",
+    expect_error("a.json", R"({"bodies": [[0, 1]], "relation": [6]})",
                  ": row 0 of \"relation\": this is no relation of two bodies");
     expect_error("a.json", R"({"bodies": [[0, 1]], "relation": [1, 1]})",
                  ": \"relation\" is not as long as \"bodies\"");
