@@ -14,7 +14,7 @@ namespace crumple::cli {
 
 enum class ListFormat { txt, csv, json };
 
-/// Which pairs of bodies collide, each once, in order.
+/// Pairs of bodies that collide, each once, in order.
 struct BodyList {
     const std::vector<std::string>& names;
     std::vector<BodyPair> pairs;

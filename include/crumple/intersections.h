@@ -78,7 +78,8 @@ enum class IntersectionKind : std::uint8_t {
     proper,  ///< only if an edge of one strictly crosses the relative interior of the other
 };
 
-/// Which triangles intersect (docs/contract.md). Where things move, at the start. A value: it owns what it names.
+/// Query for the triangles that intersect (docs/contract.md); where things move, at the start. A value: it owns what
+/// it names.
 struct IntersectionQuery {
     using Result = Intersections;
     using DeviceResult = DeviceIntersections;
@@ -96,10 +97,10 @@ struct IntersectionQuery {
     /// vertex at which the winding number of the other's surface is not 0. A cavity is outside: its winding number is
     /// 0.
     ///
-    /// Of worlds and two meshes, of `kind` all, and without filters of groups of triangles; with `weld`, which also
-    /// closes the seams of each body, of `neighbours` geometric, and vertices that are one with vertices of the other
-    /// body do not count. Cost: only bodies whose boxes overlap and whose surfaces do not meet need more than without,
-    /// a ray for each component that lies in the other's box.
+    /// For worlds and two meshes, with `kind` all and without filters of groups of triangles. With `weld`, which also
+    /// closes the seams of each body, `neighbours` has to be geometric, and vertices that are one with vertices of the
+    /// other body do not count. Cost beyond that without the option: a ray for each component that lies in the other's
+    /// box, of bodies whose boxes overlap and whose surfaces do not meet.
     bool containment = false;
     /// Treatment of bodies whose surfaces are not closed, of such pairs. They may lie inside another body all the same.
     OpenSurfaces open = OpenSurfaces::error;

@@ -73,8 +73,8 @@ struct CRUMPLE_API TriangleMesh {
     MeshView view() const;
 };
 
-/// What is meant by edges and points of a mesh with lines or points, for MeshView::edges and MeshView::points: edges of
-/// faces and lines, each once, a < b, in lexicographic order; vertices that these and points name, ascending.
+/// Edges and points of a mesh with lines or points, for MeshView::edges and MeshView::points: edges of faces and lines,
+/// each once, a < b, in lexicographic order; vertices that these and points name, ascending.
 struct MeshFeatures {
     std::vector<Edge> edges;
     std::vector<std::int32_t> points;
@@ -104,7 +104,7 @@ struct NamedBody {
     Pose pose = {};
 };
 
-/// What a crumple::World looks at.
+/// Arrays that a crumple::World views.
 struct WorldView {
     std::vector<Shape> shapes;
     std::vector<Body> bodies;
@@ -120,7 +120,7 @@ struct CRUMPLE_API WorldMesh {
     std::vector<std::string> warnings = {};  ///< what was odd about the file, a sentence each
     Unit unit = Unit::unknown;               ///< of shapes, which have the same, and of the poses' translations
 
-    /// Of all bodies.
+    /// Number of triangles of all bodies.
     std::int64_t triangle_count() const;
     /// Valid while the world is as it is. Shapes are named `first_name`, `first_name` + 1 and so on, so that a detector
     /// remembers them (Shape::name); 0: they have no names.
@@ -244,10 +244,10 @@ CRUMPLE_API void write_coloured(std::ostream& out, const WorldMesh& world, const
 CRUMPLE_API std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions,
                                 int height = 480);
 
-/// What collides, by polygons of the files instead of triangles: ids, offsets and hits are those of polygons, each pair
-/// once. (p, p) is a polygon of which two triangles collide. The collisions are those of all triangles of the meshes;
-/// `second` may be null. Contacts are left out: they belong to triangles. O(pairs log pairs). Throws crumple::Error
-/// (invalid_argument) unless the collisions are of these meshes.
+/// Converts collisions of triangles to those of polygons of the files: ids, offsets and hits are those of polygons,
+/// each pair once. (p, p) is a polygon of which two triangles collide. The collisions are those of all triangles of the
+/// meshes; `second` may be null. Contacts are left out: they belong to triangles. O(pairs log pairs). Throws
+/// crumple::Error (invalid_argument) unless the collisions are of these meshes.
 CRUMPLE_API Intersections by_polygon(const TriangleMesh& mesh, const TriangleMesh* second,
                                      const Intersections& collisions);
 

@@ -34,7 +34,7 @@ struct GroupPair {
 /// `between` is an error then.
 enum class PairScope : std::uint8_t { both, between, within };
 
-/// Which pairs a query is about.
+/// Choice of the pairs that a query is about.
 struct PairFilter {
     PairScope bodies = PairScope::both;  ///< Body::self holds as well; `both` where the scene is a mesh or two
     PairScope groups = PairScope::both;

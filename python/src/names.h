@@ -63,7 +63,7 @@ inline constexpr Names<FeatureKind, 4> feature_kind_names{{{"vertex_face", Featu
                                                            {"edge_edge", FeatureKind::edge_edge},
                                                            {"vertex_edge", FeatureKind::vertex_edge},
                                                            {"vertex_vertex", FeatureKind::vertex_vertex}}};
-/// What its array is called.
+/// Name of its array.
 inline std::string plural_of_kind(std::string_view kind) {
     return kind == "vertex_vertex" ? "vertex_vertices" : std::string(kind) + 's';
 }

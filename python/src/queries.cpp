@@ -104,7 +104,7 @@ void read(nb::handle given, OverlapQuery& query) {
 
 bool is_constant(nb::handle value);
 
-// Whether no member of a dataclass can come to be another: names that begin with an underscore are no members.
+// Returns true if no member of a dataclass can change; names that begin with an underscore are no members.
 bool is_frozen(nb::handle object) {
     for (const auto [name, value] : nb::cast<nb::dict>(object.attr("__dict__")))
         if (const std::string_view member = text("member", name);

@@ -86,8 +86,8 @@ class FacesAroundEdge {
     std::vector<Vec3<Integer>> normals_;
 };
 
-/// Which segment follows each one, and which precedes it; −1: none.
-struct Links {
+/// The segment after each one, and the one before it; −1: none.
+struct Chains {
     std::vector<std::int32_t> next, previous;
 
     void join(const CurveEnd& one, const CurveEnd& other) {
@@ -99,9 +99,9 @@ struct Links {
 
 // Around the edge, a solid begins at a face that runs downward along it, and ends at one that runs upward: pairs are
 // found like those of brackets, on a circle.
-void join_at(std::span<const CurveEnd> ends, const FaceReader& face, Links& links) {
+void join_at(std::span<const CurveEnd> ends, const FaceReader& face, Chains& chains) {
     if (ends.size() == 2) {
-        if (ends[0].is_start != ends[1].is_start) links.join(ends[0], ends[1]);
+        if (ends[0].is_start != ends[1].is_start) chains.join(ends[0], ends[1]);
         return;
     }
     if (ends.size() < 2) return;
@@ -114,7 +114,7 @@ void join_at(std::span<const CurveEnd> ends, const FaceReader& face, Links& link
             if (!ends[i].upward) {
                 if (!again) open.push_back(&ends[i]);
             } else if (!open.empty()) {
-                links.join(*open.back(), ends[i]);
+                chains.join(*open.back(), ends[i]);
                 joined[i] = 1;
                 open.pop_back();
             }
@@ -132,10 +132,10 @@ std::vector<JoinedCurve> join_segments(std::span<const Segment> segments, std::s
         return std::tuple_cat(x.crossing(), std::tie(x.segment, x.is_start)) <
                std::tuple_cat(y.crossing(), std::tie(y.segment, y.is_start));
     });
-    Links joined{std::vector<std::int32_t>(segments.size(), -1), std::vector<std::int32_t>(segments.size(), -1)};
+    Chains chains{std::vector<std::int32_t>(segments.size(), -1), std::vector<std::int32_t>(segments.size(), -1)};
     for (std::size_t i = 0, end = 0; i < ends.size(); i = end) {
         while (end < ends.size() && ends[end].crossing() == ends[i].crossing()) ++end;
-        join_at(std::span(ends).subspan(i, end - i), face, joined);
+        join_at(std::span(ends).subspan(i, end - i), face, chains);
     }
 
     std::vector<JoinedCurve> curves;
@@ -144,7 +144,7 @@ std::vector<JoinedCurve> join_segments(std::span<const Segment> segments, std::s
     for (std::int32_t i = 0; i < lowest; ++i) {
         if (visited[static_cast<std::size_t>(i)]) continue;
         std::int32_t first = i;
-        const auto before = [&](std::int32_t s) { return joined.previous[static_cast<std::size_t>(s)]; };
+        const auto before = [&](std::int32_t s) { return chains.previous[static_cast<std::size_t>(s)]; };
         while (before(first) >= 0 && before(first) != i) first = before(first);
         JoinedCurve& curve = curves.emplace_back();
         curve.closed = before(first) == i;
@@ -153,7 +153,7 @@ std::vector<JoinedCurve> join_segments(std::span<const Segment> segments, std::s
         do {
             visited[static_cast<std::size_t>(s)] = 1;
             if (s < lowest) curve.segments.push_back(s);
-            s = joined.next[static_cast<std::size_t>(s)];
+            s = chains.next[static_cast<std::size_t>(s)];
         } while (s >= 0 && s != first);
     }
     return curves;

@@ -26,10 +26,10 @@ struct JoinedCurve {
     bool closed = false;                 ///< the last segment ends where the first one starts
 };
 
-/// `segments`: those of one shift. Those from `links` on are of degenerate faces, where edges that lie on each other
-/// cross the same face: they have no length, join curves, and are left out of these. Curves are in the order of their
-/// lowest segments; closed ones start with it. A curve is open where an edge belongs to one face alone, or to faces
-/// that are not oriented alike. O(n log n).
+/// `segments`: those of one shift. The segments from index `links` on belong to degenerate faces, whose edges lie on
+/// each other and cross the same face: they have no length, join curves, and are left out of these. Curves are in the
+/// order of their lowest segments; closed ones start with it. A curve is open where an edge belongs to one face alone,
+/// or to faces that are not oriented alike. O(n log n).
 std::vector<JoinedCurve> join_segments(std::span<const Segment> segments, std::size_t links,
                                        const std::function<FaceOfSurface(std::size_t side, std::int32_t face)>& face);
 

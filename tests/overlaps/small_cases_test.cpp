@@ -62,7 +62,7 @@ Soup small_body(Dice& dice) {
     return soup;
 }
 
-/// How often the cases are of each kind.
+/// Counts of rows by kind.
 struct Figures {
     std::int64_t rows = 0, with_curves = 0, with_contact_area = 0;
     std::array<std::int64_t, 6> relations{};

@@ -51,7 +51,7 @@ void add_common_area(const Projection& projection, Corners a, Corners b, Sum& su
     const std::array<Corners*, 2> faces{&a, &b};
     for (Corners* const face : faces)
         if (projection.sign((*face)[0], (*face)[1], (*face)[2]) < 0) std::swap((*face)[1], (*face)[2]);
-    // Of corner i of a face about edge j of the other: 1 is inside.
+    // Sides of corner i of a face about edge j of the other: 1 is inside.
     int sign[2][3][3], side[2][3][3];
     for (std::size_t of = 0; of < 2; ++of)
         for (std::size_t j = 0; j < 3; ++j) {
@@ -65,7 +65,7 @@ void add_common_area(const Projection& projection, Corners a, Corners b, Sum& su
             }
             if (apart) return;
         }
-    // The determinant of edge j of a face and a corner of the other.
+    // Determinant of edge j of a face and a corner of the other.
     using Number = decltype(projection.value(a[0], a[1], a[2]));
     const auto value = [&](std::size_t of, std::size_t i, std::size_t j) {
         if (sign[of][i][j] == 0) return Number(0);
