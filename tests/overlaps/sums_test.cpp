@@ -72,6 +72,8 @@ TEST(FixedSum, ProductsOfNegativeAndPositiveSumsAreExact) {
         const double factor = random_double(random, -100, 100);
         product.add_product(sum, factor);
         EXPECT_EQ(product.rounded_quotient(1)->value, rounded(exact * Rational(factor)));
+        product.add_product(sum, factor, 3);
+        EXPECT_EQ(product.rounded_quotient(1)->value, rounded(4 * exact * Rational(factor)));
     }
 }
 

@@ -26,18 +26,19 @@ bool FixedSum::make_magnitude() {
     return negative;
 }
 
-void FixedSum::add_product(const FixedSum& sum, double factor) {
+void FixedSum::add_product(const FixedSum& sum, double factor, int times) {
+    if (factor == 0) return;
     FixedSum magnitude = sum;
     const double signed_factor = magnitude.make_magnitude() ? -factor : factor;
     for (std::size_t i = magnitude.begin_; i < magnitude.end_; ++i) {
         if (magnitude.digits_[i] == 0) continue;
         const int place = digit_bits * static_cast<int>(i) - 1074;
         const TwoTerms product =
-            two_product(std::ldexp(static_cast<double>(magnitude.digits_[i]), place), signed_factor);
+            two_product(std::ldexp(static_cast<double>(times * magnitude.digits_[i]), place), signed_factor);
         add(product.high);
         add(product.low);
     }
-    error_ = detail::above * (error_ + std::abs(factor) * sum.error_);
+    error_ = detail::above * (error_ + times * std::abs(factor) * sum.error_);
 }
 
 std::optional<RoundedSum> FixedSum::rounded_quotient(std::int32_t divisor) const {

@@ -100,8 +100,7 @@ CurveNumbers finish_curves(Sums& sums, const Vec3d& origin, const Vec3d& point) 
                 const int i = static_cast<int>(axis);
                 TwoTerms away = two_sum(origin[i], -point[i]);
                 if (!std::isfinite(away.high)) away = {origin[i], -point[i]};
-                for (const double part : {away.high, away.low})
-                    for (int times = 0; times < 3; ++times) sum.add_product(totals.area[of_area], sign * part);
+                for (const double part : {away.high, away.low}) sum.add_product(totals.area[of_area], sign * part, 3);
             };
             add(next(k), next(next(k)), 1);
             add(next(next(k)), next(k), -1);
@@ -128,7 +127,7 @@ OverlapNumbers finish(Sums& sums, const Vec3d& origin, bool self) {
         for (std::size_t k = 0; k < 3; ++k) {
             const auto moment = [&](const auto& totals) {
                 auto sum = totals.moment[k];
-                for (int times = 0; times < 4; ++times) sum.add_product(totals.volume, origin[static_cast<int>(k)]);
+                sum.add_product(totals.volume, origin[static_cast<int>(k)], 4);
                 return sum;
             };
             numbers.centroid[static_cast<int>(k)] = (sums.volume(moment, 24).scaled / volume.scaled).value();

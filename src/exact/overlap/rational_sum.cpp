@@ -81,11 +81,11 @@ void RationalSum::add(const Integer& numerator, const Integer& denominator, int 
 
 void RationalSum::add(const RationalSum& other) { add_product(other, 1); }
 
-void RationalSum::add_product(const RationalSum& sum, double factor) {
+void RationalSum::add_product(const RationalSum& sum, double factor, int times) {
     const Binary binary(factor);
     if (binary.mantissa == 0) return;
     for (const auto& [below, part] : sum.over_)
-        over_[below].add(part.numerator * binary.mantissa, part.exponent + binary.exponent);
+        over_[below].add(part.numerator * binary.mantissa * times, part.exponent + binary.exponent);
 }
 
 RoundedSum RationalSum::rounded_quotient(int divisor, Cancellation& cancellation) const {

@@ -19,8 +19,8 @@ class RationalSum {
     /// Adds numerator / denominator · 2^exponent; the denominator is positive.
     void add(const Integer& numerator, const Integer& denominator, int exponent);
     void add(const RationalSum& other);
-    /// Adds a sum times a number.
-    void add_product(const RationalSum& sum, double factor);
+    /// Adds a sum times a number, some times.
+    void add_product(const RationalSum& sum, double factor, int times = 1);
 
     /// The sum divided by a whole number, rounded to nearest, ties to even. All terms are first rounded far below the
     /// sum, which decides unless the sum is 0 or a tie; then they are added up. Terms of one denominator are one term
