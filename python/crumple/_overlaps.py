@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import os
 from enum import IntEnum
-from typing import Any, ClassVar
-
-import numpy as np
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from . import _core
 from ._errors import InvalidInput
 from ._mesh import as_mesh
 from ._results import Result, bools, extension_of, file_name, float64, int32, int64, uint8
 from ._world import World
+
+if TYPE_CHECKING:
+    import numpy as np
 
 _FROM = {"skipped": "any", "world_hit": "any_by_world", "bodies": "body_pairs", "relation": "body_pairs"}
 _ORDER = ("any", "any_by_world", "body_pairs", "pairs")
@@ -160,9 +162,9 @@ class Overlaps(Result):
     @property
     def curves(self) -> list[list[np.ndarray]]:
         """The curves of each row: a list of arrays (m, 3) of points, which are parts of `curve_points`."""
-        points = np.split(self.curve_points, self.curve_point_offsets[1:-1])
-        first, last = self.curve_offsets[:-1], self.curve_offsets[1:]
-        return [points[begin:end] for begin, end in zip(first, last)]
+        points = self.curve_points
+        curves = [points[begin:end] for begin, end in pairwise(self.curve_point_offsets.tolist())]
+        return [curves[begin:end] for begin, end in pairwise(self.curve_offsets.tolist())]
 
     @property
     def count(self) -> int:
