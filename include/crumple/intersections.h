@@ -92,17 +92,18 @@ struct IntersectionQuery {
     IntersectionKind kind = IntersectionKind::all;
     /// Vertices at equal positions (-0 equals +0) count as one, also those of different meshes and bodies.
     bool weld = false;
-    /// A body inside another one counts in the outputs any, any_by_world and body_pairs, never as pairs of triangles; a
-    /// body pair then says `inside`. Two bodies count if their surfaces meet, or else if a component of one has a
-    /// vertex at which the winding number of the other's surface is not 0. A cavity is outside: its winding number is
-    /// 0.
+    /// A body inside another one counts in the outputs any, any_by_world and body_pairs, never as pairs of triangles,
+    /// and `inside` is set for that body pair. Two bodies count if their surfaces meet, or else if a component of one
+    /// has a vertex at which the winding number of the other's surface is not 0. A cavity is outside: its winding
+    /// number is 0.
     ///
-    /// For worlds and two meshes, with `kind` all and without filters of groups of triangles. With `weld`, which also
-    /// closes the seams of each body, `neighbours` has to be geometric, and vertices that are one with vertices of the
-    /// other body do not count. Cost beyond that without the option: a ray for each component that lies in the other's
-    /// box, of bodies whose boxes overlap and whose surfaces do not meet.
+    /// For worlds and two meshes, with `kind` all and without filters of groups if shapes have groups. With `weld`,
+    /// which also closes the seams of each body, `neighbours` has to be geometric, and vertices that are one with
+    /// vertices of the other body do not count. Additional cost: a ray for each component that lies in the other's box,
+    /// of bodies whose boxes overlap and whose surfaces do not meet.
     bool containment = false;
-    /// Treatment of bodies whose surfaces are not closed, of such pairs. They may lie inside another body all the same.
+    /// Treatment of bodies that are not closed, in pairs whose boxes overlap and whose surfaces do not meet. Such a
+    /// body can still be reported as lying inside another one.
     OpenSurfaces open = OpenSurfaces::error;
     PairFilter filter = {};
     bool index =
@@ -124,12 +125,12 @@ struct Intersections {
 
     /// Bodies of each pair, in worlds; for Output::body_pairs those that intersect, each once. Else empty.
     Array<BodyPair> bodies;
-    /// For IntersectionQuery::containment and Output::body_pairs: one a pair of bodies, 1 if their surfaces do not
-    /// meet, and one body has a component inside the other. Else empty.
+    /// For IntersectionQuery::containment and Output::body_pairs: one entry per pair of bodies, 1 if their surfaces do
+    /// not meet, and one body has a component inside the other. Else empty.
     Array<std::uint8_t> inside;
-    /// For IntersectionQuery::containment and OpenSurfaces::skip: the bodies whose surfaces are not closed, of the
-    /// wanted pairs whose boxes overlap and whose surfaces do not meet, ascending. For Output::any none if surfaces
-    /// meet, for Output::any_by_world none of worlds in which surfaces meet.
+    /// For IntersectionQuery::containment and OpenSurfaces::skip: bodies that are not closed, ascending, among selected
+    /// pairs whose boxes overlap and whose surfaces do not meet. Empty for Output::any if surfaces meet; for
+    /// Output::any_by_world, worlds in which surfaces meet add none.
     Array<std::int32_t> skipped;
     Array<Pair> pairs;  ///< triangles, as they count within their bodies or meshes
     Contacts contacts;  ///< for Output::contacts

@@ -9,17 +9,17 @@
 
 namespace crumple {
 
-/// Edge that triangles name more often in one direction than in the other. An edge of one triangle is one, and so is
-/// one along which two triangles run in the same direction.
+/// Edge that occurs in its triangles more often in one direction than in the other. This includes an edge with only one
+/// triangle, and an edge that two triangles traverse in the same direction.
 struct OpenEdge {
     Edge edge;
-    std::int32_t triangle;  ///< the lowest that names it
+    std::int32_t triangle;  ///< lowest index of a triangle with this edge
     friend bool operator==(const OpenEdge&, const OpenEdge&) = default;
 };
 
-/// Lists the open edges of a mesh in host memory, in the order of their vertices. A surface without any is closed, as
-/// an OverlapQuery needs it (docs/overlap.md). `weld`: vertices at equal positions are one, the lowest of them. Throws
-/// Error (invalid_argument, index_out_of_range, not_finite). Cost: O(n log n), on one thread.
+/// Lists the open edges of a mesh in host memory, in lexicographic order. A surface without any is closed, as an
+/// OverlapQuery needs it (docs/overlap.md). `weld`: merges vertices at equal positions; the lowest index represents
+/// them. Throws Error (invalid_argument, index_out_of_range, not_finite). Cost: O(n log n), on one thread.
 CRUMPLE_API Array<OpenEdge> open_edges(const MeshView& mesh, bool weld = false);
 
 }  // namespace crumple

@@ -11,7 +11,7 @@ namespace crumple {
 enum class Output : std::uint8_t {
     any,           ///< whether there is anything
     any_by_world,  ///< the same for each world
-    body_pairs,    ///< which bodies: intersections only
+    body_pairs,    ///< which bodies: intersections and overlaps only
     count,         ///< how many pairs of triangles, in all and in each world: intersections only
     first,         ///< the first impact of each world: impacts only
     pairs,         ///< all pairs
@@ -45,12 +45,12 @@ struct PairFilter {
 };
 
 /// Treatment of a body whose surface is not closed, where its winding numbers are needed. A surface is closed if each
-/// edge is named as often in one direction as in the other.
+/// edge occurs in its triangles equally often in both directions.
 enum class OpenSurfaces : std::uint8_t {
     error,  ///< Error (invalid_argument) that names the body, an open edge and a triangle at it
     skip,   ///< the body has no inside, and `skipped` of the result names it; overlaps have no rows for its pairs
-    /// Overlaps only: its pairs have a row where surfaces meet, whose relation is `undefined` and whose numbers are
-    /// NaN, but for the contact area and the torque point; curves are found if they are requested.
+    /// Overlap queries only: pairs whose surfaces meet have a row with the relation `undefined`, NaN for all numbers
+    /// but the contact area and the torque point, and curves if they are requested.
     curves,
 };
 

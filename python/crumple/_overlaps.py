@@ -39,8 +39,8 @@ class OverlapRelation(IntEnum):
     """Relation of two bodies, decided exactly; volumes are integrals of winding numbers, in magnitude.
 
     TOUCHING: their surfaces meet, and the overlap has no volume. FIRST_INSIDE, SECOND_INSIDE, EQUAL: the overlap has
-    the volume of the first body, of the second, of both. OVERLAPPING: none of these. UNDEFINED: a surface is not
-    closed (open="curves").
+    the volume of the first body, of the second, of each of them, which is not 0. OVERLAPPING: none of these.
+    UNDEFINED: a surface is not closed (open="curves").
     """
 
     TOUCHING = 0
@@ -82,8 +82,7 @@ class Overlaps(Result):
     )
     torque_point = float64("(k, 3) float64: the centroid; where there is none, a point between the bodies.", (3,))
     contact_area = float64(
-        "(k,) float64: the area in which the surfaces coincide: what pairs of faces in one plane have in common, "
-        "summed."
+        "(k,) float64: the total common area of coplanar triangles of both bodies, whichever way they face."
     )
 
     gradient = float64(
@@ -94,11 +93,12 @@ class Overlaps(Result):
     gradient_offsets = int64("(k + 1,) int64: row i has gradient[gradient_offsets[i] : gradient_offsets[i + 1]].")
     curve_offsets = int64(
         "(k + 1,) int64: for OverlapQuery(curves=True), row i has the curves from curve_offsets[i] to "
-        "curve_offsets[i + 1]. Seen on the first surface from outside, the inside of the second is on their left."
+        "curve_offsets[i + 1]. If you follow one on the first body, seen from outside it, the inside of the second is "
+        "on the left."
     )
     curve_closed = bools("(c,) bool: of each curve, whether it is closed. Curves end at boundaries of open surfaces.")
     curve_area_vector = float64(
-        "(c, 3) float64: of each curve, its part of the area vector, from one side; NaN of one that is not closed.",
+        "(c, 3) float64: the contribution of each curve to the area vector, one-sided; NaN if it is open.",
         (3,),
     )
     curve_torque = float64("(c, 3) float64: the same of the torque.", (3,))
