@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "io/bytes/gzip.h"
+#include "io/bytes/large_pages.h"
 
 namespace crumple::io {
 
@@ -49,6 +50,7 @@ void Source::read(std::istream& in, std::size_t hint) {
     errno = 0;
     try {
         bytes_.resize(std::max<std::size_t>(hint, 4095) + 1);  // one more, to see the end in one go
+        advise_large_pages(bytes_.data(), bytes_.size());
         std::size_t size = 0;
         while (true) {
             in.read(bytes_.data() + size, static_cast<std::streamsize>(bytes_.size() - size));

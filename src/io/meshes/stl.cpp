@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "io/bytes/bytes.h"
+#include "io/bytes/large_pages.h"
 #include "io/bytes/sink.h"
 #include "io/bytes/text.h"
 #include "io/formats.h"
@@ -29,21 +32,43 @@ std::size_t announced_count(const Source& source) {
 
 bool is_text(const Source& source) { return source.text().substr(0, 512).find('\0') == std::string_view::npos; }
 
-template <class Scalar>
-TriangleMesh read_binary(const Source& source) {
-    const char* record = source.begin() + prologue_size;
-    const std::size_t count = announced_count(source);
-    std::vector<Scalar> xyz(9 * count);
-    for (std::size_t t = 0; t < count; ++t, record += record_size) {
+/// `record`: one of which, or of one behind which, a coordinate is not finite.
+[[noreturn]] void fail_not_finite(const Source& source, const char* record) {
+    for (;; record += record_size)
         for (std::size_t i = 0; i < 9; ++i) {
             const char* const place = record + normal_size + 4 * i;
-            const float value = load<float>(place, std::endian::little);
-            if (!std::isfinite(value)) source.fail_at_byte(place, "a coordinate is not finite");
-            xyz[9 * t + i] = value;
+            if (!std::isfinite(load<float>(place, std::endian::little)))
+                source.fail_at_byte(place, "a coordinate is not finite");
         }
+}
+
+template <class Scalar>
+TriangleMesh read_binary(const Source& source) {
+    constexpr std::size_t block = 256;  // triangles, so that their coordinates stay in the cache
+    std::array<Scalar, 9 * block> coordinates;
+    std::array<std::int32_t, 3 * block> corners;
+    const char* record = source.begin() + prologue_size;
+    const std::size_t count = announced_count(source);
+    std::vector<Scalar> xyz;
+    std::vector<std::int32_t> triangles;
+    reserve_large(xyz, 9 * count);
+    reserve_large(triangles, 3 * count);
+    for (std::size_t begin = 0; begin < count; begin += block) {
+        const std::size_t size = std::min(block, count - begin);
+        bool finite = true;
+        for (std::size_t t = 0; t < size; ++t) {
+            for (std::size_t i = 0; i < 9; ++i) {
+                const float value = load<float>(record + record_size * t + normal_size + 4 * i, std::endian::little);
+                finite &= std::abs(value) <= std::numeric_limits<float>::max();
+                coordinates[9 * t + i] = value;
+            }
+        }
+        if (!finite) fail_not_finite(source, record);
+        std::iota(corners.begin(), corners.end(), static_cast<std::int32_t>(3 * begin));
+        xyz.insert(xyz.end(), coordinates.data(), coordinates.data() + 9 * size);
+        triangles.insert(triangles.end(), corners.data(), corners.data() + 3 * size);
+        record += record_size * size;
     }
-    std::vector<std::int32_t> triangles(3 * count);
-    std::iota(triangles.begin(), triangles.end(), 0);
     return {std::move(xyz), std::move(triangles)};
 }
 
