@@ -117,7 +117,7 @@ TEST_P(Containment, agrees_with_brute_force_where_surfaces_are_open) {
     for (unsigned seed = 600; seed < (sanitized ? 604u : 612u); ++seed) {
         SCOPED_TRACE(seed);
         ClosedBodies bodies = nested_bodies(seed, 5, seed % 2 == 0);
-        for (const std::size_t open : {1, 4}) {
+        for (const std::size_t open : {std::size_t{1}, std::size_t{4}}) {
             bodies.soups[open].triangles.pop_back();
             bodies.shapes[open] = Shape(bodies.soups[open].view());
         }
