@@ -1,7 +1,7 @@
 #pragma once
 
 // On which side does a point lie? Signs of determinants of differences, in steps: float64 with a bound on its error,
-// then, on the host, whole numbers of 128 bits where coordinates are few bits apart, as those of float32 meshes are,
+// then, on the host, whole numbers of 128 bits where all differences are exact and fit in 41 bits of one power of two,
 // then expansions. Compiled for host and device.
 //
 // Filters are right for every finite input: they answer `undecided` rather than wrongly, also where products over- or

@@ -21,7 +21,7 @@ void check_options(const Options& options);
 void check_query(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
 /// `world`: asked of a world, else of a single mesh.
 void check_question(const IntersectionQuery& question);
-/// Of a query with containment.
+/// Checks a query with containment about a world.
 void check_containment(const IntersectionQuery& query, const World& world);
 void check_question(const ImpactQuery& question, bool world);
 void check_question(const ProximityQuery& question, bool world);

@@ -188,7 +188,7 @@ void OverlapOfBodies::count_faces() {
                 if (end.side == side && end.edge == 0) faces.push_back({side == 0 ? segment.a : segment.b, end.jump});
         }
     }
-    // Of a body with itself, subtract the winding number of the whole surface.
+    // Subtract the winding number of the whole surface, if a body is with itself.
     for (std::int32_t face = 0; self_ != 0 && face < topology(0).face_count(); ++face)
         sums_.faces[0].push_back({face, -self_});
     for (const auto& faces : sums_.faces) memory_.add(bytes_of(faces));

@@ -1,6 +1,6 @@
 #pragma once
 
-// Intersections with containment by brute force: the yardstick for search/containment/containment_search.h.
+// Intersections with containment by brute force: the reference for search/containment/containment_search.h.
 
 #include "base/cancellation.h"
 #include "crumple/intersections.h"

@@ -2,8 +2,9 @@
 
 // Area that two faces in one plane have in common, for any type of number that is exact or has a bound.
 //
-// In a projection of the plane, both faces counter-clockwise, the common area is bounded by what of the edges of each
-// lies in the other: cones from the first corner of a over these. Ties are decided as if b were shifted by (e, e²) in
+// In a projection of the plane, both faces counter-clockwise, the boundary of the common area consists of the pieces of
+// each face's edges that lie in the other face. So the area is the sum of cones from the first corner of a over these
+// pieces. Ties are decided as if b were shifted by (e, e²) in
 // the projection, e → 0+, on which the area does not depend: so each edge that crosses another one does so at one
 // point, and its length inside is a sum over crossings, in any order.
 

@@ -49,7 +49,7 @@ class FixedSum {
         ++additions_;
         error_ = detail::above * (error_ + other.error_);
     }
-    /// Adds a sum times a number, some times, below 2^20; nothing may overflow or underflow.
+    /// Adds `times` · factor · sum; `times` is positive and below 2^20. Nothing may overflow or underflow.
     void add_product(const FixedSum& sum, double factor, int times = 1);
 
     double error() const { return error_; }

@@ -19,7 +19,7 @@ class RationalSum {
     /// Adds numerator / denominator · 2^exponent; the denominator is positive.
     void add(const Integer& numerator, const Integer& denominator, int exponent);
     void add(const RationalSum& other);
-    /// Adds a sum times a number, some times.
+    /// Adds `times` · factor · sum.
     void add_product(const RationalSum& sum, double factor, int times = 1);
 
     /// The sum divided by a whole number, rounded to nearest, ties to even. All terms are first rounded far below the
@@ -48,7 +48,7 @@ class RootSum {
     void add(const RootSum& other);
 
     /// The sum divided by a whole number, rounded to nearest, ties to even. Roots that are rational are added up
-    /// exactly. A sum with others is irrational, as nothing cancels: so some precision decides how it is rounded.
+    /// exactly. If others remain, the sum is irrational, for nothing cancels: enough bits decide how it is rounded.
     RoundedSum rounded_quotient(int divisor, Cancellation& cancellation) const;
 
    private:

@@ -58,7 +58,7 @@ struct DecidedCrossings {
 };
 
 /// `Signs` is what cross_faces() asks for, and has set(shift), vertex(side, edge) for segment_of(), `tied`: whether
-/// some sign was that of the shift, and in_plane_of_b(i): whether corner i of a is, if b has an inside.
+/// some sign was that of the shift, and in_plane_of_b(i): whether corner i of a lies in the plane of b, if b has one.
 template <class Signs>
 CRUMPLE_HD DecidedCrossings decide_crossings(Signs& signs) {
     const auto decide = [&](Shift shift) {

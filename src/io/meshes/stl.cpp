@@ -32,7 +32,7 @@ std::size_t announced_count(const Source& source) {
 
 bool is_text(const Source& source) { return source.text().substr(0, 512).find('\0') == std::string_view::npos; }
 
-/// `record`: one of which, or of one behind which, a coordinate is not finite.
+/// Throws Error about the first coordinate from `record` on that is not finite; there is one.
 [[noreturn]] void fail_not_finite(const Source& source, const char* record) {
     for (;; record += record_size)
         for (std::size_t i = 0; i < 9; ++i) {

@@ -3,7 +3,7 @@
 // Bodies of worlds by their surfaces, which have to be closed where a winding number is needed: for queries about what
 // lies inside what.
 //
-//   shapes --> surfaces: closed?, components, boxes; kept between calls
+//   shapes --> surfaces: closed?, components, boxes; cached
 //   bodies --boxes of surfaces under their poses--> wanted pairs whose boxes overlap
 
 #include <cstdint>
@@ -72,7 +72,7 @@ class ClosedBodies {
     BodyRules rules_;
     NearBodies near_;
     SceneBuffers buffers_;
-    std::vector<std::unique_ptr<Surface>> surfaces_;  ///< by shape; kept
+    std::vector<std::unique_ptr<Surface>> surfaces_;  ///< by shape; cached
 };
 
 }  // namespace crumple

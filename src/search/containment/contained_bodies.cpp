@@ -25,7 +25,7 @@ std::int32_t world_of(const WorldOutline& outline, const BodyPair& pair) {
     return world < 0 ? outline.worlds() : world;
 }
 
-/// What one pair decides for others too: those of a world, or all.
+/// Returns the flag that each pair decides: its own, that of its world, or the only one.
 std::vector<std::size_t> slots_of(const WorldOutline& outline, std::span<const BodyPair> pairs, Output output) {
     std::vector<std::size_t> slots(pairs.size(), 0);
     for (std::size_t i = 0; i < pairs.size() && output != Output::any; ++i)
