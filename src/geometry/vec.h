@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 #ifdef __CUDACC__
 #define CRUMPLE_HD __host__ __device__
@@ -19,12 +20,21 @@ template <class T>
 struct Vec3 {
     T x{}, y{}, z{};
 
-    CRUMPLE_HD constexpr T operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+    /// By value, unless numbers are long, as integers of hundreds of bits are: copies of those take as long as sums.
+    static constexpr bool by_value = sizeof(T) <= 16;
+    using Number = std::conditional_t<by_value, T, const T&>;
+    using Argument = std::conditional_t<by_value, Vec3, const Vec3&>;
+
+    CRUMPLE_HD constexpr Number operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
     CRUMPLE_HD constexpr T& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
 
-    friend CRUMPLE_HD constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-    friend CRUMPLE_HD constexpr Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-    friend CRUMPLE_HD constexpr Vec3 operator*(T s, Vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
+    friend CRUMPLE_HD constexpr Vec3 operator+(Argument a, Argument b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+    friend CRUMPLE_HD constexpr Vec3 operator-(Argument a, Argument b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend CRUMPLE_HD constexpr Vec3 operator*(Number s, Argument a) { return {s * a.x, s * a.y, s * a.z}; }
+    friend CRUMPLE_HD constexpr T dot(Argument a, Argument b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+    friend CRUMPLE_HD constexpr Vec3 cross(Argument a, Argument b) {
+        return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+    }
     friend CRUMPLE_HD constexpr bool operator==(const Vec3&, const Vec3&) = default;
 };
 
@@ -33,14 +43,6 @@ using Vec3d = Vec3<double>;
 
 inline bool all_finite(const Vec3d& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
-template <class T>
-CRUMPLE_HD constexpr T dot(Vec3<T> a, Vec3<T> b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-template <class T>
-CRUMPLE_HD constexpr Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 template <class T>
 CRUMPLE_HD Vec3<T> abs(Vec3<T> a) {
     return {std::abs(a.x), std::abs(a.y), std::abs(a.z)};
