@@ -1,6 +1,6 @@
 #pragma once
 
-// Memory limits that suffice, found by doubling, as docs/memory.md recommends.
+// Memory limits that suffice, found by doubling, as docs/memory.md recommends, and results under them.
 
 #include <gtest/gtest.h>
 
@@ -35,6 +35,22 @@ std::int64_t sufficient_limit(Options options, Call call, int halvings = 0) {
         if (const std::int64_t middle = too_small + (limit - too_small) / 2; suffices(middle)) limit = middle;
     EXPECT_LE(named, limit) << "no lower bound: less suffices";
     return limit;
+}
+
+/// Expects find(Detector&) of the cpu backend to return the same under a limit near the least one, twice in a row, and
+/// to stay within it; difference(a, b) is a string, which is empty if two results are the same.
+template <class Find, class Difference>
+void expect_same_under_limit(Find find, Difference difference) {
+    Options options{.backend = Backend::cpu, .threads = 1};
+    Detector unlimited(options);
+    const auto expected = find(unlimited);
+    const auto find_as_expected = [&](Detector& detector) { EXPECT_EQ(difference(find(detector), expected), ""); };
+    options.memory_limit = sufficient_limit(options, find_as_expected, 4);
+    Detector limited(options);
+    const auto found = find(limited);
+    EXPECT_EQ(difference(found, expected), "");
+    EXPECT_LE(found.statistics.peak_memory_bytes, options.memory_limit);
+    EXPECT_EQ(difference(find(limited), expected), "") << "again";
 }
 
 }  // namespace crumple::test

@@ -106,18 +106,8 @@ TEST_P(OverlapAgreement, of_bodies_that_share_edges_and_have_degenerate_faces) {
 TEST(OverlapMemory, is_limited_and_given_back) {
     const ClosedBodies bodies = closed_bodies(13, 30, true, false);
     const OverlapQuery query{.self_overlaps = true, .gradient = true, .curves = true, .windings = true};
-    const auto find = [&](Detector& detector) { return detector.find(bodies.view(), query); };
-    Detector unlimited(Options{.backend = Backend::cpu, .threads = 1});
-    const Overlaps expected = find(unlimited);
-    const Options options{.backend = Backend::cpu, .threads = 1};
-    Options limited = options;
-    limited.memory_limit = test::sufficient_limit(
-        options, [&](Detector& d) { EXPECT_EQ(find(d).count, expected.count); }, 4);
-    Detector detector(limited);
-    const Overlaps found = find(detector);
-    EXPECT_EQ(difference(found, expected), "");
-    EXPECT_LE(found.statistics.peak_memory_bytes, limited.memory_limit);
-    EXPECT_EQ(difference(find(detector), expected), "") << "again";
+    test::expect_same_under_limit([&](Detector& detector) { return detector.find(bodies.view(), query); },
+                                  [](const Overlaps& a, const Overlaps& b) { return difference(a, b); });
 }
 
 INSTANTIATE_TEST_SUITE_P(All, OverlapAgreement,
