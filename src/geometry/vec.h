@@ -20,7 +20,7 @@ template <class T>
 struct Vec3 {
     T x{}, y{}, z{};
 
-    /// By value, unless numbers are long, as integers of hundreds of bits are: copies of those take as long as sums.
+    /// Passes numbers of up to 16 bytes by value. Integers of hundreds of bits take too long to copy.
     static constexpr bool by_value = sizeof(T) <= 16;
     using Number = std::conditional_t<by_value, T, const T&>;
     using Argument = std::conditional_t<by_value, Vec3, const Vec3&>;
