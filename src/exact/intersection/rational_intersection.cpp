@@ -19,6 +19,9 @@ struct Plane {
     Integer operator()(const RationalPoint& p) const { return dot(normal, p.xyz) - offset * p.w; }
 };
 
+/// The plane through a triangle, whose normal is zero if it is degenerate.
+Plane plane_through(const Corners& corner) { return {cross(corner[1] - corner[0], corner[2] - corner[0]), corner[0]}; }
+
 bool before(const Point& p, const Point& q) { return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z; }
 
 /// The convex hull of three points: { x : every plane of `on` is 0, every plane of `within` is ≥ 0 }.
@@ -28,8 +31,7 @@ struct Hull {
     std::vector<Plane> on, within;
     std::vector<std::array<Point, 2>> edges;
 
-    explicit Hull(const Corners& corner) : normal(cross(corner[1] - corner[0], corner[2] - corner[0])) {
-        degenerate = normal == Point{};
+    Hull(const Corners& corner, const Plane& plane) : normal(plane.normal), degenerate(normal == Point{}) {
         on.reserve(3);
         within.reserve(6);
         edges.reserve(3);
@@ -38,7 +40,7 @@ struct Hull {
             add_segment(*first, *last);
             return;
         }
-        on.emplace_back(normal, corner[0]);
+        on.push_back(plane);
         for (std::size_t i = 0; i < 3; ++i) {
             const Point& p = corner[i];
             const Point& q = corner[(i + 1) % 3];
@@ -63,10 +65,6 @@ struct Hull {
         return std::all_of(on.begin(), on.end(), [&](const Plane& plane) { return plane(p) == 0; }) &&
                std::all_of(within.begin(), within.end(), [&](const Plane& plane) { return plane(p) >= 0; });
     }
-    bool has_inside(const RationalPoint& p) const {
-        return !degenerate && on[0](p) == 0 &&
-               std::all_of(within.begin(), within.end(), [&](const Plane& plane) { return plane(p) > 0; });
-    }
 };
 
 /// numerator / denominator, the latter positive.
@@ -86,26 +84,40 @@ RationalPoint point_at(const std::array<Point, 2>& edge, const Fraction& t) {
     return {(t.denominator - t.numerator) * edge[0] + t.numerator * edge[1], t.denominator};
 }
 
-/// Appends the ends of the part of an edge that lies in the hull.
-void clip(const std::array<Point, 2>& edge, const Hull& hull, std::vector<RationalPoint>& points) {
+/// A linear function at both ends of an edge.
+struct Ends {
+    Integer p, q;
+};
+
+Ends ends(const Plane& plane, const std::array<Point, 2>& edge) { return {plane(edge[0]), plane(edge[1])}; }
+
+/// Appends the ends of the part of an edge that lies in the hull. True if the edge has its ends strictly on opposite
+/// sides of the hull's plane and meets the hull's inside.
+bool clip(const std::array<Point, 2>& edge, const Hull& hull, std::vector<RationalPoint>& points) {
     Fraction begin{0, 1}, end{1, 1};
-    // Cuts away what is below zero, given the values at both ends; false if nothing is left.
-    const auto cut = [&](const Integer& f_p, const Integer& f_q) {
-        if (f_p < 0 && f_q < 0) return false;
-        if (f_p < 0) begin = std::max(begin, zero_between(f_p, f_q));
-        if (f_q < 0) end = std::min(end, zero_between(f_p, f_q));
+    // Cuts away what is below zero; false if nothing is left.
+    const auto cut = [&](const Ends& f) {
+        if (f.p < 0 && f.q < 0) return false;
+        if (f.p < 0) begin = std::max(begin, zero_between(f.p, f.q));
+        if (f.q < 0) end = std::min(end, zero_between(f.p, f.q));
         return true;
     };
+    bool crosses = !hull.degenerate;
     for (const Plane& plane : hull.on) {
-        const Integer f_p = plane(edge[0]), f_q = plane(edge[1]);
-        if (!cut(f_p, f_q) || !cut(-f_p, -f_q)) return;
+        const Ends f = ends(plane, edge);
+        if (!cut(f) || !cut({-f.p, -f.q})) return false;
+        crosses = crosses && f.p.sign() * f.q.sign() < 0;
     }
+    // An edge that crosses the plane is one point of it from here on.
     for (const Plane& plane : hull.within) {
-        if (!cut(plane(edge[0]), plane(edge[1]))) return;
+        const Ends f = ends(plane, edge);
+        if (!cut(f)) return false;
+        crosses = crosses && (begin.denominator - begin.numerator) * f.p + begin.numerator * f.q > 0;
     }
-    if (end < begin) return;
+    if (end < begin) return false;
     points.push_back(point_at(edge, begin));
-    points.push_back(point_at(edge, end));
+    if (begin < end) points.push_back(point_at(edge, end));
+    return crosses;
 }
 
 /// −1, 0 or 1 as p comes before, is, or comes after q in lexicographic order.
@@ -144,21 +156,13 @@ std::vector<RationalPoint> extreme_points(std::vector<RationalPoint> points, con
     return chain;
 }
 
-/// An edge with its ends strictly on opposite sides of the hull's plane that meets the hull's inside.
-bool crosses(const std::array<Point, 2>& edge, const Hull& hull) {
-    if (hull.degenerate) return false;
-    const Integer f_p = hull.on[0](edge[0]), f_q = hull.on[0](edge[1]);
-    return f_p.sign() * f_q.sign() < 0 && hull.has_inside(point_at(edge, zero_between(f_p, f_q)));
-}
-
 Corners scaled(const std::array<Vec3d, 3>& corner, int exponent) {
     return {scaled(corner[0], exponent), scaled(corner[1], exponent), scaled(corner[2], exponent)};
 }
 
-/// Whether all corners lie strictly on one side of the triangle's plane, so that nothing is shared; false if it has
+/// Tells whether all corners lie strictly on one side of a triangle's plane, so that nothing is shared; false if it has
 /// none.
-bool on_one_side(const Corners& corners, const Corners& triangle) {
-    const Plane plane(cross(triangle[1] - triangle[0], triangle[2] - triangle[0]), triangle[0]);
+bool on_one_side(const Corners& corners, const Plane& plane) {
     const int side = plane(corners[0]).sign();
     return side != 0 && plane(corners[1]).sign() == side && plane(corners[2]).sign() == side;
 }
@@ -201,17 +205,12 @@ RationalIntersection intersect_rationally(const Triangle& a, const Triangle& b) 
     const auto& [b0, b1, b2] = b.point;
     result.exponent = common_exponent(std::array{a0, a1, a2, b0, b1, b2});
     const Corners corners_a = scaled(a.point, result.exponent), corners_b = scaled(b.point, result.exponent);
-    if (on_one_side(corners_b, corners_a) || on_one_side(corners_a, corners_b)) return result;
-    const Hull hull_a(corners_a), hull_b(corners_b);
+    const Plane plane_a = plane_through(corners_a), plane_b = plane_through(corners_b);
+    if (on_one_side(corners_b, plane_a) || on_one_side(corners_a, plane_b)) return result;
+    const Hull hull_a(corners_a, plane_a), hull_b(corners_b, plane_b);
 
-    for (const auto& edge : hull_a.edges) {
-        clip(edge, hull_b, result.points);
-        result.proper |= crosses(edge, hull_b);
-    }
-    for (const auto& edge : hull_b.edges) {
-        clip(edge, hull_a, result.points);
-        result.proper |= crosses(edge, hull_a);
-    }
+    for (const auto& edge : hull_a.edges) result.proper |= clip(edge, hull_b, result.points);
+    for (const auto& edge : hull_b.edges) result.proper |= clip(edge, hull_a, result.points);
     result.points = extreme_points(std::move(result.points), hull_a.normal);
 
     const std::vector<Point> shared = shared_vertices(a, b, corners_a);
@@ -219,7 +218,8 @@ RationalIntersection intersect_rationally(const Triangle& a, const Triangle& b) 
     if (shared.empty() || shared.size() == 3) {
         result.collides = !result.points.empty();  // three shared vertices: the same points, which meet themselves
     } else {
-        const Hull common(Corners{shared.front(), shared.back(), shared.back()});
+        const Corners ends{shared.front(), shared.back(), shared.back()};
+        const Hull common(ends, plane_through(ends));
         result.collides = !std::all_of(result.points.begin(), result.points.end(),
                                        [&](const RationalPoint& p) { return common.contains(p); });
     }
@@ -244,7 +244,7 @@ Vec3d round_crossing(const Vec3d& p, const Vec3d& q, const std::array<Vec3d, 3>&
     const int exponent = common_exponent(std::array{p, q, triangle[0], triangle[1], triangle[2]});
     const Corners corner = scaled(triangle, exponent);
     const std::array<Point, 2> line{scaled(p, exponent), scaled(q, exponent)};
-    const Plane plane(cross(corner[1] - corner[0], corner[2] - corner[0]), corner[0]);
+    const Plane plane = plane_through(corner);
     const RationalPoint crossing = point_at(line, zero_between(plane(line[0]), plane(line[1])));
     Vec3d rounded;
     for (int axis = 0; axis < 3; ++axis) rounded[axis] = round_quotient(crossing.xyz[axis], crossing.w, exponent);
