@@ -108,7 +108,7 @@ bool clip(const std::array<Point, 2>& edge, const Hull& hull, std::vector<Ration
         if (!cut(f) || !cut({-f.p, -f.q})) return false;
         crosses = crosses && f.p.sign() * f.q.sign() < 0;
     }
-    // An edge that crosses the plane is one point of it from here on.
+    // Of an edge that crosses the plane one point is left, `begin`.
     for (const Plane& plane : hull.within) {
         const Ends f = ends(plane, edge);
         if (!cut(f)) return false;
@@ -218,8 +218,8 @@ RationalIntersection intersect_rationally(const Triangle& a, const Triangle& b) 
     if (shared.empty() || shared.size() == 3) {
         result.collides = !result.points.empty();  // three shared vertices: the same points, which meet themselves
     } else {
-        const Corners ends{shared.front(), shared.back(), shared.back()};
-        const Hull common(ends, plane_through(ends));
+        const Corners segment{shared.front(), shared.back(), shared.back()};
+        const Hull common(segment, plane_through(segment));
         result.collides = !std::all_of(result.points.begin(), result.points.end(),
                                        [&](const RationalPoint& p) { return common.contains(p); });
     }
