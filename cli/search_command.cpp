@@ -17,6 +17,7 @@ ImpactQuery MotionOptions::query(const QueryOptions& query_options, Output outpu
     query.output = output;
     query.min_distance = min_distance;
     query.min_distance_share = share;
+    query.approaching_only = approaching_only;
     query.weld = query_options.weld.value_or(false);
     query.filter.groups = query_options.filter.value_or(PairScope::both);
     return query;
@@ -32,6 +33,8 @@ void add_motion_options(CLI::App& app, MotionOptions& options) {
         {1, "share of 0 or more and below 1"},
         "What comes as near as this share of its own distance at the start touches; of both the larger one counts")
         ->type_name("S");
+    app.add_flag("--approaching-only", options.approaching_only,
+                 "What touches at the start and comes no nearer than it is there is left out");
 }
 
 ProximityQuery NearOptions::query(const QueryOptions& query_options, Output output) const {

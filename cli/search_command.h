@@ -18,8 +18,9 @@ namespace crumple::cli {
 
 struct MotionOptions {
     double min_distance = 0, share = 0;
+    bool approaching_only = false;
 
-    bool any() const { return min_distance > 0 || share > 0; }
+    bool any() const { return min_distance > 0 || share > 0 || approaching_only; }
     ImpactQuery query(const QueryOptions& query_options, Output output) const;
 };
 void add_motion_options(CLI::App& app, MotionOptions& options);

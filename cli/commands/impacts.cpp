@@ -159,7 +159,8 @@ Command add_impacts(CLI::App& app) {
     add_search_command_options(
         command, *impacts,
         "Exit with status 1 if anything touches. Without -o that is all that is searched for, and one line is printed");
-    for (const char* const name : {"--triangle-pairs", "--first", "--min-distance", "--min-distance-share", "--check"})
+    for (const char* const name :
+         {"--triangle-pairs", "--first", "--min-distance", "--min-distance-share", "--approaching-only", "--check"})
         impacts->of_impacts.push_back(command.get_option(name));
     command.footer(
         "A line `vf V F T S`: vertex V touches face F at time T, from 0 to 1 and rounded down; S is 1 if they touch\n"

@@ -39,7 +39,8 @@ struct Sequence {
     bool json = false, check = false, stats = false, impacts = false;
 
     void check_impacts() const {
-        if (motion.any() && !impacts) fail("--min-distance and --min-distance-share need --impacts");
+        if (motion.any() && !impacts)
+            fail("--min-distance, --min-distance-share and --approaching-only need --impacts");
         if (impacts) refuse_beside_features("--impacts", query_options);
     }
 

@@ -136,7 +136,7 @@ int verify_near(const FeatureCheck& check, const std::vector<std::string>& files
 }  // namespace
 
 bool FeatureCheck::is_requested(const QueryOptions& query_options) const {
-    if (motion.any() && !impacts) refuse("--min-distance and --min-distance-share need --impacts");
+    if (motion.any() && !impacts) refuse("--min-distance, --min-distance-share and --approaching-only need --impacts");
     if (near.below && !near.radius) refuse("--below needs --radius");
     for (const CLI::Option* const option : of_candidates)
         if (*option && !candidates) refuse(option->get_name() + " needs --candidates");

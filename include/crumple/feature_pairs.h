@@ -28,6 +28,7 @@ struct PairImpactQuery {
     double min_distance = 0;        ///< as ImpactQuery::min_distance
     double min_distance_share = 0;  ///< as ImpactQuery::min_distance_share
     int threads = 0;                ///< 0: as many as the machine has
+    bool approaching_only = false;  ///< as ImpactQuery::approaching_only
 };
 
 /// One element a pair.

@@ -29,6 +29,11 @@ struct ImpactQuery {
     /// Or at most this share, in [0, 1), of the pair's own distance at the start, if that is more. A share above 0
     /// takes 5 to 31 times as long as 0.
     double min_distance_share = 0;
+    /// Leave out features that touch at the start and come no nearer than they are there, decided exactly: a step may
+    /// begin within the minimum distance, and what moves apart is free. If they come nearer, `toi` is the last time
+    /// before that, 0 if it is at once. Features at a distance of 0 cannot come nearer; they have no side, and are left
+    /// out wherever they go. Pairs of triangles that intersect at the start are listed all the same.
+    bool approaching_only = false;
     bool weld = false;  ///< vertices at equal positions at the start and at the end count as one, for neighbours
     PairFilter filter = {};
     bool index = false;  ///< also make the offsets of ImpactList, where impacts are listed
@@ -43,13 +48,26 @@ struct FirstImpactQuery : ImpactQuery {
     using Result = FirstImpact;
 };
 
+/// What is held back where something touches on the way of a step.
+enum class Held : std::uint8_t {
+    worlds,    ///< all of its world; a mesh is one
+    bodies,    ///< the two bodies
+    vertices,  ///< the vertices of the two features
+};
+
 /// A share of the step with positions, so that no feature touches another on the way to those, as they are rounded:
-/// start + toi (end - start), computed in floating point, is another motion than the one whose toi that is. The share
-/// is somewhat less than the first time of contact, by 2^-16 of it if that does and by more if rounding needs it; 0,
-/// and the start, where contact is there, or too near for any share above 2^-40. Of a mesh; `output` and `index` are
-/// not read. Cost: two or three times that of a FirstImpactQuery.
+/// start + toi (end - start), computed in floating point, is another motion than the one whose toi that is.
+///
+/// What touches is held back, with what `held` says, to somewhat less than the time of contact: by 2^-16 of it if that
+/// does, and by more if it touches again; to 0 where contact is there at the start, or too near for any share above
+/// 2^-40. All else goes on. Features that touch as they are at the start hold their whole world there; with
+/// `approaching_only` they do so only if they are to come nearer, and then they alone are held.
+///
+/// `output` and `index` are not read. Cost: two or three times that of a FirstImpactQuery; where bodies or vertices are
+/// held, that of an ImpactQuery for each of some rounds.
 struct FreeStepQuery : ImpactQuery {
     using Result = FreeStep;
+    Held held = Held::worlds;
 };
 
 /// Impacts of one kind: unique, by first feature, then second; of worlds by world, then by body before each feature,
@@ -58,7 +76,7 @@ struct ImpactList {
     Array<Pair> pairs;          ///< indices within their bodies; see FeatureKind
     Array<BodyPair> bodies;     ///< for each pair its bodies; empty for a single mesh
     Array<double> toi;          ///< first time of contact in [0, 1], rounded down: toi <= exact < next number
-    Array<std::uint8_t> start;  ///< 1: they touch at the start, toi = 0 exactly
+    Array<std::uint8_t> start;  ///< 1: they touch at the start, or come nearer from there on; toi = 0 exactly
 
     // Where ImpactQuery::index asks for them; a single mesh only:
     Array<std::int64_t> offsets;         ///< impacts of first feature i: [offsets[i], offsets[i + 1])
@@ -79,8 +97,19 @@ struct FirstImpact {
 
 /// A share of a step that can be gone.
 struct FreeStep {
-    double share = 0;         ///< 0 to 1; 1: the whole step is free
-    Array<double> positions;  ///< 3 a vertex: start + share (end - start), rounded to the precision of the mesh
+    double share = 0;  ///< 0 to 1, the least of all; 1: the whole step is free
+    /// 3 a vertex: start + share (end - start), rounded to the precision of the mesh or body; of worlds body by body,
+    /// as they are posed.
+    Array<double> positions;
+    FirstImpact first;  ///< the first impact of the whole step, if there is one
+    /// With ImpactQuery::triangle_pairs: some triangles intersect at the start, these are the first two.
+    bool intersects = false;
+    Pair intersecting{};
+    BodyPair intersecting_bodies{};
+
+    Array<double> vertex_shares;       ///< one a vertex, with Held::vertices
+    Array<double> body_shares;         ///< one a body, otherwise, of worlds and two meshes
+    Array<std::int64_t> first_vertex;  ///< of worlds and two meshes: vertices of body b are those from [b] to [b + 1]
 };
 
 /// Result of an ImpactQuery. A plain value: copy it to keep it beyond the detector's next call.

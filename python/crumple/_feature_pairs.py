@@ -137,6 +137,7 @@ def pair_impacts(
     *,
     min_distance: float = 0.0,
     min_distance_share: float = 0.0,
+    approaching_only: bool = False,
     threads: int = 0,
 ) -> PairImpacts:
     """True if and when features of pairs touch while all points go straight from their start to their end: exactly.
@@ -149,7 +150,7 @@ def pair_impacts(
         start, end: float64 or float32, on the host. (k, 4, 3): the vertex, then the face's three corners; or the ends
             of the one edge, then those of the other. (k, 3, 3): the vertex, then the edge's ends. (k, 2, 3): two
             vertices.
-        min_distance, min_distance_share: as of ImpactQuery.
+        min_distance, min_distance_share, approaching_only: as of ImpactQuery.
         threads: 0: as many as the machine has.
 
     Raises InvalidInput, which names the argument, the pair and the point. Ctrl-C waits for the result. Cost: some
@@ -157,7 +158,7 @@ def pair_impacts(
     """
     points = _points_of(kind)
     rows = _rows(start, points, "start"), _rows(end, points, "end")
-    return PairImpacts(*_core.pair_impacts(kind, *rows, min_distance, min_distance_share, threads))
+    return PairImpacts(*_core.pair_impacts(kind, *rows, min_distance, min_distance_share, approaching_only, threads))
 
 
 @suggesting

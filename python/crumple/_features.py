@@ -188,12 +188,27 @@ class FreeStep(NamedTuple):
     """A share of a step that can be gone.
 
     Attributes:
-        share: 0 to 1; 1: the whole step is free; 0: contact is at the start, or too near.
-        positions: (n, 3), of the precision of the mesh: start + share (end - start), rounded.
+        share: 0 to 1, the least of all; 1: the whole step is free; 0: contact is at the start, or too near.
+        positions: (n, 3), of the precision of the mesh: start + share (end - start), rounded. Of a world body by body,
+            as they are posed, in float64.
+        first: the first impact of the whole step; None: there is none.
+        intersecting: with `triangle_pairs`, the first two triangles that intersect at the start; else None.
+        intersecting_bodies: of a world or two meshes, their bodies; else None.
+        vertex_shares: (n,) float64, with held="vertices": the share of each vertex; else None.
+        body_shares: (bodies,) float64: of a world or two meshes the share of each body, unless vertices are held; else
+            None.
+        first_vertex: (bodies + 1,) int64: rows of body b in `positions` are first_vertex[b] to first_vertex[b + 1]; of
+            a mesh None.
     """
 
     share: float
     positions: NDArray[Any]
+    first: FirstImpact | None = None
+    intersecting: tuple[int, int] | None = None
+    intersecting_bodies: tuple[int, int] | None = None
+    vertex_shares: NDArray[Any] | None = None
+    body_shares: NDArray[Any] | None = None
+    first_vertex: NDArray[Any] | None = None
 
 
 class Impacts(FeatureResult):

@@ -105,6 +105,9 @@ class ImpactQuery(Query):
             "any_by_world": in which worlds; "first": the first impact; "pairs": all impacts.
         min_distance: features touch where their distance is at most this, in the units of the coordinates.
         min_distance_share: or at most this share, in [0, 1), of the pair's own distance at the start, if that is more.
+        approaching_only: leave out features that touch at the start and come no nearer than they are there. If they
+            come nearer, `toi` is the last time before that. Features at a distance of 0 cannot come nearer: they are
+            left out wherever they go.
         weld: vertices at equal positions at the start and at the end count as one: their features are neighbours.
         filter: which pairs; a vertex or edge is in the group of its lowest triangle.
         index: of one mesh, also make offsets by vertex, face and edge.
@@ -117,6 +120,7 @@ class ImpactQuery(Query):
     output: Literal["any", "any_by_world", "first", "pairs"] = "pairs"
     min_distance: float = 0.0
     min_distance_share: float = 0.0
+    approaching_only: bool = False
     weld: bool = False
     filter: PairFilter = PairFilter()
     index: bool = False
@@ -131,11 +135,12 @@ class FirstImpactQuery(Query):
     """The first impact of a step, of all worlds -> FirstImpact, or None.
 
     Args:
-        min_distance, min_distance_share, weld, filter: as ImpactQuery has them.
+        min_distance, min_distance_share, approaching_only, weld, filter: as ImpactQuery has them.
     """
 
     min_distance: float = 0.0
     min_distance_share: float = 0.0
+    approaching_only: bool = False
     weld: bool = False
     filter: PairFilter = PairFilter()
 
@@ -146,17 +151,24 @@ class FirstImpactQuery(Query):
 class FreeStepQuery(Query):
     """A share of a step, with positions, on the way to which nothing touches, as they are rounded -> FreeStep.
 
-    vertices + toi * (end - vertices), computed in floating point, is another motion than the one whose toi that is. The
-    share is somewhat less than the first time of contact, by 2**-16 of it if that does; 0 where contact is at the start
-    or too near. Of one mesh. Cost: two or three times that of `any` with an ImpactQuery.
+    vertices + toi * (end - vertices), computed in floating point, is another motion than the one whose toi that is.
+    What touches is held back to somewhat less than the time of contact, by 2**-16 of it if that does; to 0 where
+    contact is at the start or too near. Features that touch as they are at the start hold their whole world there; with
+    `approaching_only` they do so only if they are to come nearer, and then they alone are held. Cost: two or three
+    times that of `any` with an ImpactQuery; where bodies or vertices are held, that of all impacts for each of some
+    rounds.
 
     Args:
-        min_distance, min_distance_share, weld, filter: as ImpactQuery has them.
+        held: what is held back where something touches: all of its "worlds" (a mesh is one), the two "bodies", or the
+            "vertices" of the two features. All else goes on.
+        min_distance, min_distance_share, approaching_only, weld, filter: as ImpactQuery has them.
         triangle_pairs: the share is 0 where triangles intersect at the start.
     """
 
+    held: Literal["worlds", "bodies", "vertices"] = "worlds"
     min_distance: float = 0.0
     min_distance_share: float = 0.0
+    approaching_only: bool = False
     weld: bool = False
     filter: PairFilter = PairFilter()
     triangle_pairs: bool = False

@@ -179,7 +179,13 @@ def show(found: Any, scene: Any, query: Any, copy: bool, block: bool = False) ->
     if isinstance(query, FirstImpactQuery):
         first = None if found is None else FirstImpact(*found)
         return first if first is None or request.of_bodies else first._replace(bodies=None)
-    return FreeStep(*found) if isinstance(query, FreeStepQuery) else RESULTS[query._call](found, request)
+    if not isinstance(query, FreeStepQuery):
+        return RESULTS[query._call](found, request)
+    step = FreeStep(*found)
+    if step.first is None:
+        return step
+    first = FirstImpact(*step.first)
+    return step._replace(first=first if request.of_bodies else first._replace(bodies=None))
 
 
 def _request_of(query: Any, kind: str, copy: bool, block: bool) -> Request:

@@ -40,20 +40,30 @@ struct Call {
     const Scene view;
 };
 
-// Makes an array (n, 3) that owns its memory.
-template <class Number>
-nb::object give_rows(const Array<double>& values) {
+// Makes an array that owns its memory: (n,), or (n, 3).
+template <class Number, class Value, class... Columns>
+nb::object give(const Array<Value>& values, Columns... columns) {
     import_numpy();
     const auto given = new std::vector<Number>(values.begin(), values.end());
     const nb::capsule owner(given, [](void* p) noexcept { delete static_cast<std::vector<Number>*>(p); });
-    return nb::cast(nb::ndarray<nb::numpy, Number>(given->data(), {given->size() / 3, 3}, owner));
+    const std::size_t rows = given->size() / (std::size_t{1} * ... * columns);
+    return nb::cast(nb::ndarray<nb::numpy, Number>(given->data(), {rows, std::size_t{columns}...}, owner));
 }
 
-// Converts a free step to (share, positions), which are of the precision of the mesh.
+// Converts a free step to the members of crumple.FreeStep. Positions are of the precision of a mesh.
 nb::object tuple_of_step(const FreeStep& step, const Scene& scene) {
-    const MeshView& mesh = std::get<MeshView>(scene.source());
-    const bool single = mesh.vertices.type == ScalarType::float32 && mesh.end.type == ScalarType::float32;
-    return nb::make_tuple(step.share, single ? give_rows<float>(step.positions) : give_rows<double>(step.positions));
+    const auto* mesh = std::get_if<MeshView>(&scene.source());
+    const bool single = mesh && mesh->vertices.type == ScalarType::float32 && mesh->end.type == ScalarType::float32;
+    const nb::object none = nb::none();
+    return nb::make_tuple(
+        step.share, single ? give<float>(step.positions, 3u) : give<double>(step.positions, 3u), tuple_of(step.first),
+        step.intersects ? nb::object(nb::make_tuple(step.intersecting.a, step.intersecting.b)) : none,
+        step.intersects && !mesh
+            ? nb::object(nb::make_tuple(step.intersecting_bodies.first, step.intersecting_bodies.second))
+            : none,
+        step.vertex_shares.empty() ? none : give<double>(step.vertex_shares),
+        step.body_shares.empty() ? none : give<double>(step.body_shares),
+        step.first_vertex.empty() ? none : give<std::int64_t>(step.first_vertex));
 }
 
 template <class Query>

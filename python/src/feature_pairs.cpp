@@ -33,10 +33,10 @@ nb::object give(Array<Element> array, Columns... columns) {
 }
 
 nb::tuple impacts(nb::handle kind, const Rows& start, const Rows& end, nb::handle min_distance,
-                  nb::handle min_distance_share, nb::handle threads) {
+                  nb::handle min_distance_share, nb::handle approaching_only, nb::handle threads) {
     const FeatureKind of = named(feature_kind_names, "kind", kind);
     const PairImpactQuery question{real("min_distance", min_distance), real("min_distance_share", min_distance_share),
-                                   integer<int>("threads", threads)};
+                                   integer<int>("threads", threads), flag("approaching_only", approaching_only)};
     PairImpacts answer = without_gil([&] { return pair_impacts(of, view_of(start), view_of(end), question); });
     return nb::make_tuple(give<bool>(std::move(answer.hit)), give<double>(std::move(answer.toi)),
                           give<bool>(std::move(answer.start)));
@@ -54,7 +54,7 @@ nb::tuple distances(nb::handle kind, const Rows& points, nb::handle threads) {
 
 void bind_feature_pairs(nb::module_& module) {
     module.def("pair_impacts", impacts, "kind"_a.none(), "start"_a, "end"_a, "min_distance"_a.none(),
-               "min_distance_share"_a.none(), "threads"_a.none());
+               "min_distance_share"_a.none(), "approaching_only"_a.none(), "threads"_a.none());
     module.def("pair_distances", distances, "kind"_a.none(), "points"_a, "threads"_a.none());
 }
 

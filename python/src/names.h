@@ -45,6 +45,8 @@ inline constexpr Names<Output, 6> intersection_output_names{{{"any", Output::any
                                                              {"contacts", Output::contacts}}};
 inline constexpr Names<Output, 4> impact_output_names{
     {{"any", Output::any}, {"any_by_world", Output::any_by_world}, {"first", Output::first}, {"pairs", Output::pairs}}};
+inline constexpr Names<Held, 3> held_names{
+    {{"worlds", Held::worlds}, {"bodies", Held::bodies}, {"vertices", Held::vertices}}};
 inline constexpr Names<Output, 3> proximity_output_names{
     {{"any", Output::any}, {"any_by_world", Output::any_by_world}, {"pairs", Output::pairs}}};
 inline constexpr Names<Output, 4> overlap_output_names{{{"any", Output::any},

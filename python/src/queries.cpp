@@ -34,6 +34,7 @@ PairFilter filter_of(nb::handle query) {
 void read_step(nb::handle given, ImpactQuery& query) {
     query.min_distance = real_of(given, "min_distance");
     query.min_distance_share = real_of(given, "min_distance_share");
+    query.approaching_only = flag_of(given, "approaching_only");
     query.weld = flag_of(given, "weld");
     query.filter = filter_of(given);
 }
@@ -61,6 +62,7 @@ void read(nb::handle given, FirstImpactQuery& query) { read_step(given, query); 
 void read(nb::handle given, FreeStepQuery& query) {
     read_step(given, query);
     query.triangle_pairs = flag_of(given, "triangle_pairs");
+    query.held = named(held_names, "held", given.attr("held"));
 }
 
 void read(nb::handle given, ProximityQuery& query) {

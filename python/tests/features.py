@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+import crumple
+from conftest import soup
 from crumple._results import Request
 
 # A triangle that falls through another one.
@@ -67,3 +69,15 @@ def check_index(found, vertices, faces):
         for i in range(seconds):
             rows = by_second[second_offsets[i] : second_offsets[i + 1]]
             np.testing.assert_array_equal(rows, np.flatnonzero(pairs[:, 1] == i))
+
+
+def moving(seed, triangles=14, far=0.4, size=0.5, dtype=np.float64):
+    """(vertices, end, faces): a soup whose vertices all go somewhere else."""
+    mesh = soup(triangles, size=size, seed=seed, dtype=dtype)
+    steps = np.random.default_rng(seed + 1000).normal(size=mesh.vertices.shape)
+    return mesh.vertices, (mesh.vertices + far * steps).astype(dtype), mesh.faces
+
+
+def falling_world(**others):
+    shapes = [crumple.Shape(START[:3], FACES[:1]), crumple.Shape(START[3:], FACES[:1], end=END[3:])]
+    return crumple.World(shapes, names=["floor", "chip"], **others)

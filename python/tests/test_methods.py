@@ -253,9 +253,7 @@ UNSUPPORTED = {
     ("mesh", "distances"): "distances are those of bodies",
     ("part", "distances"): "parts know intersections, impacts and proximities",
     ("part", "candidates"): "parts know intersections, impacts and proximities",
-    ("two meshes", "free_step"): "a free step is that of one mesh",
-    ("world", "free_step"): "a free step is that of one mesh",
-    ("part", "free_step"): "a free step is that of one mesh",
+    ("part", "free_step"): "parts know intersections, impacts and proximities",
 }
 
 

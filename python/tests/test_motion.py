@@ -9,15 +9,8 @@ import pytest
 
 import crumple
 from conftest import OnDevice, soup, toi_of
-from features import BODIES, END, FACES, LISTS, START, TRIANGLES, assert_same, check_index
+from features import BODIES, END, FACES, LISTS, START, TRIANGLES, assert_same, check_index, falling_world, moving
 from worlds import random_poses
-
-
-def moving(seed, triangles=14, far=0.4, size=0.5, dtype=np.float64):
-    """(vertices, end, faces): a soup whose vertices all go somewhere else."""
-    mesh = soup(triangles, size=size, seed=seed, dtype=dtype)
-    steps = np.random.default_rng(seed + 1000).normal(size=mesh.vertices.shape)
-    return mesh.vertices, (mesh.vertices + far * steps).astype(dtype), mesh.faces
 
 
 def step_of(start, end, faces):
@@ -363,37 +356,7 @@ def test_brute_force_agrees_about_triangles(weld, detector, reference):
         assert_same(found, expected, more=TRIANGLES[:3])
 
 
-def test_a_free_step_is_free_as_it_is_rounded(either):
-    """Where the step to the time of contact in floating point may not be."""
-    for dtype in (np.float32, np.float64):
-        for seed in range(3):
-            vertices, end, faces = moving(seed, dtype=dtype)
-            share, positions = step = either.free_step(vertices, end, faces)
-            assert isinstance(step, crumple.FreeStep) and positions.dtype == dtype and positions.shape == vertices.shape
-            toi = toi_of(either.first_impact(vertices, end, faces))
-            assert 0 < share < toi < 1 and share > 0.9 * toi and positions.flags.writeable
-            np.testing.assert_allclose(positions, vertices + share * (end - vertices), rtol=1e-5, atol=1e-6)
-            assert not either.any(crumple.Mesh(vertices, faces).moving_to(positions), crumple.ImpactQuery())
-    whole = either.free_step(START, START + 1, FACES)
-    assert whole.share == 1 and whole.positions.tolist() == (START + 1).tolist()
-    none = either.free_step((START, FACES), END, min_distance=5)
-    assert none.share == 0 and none.positions.tolist() == START.tolist()
-    with pytest.raises(crumple.InvalidInput, match="a free step is that of one mesh"):
-        either.free_step(crumple.World([(START, FACES)], self_collisions=True))
-    with pytest.raises(crumple.InvalidType, match="end is for meshes, but the scene is a crumple.World"):
-        either.free_step(crumple.World([(START, FACES)]), END)
-    with pytest.raises(TypeError, match=r"Detector\.free_step.*'wel'\. Did you mean 'weld'\?$"):
-        either.free_step(START, END, FACES, wel=True)
-    with pytest.raises(crumple.InvalidInput, match="end vertices must be as many"):
-        either.free_step(START, END[:5], FACES)
-
-
 # Worlds.
-
-
-def falling_world(**others):
-    shapes = [crumple.Shape(START[:3], FACES[:1]), crumple.Shape(START[3:], FACES[:1], end=END[3:])]
-    return crumple.World(shapes, names=["floor", "chip"], **others)
 
 
 def test_bodies_and_time(either):

@@ -17,7 +17,7 @@ from conftest import soup
 
 def test_other_threads_run_meanwhile():
     """With the GIL held, the counting thread would stand still while brute force is at work."""
-    mesh, detector = soup(1500, size=0.3), crumple.Detector(backend="reference")
+    mesh, detector = soup(3000, size=0.3), crumple.Detector(backend="reference")
     inside, ticks = threading.Event(), []
 
     def count():

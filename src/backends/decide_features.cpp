@@ -18,13 +18,15 @@ FeatureDecision separated_impact(FeatureKind kind, const FeaturePoints& p, const
 }
 
 // Of vertices with edges and vertices next to none touch, and to tell how far they stay apart is quick.
-FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, FeatureCounts& counts) {
-    if (kind == FeatureKind::vertex_edge || kind == FeatureKind::vertex_vertex)
-        return separated_impact(kind, p, {}, counts);
+FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, const FeatureRequest& query, FeatureCounts& counts) {
+    const Separation separation{query.distance, query.share, query.approaching_only};
+    if (!separation.contact_only() || kind == FeatureKind::vertex_edge || kind == FeatureKind::vertex_vertex)
+        return separated_impact(kind, p, separation, counts);
     ImpactCounts by;
     const auto decide = kind == FeatureKind::vertex_face ? vertex_face_impact : edge_edge_impact;
     const Impact impact = decide(p[0], p[1], p[2], p[3], by, Filtered::yes);
     counts.rational += by.exact;
+    if (impact.start && query.approaching_only) return {};  // nothing is closer
     return {impact.meets, impact.toi, impact.start};
 }
 
@@ -84,16 +86,12 @@ FeatureDecision decide(FeatureKind kind, const PreparedScene& scene, const std::
     ++counts.tests;
     const FeaturePoints points = points_of(scene, vertex);
     if (query.criterion != Criterion::impact) return nearness(kind, points, vertex, query, counts);
-    if (query.distance == 0 && query.share == 0) return impact(kind, points, counts);
-    return separated_impact(kind, points, {query.distance, query.share}, counts);
+    return impact(kind, points, query, counts);
 }
 
 FeatureDecision decide(const PackedFeatures& pair, const FeatureRequest& query, FeatureCounts& counts) {
     ++counts.tests;
-    if (query.criterion == Criterion::impact) {
-        if (query.distance == 0 && query.share == 0) return impact(pair.kind, pair.points, counts);
-        return separated_impact(pair.kind, pair.points, {query.distance, query.share}, counts);
-    }
+    if (query.criterion == Criterion::impact) return impact(pair.kind, pair.points, query, counts);
     Nearness near(pair.kind, pair.points);
     FeatureDecision decision;
     if (near.near(pair, query.rest ? query.rest->radius : 0)) decision = near.measured();

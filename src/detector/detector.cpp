@@ -11,6 +11,7 @@
 
 #include "detector/free_step.h"
 #include "detector/mesh_calls.h"
+#include "detector/posed_on_host.h"
 #include "partition/parts_of_scene.h"
 
 namespace crumple {
@@ -48,8 +49,7 @@ struct Detector::Implementation : MeshCalls {
         if (distances && on_cuda) return "distances of bodies need the cpu backend (Options::backend)";
         if (overlaps && on_cuda) return "overlaps of bodies need the cpu backend (Options::backend)";
         if (distances && mesh) return "distances are those of bodies: a world, or two meshes";
-        if (std::same_as<Query, FreeStepQuery> && !mesh) return "a free step is that of one mesh";
-        if ((distances || overlaps || std::same_as<Query, CandidateQuery>)&&!mesh && !two && !world)
+        if ((distances || overlaps || OneOf<Query, CandidateQuery, FreeStepQuery>)&&!mesh && !two && !world)
             return "parts know intersections, impacts and proximities";
         if (some_on_device && !on_cuda) return "meshes in device memory need the cuda backend (Options::backend)";
         if (some_on_device && two && !intersections) return "two meshes lie in host memory, except for intersections";
@@ -72,21 +72,25 @@ struct Detector::Implementation : MeshCalls {
     }
     const FreeStep& find(const Scene& scene, const FreeStepQuery& query, const std::stop_token& stop) {
         require_supported(scene, query);
+        const auto of = [&](const Scene& on_host) -> const FreeStep& {
+            find_free_step(
+                on_host, query,
+                [&](const Scene& moving, const ImpactQuery& impacts) -> const Impacts& {
+                    return find(moving, impacts, stop);
+                },
+                free_step);
+            return free_step;
+        };
+        if (const auto* world = std::get_if<World>(&scene.source())) return of(PosedOnHost(*backend, *world).world());
         const MeshView* mesh = std::get_if<MeshView>(&scene.source());
+        if (!mesh || mesh->memory == MemorySpace::host) return of(scene);
         HostShape copy;
-        MeshView on_host = *mesh;
-        if (mesh->memory != MemorySpace::host) {
-            copy_to_host(*mesh, copy);
-            on_host = MeshView(copy.shape.vertices, copy.shape.triangles, copy.shape.groups).moving_to(copy.shape.end);
-            on_host.edges = copy.shape.edges;
-            on_host.points = copy.shape.points;
-        }
-        const FirstImpactQuery first{query};
-        find_free_step(
-            on_host, query.triangle_pairs, [&](const MeshView& moving) { return find(moving, first, stop); },
-            [&](const MeshView& moving) { return !any(moving, static_cast<const ImpactQuery&>(query), stop); },
-            free_step);
-        return free_step;
+        copy_to_host(*mesh, copy);
+        MeshView on_host(copy.shape.vertices, copy.shape.triangles, copy.shape.groups);
+        on_host.end = copy.shape.end;
+        on_host.edges = copy.shape.edges;
+        on_host.points = copy.shape.points;
+        return of(on_host);
     }
 
     /// The world without its end, where queries of this type read it as it is at the start.

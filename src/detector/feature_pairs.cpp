@@ -88,13 +88,16 @@ void check_threads(int threads) {
 }
 
 Impact decide_impact(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, const PairImpactQuery& question) {
-    const Separation separation{question.min_distance, question.min_distance_share};
-    const bool contact = separation.distance == 0 && separation.share == 0;
+    const Separation separation{question.min_distance, question.min_distance_share, question.approaching_only};
+    const bool vertex_face = kinds == FeatureKinds::vertex_face;
+    if (!separation.contact_only() || (!vertex_face && kinds != FeatureKinds::edge_edge)) {
+        SeparationCounts counts;
+        return decide_separation(kinds, p, separation, counts);
+    }
     ImpactCounts counts;
-    if (contact && kinds == FeatureKinds::vertex_face) return vertex_face_impact(p[0], p[1], p[2], p[3], counts);
-    if (contact && kinds == FeatureKinds::edge_edge) return edge_edge_impact(p[0], p[1], p[2], p[3], counts);
-    SeparationCounts separation_counts;
-    return decide_separation(kinds, p, separation, separation_counts);
+    const Impact impact = vertex_face ? vertex_face_impact(p[0], p[1], p[2], p[3], counts)
+                                      : edge_edge_impact(p[0], p[1], p[2], p[3], counts);
+    return impact.start && separation.approaching_only ? Impact{} : impact;  // nothing is closer
 }
 
 }  // namespace
@@ -107,6 +110,7 @@ PairImpacts pair_impacts(FeatureKind kind, const VertexView& start, const Vertex
     ImpactQuery as_motion;
     as_motion.min_distance = question.min_distance;
     as_motion.min_distance_share = question.min_distance_share;
+    as_motion.approaching_only = question.approaching_only;
     check_question(as_motion, false);
     const PairPoints from(kinds, start, "start"), to(kinds, end, "end");
     if (from.pairs() != to.pairs())

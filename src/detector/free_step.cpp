@@ -1,60 +1,294 @@
-// A step that is cut short before the first contact: tried, and verified as it is rounded.
-
 #include "detector/free_step.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <variant>
+#include <vector>
 
 #include "base/float_environment.h"
-#include "scene/prepared_scene.h"
+#include "queries/feature_request.h"
+#include "scene/world_outline.h"
 
 namespace crumple {
 namespace {
 
-VertexReader reader_of(const VertexView& view) {
-    return {static_cast<const std::byte*>(view.data), view.row_stride, view.column_stride,
-            view.type == ScalarType::float32};
-}
+/// Vertices of a scene at the start and the end of a step, as searches see them, and the scene with others at the end.
+class Step {
+   public:
+    explicit Step(const Scene& scene) {
+        const auto* mesh = std::get_if<MeshView>(&scene.source());
+        const auto* two = std::get_if<TwoMeshes>(&scene.source());
+        if (mesh) {
+            lone_mesh_ = *mesh;
+            shapes_.emplace_back(*mesh);
+            bodies_.emplace_back();
+        } else if (two) {
+            shapes_ = {Shape(two->a), Shape(two->b)};
+            bodies_ = {{.shape = 0}, {.shape = 1}};
+        } else {
+            read(std::get<World>(scene.source()));
+            return;
+        }
+        read(World{shapes_, bodies_, {}});
+    }
+    Step(const Step&) = delete;
+    Step& operator=(const Step&) = delete;
 
-// What is left of the time of contact, one try after the other.
-double shortened(double toi, int attempt) {
-    constexpr std::array<int, 4> bits{16, 8, 4, 2};
-    if (attempt < 4) return toi * (1 - std::ldexp(1.0, -bits[static_cast<std::size_t>(attempt)]));
-    return std::ldexp(toi, 3 - attempt);
+    bool lone_mesh() const { return lone_mesh_.has_value(); }
+    std::int64_t vertices() const { return first_vertex_.back(); }
+    const std::vector<std::int64_t>& first_vertex() const { return first_vertex_; }
+    std::size_t bodies() const { return bodies_.size(); }
+    std::int32_t world_of(std::size_t body) const { return bodies_[body].world; }
+    /// Worlds are numbered from 0.
+    std::size_t worlds() const { return worlds_; }
+
+    /// Writes vertex v where it is after a share of the way, rounded to the precision of its body.
+    void go(std::int64_t v, std::size_t body, double share, Array<double>& positions) const {
+        for (int axis = 0; axis < 3; ++axis) {
+            const double a = start_[3 * v + axis], b = end_[3 * v + axis];
+            // At the ends exact; between them a product that may not overflow.
+            const double x = share == 0 ? a : share == 1 ? b : (1 - share) * a + share * b;
+            positions[3 * v + axis] = float32_[body] ? static_cast<double>(static_cast<float>(x)) : x;
+        }
+    }
+
+    /// The scene on its way to these positions; valid until the next call.
+    Scene moving_to(const Array<double>& positions) {
+        if (lone_mesh_) return lone_mesh_->moving_to(rows(positions, 0));
+        for (std::size_t b = 0; b < shapes_.size(); ++b) shapes_[b].end = rows(positions, b);
+        return World{shapes_, bodies_, {}};
+    }
+
+    /// Calls visit(v) with the vertices of a feature of a body.
+    template <class Visit>
+    void for_vertices(FeatureType type, std::int32_t index, std::size_t body, const Impacts& found, Visit visit) const {
+        const auto b = static_cast<std::int64_t>(body);
+        const std::int64_t first = first_vertex_[body];
+        if (type == FeatureType::vertex) {
+            const bool listed = !found.points.empty() && found.first_point[b] < found.first_point[b + 1];
+            visit(first + (listed ? found.points[found.first_point[b] + index] : index));
+        } else if (type == FeatureType::edge) {
+            const Edge& edge = found.edges[found.first_edge[b] + index];
+            visit(first + edge.a);
+            visit(first + edge.b);
+        } else {
+            with_corner_reader(shapes_[body], [&](auto corner) {
+                for (int k = 0; k < 3; ++k) visit(first + corner(index, k));
+            });
+        }
+    }
+
+   private:
+    void read(const World& world) {
+        WorldOutline outline(nullptr);
+        outline.read(world, {});
+        worlds_ = static_cast<std::size_t>(outline.worlds());
+        const std::int32_t count = outline.bodies();
+        first_vertex_ = {0};
+        for (std::int32_t b = 0; b < count; ++b) first_vertex_.push_back(vertices() + outline.shape(b).vertices.rows);
+        start_.resize_discard(static_cast<std::size_t>(3 * vertices()));
+        end_.resize_discard(static_cast<std::size_t>(3 * vertices()));
+        std::vector<Shape> shapes;
+        std::vector<Body> bodies;
+        for (std::int32_t b = 0; b < count; ++b) {
+            const Shape& shape = outline.shape(b);
+            const VertexReader from = reader_of(shape), to = end_reader_of(shape);
+            const Placement at_start = outline.placement(b), at_end = outline.end_placement(b);
+            for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
+                const std::int64_t row = 3 * (first_vertex_[static_cast<std::size_t>(b)] + v);
+                const Vec3d a = at_start(from(v)), z = at_end(to(v));
+                for (int axis = 0; axis < 3; ++axis) start_[row + axis] = a[axis], end_[row + axis] = z[axis];
+            }
+            float32_.push_back(shape.vertices.type == ScalarType::float32 &&
+                               (!shape.end.data || shape.end.type == ScalarType::float32));
+            Shape own = shape;  // of one body, for each has its own vertices
+            own.name = 0;
+            own.vertices = rows(start_, static_cast<std::size_t>(b));
+            shapes.push_back(own);
+            bodies.push_back(outline.body(b));
+            bodies.back().shape = b;
+        }
+        shapes_ = std::move(shapes);
+        bodies_ = std::move(bodies);
+    }
+
+    VertexView rows(const Array<double>& all, std::size_t body) const {
+        const std::int64_t first = first_vertex_[body];
+        return rows_of_three(all.data() + 3 * first, first_vertex_[body + 1] - first);
+    }
+
+    std::optional<MeshView> lone_mesh_;
+    std::vector<Shape> shapes_;
+    std::vector<Body> bodies_;
+    std::size_t worlds_ = 0;
+    std::vector<std::int64_t> first_vertex_;  ///< of each body, and the number of vertices
+    std::vector<bool> float32_;               ///< by body
+    Array<double> start_, end_;
+};
+
+/// What is held back together: a world, a body or a vertex, and the share of the step that it goes.
+class Units {
+   public:
+    Units(const Step& step, Held held) : step_(step), held_(held) {
+        // A body that is in all worlds is none's.
+        const std::size_t count = held == Held::vertices ? static_cast<std::size_t>(step.vertices())
+                                  : held == Held::bodies ? step.bodies()
+                                                         : step.worlds() + step.bodies();
+        share_.assign(count, 1);
+        earliest_.assign(count, 2);
+        cuts_.assign(count, 0);
+        stuck_.assign(step.bodies(), 0);
+    }
+
+    double share(std::size_t body, std::int64_t vertex) const { return share_[unit(body, vertex)]; }
+
+    /// Notes the impacts that the next cut is to keep clear of. False if there are none, but of worlds that are held.
+    bool note(const Impacts& found) {
+        bool any = false;
+        if (held_ == Held::worlds) {
+            if (found.world_first.empty()) return note(found.first, found);
+            for (const FirstImpact& first : found.world_first) any |= note(first, found);
+            return any;
+        }
+        for (int kind = 0; kind < feature_kinds; ++kind) {
+            const ImpactList& list = found.lists[static_cast<std::size_t>(kind)];
+            for (std::size_t i = 0; i < list.pairs.size(); ++i) {
+                const BodyPair bodies = list.bodies.empty() ? BodyPair{} : list.bodies[i];
+                any |= note({true, static_cast<FeatureKind>(kind), list.pairs[i], bodies, list.toi[i], false}, found);
+            }
+        }
+        return any;
+    }
+
+    /// Cuts the steps of units that take part in what was noted.
+    void cut() {
+        // What is left of the time of contact, one cut after the other. What needs more is held altogether.
+        constexpr std::array<int, 4> bits{16, 8, 4, 2};
+        constexpr std::size_t most_cuts = 40;
+        constexpr double least_share = 0x1p-40;
+        for (std::size_t u = 0; u < share_.size(); ++u) {
+            if (earliest_[u] > 1) continue;
+            const std::size_t cuts = cuts_[u]++;
+            share_[u] *= earliest_[u] * (cuts < bits.size() ? 1 - std::ldexp(1.0, -bits[cuts]) : 0.5);
+            if (share_[u] < least_share || cuts == most_cuts) share_[u] = 0;
+            earliest_[u] = 2;
+        }
+    }
+
+    /// Holds a world where it is at the start, with bodies that are in all worlds; -1: all worlds.
+    void hold(std::int32_t world) {
+        for (std::size_t b = 0; b < step_.bodies(); ++b) {
+            const std::int32_t its = step_.world_of(b);
+            if (world >= 0 && its != world && its >= 0) continue;
+            if (world < 0 || its == world) stuck_[b] = 1;
+            for (std::int64_t v = step_.first_vertex()[b]; v < step_.first_vertex()[b + 1]; ++v) share_[unit(b, v)] = 0;
+        }
+    }
+
+   private:
+    std::size_t unit(std::size_t body, std::int64_t vertex) const {
+        if (held_ == Held::vertices) return static_cast<std::size_t>(vertex);
+        if (held_ == Held::bodies) return body;
+        const std::int32_t world = step_.world_of(body);
+        return world < 0 ? step_.worlds() + body : static_cast<std::size_t>(world);
+    }
+
+    bool note(const FirstImpact& impact, const Impacts& found) {
+        const auto first = static_cast<std::size_t>(impact.bodies.first);
+        const auto second = static_cast<std::size_t>(impact.bodies.second);
+        if (!impact.found || stuck_[first] || stuck_[second]) return false;
+        bool goes = false;
+        const auto cut = [&](std::size_t u) {
+            goes |= share_[u] > 0;
+            earliest_[u] = std::min(earliest_[u], impact.toi);
+        };
+        if (held_ == Held::vertices) {
+            const FeatureTypes types = types_of(impact.kind);
+            const auto vertex = [&](std::int64_t v) { cut(static_cast<std::size_t>(v)); };
+            step_.for_vertices(types.first, impact.pair.a, first, found, vertex);
+            step_.for_vertices(types.second, impact.pair.b, second, found, vertex);
+        } else {
+            cut(unit(first, 0));
+            cut(unit(second, 0));
+        }
+        // They touch where they are.
+        if (!goes) hold(std::max(step_.world_of(first), step_.world_of(second)));
+        return true;
+    }
+
+    const Step& step_;
+    Held held_;
+    std::vector<double> share_, earliest_;
+    std::vector<std::size_t> cuts_;
+    std::vector<std::uint8_t> stuck_;  ///< by body: its world is held
+};
+
+/// Holds worlds in which triangles intersect at the start, or features touch: these do so at every share of the step.
+/// False if there are none.
+template <class Find>
+bool hold_what_intersects(Step& step, ImpactQuery query, Find find, Units& units, FreeStep& result) {
+    query.triangle_pairs = true;
+    query.output = Output::any_by_world;
+    std::vector<std::int32_t> held;
+    const Impacts& found = find(step.moving_to(result.positions), query);
+    for (std::size_t w = 0; w < found.world_hit.size(); ++w) {
+        if (found.world_hit[w]) held.push_back(static_cast<std::int32_t>(w));
+    }
+    if (held.empty()) return false;
+    for (const std::int32_t world : held) units.hold(world);
+    query.output = Output::pairs;
+    const ImpactList& pairs = find(step.moving_to(result.positions), query).triangle_pairs;
+    result.intersects = !pairs.pairs.empty();
+    if (result.intersects) {
+        result.intersecting = pairs.pairs[0];
+        result.intersecting_bodies = pairs.bodies.empty() ? BodyPair{} : pairs.bodies[0];
+    }
+    return true;
 }
 
 }  // namespace
 
-void find_free_step(const MeshView& mesh, bool triangle_pairs, FunctionRef<FirstImpact(const MeshView&)> first_impact,
-                    FunctionRef<bool(const MeshView&)> is_free, FreeStep& step) {
-    constexpr double least_share = 0x1p-40;
-    const FirstImpact first = first_impact(mesh);
+void find_free_step(const Scene& scene, const FreeStepQuery& query,
+                    FunctionRef<const Impacts&(const Scene&, const ImpactQuery&)> find, FreeStep& result) {
+    ImpactQuery impacts = query;
+    impacts.output = query.held == Held::worlds ? Output::first : Output::pairs;
+    impacts.index = impacts.triangle_pairs = false;
+    const Impacts& whole = find(scene, impacts);  // which checks the scene, too
     const FloatEnvironment environment;
-    const bool float32 = mesh.vertices.type == ScalarType::float32 && mesh.end.type == ScalarType::float32;
-    const VertexReader from = reader_of(mesh.vertices), to = reader_of(mesh.end);
-    step.positions.resize_discard(static_cast<std::size_t>(3 * mesh.vertices.rows));
-    const auto go = [&](double share) {
-        step.share = share;
-        for (std::int64_t v = 0; v < mesh.vertices.rows; ++v) {
-            const Vec3d a = from(v), b = to(v);
-            for (int axis = 0; axis < 3; ++axis) {
-                // At the ends exact; between them a product that may not overflow.
-                const double x = share == 0 ? a[axis] : share == 1 ? b[axis] : (1 - share) * a[axis] + share * b[axis];
-                step.positions[3 * v + axis] = float32 ? static_cast<double>(static_cast<float>(x)) : x;
-            }
-        }
+    Step step(scene);
+    Units units(step, query.held);
+    bool free = !units.note(whole);
+    result = {};
+    result.first = whole.first;
+    result.positions.resize_discard(static_cast<std::size_t>(3 * step.vertices()));
+    const auto for_each_vertex = [&](auto visit) {
+        for (std::size_t b = 0; b < step.bodies(); ++b)
+            for (std::int64_t v = step.first_vertex()[b]; v < step.first_vertex()[b + 1]; ++v) visit(v, b);
     };
-    // What intersects at the start does so at every share of the step.
-    const bool stuck = triangle_pairs && !is_free(mesh.moving_to(mesh.vertices));
-    go(first.found || stuck ? 0 : 1);
-    if (!first.found || stuck) return;
-    const VertexView there{step.positions.data(), mesh.vertices.rows, 24, 8, ScalarType::float64};
-    for (int attempt = 0; shortened(first.toi, attempt) >= least_share; ++attempt) {
-        go(shortened(first.toi, attempt));
-        if (is_free(mesh.moving_to(there))) return;
+    if (query.triangle_pairs) {
+        for_each_vertex([&](std::int64_t v, std::size_t b) { step.go(v, b, 0, result.positions); });
+        if (hold_what_intersects(step, impacts, find, units, result)) free = false;
     }
-    go(0);
+    for (;; free = !units.note(find(step.moving_to(result.positions), impacts))) {
+        units.cut();
+        for_each_vertex([&](std::int64_t v, std::size_t b) { step.go(v, b, units.share(b, v), result.positions); });
+        if (free) break;
+    }
+
+    result.share = 1;
+    const bool by_vertex = query.held == Held::vertices;
+    if (by_vertex) result.vertex_shares.resize_discard(static_cast<std::size_t>(step.vertices()));
+    for_each_vertex([&](std::int64_t v, std::size_t b) {
+        result.share = std::min(result.share, units.share(b, v));
+        if (by_vertex) result.vertex_shares[v] = units.share(b, v);
+    });
+    if (step.lone_mesh()) return;
+    for (const std::int64_t first : step.first_vertex()) result.first_vertex.push_back(first);
+    if (by_vertex) return;
+    for (std::size_t b = 0; b < step.bodies(); ++b)
+        result.body_shares.push_back(units.share(b, step.first_vertex()[b]));
 }
 
 }  // namespace crumple

@@ -1,14 +1,16 @@
 #pragma once
 
+// A step that is cut short before anything touches: tried, cut, and verified as it is rounded.
+
 #include "crumple/function_ref.h"
 #include "crumple/impacts.h"
-#include "crumple/mesh.h"
+#include "crumple/scene.h"
 
 namespace crumple {
 
-/// Finds the result of a FreeStepQuery, for a mesh in host memory. `first_impact` and `is_free` ask about a
-/// mesh.
-void find_free_step(const MeshView& mesh, bool triangle_pairs, FunctionRef<FirstImpact(const MeshView&)> first_impact,
-                    FunctionRef<bool(const MeshView&)> is_free, FreeStep& step);
+/// Finds the result of a FreeStepQuery for a mesh, two meshes or a world in host memory. `find` finds impacts; its
+/// results are valid until it is called again.
+void find_free_step(const Scene& scene, const FreeStepQuery& query,
+                    FunctionRef<const Impacts&(const Scene&, const ImpactQuery&)> find, FreeStep& step);
 
 }  // namespace crumple

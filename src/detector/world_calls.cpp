@@ -7,37 +7,11 @@
 #include "backends/reference/reference_overlaps.h"
 #include "backends/reference/reference_worlds.h"
 #include "base/stopwatch.h"
+#include "detector/posed_on_host.h"
 #include "scene/lone_bodies.h"
 #include "search/containment/containment_search.h"
 
 namespace crumple {
-namespace {
-
-/// A world as the host can read it: where poses lie on a device, with copies of them.
-class PosedOnHost {
-   public:
-    PosedOnHost(BackendBase& backend, const World& world) : world_(world) {
-        if (!lies_on_device(world)) return;
-        check_device_poses(world);
-        const auto copy = [&](DevicePoses& there, std::vector<Pose>& here, std::span<const Pose>& poses) {
-            if (!given(there)) return;
-            here = backend.poses_of(there);
-            poses = here;
-            there = {};
-        };
-        copy(world_.device_poses, poses_, world_.poses);
-        copy(world_.device_end_poses, end_poses_, world_.end_poses);
-    }
-    PosedOnHost(const PosedOnHost&) = delete;
-    PosedOnHost& operator=(const PosedOnHost&) = delete;
-    const World& world() const { return world_; }
-
-   private:
-    World world_;
-    std::vector<Pose> poses_, end_poses_;
-};
-
-}  // namespace
 
 const Intersections& WorldCalls::find(const World& world, const IntersectionQuery& query, std::stop_token stop,
                                       const WorldBlocks* blocks) {

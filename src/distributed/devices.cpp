@@ -80,6 +80,7 @@ ImpactQuery motion_of(const FeatureRequest& query) {
     ImpactQuery question;
     question.output = wants[static_cast<std::size_t>(query.extent)];
     question.min_distance = query.distance, question.min_distance_share = query.share;
+    question.approaching_only = query.approaching_only;
     question.filter = rules_of(query.rule.of_groups());
     return question;
 }

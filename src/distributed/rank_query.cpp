@@ -92,7 +92,8 @@ Asked asked_by(const ImpactQuery& question, bool world) {
     check(!question.triangle_pairs, "triangle_pairs must be false: ranks have none");
     check(!question.index, "index must be false: ranks have no offsets by feature");
     Asked asked;
-    asked.told = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(question.output), question.weld};
+    asked.told = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(question.output), question.weld,
+                  question.approaching_only};
     tell(question.min_distance, asked.told);
     tell(question.min_distance_share, asked.told);
     asked.features = {true, question.min_distance, question.min_distance_share, question.weld};

@@ -43,10 +43,11 @@ struct FeatureRequest {
     Criterion criterion = Criterion::proximity;
     Extent extent = Extent::all;  ///< all, of candidates
     ListedKinds kinds{};
-    double distance = 0;  ///< the minimum distance, the radius, or the inflation
-    double share = 0;     ///< ImpactQuery::min_distance_share
-    bool strict = false;  ///< ProximityQuery::strict
-    bool frugal = false;  ///< with as little memory as can be, and always as much
+    double distance = 0;            ///< the minimum distance, the radius, or the inflation
+    double share = 0;               ///< ImpactQuery::min_distance_share
+    bool approaching_only = false;  ///< ImpactQuery::approaching_only
+    bool strict = false;            ///< ProximityQuery::strict
+    bool frugal = false;            ///< with as little memory as can be, and always as much
     const SceneFeatures& features;
     const GroupRule& rule;
     // Not of candidates:

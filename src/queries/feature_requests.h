@@ -47,6 +47,7 @@ inline FeatureRequest request_of(const ImpactQuery& query, bool frugal, const Sc
             .kinds = listed_kinds(features),
             .distance = query.min_distance,
             .share = query.min_distance_share,
+            .approaching_only = query.approaching_only,
             .frugal = frugal,
             .features = features,
             .rule = rule};

@@ -248,7 +248,8 @@ TEST_F(Sequence, ImpactsAreRefusedWhereTheyMakeNoSense) {
     };
     refused("above.off --impacts", "--impacts is of two frames or more");
     refused("above.off a.off --impacts", "above.off and a.off are to be one mesh at two times");
-    refused("above.off above.off --min-distance 1", "--min-distance and --min-distance-share need --impacts");
+    refused("above.off above.off --min-distance 1",
+            "--min-distance, --min-distance-share and --approaching-only need --impacts");
     refused("above.off above.off --impacts --contacts", "--contacts does not go with --impacts");
     refused("above.off above.off --impacts -o a.glb", "a.glb: with --impacts a sequence is written as .csv or .json");
 }

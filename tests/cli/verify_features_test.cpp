@@ -109,7 +109,7 @@ TEST_F(VerifyFeatures, IsRefusedWhereItMakesNoSense) {
     expect_refused("verify --candidates above.off list.txt --polygons", "--polygons does not go with --candidates");
     expect_refused("verify --candidates above.off list.txt", "list.txt, line 1: '0.5' is left over");
     expect_refused("verify --min-distance 1 above.off list.txt",
-                   "--min-distance and --min-distance-share need --impacts");
+                   "--min-distance, --min-distance-share and --approaching-only need --impacts");
     expect_refused("verify --below above.off list.txt", "--below needs --radius");
     expect_refused("verify --impacts above.off below.off two.txt", "ids of one mesh have no number of a file");
     expect_refused("verify --radius 1 above.off below.off list.txt", "ids of two files are 0:ID and 1:ID");

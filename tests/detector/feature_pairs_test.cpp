@@ -52,7 +52,8 @@ TEST(FeaturePairs, ImpactsAreThoseOfRationalArithmetic) {
     constexpr std::size_t pairs = 700;  // more than a task has
     for (const Kind& kind : all_kinds) {
         for (const PairImpactQuery& question :
-             {PairImpactQuery{}, PairImpactQuery{0.5, 0, 3}, PairImpactQuery{0, 0.25, 3}}) {
+             {PairImpactQuery{}, PairImpactQuery{0.5, 0, 3}, PairImpactQuery{0, 0.25, 3},
+              PairImpactQuery{0, 0, 3, true}, PairImpactQuery{1.5, 0, 3, true}}) {
             const std::size_t points = points_of(kind.kinds);
             const Rows start = lattice(pairs * points, 1, 2), end = lattice(pairs * points, 2, 2);
             const PairImpacts found = pair_impacts(kind.kind, view(start), view(end), question);
@@ -61,7 +62,8 @@ TEST(FeaturePairs, ImpactsAreThoseOfRationalArithmetic) {
             for (std::size_t i = 0; i < pairs; ++i) {
                 std::array<MovingPoint, 4> p{};
                 for (std::size_t k = 0; k < points; ++k) p[k] = {vec(start[i * points + k]), vec(end[i * points + k])};
-                const Impact impact = rational(kind.kinds, p, {question.min_distance, question.min_distance_share});
+                const Impact impact = rational(
+                    kind.kinds, p, {question.min_distance, question.min_distance_share, question.approaching_only});
                 hits += impact.meets;
                 ASSERT_EQ(found.hit[i], impact.meets) << "pair " << i;
                 ASSERT_EQ(found.toi[i], impact.meets ? impact.toi : std::numeric_limits<double>::infinity());

@@ -118,8 +118,7 @@ TEST_P(Grammar, refuses_what_is_not_there) {
     EXPECT_EQ(of(a, DistanceQuery()), "distances are those of bodies: a world, or two meshes");
     EXPECT_EQ(of(part, DistanceQuery()), "parts know intersections, impacts and proximities");
     EXPECT_EQ(of(part, CandidateQuery()), "parts know intersections, impacts and proximities");
-    EXPECT_EQ(of(bodies.world(), FreeStepQuery()), "a free step is that of one mesh");
-    EXPECT_EQ(of({a, a}, FreeStepQuery()), "a free step is that of one mesh");
+    EXPECT_EQ(of(part, FreeStepQuery()), "parts know intersections, impacts and proximities");
     EXPECT_EQ(of(a, ImpactQuery()), "the vertices at the end are missing");
     EXPECT_EQ(of(part, IntersectionQuery{.output = Output::count}),
               "output must be pairs or contacts: these are what parts have");

@@ -96,6 +96,7 @@ TEST(RankFeatures, have_the_answers_of_one_machine_on_hard_soups) {
         motion.weld = number % 2 == 0;
         motion.min_distance = number % 3 == 0 ? 0.25 : 0;
         motion.min_distance_share = number % 4 == 0 ? 0.1 : 0;
+        motion.approaching_only = number % 6 >= 3;
         if (!step.start.groups.empty())
             motion.filter.groups = number % 5 == 1   ? PairScope::between
                                    : number % 5 == 2 ? PairScope::within

@@ -49,6 +49,16 @@ TYPED_TEST(FeatureAgreement, OfWhatComesWithinAShareOfItsDistance) {
     this->expect_separated(1, 0.75);
 }
 
+TYPED_TEST(FeatureAgreement, OfWhatComesNearerThanItStarts) {
+    const auto work = [&](const auto& move) {
+        expect_impacts(move.soup, {.approaching_only = true});
+        if (move.unit > 1e300) return;
+        const ImpactQuery question{.min_distance = 0.75 * move.unit, .approaching_only = true};
+        expect_impacts(move.soup, question, std::span(tested()).subspan(1, 2));
+    };
+    this->for_each_soup(work, 0.05);
+}
+
 TYPED_TEST(FeatureAgreement, OfImpactsOfWeldedSoups) {
     this->for_each_soup([](const auto& move) { expect_impacts(move.soup, {.weld = true}); });
 }

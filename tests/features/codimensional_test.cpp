@@ -42,6 +42,9 @@ TYPED_TEST(Codimensional, WhatComesNearIsThatOfBruteForce) {
         if (unit > 1e300) return;
         expect_impacts(soup, {.min_distance = 0.75 * unit}, std::span(tested()).subspan(1, 2));
         expect_impacts(soup, {.min_distance_share = 0.5}, std::span(tested()).subspan(1, 1));
+        expect_impacts(soup, {.approaching_only = true}, std::span(tested()).subspan(1, 1));
+        expect_impacts(soup, {.min_distance = 0.75 * unit, .approaching_only = true},
+                       std::span(tested()).subspan(1, 1));
     });
 }
 TYPED_TEST(Codimensional, NearPairsAreThoseOfBruteForce) {

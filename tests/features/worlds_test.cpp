@@ -421,6 +421,9 @@ TEST(FeaturesOfWorlds, ThatRestHaveTheirImpactsAtTheStart) {
             for (const ImpactList& list : found.lists)
                 for (std::size_t i = 0; i < list.toi.size(); ++i) EXPECT_TRUE(list.toi[i] == 0 && list.start[i] == 1);
             impacts += found.count;
+            ImpactQuery approaching = query;
+            approaching.approaching_only = true;
+            EXPECT_FALSE(detector.any(world, approaching));
         }
     }
     EXPECT_GT(impacts, 100);

@@ -12,6 +12,7 @@ namespace crumple {
 inline std::ostream& operator<<(std::ostream& out, const Separation& separation) {
     const auto precision = out.precision(17);
     out << "distance " << separation.distance << ", share " << separation.share;
+    if (separation.approaching_only) out << ", approaching only";
     out.precision(precision);
     return out;
 }

@@ -194,6 +194,39 @@ TEST_P(BisectedSeparation, AtFractionsIsTheExactDistance) {
     EXPECT_GT(exact, 10);
 }
 
+TEST_P(BisectedSeparation, ApproachingOnlyIsWhenTheyAreNearerThanTheyStart) {
+    constexpr int largest = 8;
+    int hits = 0, later = 0, all = 0;
+    for (const Lattice lattice : all_lattices) {
+        RandomMoves random(lattice, 59);
+        for (int i = 0; i < 60; ++i, ++all) {
+            SeparatedMove asked{random(GetParam()), {.distance = 1e6, .approaching_only = true}};
+            const Bisection bisection(asked);
+            const Fraction begin = bisection.at(0, 1).distance();
+            const Impact impact = asked.impact();
+            hits += impact.meets;
+            later += impact.meets && !impact.start;
+            for (int q = 1; q <= largest; ++q) {
+                for (int k = 1; k <= q; ++k) {
+                    if (!(bisection.at(k, q).distance() < begin)) continue;
+                    ASSERT_TRUE(impact.meets) << k << " / " << q << ": " << asked;
+                    ASSERT_LE(impact.toi, rounded_down(k, q)) << asked;
+                }
+            }
+            const bool at_once = bisection.at(1, Bisection::end).distance() < begin;
+            ASSERT_TRUE(!at_once || (impact.meets && impact.toi <= std::ldexp(1., -Bisection::depth))) << asked;
+            if (!impact.meets) continue;
+            const auto soon = static_cast<std::int64_t>(std::ldexp(impact.toi, Bisection::depth)) + 1;
+            ASSERT_LT(bisection.at(soon, Bisection::end).distance(), begin) << asked;
+        }
+    }
+    EXPECT_GT(hits, all / 10);
+    EXPECT_LT(hits, all);
+    if (GetParam() != Feature::vertex_vertex) {
+        EXPECT_GT(later, 0);
+    }
+}
+
 std::string name_of(const testing::TestParamInfo<Feature>& info) {
     constexpr const char* names[] = {"VertexFace", "EdgeEdge", "VertexEdge", "VertexVertex"};
     return names[static_cast<int>(info.param)];

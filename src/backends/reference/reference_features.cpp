@@ -287,9 +287,9 @@ class Search {
             if (!distance.within(query_.radii.empty() ? one : sum) || close_at_rest(kind, a, b)) return {};
             return {true, distance.squared(), distance.touching()};
         }
-        const Separation separation{query_.distance, query_.share};
-        const bool plain = query_.distance == 0 && query_.share == 0;
-        const Impact impact = plain ? first_contact(kind, p) : first_approach(kind, p, separation);
+        const Separation separation{query_.distance, query_.share, query_.approaching_only};
+        const Impact impact = separation.contact_only() ? first_contact(kind, p) : first_approach(kind, p, separation);
+        if (separation.contact_only() && separation.approaching_only && impact.start) return {};  // nothing is closer
         return {impact.meets, impact.toi, impact.start};
     }
 

@@ -1,5 +1,6 @@
 #include "exact/impact/decide_separation.h"
 
+#include "exact/impact/quick_closing.h"
 #include "exact/impact/quick_separation.h"
 #include "exact/impact/rational_impact.h"
 #include "exact/impact/rational_separation.h"
@@ -7,18 +8,24 @@
 namespace crumple {
 namespace {
 
+template <FeatureKinds kinds>
+QuickImpact quick(const std::array<MovingPoint, 4>& points, const Separation& separation) {
+    const QuickImpact found = quick_separation<kinds>(points, separation);
+    return separation.approaching_only && found.start ? quick_closing<kinds>(points) : found;
+}
+
 QuickImpact quick(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, const Separation& separation) {
     switch (kinds) {
         case FeatureKinds::vertex_face:
-            return quick_separation<FeatureKinds::vertex_face>(points, separation);
+            return quick<FeatureKinds::vertex_face>(points, separation);
         case FeatureKinds::edge_edge:
-            return quick_separation<FeatureKinds::edge_edge>(points, separation);
+            return quick<FeatureKinds::edge_edge>(points, separation);
         case FeatureKinds::vertex_edge:
-            return quick_separation<FeatureKinds::vertex_edge>(points, separation);
+            return quick<FeatureKinds::vertex_edge>(points, separation);
         case FeatureKinds::vertex_vertex:
             break;
     }
-    return quick_separation<FeatureKinds::vertex_vertex>(points, separation);
+    return quick<FeatureKinds::vertex_vertex>(points, separation);
 }
 
 Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& points) {
@@ -38,7 +45,10 @@ Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& points) {
 
 Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, const Separation& separation) {
     const auto& [p, q, r, s] = points;
-    if (separation.distance == 0 && separation.share == 0) return rational(kinds, points);
+    if (separation.contact_only()) {
+        const Impact impact = rational(kinds, points);
+        return impact.start && separation.approaching_only ? Impact{} : impact;  // nothing is closer
+    }
     switch (kinds) {
         case FeatureKinds::vertex_face:
             return vertex_face(p, q, r, s, separation);

@@ -8,6 +8,10 @@ namespace crumple {
 struct Separation {
     double distance = 0;  ///< Euclidean, finite and not negative
     double share = 0;     ///< of the distance that the two have at the start, in [0, 1)
+    /// Features that start within it touch only when they come closer than they start: ImpactQuery::approaching_only.
+    bool approaching_only = false;
+
+    bool contact_only() const { return distance == 0 && share == 0; }
 };
 
 }  // namespace crumple

@@ -106,6 +106,35 @@ Impact first_root(const Polynomial& over, const Polynomial& under, Conditions co
     return {};
 }
 
+/// The sign of p right after t.
+int sign_after(Root& t, Polynomial p) {
+    for (; !p.zero(); p = p.derivative()) {
+        if (const int sign = t.sign(p)) return sign;
+    }
+    return 0;
+}
+
+/// The first time in [0, 1) right after which over / under < limit and no condition is negative.
+template <class Conditions>
+Impact first_fall(const Polynomial& over, const Polynomial& under, Conditions conditions, const Fraction& limit) {
+    const Polynomial excess = Polynomial({limit.under}) * over - Polynomial({limit.over}) * under;
+    const auto falls = [&](Root& t) {
+        if (sign_after(t, excess) >= 0 || sign_after(t, under) == 0) return false;
+        for (const Polynomial& condition : conditions()) {
+            if (sign_after(t, condition) < 0) return false;
+        }
+        return true;
+    };
+    if (excess.zero()) return {};
+    Root start(Dyadic{0, 0});
+    if (falls(start)) return {true, 0, true};
+    const Polynomial from_end({-1, 1});
+    for (Root& t : roots_in_unit_interval(excess)) {
+        if (t.sign(from_end) < 0 && falls(t)) return {true, t.rounded_down(), false};
+    }
+    return {};
+}
+
 /// `quotients` calls what it is given with those of the features, for points of either type.
 template <std::size_t N, class Quotients>
 Impact first_within(const std::array<MovingPoint, N>& points, const Separation& separation, Quotients quotients) {
@@ -126,12 +155,15 @@ Impact first_within(const std::array<MovingPoint, N>& points, const Separation& 
     const Fraction shared{share.over * least->over, share.under * least->under};
     Fraction limit = squared(separation.distance, exponent);
     if (limit < shared) limit = shared;
-    if (!(limit < *least)) return {true, 0, true};
+    const bool within = !(limit < *least);
+    if (within && !separation.approaching_only) return {true, 0, true};
+    if (within && least->over == 0) return {};  // nothing is closer
 
     Impact first;
     quotients(paths(points, exponent), [&](const Polynomial& over, const Polynomial& under, auto conditions) {
-        const Impact impact = first_root(over, under, conditions, limit);
-        if (impact.meets && (!first.meets || impact.toi < first.toi)) first = impact;
+        const Impact impact =
+            within ? first_fall(over, under, conditions, *least) : first_root(over, under, conditions, limit);
+        if (impact.meets && (!first.meets || impact.toi < first.toi || impact.start)) first = impact;
     });
     return first;
 }

@@ -5,7 +5,8 @@
 //
 // Features are those of rational_impact.h. Here `meets` says that their distance is at most that of the separation at
 // some t in [0, 1], `toi` is the first such t, and `start` says that it is 0. Without a separation, or with a share of
-// no distance, the answers are those of rational_impact.h.
+// no distance, the answers are those of rational_impact.h. With Separation::approaching_only, `toi` of features that
+// are that close at the start is the greatest lower bound of the times at which they are closer still.
 //
 // Cost: 60 to 200 us for ordinary coordinates, half a second where magnitudes span the range of float64.
 

@@ -33,15 +33,34 @@ constexpr bool of_triangles(FeatureKind kind) {
 constexpr FeatureKinds kinds_of_constant(FeatureKind kind) { return static_cast<FeatureKinds>(kind); }
 
 /// When features touch. Of vertices with edges and vertices next to none do, and to tell how far they stay apart is
-/// quick.
+/// quick. Those that touch at the start come no closer.
 struct ImpactQuestion {
     static constexpr bool closely = true;
     ExactPoints points;
+    bool approaching_only;
 
-    explicit ImpactQuestion(const ExactPoints& exact, const AskedOfFeatures&, bool) : points(exact) {}
+    explicit ImpactQuestion(const ExactPoints& exact, const AskedOfFeatures& asked, bool)
+        : points(exact), approaching_only(asked.approaching_only) {}
 
     template <FeatureKind kind>
     CRUMPLE_HD Decided quick(const FeatureTest& test) const {
+        const Decided found = touching<kind>(test);
+        return approaching_only && found.flag ? Decided{Outcome::apart} : found;
+    }
+    template <FeatureKind kind>
+    CRUMPLE_HD Decided close(const FeatureTest& test) const {
+        if constexpr (of_triangles(kind)) {
+            constexpr FeaturePair pair =
+                kind == FeatureKind::vertex_face ? FeaturePair::vertex_face : FeaturePair::edge_edge;
+            if (surely_touch_at_start<pair>(points.moving(test.vertex)))
+                return approaching_only ? Decided{Outcome::apart} : Decided{Outcome::hit, 0, true};
+        }
+        return {};
+    }
+
+   private:
+    template <FeatureKind kind>
+    CRUMPLE_HD Decided touching(const FeatureTest& test) const {
         const FeaturePoints p = points.moving(test.vertex);
         if constexpr (!of_triangles(kind)) {
             return decided(quick_separation<kinds_of_constant(kind)>(p, Separation{}));
@@ -53,29 +72,22 @@ struct ImpactQuestion {
             return decided(first_impact(p, x, Volume(x)));
         }
     }
-    template <FeatureKind kind>
-    CRUMPLE_HD Decided close(const FeatureTest& test) const {
-        if constexpr (of_triangles(kind)) {
-            constexpr FeaturePair pair =
-                kind == FeatureKind::vertex_face ? FeaturePair::vertex_face : FeaturePair::edge_edge;
-            if (surely_touch_at_start<pair>(points.moving(test.vertex))) return {Outcome::hit, 0, true};
-        }
-        return {};
-    }
 };
 
-/// When features come within a distance.
+/// When features come within a distance. Whether those that start there come closer is for the host.
 struct SeparationQuestion {
     static constexpr bool closely = false;
     ExactPoints points;
     Separation separation;
 
     SeparationQuestion(const ExactPoints& exact, const AskedOfFeatures& asked, bool)
-        : points(exact), separation{asked.distance, asked.share} {}
+        : points(exact), separation{asked.distance, asked.share, asked.approaching_only} {}
 
     template <FeatureKind kind>
     CRUMPLE_HD Decided quick(const FeatureTest& test) const {
-        return decided(quick_separation<kinds_of_constant(kind)>(points.moving(test.vertex), separation));
+        const Decided found =
+            decided(quick_separation<kinds_of_constant(kind)>(points.moving(test.vertex), separation));
+        return separation.approaching_only && found.flag ? Decided{} : found;
     }
     template <FeatureKind>
     CRUMPLE_HD Decided close(const FeatureTest&) const {

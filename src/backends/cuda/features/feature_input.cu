@@ -138,6 +138,7 @@ void FeatureInput::tell(const PreparedScene& scene, const FeatureRequest& query,
     asked_.strict = query.strict;
     asked_.distance = query.distance;
     asked_.share = query.share;
+    asked_.approaching_only = query.approaching_only;
     asked_.rings = features.bring(query.rings, room);
     asked_.features = features.bring(query.features, scene.vertex_count(), room);
 }

@@ -53,7 +53,7 @@ const T* unknown() {
 }
 
 struct AskedOfFeatures {
-    bool motion = false, strict = false;
+    bool motion = false, strict = false, approaching_only = false;
     double distance = 0, share = 0;
     const double* radii = nullptr;  ///< by vertex; null: `distance` is asked for
     RestTable rest;

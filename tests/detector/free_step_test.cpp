@@ -1,0 +1,216 @@
+// Free steps: who is held back, how far, and why.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "crumple/crumple.h"
+#include "features/moving_soups.h"
+
+namespace crumple::test {
+namespace {
+
+constexpr double cut = 1 - 0x1p-16;
+
+/// Triangles of one size side by side along x, two units above others; each falls by a distance of its own.
+MovingSoup<> falling(const std::vector<double>& falls) {
+    MovingSoup<> soup;
+    const auto add = [&](double x, double z, double fall) {
+        const std::int32_t a = soup.vertex({x, 0, z}, {x, 0, z - fall}),
+                           b = soup.vertex({x + 2, 0, z}, {x + 2, 0, z - fall}),
+                           c = soup.vertex({x, 2, z}, {x, 2, z - fall});
+        soup.triangles.push_back({a, b, c});
+    };
+    for (std::size_t i = 0; i < falls.size(); ++i) {
+        add(4 * static_cast<double>(i), 0, 0);
+        add(4 * static_cast<double>(i) + 0.25, 2, falls[i]);
+    }
+    return soup;
+}
+
+VertexView rows(const Array<double>& positions) {
+    return rows_of_three(positions.data(), static_cast<std::int64_t>(positions.size()) / 3);
+}
+
+FreeStepQuery holding(Held held, ImpactQuery query = {}) { return {query, held}; }
+
+class FreeSteps : public testing::TestWithParam<Backend> {
+   protected:
+    Detector detector_{{.backend = GetParam()}};
+
+    void expect_free(const MovingSoup<>& soup, const FreeStep& step, const ImpactQuery& query = {}) {
+        EXPECT_FALSE(detector_.any(soup.view().moving_to(rows(step.positions)), query));
+    }
+};
+
+TEST_P(FreeSteps, name_the_first_impact_that_cut_them) {
+    const MovingSoup<> soup = falling({4, 8, 1});
+    const MeshView moving = soup.view().moving_to(soup.end_view());
+    const FreeStep step = detector_.find(moving, FreeStepQuery());
+    EXPECT_EQ(step.share, 0.25 * cut);
+    EXPECT_EQ(step.first, detector_.find(moving, FirstImpactQuery()));
+    EXPECT_EQ(step.first.toi, 0.25);
+    EXPECT_TRUE(step.vertex_shares.empty() && step.body_shares.empty() && step.first_vertex.empty());
+    const FreeStep whole = detector_.find(soup.view().moving_to(soup.view().vertices), FreeStepQuery());
+    EXPECT_EQ(whole.share, 1);
+    EXPECT_FALSE(whole.first.found);
+}
+
+TEST_P(FreeSteps, hold_the_vertices_that_touch_and_no_others) {
+    const MovingSoup<> soup = falling({4, 8, 1});
+    const FreeStep step = detector_.find(soup.view().moving_to(soup.end_view()), holding(Held::vertices));
+    expect_free(soup, step);
+    EXPECT_EQ(step.share, 0.25 * cut);
+    ASSERT_EQ(step.vertex_shares.size(), soup.start.size());
+    for (std::size_t v = 0; v < soup.start.size(); ++v) {
+        const double held = v / 6 == 0 ? 0.5 * cut : 0.25 * cut;
+        EXPECT_EQ(step.vertex_shares[v], v / 6 == 2 ? 1 : held) << v;
+    }
+}
+
+TEST_P(FreeSteps, hold_bodies_or_worlds_of_many) {
+    const MovingSoup<> soup = falling({4, 8, 1});
+    std::vector<Shape> shapes;
+    std::vector<Body> bodies;
+    for (const std::int32_t world : {0, 0, 1}) {
+        for (int part = 0; part < 2; ++part) {
+            const auto t = static_cast<std::int64_t>(shapes.size());
+            Shape shape(rows_of_three(soup.start[0].data() + 9 * t, 3), rows_of_three(soup.triangles[0].data(), 1));
+            shape.end = rows_of_three(soup.end[0].data() + 9 * t, 3);
+            shapes.push_back(shape);
+            bodies.push_back({.shape = static_cast<std::int32_t>(t), .world = world});
+        }
+    }
+    const World world{shapes, bodies, {}};
+    const auto shares = [&](Held held) {
+        const FreeStep step = detector_.find(world, holding(held));
+        EXPECT_EQ(step.first.bodies, (BodyPair{2, 3}));
+        EXPECT_TRUE(std::ranges::equal(step.first_vertex, std::vector<std::int64_t>{0, 3, 6, 9, 12, 15, 18}));
+        EXPECT_EQ(step.share, 0.25 * cut);
+        expect_free(soup, step);
+        return std::vector<double>(step.body_shares.begin(), step.body_shares.end());
+    };
+    const double half = 0.5 * cut, quarter = 0.25 * cut;
+    EXPECT_EQ(shares(Held::bodies), (std::vector{half, half, quarter, quarter, 1., 1.}));
+    EXPECT_EQ(shares(Held::worlds), (std::vector{quarter, quarter, quarter, quarter, 1., 1.}));
+    bodies.back().world = -1;
+    bodies[4].world = 0;
+    EXPECT_EQ(shares(Held::bodies), (std::vector{half, half, quarter, quarter, 1., 1.}));
+}
+
+TEST_P(FreeSteps, of_two_meshes_are_those_of_two_bodies) {
+    const MovingSoup<> soup = falling({4});
+    const std::vector<std::array<std::int32_t, 3>> one{{0, 1, 2}};
+    const std::vector<std::array<double, 3>> low(soup.start.begin(), soup.start.begin() + 3),
+        high(soup.start.begin() + 3, soup.start.end()), end(soup.end.begin() + 3, soup.end.end());
+    const FreeStep step = detector_.find({MeshView(low, one).moving_to(MeshView(low, one).vertices),
+                                          MeshView(high, one).moving_to(MeshView(end, one).vertices)},
+                                         FreeStepQuery());
+    EXPECT_EQ(step.share, 0.5 * cut);
+    EXPECT_EQ(step.body_shares.size(), 2u);
+    expect_free(soup, step);
+}
+
+TEST_P(FreeSteps, of_posed_bodies_begin_and_end_where_they_are_posed) {
+    const MovingSoup<> soup = falling({0});
+    const std::vector<std::array<std::int32_t, 3>> one{{0, 1, 2}};
+    const Shape shape{MeshView(soup.start, one)};
+    const std::vector<Shape> shapes{shape};
+    const std::vector<Body> bodies(2);
+    const std::vector<Pose> start{Pose{}, Pose{{1, 0, 0, 0.25, 0, 1, 0, 0, 0, 0, 1, 2}}},
+        end{Pose{}, Pose{{1, 0, 0, 0.25, 0, 1, 0, 0, 0, 0, 1, -2}}};
+    const World world{shapes, bodies, start, end};
+    const FreeStep step = detector_.find(world, FreeStepQuery());
+    EXPECT_EQ(step.share, 0.5 * cut);
+    const auto posed = static_cast<std::size_t>(3 * step.first_vertex[1]);
+    EXPECT_EQ(step.positions[posed], 0.25);
+    EXPECT_EQ(step.positions[posed + 2], 2 - 4 * (0.5 * cut));
+}
+
+TEST_P(FreeSteps, name_triangles_that_intersect_and_hold_their_world_alone) {
+    MovingSoup<> soup = falling({1, 1});
+    for (std::size_t v = 3; v < 6; ++v)
+        soup.start[v] = {soup.start[v - 3][0] + 0.5, 0.5, 1 - static_cast<double>(v - 3)};
+    const MeshView moving = soup.view().moving_to(soup.end_view());
+    const FreeStep stuck = detector_.find(moving, holding(Held::vertices, {.triangle_pairs = true}));
+    EXPECT_EQ(stuck.share, 0);
+    EXPECT_TRUE(stuck.intersects);
+    EXPECT_EQ(stuck.intersecting, (Pair{0, 1}));
+    EXPECT_FALSE(detector_.find(moving, holding(Held::vertices)).intersects);
+
+    std::vector<Shape> shapes;
+    const std::vector<Body> bodies{{.shape = 0, .world = 0, .self = true}, {.shape = 1, .world = 1, .self = true}};
+    const std::vector<std::array<std::int32_t, 3>> two{{0, 1, 2}, {3, 4, 5}};
+    for (std::int64_t i = 0; i < 2; ++i) {
+        Shape shape(rows_of_three(soup.start[0].data() + 18 * i, 6), rows_of_three(two[0].data(), 2));
+        shape.end = rows_of_three(soup.end[0].data() + 18 * i, 6);
+        shapes.push_back(shape);
+    }
+    const FreeStep step = detector_.find(World{shapes, bodies, {}}, holding(Held::worlds, {.triangle_pairs = true}));
+    EXPECT_TRUE(step.intersects);
+    EXPECT_EQ(step.intersecting, (Pair{0, 1}));
+    EXPECT_EQ(step.intersecting_bodies, (BodyPair{0, 0}));
+    EXPECT_TRUE(std::ranges::equal(step.body_shares, std::vector<double>{0, 1}));
+}
+
+TEST_P(FreeSteps, go_on_from_contact_if_only_what_approaches_counts) {
+    MovingSoup<> soup = falling({-2, 2});
+    for (std::size_t v = 3; v < 6; ++v) soup.start[v][2] = 0.5;
+    const ImpactQuery near{.min_distance = 1};
+    const MeshView moving = soup.view().moving_to(soup.end_view());
+    const FreeStep stuck = detector_.find(moving, holding(Held::vertices, near));
+    EXPECT_TRUE(stuck.first.start);
+    EXPECT_TRUE(std::ranges::all_of(stuck.vertex_shares, [](double share) { return share == 0; }));
+    ImpactQuery approaching = near;
+    approaching.approaching_only = true;
+    const FreeStep step = detector_.find(moving, holding(Held::vertices, approaching));
+    expect_free(soup, step, approaching);
+    EXPECT_EQ(step.first.toi, 0.5);
+    EXPECT_EQ(step.vertex_shares[3], 1);
+    EXPECT_EQ(step.vertex_shares[9], 0.5 * cut);
+
+    for (std::size_t v = 3; v < 6; ++v) soup.end[v][2] = 0.25;  // nearer yet
+    const FreeStep held = detector_.find(soup.view().moving_to(soup.end_view()), holding(Held::vertices, approaching));
+    expect_free(soup, held, approaching);
+    EXPECT_EQ(held.vertex_shares[3], 0);
+    EXPECT_EQ(held.vertex_shares[9], 0.5 * cut);
+}
+
+INSTANTIATE_TEST_SUITE_P(, FreeSteps, testing::Values(Backend::reference, Backend::cpu),
+                         [](const auto& p) { return p.param == Backend::cpu ? "cpu" : "reference"; });
+
+/// Of hard soups: free as they are rounded, or at the start where something touches there.
+TEST(FreeStepsOfSoups, are_free_whatever_is_held) {
+    Detector cpu({.backend = Backend::cpu, .threads = 1}), reference({.backend = Backend::reference});
+    int cuts = 0, some = 0;
+    for (const NamedMove<double>& move : moving_soups<double>()) {
+        if (move.soup.start.size() > 60 || move.soup.triangles.empty()) continue;
+        SCOPED_TRACE(move.name);
+        const MeshView moving = move.soup.view().moving_to(move.soup.end_view());
+        for (const bool approaching : {false, true}) {
+            for (const Held held : {Held::worlds, Held::vertices}) {
+                const FreeStepQuery query = holding(held, {.approaching_only = approaching});
+                const FreeStep step = cpu.find(moving, query), expected = reference.find(moving, query);
+                ASSERT_TRUE(std::ranges::equal(step.positions, expected.positions));
+                ASSERT_TRUE(std::ranges::equal(step.vertex_shares, expected.vertex_shares));
+                ASSERT_EQ(step.first, expected.first);
+                ASSERT_EQ(step.share == 1, !step.first.found);
+                const ImpactQuery impacts = query;
+                const bool stays = std::ranges::equal(
+                    step.positions,
+                    cpu.find(move.soup.view().moving_to(move.soup.view().vertices), FreeStepQuery()).positions);
+                if (approaching || !stays) {
+                    ASSERT_FALSE(reference.any(move.soup.view().moving_to(rows(step.positions)), impacts));
+                }
+                cuts += step.share < 1;
+                some += held == Held::vertices && step.share < 1 &&
+                        std::ranges::find(step.vertex_shares, 1) != step.vertex_shares.end();
+            }
+        }
+    }
+    EXPECT_GT(cuts, 20);
+    EXPECT_GT(some, 5);
+}
+
+}  // namespace
+}  // namespace crumple::test
