@@ -34,8 +34,8 @@ struct ProximityQuery {
     std::span<const double> radii = {};
     bool strict = false;   ///< less, not equal
     bool closest = false;  ///< also tell where they are closest: ProximityList::type and at
-    /// Also tell each feature's least distance: Proximities::vertex_distance and so on; single mesh. Pairs that `rings`
-    /// or `rest` leave out do not count, so that with these it is no bound for a step.
+    /// Also tell each feature's least distance: Proximities::vertex_distance and so on; single mesh. Pairs count that
+    /// `rings` or `rest` leave out of the lists, so that a step can be bounded by it: that is another search.
     bool least = false;
     bool weld = false;  ///< vertices at equal positions count as one, for neighbours
     /// Neighbours, which are never near: features of which two vertices are joined by a path of at most so many edges.
@@ -95,8 +95,8 @@ struct Proximities {
     Array<std::int64_t> first_point;
 
     /// Where ProximityQuery::least asks for them, of a single mesh: the least distance of each vertex, each face and
-    /// each edge over the pairs of all kinds that are listed and name it; rounded down. Infinite without one. Vertices
-    /// are by their place in the list of points, if the mesh has one.
+    /// each edge over the pairs of all kinds that are near and name it, whatever `rings` and `rest` leave out; rounded
+    /// down. Infinite without one. Vertices are by their place in the list of points, if the mesh has one.
     Array<double> vertex_distance, face_distance, edge_distance;
 
     Statistics statistics;

@@ -192,8 +192,8 @@ class ProximityQuery(Query):
             both, in real numbers. Of one mesh; shapes of a world have their own.
         strict: distances less than the radius, or the sum of radii, not equal to it.
         closest: also tell where the features of each pair are closest.
-        least: also tell the least distance of each vertex, face and edge of one mesh. Pairs that `rings` or `rest`
-            leave out do not count, so that with these it is no bound for a step.
+        least: also tell the least distance of each vertex, face and edge of one mesh. Pairs count that `rings` or
+            `rest` leave out of the lists, so that a step can be bounded by it: that is another search.
         weld: vertices at equal positions count as one: their features are neighbours.
         rings: neighbours, which are never near, are also those from one of whose vertices at most so many edges lead
             to one of the other's: Newton's topological filter. Kept while the edges stay the same.

@@ -20,6 +20,17 @@ void append_closest(const PreparedScene& scene, const SceneFeatures& features, F
 /// Least distances of the features of a single mesh, from its complete lists.
 void tell_least(const PreparedScene& scene, const SceneFeatures& features, ParallelFor& workers, Proximities& answer);
 
+/// Least distances of a result while its lists are searched once more: take() swaps them with the result's.
+struct LeastDistances {
+    Array<double> of_vertices, of_faces, of_edges;
+
+    void take(Proximities& result) {
+        of_vertices.swap(result.vertex_distance);
+        of_faces.swap(result.face_distance);
+        of_edges.swap(result.edge_distance);
+    }
+};
+
 /// Adds what the query has of these to a result whose pairs are the scene's.
 void add_details(const PreparedScene& scene, const SceneFeatures& features, const ProximityQuery& query,
                  ParallelFor& workers, Proximities& result);

@@ -115,6 +115,19 @@ void FeatureSearch::find(BackendBase& backend, const Part& part, const Query& qu
             request.rings = &rings;
         }
     }
+    LeastDistances least;
+    auto details = query;
+    if constexpr (is_near<Query>) {
+        if (query.least && extent(query) == Extent::all && (request.rings || request.rest)) {
+            FeatureRequest all = request;
+            all.rings = nullptr, all.rest = nullptr, details.least = false;
+            swap_found<Query>(result);
+            backend.find(scene, all, found_);
+            swap_found<Query>(result);
+            tell_least(scene, features_, backend, result);
+            least.take(result);
+        }
+    }
     swap_found<Query>(result);
     backend.find(scene, request, found_);
     swap_found<Query>(result);
@@ -141,7 +154,10 @@ void FeatureSearch::find(BackendBase& backend, const Part& part, const Query& qu
         const FeatureTypes types = types_of(kind);
         if (query.index) make_index(list, of(types.first), of(types.second));
     }
-    if constexpr (is_near<Query>) add_details(scene, features_, query, backend, result);
+    if constexpr (is_near<Query>) {
+        add_details(scene, features_, details, backend, result);
+        if (query.least && !details.least) least.take(result);
+    }
     for (std::size_t k = 0; k < feature_kinds; ++k)
         for (Pair& pair : result.lists[k].pairs) name_globally(part, static_cast<FeatureKind>(k), pair);
     result.statistics.pairs = result.count;

@@ -67,9 +67,28 @@ void FeatureSearch::release() {
     first_point_.release();
 }
 
+// Least distances are those of all that is near, also of what `rings` and `rest` leave out of the lists.
+void FeatureSearch::search_with_least(BackendBase& backend, const World& world, const ProximityQuery& query,
+                                      Proximities& result) {
+    Shape all = world.shapes[0];
+    all.rest = {};
+    ProximityQuery near = query, listed = query;
+    near.rings = 0, near.rest_radius = 0, near.closest = near.index = listed.least = false;
+    search(backend, World{{&all, 1}, world.bodies, world.poses}, near, result);
+    LeastDistances least;
+    least.take(result);
+    search(backend, world, listed, result);
+    least.take(result);
+}
+
 template <class Query>
 void FeatureSearch::search(BackendBase& backend, const World& world, const Query& query,
                            typename Query::Result& result) {
+    if constexpr (is_near<Query>) {
+        if (query.least && extent(query) == Extent::all && world.shapes.size() == 1 &&
+            (query.rings > 0 || world.shapes[0].rest.data))
+            return search_with_least(backend, world, query, result);
+    }
     read(world, query.filter);
     clear(result);
     result.statistics.triangles = outline_.triangles();

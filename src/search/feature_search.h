@@ -89,6 +89,7 @@ class FeatureSearch {
 
     template <class Query>
     void search(BackendBase& backend, const World& world, const Query& query, typename Query::Result& result);
+    void search_with_least(BackendBase& backend, const World& world, const ProximityQuery& query, Proximities& result);
     template <class Query>
     void search_in_place(BackendBase& backend, const Query& query, typename Query::Result& result);
     template <class Query>

@@ -144,12 +144,30 @@ TEST_P(NearFilters, NeighboursAreJoinedByEdges) {
         << "unless vertices at equal positions are one";
 }
 
-TEST_P(NearFilters, LeastAndIndexAreThoseOfTheList) {
+TEST_P(NearFilters, LeastIsThatOfAllThatIsNearAndIndexThatOfTheList) {
     const MovingSoup<> soup = strip(4);
-    const Proximities& all = detector.find(
+    const Proximities all = detector.find(
         soup.view(), ProximityQuery{.radius = 10, .closest = true, .least = true, .rings = 1, .index = true});
     ASSERT_GT(all.vertex_faces().pairs.size(), 0u);
-    EXPECT_EQ(all.vertex_distance[0], 0x1.6a09e667f3bccp+0) << "that of (2, 0) to (1, 1)";
+    MovingSoup<> as_cut = soup;
+    for (auto& p : as_cut.start) p[2] = 7;
+    const ProximityQuery plain{.radius = 10, .least = true};
+    ProximityQuery resting = plain;
+    resting.rest = as_cut.view().vertices, resting.rest_radius = 1.5;
+    Detector other({.backend = Backend::reference});
+    const Proximities& near = other.find(soup.view(), plain);
+    EXPECT_LT(near.vertex_distance[0], 1.5);
+    const auto expect_least = [&](const Proximities& found) {
+        EXPECT_LT(found.vertex_faces().pairs.size(), near.vertex_faces().pairs.size());
+        EXPECT_TRUE(std::ranges::equal(found.vertex_distance, near.vertex_distance));
+        EXPECT_TRUE(std::ranges::equal(found.face_distance, near.face_distance));
+        EXPECT_TRUE(std::ranges::equal(found.edge_distance, near.edge_distance));
+    };
+    expect_least(all);
+    expect_least(detector.find(soup.view(), resting));
+    ProximityQuery of_groups = resting;
+    of_groups.filter.groups = PairScope::within;
+    expect_least(detector.find(soup.view(), of_groups));
     EXPECT_EQ(all.vertex_faces().type.size(), all.vertex_faces().pairs.size());
     EXPECT_EQ(all.vertex_faces().offsets[1], 5) << "the faces from there on";
 }

@@ -195,23 +195,25 @@ TYPED_TEST(PartsOfFeatures, HeedGroups) {
 
 TEST(PartOfFeatures, CountsOffsetsAndLeastDistancesInItsOwnLists) {
     const auto soup = moving_grid(5, 60, 70, 5);
-    const ProximityQuery question{.radius = 1, .least = true, .index = true};
-    const Proximities all = whole(soup, question);
-    std::vector<double> least(soup.start.size(), std::numeric_limits<double>::infinity());
-    for (const Part& part : partition(soup, question, 5)) {
-        const Proximities& found = elsewhere().find(part, question);
-        const PartFeatures& known = *part.features;
-        ASSERT_EQ(found.vertex_distance.size(), known.vertices.size());
-        ASSERT_EQ(found.edge_distance.size(), known.edges.size());
-        ASSERT_EQ(found.vertex_faces().offsets.size(), known.vertices.size() + 1);
-        for (std::size_t v = 0; v < known.vertices.size(); ++v) {
-            double& of = least[static_cast<std::size_t>(known.vertices[v])];
-            of = std::min(of, found.vertex_distance[v]);
-            for (std::int64_t i = found.vertex_faces().offsets[v]; i < found.vertex_faces().offsets[v + 1]; ++i)
-                EXPECT_EQ(found.vertex_faces().pairs[i].a, known.vertices[v]);
+    for (const std::int32_t rings : {0, 1}) {
+        const ProximityQuery question{.radius = 1, .least = true, .rings = rings, .index = true};
+        const Proximities all = whole(soup, question);
+        std::vector<double> least(soup.start.size(), std::numeric_limits<double>::infinity());
+        for (const Part& part : partition(soup, question, 5)) {
+            const Proximities& found = elsewhere().find(part, question);
+            const PartFeatures& known = *part.features;
+            ASSERT_EQ(found.vertex_distance.size(), known.vertices.size());
+            ASSERT_EQ(found.edge_distance.size(), known.edges.size());
+            ASSERT_EQ(found.vertex_faces().offsets.size(), known.vertices.size() + 1);
+            for (std::size_t v = 0; v < known.vertices.size(); ++v) {
+                double& of = least[static_cast<std::size_t>(known.vertices[v])];
+                of = std::min(of, found.vertex_distance[v]);
+                for (std::int64_t i = found.vertex_faces().offsets[v]; i < found.vertex_faces().offsets[v + 1]; ++i)
+                    EXPECT_EQ(found.vertex_faces().pairs[i].a, known.vertices[v]);
+            }
         }
+        EXPECT_EQ(least, std::vector<double>(all.vertex_distance.begin(), all.vertex_distance.end()));
     }
-    EXPECT_EQ(least, std::vector<double>(all.vertex_distance.begin(), all.vertex_distance.end()));
 }
 
 TEST(PartOfFeatures, OutlivesTheMesh) {
