@@ -58,20 +58,21 @@ struct FeatureCase {
     int moments;  ///< 1: at rest, where they are at the start
     FeaturePoints point;
     float distance = 0;
+    double share = 0;
 
     bool near() const {
         const auto& [p, q, r, s] = point;
         const bool face = kind == FeatureKind::vertex_face;
         if (moments == 1) return RationalDistance(at_start(kind, point)).within({distance, 0});
-        if (distance == 0) return (face ? vertex_face(p, q, r, s) : edge_edge(p, q, r, s)).meets;
-        const Separation separation{distance, 0};
+        if (distance == 0 && share == 0) return (face ? vertex_face(p, q, r, s) : edge_edge(p, q, r, s)).meets;
+        const Separation separation{distance, share};
         return (face ? vertex_face(p, q, r, s, separation) : edge_edge(p, q, r, s, separation)).meets;
     }
 
     friend std::ostream& operator<<(std::ostream& out, const FeatureCase& c) {
         out << feature_kind_name(c.kind) << ", " << c.moments << " moments";
         for (const MovingPoint& p : c.point) out << ", " << p;
-        return out << ", distance " << c.distance;
+        return out << ", distance " << c.distance << ", share " << c.share;
     }
 };
 

@@ -40,8 +40,7 @@ class Rows {
         const auto kind = static_cast<std::size_t>(cases.front().kind);
         std::vector<float> distances(cases.size() + cpu::padding);
         for (std::size_t i = 0; i < cases.size(); ++i) distances[i] = cases[i].distance;
-        const cpu::AskedDistance distance =
-            each ? cpu::AskedDistance(distances.data()) : cpu::AskedDistance(distances.front());
+        const cpu::AskedDistance distance = each ? cpu::AskedDistance(distances.data()) : asked(cases.front());
         std::vector<FeatureTest> test;
         for (std::int32_t i = 0; i < static_cast<std::int32_t>(cases.size()); ++i)
             test.push_back({{i, i}, {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}});
@@ -85,7 +84,7 @@ class Rows {
         cpu::ListedTests tests{listed.data(), cases.size()};
         std::vector<FeatureTest> test(cases.size());
         const std::size_t left = kernels.filter_listed[static_cast<std::size_t>(kind)](
-            points(), ends_, cases.front().distance, pairs, tests, test.data());
+            points(), ends_, asked(cases.front()), pairs, tests, test.data());
         std::vector<bool> kept(cases.size(), false);
         for (std::size_t i = 0; i < left; ++i) {
             const Pair& pair = test[i].pair;
@@ -95,6 +94,8 @@ class Rows {
     }
 
    private:
+    static cpu::AskedDistance asked(const FeatureCase& c) { return {c.distance, share_to_filter(c.share)}; }
+
     std::int64_t ends_;
     std::vector<double> rows_;
     std::vector<float> rows32_;
@@ -108,6 +109,31 @@ constexpr FeatureKind kinds[] = {FeatureKind::vertex_face, FeatureKind::edge_edg
 
 class FeatureFilters : public testing::TestWithParam<Hard> {};
 INSTANTIATE_TEST_SUITE_P(, FeatureFilters, testing::ValuesIn(all_hard), name_of_hard);
+
+TEST_P(FeatureFilters, OfAShareRejectOnlyWhatStaysFarther) {
+    int rejected = 0;
+    for (const bool float32 : {true, false})
+        for (const FeatureKind kind : kinds) {
+            RandomCases random(GetParam(), float32, 101);
+            for (int i = 0; i < 400; ++i) {
+                FeatureCase c = random(kind, 2);
+                // Also what stays about where it is, which is the rule; and what comes to just that share.
+                const double part = i % 2 ? 0x1p-6 : 1;
+                for (MovingPoint& p : c.point)
+                    for (int axis = 0; axis < 3; ++axis) {
+                        p.end[axis] = p.start[axis] + part * (p.end[axis] - p.start[axis]);
+                        if (float32) p.end[axis] = static_cast<float>(p.end[axis]);
+                    }
+                c.share = std::array{0.1, 0.5, 1 - 0x1p-53, 0x1p-300}[static_cast<std::size_t>(i / 2 % 4)];
+                std::size_t rejecting = 0;
+                for (const auto* table : feature_tables()) rejecting += !keeps(*table, c, float32);
+                rejecting += !keeps(cpu::scalar_features, c, float32, false);
+                ASSERT_FALSE(rejecting > 0 && c.near()) << c << (float32 ? ", float32" : ", float64");
+                rejected += rejecting > 0;
+            }
+        }
+    EXPECT_GT(rejected, 100);
+}
 
 // Tables differ by fused operations only, so they may answer differently only next to a filter's edge; or where all is
 // next to one line, and rounding alone makes the direction beside it.

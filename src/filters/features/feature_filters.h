@@ -62,6 +62,28 @@ CRUMPLE_HD Vec3f between_middles(const Vec3f (&to)[3]) {
     return to[1] + to[2] - to[0];
 }
 
+/// A share in [0, 1), rounded up; above 0 it stays so.
+CRUMPLE_HD inline float share_to_filter(double share) {
+    return share > 0 ? max(static_cast<float>(share) * up, 1e-30f) : 0;
+}
+
+/// A bound above on the distance at the start: between two of the vertices, or both middles. Vectors that are compared
+/// err by less than 6 u of all magnitudes.
+template <FeatureKind kind, int moments>
+CRUMPLE_HD float most_at_start(const SeenFeatures<moments>& seen) {
+    const Vec3f(&to)[3] = seen.to[0];
+    const auto square = [](const Vec3f& v) { return dot(v, v); };
+    float least = min(square(to[1]), square(to[2]));
+    if constexpr (kind == FeatureKind::vertex_face)
+        least = min(least, square(to[0]));
+    else
+        least = min(least, min(square(to[1] - to[0]), square(to[2] - to[0])));
+    const float share = kind == FeatureKind::vertex_face ? 1.0f / 3 : 0.5f;
+    least = min(least, share * share * square(between_middles<kind>(to)));
+    const Vec3f all = abs(to[0]) + abs(to[1]) + abs(to[2]);
+    return std::sqrt(least + least_square) * up + 8 * unit_roundoff * (all.x + all.y + all.z);
+}
+
 /// Two edges of the face, or both edges.
 template <FeatureKind kind>
 CRUMPLE_HD Vec3f first_edge(const Vec3f (&to)[3]) {

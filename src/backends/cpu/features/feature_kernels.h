@@ -5,25 +5,34 @@
 // (feature_kernels_scalar.cpp, from the per-pair sources that host and device share) and one pair of tables for each
 // SIMD instruction set, which overrides it (feature_lanes.cpp). All tables leave what may be an answer.
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
 #include "backends/cpu/stages/layout.h"
 #include "exact/proximity/guess_batch.h"
+#include "filters/features/feature_filters.h"
 #include "filters/features/tests_of_pair.h"
 #include "scene/scene_features.h"
 
 namespace crumple::cpu {
 
 /// What is asked of tests, in normalised coordinates, rounded up: one distance of all, or one of each, with `padding`
-/// more that may be read; these are moved as the tests are.
+/// more that may be read; these are moved as the tests are. Or a share of the test's own distance at the start, if that
+/// is more.
 struct AskedDistance {
     float all = 0;
     float* each = nullptr;
+    float share = 0;
 
-    AskedDistance(float distance) : all(distance) {}
+    AskedDistance(float distance, float share = 0) : all(distance), share(share) {}
     explicit AskedDistance(float* of_each) : each(of_each) {}
-    float of(std::size_t test) const { return each ? each[test] : all; }
+    bool contact() const { return !each && all == 0 && share == 0; }
+    template <FeatureKind kind, int moments>
+    float of(std::size_t test, const SeenFeatures<moments>& seen) const {
+        const float distance = each ? each[test] : all;
+        return share > 0 ? std::max(distance, share * most_at_start<kind>(seen)) : distance;
+    }
 };
 
 /// Some pairs of triangles that separate() has left.
@@ -74,7 +83,7 @@ struct FeatureKernels {
 
     /// Of a vertex and a face, and of two edges: writes out the listed tests that may be an answer, and returns how
     /// many. What is listed is not kept. `ends` as in BuildInput.
-    std::size_t (*filter_listed[2])(const PointRows& points, std::int64_t ends, float distance,
+    std::size_t (*filter_listed[2])(const PointRows& points, std::int64_t ends, AskedDistance distance,
                                     const PairsLeft<moments>& pairs, ListedTests& listed, FeatureTest* test);
 
     /// By kind, of which the last two are vertices and faces that are edges and vertices: the same of tests that are

@@ -71,14 +71,14 @@ std::size_t filter(const PointRows& points, std::int64_t ends, AskedDistance dis
             const auto at = [&](int k) { return points[static_cast<std::int32_t>(test[i].vertex[k] + m * ends)]; };
             for (int k = 0; k < 3; ++k) seen.to[m][k] = to_float(at(k + 1) - at(0));
         }
-        if (!surely_far<kind>(seen, distance.of(i))) test[left++] = test[i];
+        if (!surely_far<kind>(seen, distance.template of<kind>(i, seen))) test[left++] = test[i];
     }
     return left;
 }
 
 template <FeatureKind kind, int moments>
-std::size_t filter_listed(const PointRows& points, std::int64_t ends, float distance, const PairsLeft<moments>& pairs,
-                          ListedTests& listed, FeatureTest* test) {
+std::size_t filter_listed(const PointRows& points, std::int64_t ends, AskedDistance distance,
+                          const PairsLeft<moments>& pairs, ListedTests& listed, FeatureTest* test) {
     for (std::size_t i = 0; i < listed.count; ++i) write_test<kind>(pairs, listed, i, test[i]);
     return filter<kind, moments>(points, ends, distance, test, listed.count);
 }

@@ -76,6 +76,7 @@ template <int moments>
 void FeatureLeaves<moments>::ask(const FeatureRequest& query, float distance, const float* radius) {
     query_ = &query;
     distance_ = distance;
+    share_ = share_to_filter(query.share);
     radius_ = radius;
     stream_ = nullptr;
 }
@@ -158,8 +159,8 @@ void FeatureLeaves<moments>::narrow(std::size_t pairs, const Worker& builder, Wo
     }
 }
 
-// Lists the candidates that no direction separates; returns how many. A share of the distance at the start is the
-// business of the decision.
+// Lists the candidates that no direction separates; returns how many. A share of the distance at the start is that of
+// each test.
 template <int moments>
 std::size_t FeatureLeaves<moments>::separate(const Worker& builder, Worker& worker) const {
     worker.left.resize_discard(static_cast<std::size_t>(worker.candidates.count + padding));
@@ -210,13 +211,13 @@ void FeatureLeaves<moments>::filter_listed(const PairsLeft<moments>& pairs, List
     constexpr auto k = static_cast<std::size_t>(kind);
     Array<FeatureTest>& tests = worker.tests[k];
     FeatureTest* test = tests.resize_discard(listed.count);
-    if (query_->share > 0 || radius_) {
+    if (radius_) {
         for (std::size_t i = 0; i < listed.count; ++i) write_test<kind>(pairs, listed, i, test[i]);
         return filter_tests(kind, worker);
     }
     worker.statistics.edge_tests += static_cast<std::int64_t>(listed.count);
     const FlushToZero mode;
-    tests.resize(kernels_.filter_listed[k](call_->points(), ends(), distance_, pairs, listed, test));
+    tests.resize(kernels_.filter_listed[k](call_->points(), ends(), {distance_, share_}, pairs, listed, test));
     drop_neighbours(kind, tests);
 }
 
@@ -239,12 +240,10 @@ void FeatureLeaves<moments>::filter_tests(FeatureKind kind, Worker& worker) cons
     const auto k = static_cast<std::size_t>(kind);
     Array<FeatureTest>& tests = worker.tests[k];
     worker.statistics.edge_tests += static_cast<std::int64_t>(tests.size());
-    if (query_->share == 0) {
-        const FlushToZero mode;
-        if (radius_) add_radii(kind, tests, radius_, worker.distance);
-        const AskedDistance asked = radius_ ? AskedDistance(worker.distance.data()) : AskedDistance(distance_);
-        tests.resize(kernels_.filter[k](call_->points(), ends(), asked, tests.data(), tests.size()));
-    }
+    const FlushToZero mode;
+    if (radius_) add_radii(kind, tests, radius_, worker.distance);
+    const AskedDistance asked = radius_ ? AskedDistance(worker.distance.data()) : AskedDistance(distance_, share_);
+    tests.resize(kernels_.filter[k](call_->points(), ends(), asked, tests.data(), tests.size()));
     drop_neighbours(kind, tests);
 }
 

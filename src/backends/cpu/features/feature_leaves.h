@@ -97,7 +97,7 @@ class FeatureLeaves final : public LeafQuestion {
     const Call* call_ = nullptr;
     const FeatureRequest* query_ = nullptr;
     FeatureStream* stream_ = nullptr;  ///< null: hits gather with the workers
-    float distance_ = 0;
+    float distance_ = 0, share_ = 0;
     const float* radius_ = nullptr;
     std::atomic<bool> any_{false};
     /// Place of the first pair that touches at time 0, where only the first impact is asked for: none can be earlier,

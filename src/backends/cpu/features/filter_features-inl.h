@@ -90,6 +90,24 @@ HWY_INLINE Point<V> between_middles(const Point<V> (&to)[3]) {
         return subtract(add(to[1], to[2]), to[0]);
 }
 
+/// As most_at_start() of one pair.
+template <FeatureKind kind, class V, int moments>
+HWY_INLINE V most_at_start(const Seen<V, moments>& seen) {
+    const hn::DFromV<V> d;
+    const Point<V>(&to)[3] = seen.to[0];
+    const auto square = [](const Point<V>& v) HWY_ATTR { return dot(v, v); };
+    V least = hn::Min(square(to[1]), square(to[2]));
+    if constexpr (kind == FeatureKind::vertex_face)
+        least = hn::Min(least, square(to[0]));
+    else
+        least = hn::Min(least, hn::Min(square(subtract(to[1], to[0])), square(subtract(to[2], to[0]))));
+    const float share = kind == FeatureKind::vertex_face ? 1.0f / 3 : 0.5f;
+    least = hn::Min(least, hn::Mul(hn::Set(d, share * share), square(between_middles<kind>(to))));
+    const Point<V> all = add(add(abs(to[0]), abs(to[1])), abs(to[2]));
+    const V errors = hn::Mul(hn::Set(d, 8 * unit_roundoff), hn::Add(hn::Add(all.x, all.y), all.z));
+    return hn::MulAdd(hn::Sqrt(hn::Add(least, hn::Set(d, least_square))), hn::Set(d, up), errors);
+}
+
 /// As first_edge() and second_edge() of one pair.
 template <FeatureKind kind, class V>
 HWY_INLINE Point<V> first_edge(const Point<V> (&to)[3]) {
@@ -201,7 +219,7 @@ HWY_INLINE auto surely_far_fine(const SeenTests<V, moments>& tests) {
 
 /// Calls keep(i, next) for each test that is not `far`, in order: it is to be the next of those that are left. Returns
 /// how many. `vertices_of(i, room)`: where the vertices of test i stand, if nowhere else then in `room`.
-template <int moments, class D, class Points, class VerticesOf, class Far, class Keep>
+template <FeatureKind kind, int moments, class D, class Points, class VerticesOf, class Far, class Keep>
 HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, AskedDistance distance,
                                  std::size_t count, VerticesOf vertices_of, Far far, Keep keep) {
     using V = hn::Vec<D>;
@@ -219,6 +237,9 @@ HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, A
         tests.reach = add(add(reach[0], reach[1]), reach[2]);
         tests.magnitude = dot(product_magnitudes(reach[0], reach[1]), reach[2]);
         tests.asked = distance.each ? hn::Mul(hn::LoadU(d, distance.each + first), hn::Set(d, up)) : of_all;
+        if (distance.share > 0)
+            tests.asked =
+                hn::Max(tests.asked, hn::Mul(hn::Set(d, distance.share * up), most_at_start<kind>(tests.seen)));
         std::uint64_t near = ~bits_of(d, far(tests)) & ((std::uint64_t{1} << std::min(lanes, count - first)) - 1);
         for (; near; near &= near - 1) {
             const std::size_t from = first + static_cast<std::size_t>(__builtin_ctzll(near));
@@ -230,10 +251,10 @@ HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, A
 }
 
 /// Of tests that are written out: those that are left move to the front.
-template <int moments, class D, class Points, class Far>
+template <FeatureKind kind, int moments, class D, class Points, class Far>
 HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, AskedDistance distance,
                                  FeatureTest* test, std::size_t count, Far far) {
-    return keep_near<moments>(
+    return keep_near<kind, moments>(
         d, points, ends, distance, count, [&](std::size_t i, std::int32_t*) { return test[i].vertex; }, far,
         [&](std::size_t from, std::size_t to) { test[to] = test[from]; });
 }
@@ -250,20 +271,20 @@ template <FeatureKind kind, int moments>
 std::size_t filter(const PointRows& points, std::int64_t ends, AskedDistance distance, FeatureTest* test,
                    std::size_t count) {
     using Tests = SeenTests<hn::Vec<hn::ScalableTag<float>>, moments>;
-    const bool contact = !distance.each && distance.all == 0;
+    const bool contact = distance.contact();
     return with_points(points, [&](auto d, const auto& rows) HWY_ATTR {
-        count = keep_near<moments>(d, rows, ends, distance, test, count, [&](const Tests& tests) HWY_ATTR {
+        count = keep_near<kind, moments>(d, rows, ends, distance, test, count, [&](const Tests& tests) HWY_ATTR {
             return surely_far_coarse<kind>(tests, contact);
         });
-        return keep_near<moments>(d, rows, ends, distance, test, count,
-                                  [&](const Tests& tests) HWY_ATTR { return surely_far_fine<kind>(tests); });
+        return keep_near<kind, moments>(d, rows, ends, distance, test, count,
+                                        [&](const Tests& tests) HWY_ATTR { return surely_far_fine<kind>(tests); });
     });
 }
 
 /// Few of the tests that are listed pass, and only these are written out.
 template <FeatureKind kind, int moments>
-std::size_t filter_listed(const PointRows& points, std::int64_t ends, float distance, const PairsLeft<moments>& pairs,
-                          ListedTests& listed, FeatureTest* test) {
+std::size_t filter_listed(const PointRows& points, std::int64_t ends, AskedDistance distance,
+                          const PairsLeft<moments>& pairs, ListedTests& listed, FeatureTest* test) {
     using Tests = SeenTests<hn::Vec<hn::ScalableTag<float>>, moments>;
     const auto vertices_of = [&](std::size_t i, std::int32_t(&room)[4]) -> const std::int32_t* {
         const std::size_t pair = listed.pair(i);
@@ -271,13 +292,13 @@ std::size_t filter_listed(const PointRows& points, std::int64_t ends, float dist
         return room;
     };
     return with_points(points, [&](auto d, const auto& rows) HWY_ATTR {
-        const std::size_t left = keep_near<moments>(
+        const std::size_t left = keep_near<kind, moments>(
             d, rows, ends, distance, listed.count, vertices_of,
-            [&](const Tests& tests) HWY_ATTR { return surely_far_coarse<kind>(tests, distance == 0); },
+            [&](const Tests& tests) HWY_ATTR { return surely_far_coarse<kind>(tests, distance.contact()); },
             [&](std::size_t from, std::size_t to) { listed.test[to] = listed.test[from]; });
         for (std::size_t i = 0; i < left; ++i) write_test<kind>(pairs, listed, i, test[i]);
-        return keep_near<moments>(d, rows, ends, distance, test, left,
-                                  [&](const Tests& tests) HWY_ATTR { return surely_far_fine<kind>(tests); });
+        return keep_near<kind, moments>(d, rows, ends, distance, test, left,
+                                        [&](const Tests& tests) HWY_ATTR { return surely_far_fine<kind>(tests); });
     });
 }
 

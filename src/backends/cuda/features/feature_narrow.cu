@@ -19,7 +19,7 @@ struct TestFilter {
 
     template <FeatureKind kind>
     __device__ bool keeps(const FeatureTest& test) const {
-        return (asked.share > 0 || !far<kind>(test)) && !(asked.rings.of && joined<kind>(test));
+        return !far<kind>(test) && !(asked.rings.of && joined<kind>(test));
     }
 
    private:
@@ -40,7 +40,9 @@ struct TestFilter {
             const Vec3d from = points[test.vertex[0] + m * ends];
             for (int k = 0; k < 3; ++k) seen.to[m][k] = to_float(points[test.vertex[k + 1] + m * ends] - from);
         }
-        return surely_far<as>(seen, distance<kind>(test.vertex));
+        float least = distance<kind>(test.vertex);
+        if (asked.share > 0) least = max(least, share_to_filter(asked.share) * most_at_start<as>(seen));
+        return surely_far<as>(seen, least);
     }
     template <FeatureKind kind>
     __device__ bool joined(const FeatureTest& test) const {
