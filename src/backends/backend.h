@@ -36,6 +36,9 @@ class BackendBase : public ParallelFor {
     virtual void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
                       Intersections& result) = 0;
 
+    /// True if this backend is what others are compared with: searches leave nothing out for it.
+    virtual bool by_brute_force() const { return false; }
+
     /// Whether there is any pair. Stops at the first, or soon after it.
     virtual bool any(const PreparedScene& scene, const IntersectionQuery& query) = 0;
 

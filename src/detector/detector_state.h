@@ -43,7 +43,7 @@ struct DetectorState {
     NearestSearch nearest{meter, cancellation, named};
     ClosedBodies closed_bodies{meter, cancellation};
     OverlapSearch overlap_search{meter, cancellation, closed_bodies};
-    FeatureSearch features{meter, cancellation};
+    FeatureSearch features{meter, cancellation, named};
     Backend working = Backend::cpu;  ///< what `backend` is
     std::unique_ptr<BackendBase> backend;
     std::string fallback;

@@ -25,9 +25,9 @@ struct LeastDistances {
     Array<double> of_vertices, of_faces, of_edges;
 
     void take(Proximities& result) {
-        of_vertices.swap(result.vertex_distance);
-        of_faces.swap(result.face_distance);
-        of_edges.swap(result.edge_distance);
+        of_vertices.swap_elements(result.vertex_distance);
+        of_faces.swap_elements(result.face_distance);
+        of_edges.swap_elements(result.edge_distance);
     }
 };
 

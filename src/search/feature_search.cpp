@@ -34,12 +34,13 @@ bool all_wanted(const PairFilter& rules) {
 
 }  // namespace
 
-FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation)
+FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& trees)
     : meter_(meter),
       cancellation_(cancellation),
       outline_(&meter),
       rules_(&meter),
       rule_(&meter),
+      clear_(meter, trees),
       scene_(&meter),
       lists_(&meter),
       buffers_(&meter),
@@ -55,6 +56,7 @@ void FeatureSearch::release() {
     outline_ = WorldOutline(&meter_);
     rules_ = BodyRules(&meter_);
     rule_ = GroupRule(&meter_);
+    clear_.release();
     scene_ = WorldScene(&meter_);
     lists_ = JoinedLists(&meter_);
     buffers_ = SceneBuffers(&meter_);
@@ -110,9 +112,11 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
     if (there_ || in_place(query.filter)) {
         search_in_place(backend, query, result);
     } else {
+        read_clear_worlds(backend, query);
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
             cancellation_.check();
             if (wants_any(query) && result.any) break;
+            if (clear_.clear(pass)) continue;
             search_world(backend, pass, query, result);
         }
     }
@@ -120,6 +124,18 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
         if (query.index && !bodies_ && extent(query) == Extent::all) index_lists(query, result);
     for (const auto& list : result.lists) result.count += static_cast<std::int64_t>(list.pairs.size());
     result.statistics.pairs = result.count;
+}
+
+// Under a memory limit trees would have to make room for the scenes; and brute force is to be independent.
+template <class Query>
+void FeatureSearch::read_clear_worlds(const BackendBase& backend, const Query& query) {
+    clear_.forget();
+    if (extent(query) != Extent::any || meter_.limit > 0 || backend.by_brute_force()) return;
+    if constexpr (is_motion<Query>) {
+        if (query.min_distance_share == 0) clear_.read(outline_, rules_, true, query.min_distance);
+    } else if constexpr (is_near<Query>) {
+        clear_.read(outline_, rules_, false, query.radius);
+    }
 }
 
 template <class Query>

@@ -22,6 +22,7 @@
 #include "scene/scene_features.h"
 #include "scene/world_outline.h"
 #include "scene/world_scene.h"
+#include "search/clear_worlds.h"
 #include "search/triangle_impacts.h"
 
 namespace crumple {
@@ -35,7 +36,7 @@ struct FeatureBlocks {
 
 class FeatureSearch {
    public:
-    FeatureSearch(MemoryMeter& meter, Cancellation& cancellation);
+    FeatureSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& trees);
 
     /// `bodies`: true if the result names bodies, else there is only one. `frugal`: see FeatureRequest.
     template <class Query>
@@ -95,6 +96,10 @@ class FeatureSearch {
     template <class Query>
     void search_world(BackendBase& backend, std::int32_t pass, const Query& query, typename Query::Result& result);
 
+    /// Finds out which worlds are clear, where the result does not name features.
+    template <class Query>
+    void read_clear_worlds(const BackendBase& backend, const Query& query);
+
     template <class Query>
     void index_lists(const Query& query, typename Query::Result& result) const;
 
@@ -153,6 +158,7 @@ class FeatureSearch {
     WorldOutline outline_;
     BodyRules rules_;
     GroupRule rule_;
+    ClearWorlds clear_;
     WorldScene scene_;
     JoinedLists lists_;
     SceneBuffers buffers_;

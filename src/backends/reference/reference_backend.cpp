@@ -87,6 +87,8 @@ class Reference final : public BackendBase {
         return found;
     }
 
+    bool by_brute_force() const override { return true; }
+
     void find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) override {
         result.clear();
         begin(result.statistics);

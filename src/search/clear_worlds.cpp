@@ -1,0 +1,81 @@
+#include "search/clear_worlds.h"
+
+#include <algorithm>
+
+namespace crumple {
+
+void ClearWorlds::release() {
+    forget();
+    bodies_ = {};
+}
+
+void ClearWorlds::read(const WorldOutline& outline, const BodyRules& rules, bool step, double reach) {
+    forget();
+    const auto& shapes = outline.world().shapes;
+    const auto knows = [](const Shape& s) {
+        return s.name != 0 && !s.edges && !s.points && !s.end.data && s.radii.empty();
+    };
+    if (shapes.empty() || !std::all_of(shapes.begin(), shapes.end(), knows)) return;
+    outline_ = &outline;
+    rules_ = &rules;
+    trees_.begin();
+    std::vector<const ShapeTree*> tree(shapes.size());
+    for (std::size_t s = 0; s < shapes.size(); ++s) tree[s] = &trees_.named(shapes[s], s);
+    // Boxes hold what they are to hold with more room than a few roundings of their own bounds; those of the reach come
+    // on top.
+    half_ = reach / 2 * (1 + 0x1p-40);
+    bodies_.clear();
+    for (std::int32_t b = 0; b < outline.bodies(); ++b)
+        bodies_.push_back({tree[static_cast<std::size_t>(outline.body(b).shape)], outline.placement(b),
+                           step ? outline.end_placement(b) : outline.placement(b)});
+    bool finite = true;
+    near_.prepare(outline, [&](std::int32_t b) {
+        const Posed& body = bodies_[static_cast<std::size_t>(b)];
+        if (body.tree->empty()) return no_bounds;
+        const Bounds box = bounds(body, body.tree->box());
+        finite = finite && all_finite(box.low) && all_finite(box.high);
+        return box;
+    });
+    known_ = finite;
+}
+
+// Points go straight from start to end, so that a box of both places holds the way.
+Bounds ClearWorlds::bounds(const Posed& body, const CentredBox& box) const {
+    Bounds all = body.start(box);
+    all.widen(body.end(box));
+    const Vec3d half{half_, half_, half_};
+    return {all.low - half, all.high + half};
+}
+
+bool ClearWorlds::may_meet(std::int32_t a, std::int32_t b) const {
+    if (!rules_->between(a, b)) return false;
+    const bool grouped = !outline_->shape(a).groups.empty() || !outline_->shape(b).groups.empty();
+    return grouped || rules_->groups(outline_->body(a).group, outline_->body(b).group);
+}
+
+bool ClearWorlds::may_be_near(const Posed& a, std::int32_t node_a, const Posed& b, std::int32_t node_b) const {
+    const ShapeTree::Node &first = a.tree->node(node_a), &second = b.tree->node(node_b);
+    if (!overlap(bounds(a, a.tree->box(first)), bounds(b, b.tree->box(second)))) return false;
+    const bool leaf_a = first.group >= 0, leaf_b = second.group >= 0;
+    if (leaf_a && leaf_b) return true;
+    if (leaf_b || (!leaf_a && first.extent() * a.tree->frame().unit > second.extent() * b.tree->frame().unit))
+        return may_be_near(a, node_a + 1, b, node_b) || may_be_near(a, first.right, b, node_b);
+    return may_be_near(a, node_a, b, node_b + 1) || may_be_near(a, node_a, b, second.right);
+}
+
+bool ClearWorlds::clear(std::int32_t pass) const {
+    if (!known_) return false;
+    const bool last = pass == outline_->worlds();
+    const std::int32_t end = last ? outline_->bodies() : outline_->first_body(pass + 1);
+    for (std::int32_t b = outline_->first_body(pass); b < end; ++b)
+        if (rules_->within(b, outline_->body(b).self)) return false;
+    bool clear = true;
+    near_.for_each_pair(pass, [&](std::int32_t a, std::int32_t b) {
+        const Posed &first = bodies_[static_cast<std::size_t>(a)], &second = bodies_[static_cast<std::size_t>(b)];
+        clear = !may_meet(a, b) || first.tree->empty() || second.tree->empty() || !may_be_near(first, 0, second, 0);
+        return clear;
+    });
+    return clear;
+}
+
+}  // namespace crumple
