@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "features/triangle_cases.h"
+#include "filters/features/feature_filters.h"
 #include "filters/features/separating_direction.h"
 
 namespace crumple {
@@ -15,7 +16,8 @@ std::size_t dropping(const TriangleCase& c, bool float32, const LeafFrame& frame
     std::size_t count = 0;
     for (const auto* table : feature_tables()) {
         const LeafOfTwo<moments> leaf(*table, c, float32, frame, {});
-        count += !leaf.kept(needed_gap(static_cast<float>(c.separation.distance), leaf.bounds().reach));
+        count += !leaf.kept(
+            {static_cast<float>(c.separation.distance), leaf.bounds().reach, share_to_filter(c.separation.share)});
     }
     return count;
 }
@@ -43,6 +45,29 @@ TEST_P(SeparatedTriangles, HaveNoFeaturesThatAreAnAnswer) {
                 }
             }
     EXPECT_LE(differ, cases / 500);
+}
+
+TEST_P(SeparatedTriangles, HaveNoFeaturesThatComeToAShareOfTheirDistance) {
+    int dropped = 0;
+    for (const bool float32 : {true, false})
+        for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::edge_edge}) {
+            RandomTriangles random(GetParam(), float32, 103);
+            for (int i = 0; i < 150; ++i) {
+                TriangleCase c = random(kind, 2);
+                const double part = i % 2 ? 0x1p-6 : 1;
+                for (MovingPoint& p : c.corner)
+                    for (int axis = 0; axis < 3; ++axis) {
+                        p.end[axis] = p.start[axis] + part * (p.end[axis] - p.start[axis]);
+                        if (float32) p.end[axis] = static_cast<float>(p.end[axis]);
+                    }
+                c.separation.share = std::array{0.05, 0.3, 1 - 0x1p-53}[static_cast<std::size_t>(i / 2 % 3)];
+                const LeafFrame frame = around(i % 4 < 2 ? Vec3f{} : Vec3f{0.25f, -1, 0.5f});
+                const std::size_t drop = dropping(c, float32, frame);
+                ASSERT_FALSE(drop > 0 && c.near()) << c << (float32 ? ", float32" : ", float64");
+                dropped += drop > 0;
+            }
+        }
+    EXPECT_GT(dropped, GetParam() == Hard::random ? 20 : 0);
 }
 
 // Of the triangles around a hard pair of features the one has corners of the other's, where it has nothing of the pair.
@@ -231,16 +256,6 @@ TEST(TrianglesApart, AreNoneWithABigMember) {
     c.moments = 1;
     ASSERT_EQ(dropping(c, false, around({})), feature_tables().size());
     EXPECT_EQ(dropping(c, false, around({}, 0.4f)), 0U);
-}
-
-// A share of the distance at the start is no distance that is known here.
-TEST(TrianglesApart, AreNoneWhereTheGapIsEndless) {
-    for (const double scale : {1.0, 1e-19, 1e-30}) {
-        TriangleCase c = stacked(0.5, {}, {}, 0);
-        for (MovingPoint& p : c.corner) p = {scale * p.start, scale * p.end};
-        for (const auto* table : feature_tables())
-            EXPECT_TRUE(LeafOfTwo<2>(*table, c, false, around({}), {}).kept(most));
-    }
 }
 
 }  // namespace

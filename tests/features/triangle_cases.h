@@ -124,14 +124,14 @@ class LeafOfTwo {
     const cpu::Boxes& boxes() const { return boxes_; }
 
     /// Whether the table keeps the pair, either way round, where no direction has a gap of more than this.
-    bool kept(float gap) const {
+    bool kept(const NeededGap& gap) const {
         const bool kept = separate(0, 1, gap) == 1;
         EXPECT_EQ(separate(1, 0, gap) == 1, kept);
         return kept;
     }
 
    private:
-    std::size_t separate(std::uint16_t row, std::uint16_t column, float gap) const {
+    std::size_t separate(std::uint16_t row, std::uint16_t column, const NeededGap& gap) const {
         constexpr std::uint16_t dummy = 2;
         cpu::CandidateChunk candidates(nullptr);
         candidates.count = 16;

@@ -12,12 +12,45 @@ namespace crumple {
 /// Values of which two are compared err by less than this share of a leaf's reach, both together (docs/features.md).
 inline constexpr float projection_error = 20 * unit_roundoff;
 
-/// What a gap along a direction of length 1 has to exceed; `reach`: the leaf's largest |coordinate|. Along others, what
-/// it is times their length(): errors of projections grow with that as well, and what underflows is below 1e-18 times
-/// the least length.
-CRUMPLE_HD inline float needed_gap(float distance, float reach) {
-    return distance * 1.000002f + (projection_error * reach + 1e-18f);
+/// A bound above on the distance at the start of each feature of a from each one of b, but for errors of coordinates: a
+/// vertex is no farther from a face than from its corners, and an edge no farther from an edge than ends are.
+template <int moments>
+CRUMPLE_HD float most_at_start(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b) {
+    float square[3][3];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const Vec3f way = b.at(j) - a.at(i);
+            square[i][j] = dot(way, way);
+        }
+    float most = 0;
+    for (int i = 0; i < 3; ++i) {
+        most = max(most, min(square[i][0], min(square[i][1], square[i][2])));
+        most = max(most, min(square[0][i], min(square[1][i], square[2][i])));
+        for (int j = 0; j < 3; ++j) {
+            const int i1 = (i + 1) % 3, j1 = (j + 1) % 3;
+            most = max(most, min(min(square[i][j], square[i][j1]), min(square[i1][j], square[i1][j1])));
+        }
+    }
+    return std::sqrt(most + least_square);
 }
+
+/// What a gap along a direction of length 1 has to exceed. Along others, what it is times their length(): errors of
+/// projections grow with that as well, and what underflows is below 1e-18 times the least length.
+struct NeededGap {
+    float gap, error;  ///< for the distance that is asked for, and what is in it for errors
+    float share;       ///< or for this share of a feature's own distance at the start, if that is more
+
+    /// `reach`: the leaf's largest |coordinate|. `share`: see share_to_filter().
+    CRUMPLE_HD NeededGap(float distance, float reach, float share = 0)
+        : error(projection_error * reach + 1e-18f), share(share) {
+        gap = distance * 1.000002f + error;
+    }
+    /// That of a pair.
+    template <int moments>
+    CRUMPLE_HD float of(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b) const {
+        return share > 0 ? max(gap, share * (most_at_start(a, b) * 1.000002f + 2 * error) + error) : gap;
+    }
+};
 
 /// Whether d separates a from b by more than `gap`, at each moment and the same way round.
 template <int moments>

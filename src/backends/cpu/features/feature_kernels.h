@@ -12,6 +12,7 @@
 #include "backends/cpu/stages/layout.h"
 #include "exact/proximity/guess_batch.h"
 #include "filters/features/feature_filters.h"
+#include "filters/features/separating_direction.h"
 #include "filters/features/tests_of_pair.h"
 #include "scene/scene_features.h"
 
@@ -73,9 +74,10 @@ struct FeatureKernels {
     /// Copies record i to sorted[position[i]].
     void (*scatter)(const Record* record, std::int64_t n, const std::int32_t* position, Record* sorted);
 
-    /// Lists the candidates that no direction separates by more than `gap`, packed as column << 16 | row; returns how
+    /// Lists the candidates that no direction separates by more than the gap, packed as column << 16 | row; returns how
     /// many. `record`: by physical row. Writes up to `padding` more.
-    std::size_t (*separate)(const Record* record, const CandidateChunk& candidates, float gap, std::uint32_t* left);
+    std::size_t (*separate)(const Record* record, const CandidateChunk& candidates, const NeededGap& gap,
+                            std::uint32_t* left);
 
     /// Lists the tests of pairs. `names`: what vertices are called where two are compared, or null.
     void (*list)(const PairsLeft<moments>& pairs, const std::int32_t* names, ListedTests& vertex_face,

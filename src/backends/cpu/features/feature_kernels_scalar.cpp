@@ -31,7 +31,7 @@ void scatter(const FeatureRecord<moments>* record, std::int64_t n, const std::in
 }
 
 template <int moments>
-std::size_t separate(const FeatureRecord<moments>* record, const CandidateChunk& candidates, float gap,
+std::size_t separate(const FeatureRecord<moments>* record, const CandidateChunk& candidates, const NeededGap& gap,
                      std::uint32_t* left) {
     const FeatureRecord<moments>* rows = record + candidates.rows;
     const FeatureRecord<moments>* columns = record + candidates.columns;
@@ -40,7 +40,7 @@ std::size_t separate(const FeatureRecord<moments>* record, const CandidateChunk&
         const std::uint32_t i = candidates.row[k], j = candidates.column[k];
         if (j == candidates.dummy) continue;
         left[count] = j << 16 | i;
-        count += !surely_apart(rows[i], columns[j], gap);
+        count += !surely_apart(rows[i], columns[j], gap.of(rows[i], columns[j]));
     }
     return count;
 }

@@ -159,14 +159,12 @@ void FeatureLeaves<moments>::narrow(std::size_t pairs, const Worker& builder, Wo
     }
 }
 
-// Lists the candidates that no direction separates; returns how many. A share of the distance at the start is that of
-// each test.
+// Lists the candidates that no direction separates; returns how many.
 template <int moments>
 std::size_t FeatureLeaves<moments>::separate(const Worker& builder, Worker& worker) const {
     worker.left.resize_discard(static_cast<std::size_t>(worker.candidates.count + padding));
     const FlushToZero mode;
-    const float gap =
-        query_->share == 0 ? needed_gap(builder.farthest, builder.reach) : std::numeric_limits<float>::max();
+    const NeededGap gap(builder.farthest, builder.reach, share_);
     return kernels_.separate(builder.sorted.data(), worker.candidates, gap, worker.left.data());
 }
 

@@ -9,7 +9,7 @@
 
 #include "backends/cpu/features/vectors-inl.h"
 #include "backends/cpu/simd/compress-inl.h"
-#include "filters/features/feature_record.h"
+#include "filters/features/separating_direction.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::features {
@@ -162,8 +162,39 @@ HWY_INLINE M separates_centroids(const Records<V, moments>& a, const Records<V, 
     return hn::Or(above, below);
 }
 
+/// As most_at_start() of one pair.
+template <int moments, class V>
+HWY_INLINE V most_at_start(const Records<V, moments>& a, const Records<V, moments>& b) {
+    V square[3][3];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const Point<V> way = subtract(b.at[j], a.at[i]);
+            square[i][j] = dot(way, way);
+        }
+    V most = hn::Zero(hn::DFromV<V>());
+    for (int i = 0; i < 3; ++i) {
+        most = hn::Max(most, hn::Max(least(square[i][0], square[i][1], square[i][2]),
+                                     least(square[0][i], square[1][i], square[2][i])));
+        for (int j = 0; j < 3; ++j) {
+            const int i1 = (i + 1) % 3, j1 = (j + 1) % 3;
+            most = hn::Max(most, hn::Min(hn::Min(square[i][j], square[i][j1]), hn::Min(square[i1][j], square[i1][j1])));
+        }
+    }
+    return hn::Sqrt(hn::Add(most, hn::Set(hn::DFromV<V>(), least_square)));
+}
+
+/// As NeededGap::of() of one pair.
+template <int moments, class V>
+HWY_INLINE V needed_gap(const Records<V, moments>& a, const Records<V, moments>& b, const NeededGap& gap) {
+    const hn::DFromV<V> d;
+    const V of_all = hn::Set(d, gap.gap);
+    if (!(gap.share > 0)) return of_all;
+    const V most = hn::MulAdd(most_at_start(a, b), hn::Set(d, 1.000002f), hn::Set(d, 2 * gap.error));
+    return hn::Max(of_all, hn::MulAdd(hn::Set(d, gap.share), most, hn::Set(d, gap.error)));
+}
+
 template <int moments>
-std::size_t separate(const FeatureRecord<moments>* record, const CandidateChunk& candidates, float gap,
+std::size_t separate(const FeatureRecord<moments>* record, const CandidateChunk& candidates, const NeededGap& gap,
                      std::uint32_t* left) {
     const hn::ScalableTag<float> d;
     const hn::RebindToUnsigned<decltype(d)> du;
@@ -174,7 +205,6 @@ std::size_t separate(const FeatureRecord<moments>* record, const CandidateChunk&
     const FeatureRecord<moments>* columns = record + candidates.columns;
     const std::uint16_t* row = candidates.row.data();
     const std::uint16_t* column = candidates.column.data();
-    const V needed = hn::Set(d, gap);
     const auto dummy = hn::Set(du, candidates.dummy);
     std::size_t count = 0;
     for (std::int64_t pair = 0; pair < candidates.count; pair += lanes) {
@@ -186,6 +216,7 @@ std::size_t separate(const FeatureRecord<moments>* record, const CandidateChunk&
         const auto columns_of = hn::PromoteTo(du, hn::LoadU(d16, column + pair));
         const auto rows_of = hn::PromoteTo(du, hn::LoadU(d16, row + pair));
         const auto common = common_corners(a, b);
+        const V needed = needed_gap(a, b, gap);
         auto apart = hn::Or(hn::RebindMask(d, hn::Eq(columns_of, dummy)), separates_centroids(a, b, needed, common));
         // No direction separates triangles with a common corner, so often nothing is left to be told.
         if (!hn::AllTrue(d, hn::Or(apart, common.any))) {

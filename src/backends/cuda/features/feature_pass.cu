@@ -25,7 +25,7 @@ void FeaturePass::sort() {
 void FeaturePass::sweep(const Slice& slice) {
     with_moments([&]<int moments>() {
         sweep_by(slice, SeparationTest<moments>{records<moments>(), frames(), sorted_.leaf, asked.inflation,
-                                                asked.triangle_radius, asked.share > 0});
+                                                asked.triangle_radius, share_to_filter(asked.share)});
     });
 }
 

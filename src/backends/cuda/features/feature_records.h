@@ -8,6 +8,7 @@
 #include "backends/cuda/device/warp_gather.h"
 #include "backends/cuda/features/feature_parameters.h"
 #include "backends/cuda/stages/layout.h"
+#include "filters/features/feature_filters.h"
 #include "filters/features/separating_direction.h"
 
 namespace crumple::cuda {
@@ -29,8 +30,7 @@ struct FeatureRows {
     }
 };
 
-/// Drops pairs that a direction parts by more than what is asked for. A share of the distance at the start is the
-/// business of the decision.
+/// Drops pairs that a direction parts by more than what is asked for.
 template <int moments>
 struct SeparationTest {
     const FeatureRecord<moments>* record;
@@ -38,16 +38,15 @@ struct SeparationTest {
     const std::uint16_t* leaf;
     const Inflation* inflation;
     const float* triangle_radius;
-    bool all;  ///< nothing is dropped
+    float share;  ///< see share_to_filter()
 
     using Room = GatherRoom<FeatureRecord<moments>>;
     __device__ bool keeps(bool has, const Candidate& c, Room& room) const {
-        if (all) return has;
         const auto [a, b] = gathered_pair(record, c.row, c.column, room);
         if (!has) return false;
         const float asked =
             triangle_radius ? triangle_radius[a.triangle] + triangle_radius[b.triangle] : 2 * inflation->half;
-        return !surely_apart(a, b, needed_gap(asked, frames.reach_of(leaf[c.row])));
+        return !surely_apart(a, b, NeededGap(asked, frames.reach_of(leaf[c.row]), share).of(a, b));
     }
 };
 
