@@ -89,6 +89,11 @@ FeatureDecision decide(FeatureKind kind, const PreparedScene& scene, const std::
     return impact(kind, points, query, counts);
 }
 
+bool surely_later(FeatureKind kind, const PreparedScene& scene, const std::int32_t (&vertex)[4],
+                  const FeatureRequest& query, double time) {
+    return surely_later(kinds_of(kind), points_of(scene, vertex), {query.distance, query.share}, time);
+}
+
 FeatureDecision decide(const PackedFeatures& pair, const FeatureRequest& query, FeatureCounts& counts) {
     ++counts.tests;
     if (query.criterion == Criterion::impact) return impact(pair.kind, pair.points, query, counts);

@@ -28,6 +28,10 @@ struct FeatureCounts {
 FeatureDecision decide(FeatureKind kind, const PreparedScene& scene, const std::int32_t (&vertex)[4],
                        const FeatureRequest& query, FeatureCounts& counts);
 
+/// Whether an impact of two features, if there is one, certainly has a later time than this, as rounded.
+bool surely_later(FeatureKind kind, const PreparedScene& scene, const std::int32_t (&vertex)[4],
+                  const FeatureRequest& query, double time);
+
 /// The same of a pair that a device has packed.
 FeatureDecision decide(const PackedFeatures& pair, const FeatureRequest& query, FeatureCounts& counts);
 

@@ -64,6 +64,21 @@ Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, co
 
 }  // namespace
 
+bool surely_later(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, const Separation& separation,
+                  double time) {
+    switch (kinds) {
+        case FeatureKinds::vertex_face:
+            return surely_later<FeatureKinds::vertex_face>(points, separation, time);
+        case FeatureKinds::edge_edge:
+            return surely_later<FeatureKinds::edge_edge>(points, separation, time);
+        case FeatureKinds::vertex_edge:
+            return surely_later<FeatureKinds::vertex_edge>(points, separation, time);
+        case FeatureKinds::vertex_vertex:
+            break;
+    }
+    return surely_later<FeatureKinds::vertex_vertex>(points, separation, time);
+}
+
 Impact decide_separation(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, const Separation& separation,
                          SeparationCounts& counts) {
     const QuickImpact found = quick(kinds, points, separation);

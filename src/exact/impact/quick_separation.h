@@ -18,6 +18,13 @@ CRUMPLE_HD inline double length_at_start(const MovingDifference<kinds>& x) {
     return (std::sqrt(dot(g, g)) + (16 * 0x1p-53 * x.size + 0x1p-500)) * (1 + 8 * 0x1p-53);
 }
 
+/// The larger one of both distances that the separation has, rounded up.
+template <FeatureKinds kinds>
+CRUMPLE_HD inline double distance_of(const Separation& separation, const MovingDifference<kinds>& x) {
+    if (!(separation.share > 0)) return separation.distance;
+    return max(separation.distance, separation.share * length_at_start(x) * (1 + 2 * 0x1p-53));
+}
+
 template <FeatureKinds kinds>
 CRUMPLE_HD_COLD QuickImpact close_separation(const std::array<MovingPoint, 4>& points, const Separation& separation,
                                              const MovingDifference<kinds>& x, const FarTime& far, double distance) {
@@ -27,13 +34,21 @@ CRUMPLE_HD_COLD QuickImpact close_separation(const std::array<MovingPoint, 4>& p
 
 }  // namespace detail
 
+/// Whether an impact, if there is one, certainly has a time that is later than this one as it is rounded, too.
+template <FeatureKinds kinds>
+CRUMPLE_HD inline bool surely_later(const std::array<MovingPoint, 4>& points, const Separation& separation,
+                                    double time) {
+    const detail::MovingDifference<kinds> x(points);
+    if (!x.in_range()) return false;
+    const detail::FarTime far = detail::far_time(x, detail::distance_of(separation, x), {}, time);
+    return far.any && far.until > time;
+}
+
 template <FeatureKinds kinds>
 CRUMPLE_HD inline QuickImpact quick_separation(const std::array<MovingPoint, 4>& points, const Separation& separation) {
     const detail::MovingDifference<kinds> x(points);
     if (!x.in_range()) return {};
-    double distance = separation.distance;
-    if (separation.share > 0)
-        distance = max(distance, separation.share * detail::length_at_start(x) * (1 + 2 * 0x1p-53));
+    const double distance = detail::distance_of(separation, x);
     const detail::FarTime far = detail::far_time(x, distance);
     if (far.any && far.until == 1) return {Certainty::apart};
     if (!far.any && detail::length_at_start(x) <= separation.distance) return {Certainty::meets, 0, true};

@@ -76,11 +76,12 @@ CRUMPLE_HD inline FarTime far_along(const MovingDifference<kinds>& x, const Vec3
     return {true, until > from && above(until) ? until : from};
 }
 
-/// From what is known on.
+/// From what is known on, until more than `enough` is known.
 template <FeatureKinds kinds>
-CRUMPLE_HD inline FarTime far_time(const MovingDifference<kinds>& x, double distance, FarTime far = {}) {
+CRUMPLE_HD inline FarTime far_time(const MovingDifference<kinds>& x, double distance, FarTime far = {},
+                                   double enough = 1) {
     constexpr int most_steps = 24;
-    for (int step = 0; step < most_steps && far.until < 1; ++step) {
+    for (int step = 0; step < most_steps && far.until < 1 && !(far.until > enough); ++step) {
         const Difference<double> now = x.at(far.until);
         const FarTime next = far_along(x, at(now, closest<kinds>(now)), distance, far.until);
         if (!next.any) break;

@@ -1,6 +1,7 @@
 #include "backends/cpu/features/feature_leaves.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -86,6 +87,7 @@ void FeatureLeaves<moments>::begin(const Call& call) {
     call_ = &call;
     any_ = false;
     first_at_start_ = no_place;
+    first_time_ = std::bit_cast<std::uint64_t>(1.0);
     for (const auto& worker : worker_) {
         worker->hits.clear();
         for (auto& list : worker->tests) list.clear();  // not each kind is listed in each call
@@ -269,6 +271,7 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
     const bool first_alone = query_->extent == Extent::first;
     for (const FeatureTest& test : tests) {
         if (first_alone && place_of(kind, test.pair) > first_at_start_.load(std::memory_order_relaxed)) continue;
+        if (first_alone && is_later(kind, test)) continue;
         const std::int64_t rational = counts.rational;
         const FeatureDecision decision = decide(kind, call_->scene, test.vertex, *query_, counts);
         if (counts.rational != rational) call_->cancellation.check();  // some take a millisecond
@@ -276,10 +279,18 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
         any_.store(true, std::memory_order_relaxed);
         if (query_->extent == Extent::any) break;
         if (first_alone && decision.value == 0) lower(first_at_start_, place_of(kind, test.pair));
+        if (first_alone) lower(first_time_, std::bit_cast<std::uint64_t>(decision.value));
         worker.hits[kind].push_back({test.pair, decision.value, decision.flag});
     }
     worker.statistics.exact_tests += counts.tests;
     worker.statistics.rational_tests += counts.rational;
+}
+
+// Whether a test is later than an impact that is known. Times are not negative, so their bits are in order.
+template <int moments>
+bool FeatureLeaves<moments>::is_later(FeatureKind kind, const FeatureTest& test) const {
+    const double known = std::bit_cast<double>(first_time_.load(std::memory_order_relaxed));
+    return known < 1 && surely_later(kind, call_->scene, test.vertex, *query_, known);
 }
 
 // Decides tests of nearness, and has lanes measure those that are near; what lanes leave open is measured one by one.

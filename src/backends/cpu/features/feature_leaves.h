@@ -84,6 +84,7 @@ class FeatureLeaves final : public LeafQuestion {
     void list_tests_of_listed(const PairsLeft<moments>& pairs, Worker& worker) const;
     void filter_tests(FeatureKind kind, Worker& worker) const;
     void drop_neighbours(FeatureKind kind, Array<FeatureTest>& tests) const;
+    bool is_later(FeatureKind kind, const FeatureTest& test) const;
     void decide_tests(FeatureKind kind, Worker& worker);
     void measure_tests(FeatureKind kind, Worker& worker);
 
@@ -104,6 +105,7 @@ class FeatureLeaves final : public LeafQuestion {
     /// so that pairs behind it need not be decided. Slides within a plane touch there all over, and are slow to decide.
     static constexpr std::uint64_t no_place = UINT64_MAX;
     std::atomic<std::uint64_t> first_at_start_{no_place};
+    std::atomic<std::uint64_t> first_time_{0};  ///< the earliest of the impacts that are known, by its bits, or 1
 };
 
 extern template class FeatureLeaves<1>;
