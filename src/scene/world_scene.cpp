@@ -146,7 +146,7 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
 
 void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywhere, const ShapeTree& tree,
                      std::span<const std::int32_t> groups, std::span<const Bounds> near) {
-    const Placement place = outline.placement(b);
+    const Placement place = outline.placement(b), end_place = outline.end_placement(b);
     ShapeTree::Posed posed;
     begin_body(b, everywhere);
     row_.clear();
@@ -157,6 +157,9 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
         tree.pose(group, place, posed);
         for (std::int32_t v = 0; v < group.vertices; ++v)
             put(start_, first + v, {posed[0][v], posed[1][v], posed[2][v]});
+        if (moving_) tree.pose(group, end_place, posed);
+        for (std::int32_t v = 0; moving_ && v < group.vertices; ++v)
+            put(end_, first + v, {posed[0][v], posed[1][v], posed[2][v]});
         for (std::size_t k = 0; k < static_cast<std::size_t>(group.count); ++k) {
             const auto& c = group.corner[k];
             row_.push_back({group.triangle[k], {first + c[0], first + c[1], first + c[2]}});
@@ -164,7 +167,7 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
     }
     std::sort(row_.begin(), row_.end(), [](const Row& a, const Row& b) { return a.triangle < b.triangle; });
     for (const Row& row : row_)
-        if (is_near(row, near)) add_triangle(outline, b, everywhere, row);
+        if (near.empty() || is_near(row, near)) add_triangle(outline, b, everywhere, row);
 }
 
 PreparedScene WorldScene::scene(const WorldOutline& outline, bool weld, ParallelFor& workers) {

@@ -29,8 +29,8 @@ class WorldScene {
     /// BodyClass. Throws Error with the body, and vertex or triangle.
     void add(const WorldOutline& outline, std::int32_t b, bool everywhere, ParallelFor& workers,
              std::span<const Bounds> near = {});
-    /// The triangles of the given groups of its tree whose box overlaps one of `near`. Pairs within the body are lost,
-    /// for each group has vertices of its own.
+    /// The triangles of the given groups of its tree whose box overlaps one of `near`, if there are boxes. Pairs within
+    /// the body are lost, for each group has vertices of its own.
     void add(const WorldOutline& outline, std::int32_t b, bool everywhere, const ShapeTree& tree,
              std::span<const std::int32_t> groups, std::span<const Bounds> near);
 

@@ -7,13 +7,15 @@ namespace crumple {
 void ClearWorlds::release() {
     forget();
     bodies_ = {};
+    marks_ = {};
 }
 
 void ClearWorlds::read(const WorldOutline& outline, const BodyRules& rules, bool step, double reach) {
     forget();
     const auto& shapes = outline.world().shapes;
     const auto knows = [](const Shape& s) {
-        return s.name != 0 && !s.edges && !s.points && !s.end.data && s.radii.empty();
+        return s.name != 0 && !s.edges && !s.points && !s.end.data && s.radii.empty() && !s.rest.data &&
+               s.rest.rows == 0;
     };
     if (shapes.empty() || !std::all_of(shapes.begin(), shapes.end(), knows)) return;
     outline_ = &outline;
@@ -53,29 +55,40 @@ bool ClearWorlds::may_meet(std::int32_t a, std::int32_t b) const {
     return grouped || rules_->groups(outline_->body(a).group, outline_->body(b).group);
 }
 
-bool ClearWorlds::may_be_near(const Posed& a, std::int32_t node_a, const Posed& b, std::int32_t node_b) const {
-    const ShapeTree::Node &first = a.tree->node(node_a), &second = b.tree->node(node_b);
-    if (!overlap(bounds(a, a.tree->box(first)), bounds(b, b.tree->box(second)))) return false;
+// Walks both trees, the larger node first.
+void ClearWorlds::mark(std::int32_t a, std::int32_t node_a, std::int32_t b, std::int32_t node_b) {
+    const Posed &at_a = bodies_[static_cast<std::size_t>(a)], &at_b = bodies_[static_cast<std::size_t>(b)];
+    const ShapeTree::Node &first = at_a.tree->node(node_a), &second = at_b.tree->node(node_b);
+    if (!overlap(bounds(at_a, at_a.tree->box(first)), bounds(at_b, at_b.tree->box(second)))) return;
     const bool leaf_a = first.group >= 0, leaf_b = second.group >= 0;
-    if (leaf_a && leaf_b) return true;
-    if (leaf_b || (!leaf_a && first.extent() * a.tree->frame().unit > second.extent() * b.tree->frame().unit))
-        return may_be_near(a, node_a + 1, b, node_b) || may_be_near(a, first.right, b, node_b);
-    return may_be_near(a, node_a, b, node_b + 1) || may_be_near(a, node_a, b, second.right);
+    const double extent_a = first.extent() * at_a.tree->frame().unit,
+                 extent_b = second.extent() * at_b.tree->frame().unit;
+    if (leaf_a && leaf_b) {
+        marks_.push_back({a, first.group});
+        marks_.push_back({b, second.group});
+    } else if (leaf_b || (!leaf_a && extent_a > extent_b)) {
+        mark(a, node_a + 1, b, node_b);
+        mark(a, first.right, b, node_b);
+    } else {
+        mark(a, node_a, b, node_b + 1);
+        mark(a, node_a, b, second.right);
+    }
 }
 
-bool ClearWorlds::clear(std::int32_t pass) const {
+bool ClearWorlds::clear(std::int32_t pass) {
+    marks_.clear();
     if (!known_) return false;
     const bool last = pass == outline_->worlds();
     const std::int32_t end = last ? outline_->bodies() : outline_->first_body(pass + 1);
     for (std::int32_t b = outline_->first_body(pass); b < end; ++b)
         if (rules_->within(b, outline_->body(b).self)) return false;
-    bool clear = true;
     near_.for_each_pair(pass, [&](std::int32_t a, std::int32_t b) {
-        const Posed &first = bodies_[static_cast<std::size_t>(a)], &second = bodies_[static_cast<std::size_t>(b)];
-        clear = !may_meet(a, b) || first.tree->empty() || second.tree->empty() || !may_be_near(first, 0, second, 0);
-        return clear;
+        if (may_meet(a, b) && !tree(a).empty() && !tree(b).empty()) mark(a, 0, b, 0);
+        return true;
     });
-    return clear;
+    std::sort(marks_.begin(), marks_.end());
+    marks_.erase(std::unique(marks_.begin(), marks_.end()), marks_.end());
+    return marks_.empty();
 }
 
 }  // namespace crumple

@@ -1,8 +1,10 @@
 #pragma once
 
-// Worlds of named bodies in which nothing can be near, at the start or all along a step: told by boxes over the trees
-// of their shapes, without a look at features.
+// Worlds of named bodies in which nothing can be near, at the start or all along a step, and what may be near in
+// others: told by boxes over the trees of their shapes, without a look at features.
 
+#include <compare>
+#include <span>
 #include <vector>
 
 #include "crumple/array.h"
@@ -17,14 +19,23 @@ class ClearWorlds {
    public:
     ClearWorlds(MemoryMeter& meter, ShapeTrees& trees) : trees_(trees), near_(&meter) {}
 
+    /// A group of triangles of a body's tree.
+    struct Mark {
+        std::int32_t body, group;
+        friend auto operator<=>(const Mark&, const Mark&) = default;
+    };
+
     /// Reads a world: features of two bodies are near at a distance of at most `reach`. `step`: at some time between
     /// start and end, else at the start. Only shapes are known that have names and triangles alone.
     void read(const WorldOutline& outline, const BodyRules& rules, bool step, double reach);
-    /// Forgets the world: nothing is clear.
+    /// Forgets the world: nothing is clear, and all may be near.
     void forget() { known_ = false; }
 
-    /// True if nothing is near in a pass: world by world, then what is in all worlds.
-    bool clear(std::int32_t pass) const;
+    /// True if nothing is near in a pass: world by world, then what is in all worlds. Else marked() has what may be.
+    bool clear(std::int32_t pass);
+    /// By body and group; empty where it is not known.
+    std::span<const Mark> marked() const { return marks_; }
+    const ShapeTree& tree(std::int32_t body) const { return *bodies_[static_cast<std::size_t>(body)].tree; }
 
     /// Gives all memory back.
     void release();
@@ -37,7 +48,7 @@ class ClearWorlds {
     };
     Bounds bounds(const Posed& body, const CentredBox& box) const;
     bool may_meet(std::int32_t a, std::int32_t b) const;
-    bool may_be_near(const Posed& a, std::int32_t node_a, const Posed& b, std::int32_t node_b) const;
+    void mark(std::int32_t a, std::int32_t node_a, std::int32_t b, std::int32_t node_b);
 
     ShapeTrees& trees_;
     const WorldOutline* outline_ = nullptr;
@@ -45,6 +56,7 @@ class ClearWorlds {
     bool known_ = false;
     double half_ = 0;  ///< of the reach, rounded up
     std::vector<Posed> bodies_;
+    std::vector<Mark> marks_;
     NearBodies near_;
 };
 

@@ -117,7 +117,7 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
             cancellation_.check();
             if (wants_any(query) && result.any) break;
             if (clear_.clear(pass)) continue;
-            search_world(backend, pass, query, result);
+            search_world(backend, pass, query, clear_.marked(), result);
         }
     }
     if constexpr (!is_candidates<Query>)
@@ -176,8 +176,8 @@ std::int32_t FeatureSearch::own_bodies(std::int32_t pass) const {
     return end - outline_.first_body(pass);
 }
 
-std::optional<PreparedScene> FeatureSearch::prepare_pass(BackendBase& backend, std::int32_t pass, bool step,
-                                                         bool weld) {
+std::optional<PreparedScene> FeatureSearch::prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld,
+                                                         std::span<const ClearWorlds::Mark> marked) {
     const std::int32_t worlds = outline_.worlds(), everywhere = outline_.first_body(worlds);
     const auto float32 = [](const Shape& s) {
         return s.vertices.type == ScalarType::float32 && (!s.end.data || s.end.type == ScalarType::float32);
@@ -186,9 +186,13 @@ std::optional<PreparedScene> FeatureSearch::prepare_pass(BackendBase& backend, s
     scene_.begin(std::all_of(shapes.begin(), shapes.end(), float32), rules_, step && outline_.moving());
     const std::int32_t begin = outline_.first_body(pass), end = begin + own_bodies(pass);
     if (begin == end) return {};
-    for (std::int32_t b = begin; b < end; ++b) scene_.add(outline_, b, false, backend);
-    if (pass < worlds)
-        for (std::int32_t b = everywhere; b < outline_.bodies(); ++b) scene_.add(outline_, b, true, backend);
+    if (!marked.empty()) {
+        add_marked(pass, marked);
+    } else {
+        for (std::int32_t b = begin; b < end; ++b) scene_.add(outline_, b, false, backend);
+        if (pass < worlds)
+            for (std::int32_t b = everywhere; b < outline_.bodies(); ++b) scene_.add(outline_, b, true, backend);
+    }
     const PreparedScene triangles = scene_.scene(outline_, false, backend);
     const ListedFeatures listed = lists_.join(outline_, scene_, triangles, backend, features_);
     features_.prepare(triangles, weld, backend, listed);
@@ -196,6 +200,25 @@ std::optional<PreparedScene> FeatureSearch::prepare_pass(BackendBase& backend, s
     rule_.prepare({}, &rules_);
     place_features();
     return scene;
+}
+
+void FeatureSearch::add_marked(std::int32_t pass, std::span<const ClearWorlds::Mark> marked) {
+    std::vector<std::int32_t> groups;
+    for (auto m = marked.begin(); m != marked.end();) {
+        const std::int32_t b = m->body;
+        groups.clear();
+        for (; m != marked.end() && m->body == b; ++m) groups.push_back(m->group);
+        const bool everywhere = pass < outline_.worlds() && b >= outline_.first_body(outline_.worlds());
+        scene_.add(outline_, b, everywhere, clear_.tree(b), groups, {});
+    }
+}
+
+// Whether what may be near can be searched without the rest: not if neighbours, or groups of vertices and edges, are
+// told by what else there is.
+template <class Query>
+bool FeatureSearch::parts_suffice(const Query& query) const {
+    const auto& shapes = outline_.world().shapes;
+    return !query.weld && std::all_of(shapes.begin(), shapes.end(), [](const Shape& s) { return s.groups.empty(); });
 }
 
 template <class Query>
@@ -232,8 +255,9 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Query& query, ty
 
 template <class Query>
 void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const Query& query,
-                                 typename Query::Result& result) {
-    const std::optional<PreparedScene> made = prepare_pass(backend, pass, !is_near<Query>, query.weld);
+                                 std::span<const ClearWorlds::Mark> marked, typename Query::Result& result) {
+    if (!parts_suffice(query)) marked = {};
+    const std::optional<PreparedScene> made = prepare_pass(backend, pass, !is_near<Query>, query.weld, marked);
     if (!made) return;
     const PreparedScene& scene = *made;
     if constexpr (is_near<Query>) near_input_.place(outline_, scene_);

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <variant>
 
 #include "backends/backend.h"
@@ -94,11 +95,15 @@ class FeatureSearch {
     template <class Query>
     void search_in_place(BackendBase& backend, const Query& query, typename Query::Result& result);
     template <class Query>
-    void search_world(BackendBase& backend, std::int32_t pass, const Query& query, typename Query::Result& result);
+    void search_world(BackendBase& backend, std::int32_t pass, const Query& query,
+                      std::span<const ClearWorlds::Mark> marked, typename Query::Result& result);
 
     /// Finds out which worlds are clear, where the result does not name features.
     template <class Query>
     void read_clear_worlds(const BackendBase& backend, const Query& query);
+
+    template <class Query>
+    bool parts_suffice(const Query& query) const;
 
     template <class Query>
     void index_lists(const Query& query, typename Query::Result& result) const;
@@ -114,9 +119,11 @@ class FeatureSearch {
     /// Whether it is one body that is searched where the caller has it.
     bool in_place(const PairFilter& rules) const;
     /// Makes a scene of that body, or of the bodies of a pass, none if there are none; and prepares what it is searched
-    /// with. `step`: from the start to the end, else at the start.
+    /// with. `step`: from the start to the end, else at the start. `marked`: of these groups of triangles alone.
     PreparedScene prepare_in_place(BackendBase& backend, bool step, bool weld);
-    std::optional<PreparedScene> prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld);
+    std::optional<PreparedScene> prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld,
+                                              std::span<const ClearWorlds::Mark> marked = {});
+    void add_marked(std::int32_t pass, std::span<const ClearWorlds::Mark> marked);
     /// How many bodies a pass has of its own.
     std::int32_t own_bodies(std::int32_t pass) const;
     /// Swaps the rows that are found with those of the result: searches work in its memory.

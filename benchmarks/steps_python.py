@@ -1,0 +1,155 @@
+"""Times steps as solvers take them: with a share of each distance kept, cut short of contact, and clear of everything.
+
+    python steps_python.py [--quick] [--json OUT]
+
+Needs crumple's Python package and ipctk in one environment, scripts/test_python.sh --all makes one; and for real scenes
+the frames that $CRUMPLE_DATA names (../shared/data beside the checkout otherwise), which are left out without it.
+
+IPC Toolkit builds its candidates by LBVH, its default, and finds one step for them, by additive CCD or Tight-Inclusion,
+both with conservative_rescaling 0.8, as solvers use them; the faster one counts. Crumple keeps a share of 0.2 of each
+pair's own distance. Its free step also verifies the positions as they are rounded. Shares are set against no share,
+and worlds of bodies that are clear of each other against a search for their intersections at rest.
+
+All on one thread, of the thread's own time, warm; medians of rounds, in which contestants change places.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import rigid_scenes as scenes
+from timed_rows import Row, judge, show
+
+import crumple
+
+try:
+    import ipctk
+except ImportError as error:
+    sys.exit(f"steps_python.py compares with IPC Toolkit, which is not installed ({error}): pip install ipctk")
+
+TOP = Path(__file__).resolve().parent.parent
+DATA = Path(os.environ.get("CRUMPLE_DATA", TOP.parent / "shared" / "data")) / "scalable-ccd"
+FRAMES = {"cloth_ball 92": ("cloth-ball/frames/cloth_ball{}.ply", 92), "funnel 227": ("cloth-funnel/frames/{}.ply", 227)}
+SHARE = 0.2
+
+
+def steps(quick):
+    """(name, mesh at the start, vertices at the end)."""
+    for triangles in (5_000,) if quick else (5_000, 50_000, 200_000):
+        start, end = (crumple.make_scene("cloth", triangles=triangles, frame=frame) for frame in (30, 31))
+        yield f"cloth of {len(start.faces):,}", crumple.Mesh(start.vertices, start.faces), end.vertices
+    for name, (path, frame) in FRAMES.items():
+        if (DATA / path.format(frame)).exists() and not quick:
+            start, end = (crumple.read_mesh(DATA / path.format(k)) for k in (frame, frame + 1))
+            yield f"{name}, {len(start.faces):,}", start, end.vertices
+
+
+def toolkit(mesh, end):
+    """What the peer does for a step, by each of its methods."""
+    columns = np.asfortranarray
+    start, faces = columns(mesh.vertices.astype(float)), columns(mesh.faces.astype(np.int32))
+    end = columns(end.astype(float))
+    surface = ipctk.CollisionMesh(start, columns(ipctk.edges(faces)), faces)
+    tree, candidates = ipctk.LBVH(), ipctk.Candidates()
+    methods = {
+        "additive CCD": ipctk.AdditiveCCD(conservative_rescaling=1 - SHARE),
+        "Tight-Inclusion": ipctk.TightInclusionCCD(conservative_rescaling=1 - SHARE),
+    }
+
+    def step(method):
+        candidates.build(surface, start, end, 0.0, tree)
+        return candidates.compute_collision_free_stepsize(surface, start, end, 0.0, method)
+
+    return {name: lambda turn, method=method: step(method) for name, method in methods.items()}
+
+
+def rows_of_step(name, mesh, end):
+    moving, detector = mesh.moving_to(end), crumple.Detector(threads=1)
+    peers = toolkit(mesh, end)
+
+    def first(share):
+        return lambda turn: detector.first_impact(moving, min_distance_share=share)
+
+    def free(turn):
+        return detector.free_step(moving, min_distance_share=SHARE)
+
+    def toi(impact):
+        return 1.0 if impact is None else impact.toi
+
+    def compare(ours):
+        return lambda way: f"{ours():.6g}, the peer's step is {peers[way](0):.6g}"
+
+    exact = first(SHARE)
+    return [
+        Row(
+            f"{name}: first impact, share {SHARE}",
+            exact,
+            {"crumple, share 0": first(0.0)},
+            1,
+            lambda way: f"{toi(exact(0)):.6g}, without a share {toi(first(0.0)(0)):.6g}",
+        ),
+        Row("the same", exact, peers, 1, compare(lambda: toi(exact(0)))),
+        Row(f"{name}: free step, share {SHARE}", free, peers, 1, compare(lambda: free(0).share)),
+    ]
+
+
+def clear_worlds(quick):
+    """Configurations of a chain of 9 links among obstacles of 40,000 triangles, those that are clear of them."""
+    links, length, count = 9, 1.5, 50 if quick else 500
+    vertices, faces = scenes.link(12, 21, length, 0.2)
+    room = scenes.obstacles(40_000)
+    free = np.random.default_rng(4).uniform(room.vertices.min(0), room.vertices.max(0), size=(20 * count, 3))
+    poses = scenes.arm(len(free), links, length, free, 0.9).reshape(len(free), links, 3, 4)
+    shapes = [*(crumple.Shape(vertices, faces, name=f"link {k}") for k in range(links))]
+    shapes.append(crumple.Shape(room.vertices, room.faces, name="obstacles"))
+    robot = crumple.World(shapes, worlds=[0] * links + [-1], self_collisions=False)
+    allowed = crumple.PairFilter(excluded_bodies=[(a, b) for b in range(links) for a in range(b)])
+    detector = crumple.Detector(threads=1)
+    hit = detector.proximities(robot.configurations(poses), radius=0.05, output="any_by_world", filter=allowed).world_hit
+    poses = poses[~np.asarray(hit, bool)][:count]
+    later = poses.copy()
+    later[:, :, :, 3] += 0.02
+    world = robot.configurations(poses)
+    moving, count = world.at(poses, later), len(poses)
+    calls = {
+        "impacts": lambda turn: detector.impacts(moving, min_distance=0.01, output="any_by_world", filter=allowed),
+        "proximities": lambda turn: detector.proximities(world, radius=0.01, output="any_by_world", filter=allowed),
+    }
+    rest = {"crumple, intersections": lambda turn: detector.intersections(world, output="any_by_world", filter=allowed)}
+    name = f"{count} configurations of {links} links and {len(room.faces):,} triangles, clear"
+    return [
+        Row(
+            f"{name}: {what} of each, yes or no",
+            call,
+            rest,
+            1,
+            lambda way, call=call: f"{np.sum(call(0).world_hit)} hit",
+            a_turn=count,
+        )
+        for what, call in calls.items()
+    ]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="small scenes and few rounds, to see that all is well")
+    parser.add_argument("--json", help="file for the figures")
+    arguments = parser.parse_args()
+    rounds, load = 3 if arguments.quick else 11, os.getloadavg()[0]
+    ipctk.set_num_threads(1)
+    print(f"crumple {crumple.__version__}, ipctk {ipctk.__version__}, {os.cpu_count()} processors, load {load:.1f}")
+    figures = [judge(row, rounds, 30) for step in steps(arguments.quick) for row in rows_of_step(*step)]
+    figures += [judge(row, rounds, 30) for row in clear_worlds(arguments.quick)]
+    show(figures)
+    if arguments.json:
+        with open(arguments.json, "w") as file:
+            json.dump(figures, file, indent=1)
+
+
+if __name__ == "__main__":
+    main()
