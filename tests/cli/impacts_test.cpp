@@ -90,6 +90,9 @@ TEST_F(Impacts, SeparationIsTouching) {
     EXPECT_TRUE(list("impacts above.off below.off --min-distance 0.75 --min-distance-share 0.5")
                     .starts_with("vf 3 0 0.125 0\n"));
     EXPECT_EQ(list("impacts above.off above.off --min-distance 1"), "vf 3 0 0 1\n");
+    EXPECT_EQ(list("impacts above.off above.off --min-distance 1 --approaching-only"), "");
+    EXPECT_TRUE(list("impacts above.off below.off --min-distance 1 --approaching-only").starts_with("vf 3 0 0 1\n"));
+    EXPECT_EQ(list("impacts above.off below.off --approaching-only"), list("impacts above.off below.off"));
     for (const char* const bad : {"-1", "nan", "inf", "1e999", "x", "''", "1x"})
         expect_refused(std::string("impacts above.off below.off --min-distance ") + bad, "is no distance of 0 or more");
     for (const char* const bad : {"1", "-0.1", "nan"})
