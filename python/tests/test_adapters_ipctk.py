@@ -113,7 +113,7 @@ def test_boxes_give_ipctks_own_results():
         step = ipctk.compute_collision_free_stepsize(mesh, vertices, end, broad_phase=broad_phase)
         broad_phase.build(vertices, edges, faces)
         crossed = [len(getattr(broad_phase, f"detect_{kind}_candidates")()) for kind in ("edge_face", "face_face")]
-        answers.append((step, ipctk.any(crumple.as_mesh(mesh)._with()), crossed))
+        answers.append((step, ipctk.has_intersections(mesh, vertices, broad_phase=broad_phase), crossed))
     assert answers[0] == answers[1] and 0 < answers[0][0] < 1 and min(answers[0][2]) > 0
 
 
@@ -219,8 +219,8 @@ BOTH = np.array([[0, 1, 2], [3, 4, 5]])
 def test_intersections_are_found_with_edges_of_no_triangle(faces, rods):
     edges = np.array([*ipctk.edges(faces).tolist(), *rods]) if len(faces) else np.array(rods)
     mesh = ipctk.CollisionMesh(CROSSED, edges, faces)
-    theirs = ipctk.any(crumple.as_mesh(mesh)._with())
-    assert ipctk.any(crumple.as_mesh(mesh)._with()) == theirs
+    theirs = ipctk.has_intersections(mesh, columns(CROSSED), broad_phase=ipctk.BruteForce())
+    assert ipctk.has_intersections(mesh, columns(CROSSED), broad_phase=adapter.BroadPhase()) == theirs
 
 
 @pytest.mark.parametrize("edges, found", [([[0, 1], [5, 3]], [(0, 1), (1, 0)]), ([[5, 3]], [(0, 0)]), ([], [])])
@@ -269,7 +269,7 @@ end = vertices + 0.2 * (random.random((24, 3)) - 0.5)
 vertices, end, faces = map(np.asfortranarray, (vertices, end, faces))
 mesh = ipctk.CollisionMesh(vertices, np.asfortranarray(ipctk.edges(faces)), faces)
 for share in (0, 0.1):
-    exact = toi_of(crumple.first_impact(vertices, end, faces, min_distance_share=share))
+    exact = crumple.first_impact(vertices, end, faces, min_distance_share=share).toi
     ccd = NarrowPhaseCCD(min_distance_share=share)
     found = ipctk.compute_collision_free_stepsize(mesh, vertices, end, narrow_phase_ccd=ccd)
     assert found == exact and 0 < exact < 1, (found, exact)
