@@ -26,13 +26,14 @@ struct ImpactQuery {
     /// Features touch where their distance is at most this: Euclidean, finite, 0 or more; in the units of the
     /// coordinates. Exact as given.
     double min_distance = 0;
-    /// Or at most this share, in [0, 1), of the pair's own distance at the start, if that is more. A first impact with
-    /// a share of 0.2 takes about two to three and a half times as long as with none (docs/motion_figures.md).
+    /// The same as a share, in [0, 1), of the pair's own distance at the start; of both the larger one counts. A first
+    /// impact with a share of 0.2 takes 1.7 to 3.4 times as long as without (docs/motion_figures.md).
     double min_distance_share = 0;
-    /// Leave out features that touch at the start and come no nearer than they are there, decided exactly: a step may
-    /// begin within the minimum distance, and what moves apart is free. If they come nearer, `toi` is the last time
-    /// before that, 0 if it is at once. Features at a distance of 0 cannot come nearer; they have no side, and are left
-    /// out wherever they go. Pairs of triangles that intersect at the start are listed all the same.
+    /// Leave out features that touch at the start, by the minimum distance if there is one, and come no nearer than
+    /// they start; decided exactly. A step may then begin within the minimum distance, and what moves apart is free. If
+    /// they do come nearer, `toi` is the last moment before that: 0 if they approach at once. Features at a distance of
+    /// 0 cannot come nearer and have no side, so they are left out wherever they go. Pairs of triangles that intersect
+    /// at the start are listed all the same.
     bool approaching_only = false;
     bool weld = false;  ///< vertices at equal positions at the start and at the end count as one, for neighbours
     PairFilter filter = {};
@@ -48,9 +49,9 @@ struct FirstImpactQuery : ImpactQuery {
     using Result = FirstImpact;
 };
 
-/// What is held back where something touches on the way of a step.
+/// Choice of what is held back where something touches in a step.
 enum class Held : std::uint8_t {
-    worlds,    ///< all of its world; a mesh is one
+    worlds,    ///< the world of the two features; a mesh is one
     bodies,    ///< the two bodies
     vertices,  ///< the vertices of the two features
 };
@@ -58,13 +59,13 @@ enum class Held : std::uint8_t {
 /// A share of the step with positions, so that no feature touches another on the way to those, as they are rounded:
 /// start + toi (end - start), computed in floating point, is another motion than the one whose toi that is.
 ///
-/// What touches is held back, with what `held` says, to somewhat less than the time of contact: by 2^-16 of it if that
-/// does, and by more if it touches again; to 0 where contact is there at the start, or too near for any share above
-/// 2^-40. All else goes on. Features that touch as they are at the start hold their whole world there; with
-/// `approaching_only` they do so only if they are to come nearer, and then they alone are held.
+/// Where something touches, what `held` names stops short of the time of contact: by 2^-16 of it if that suffices, by
+/// more if it touches again. The share is 0 if they touch at the start, or too soon for any share above 2^-40. All else
+/// goes on. Features that touch while they rest at the start hold their whole world there, for no share is free of
+/// that; with `approaching_only` they do not, and if they would come nearer, what `held` names stays at the start.
 ///
-/// `output` and `index` are not read. Cost: two or three times that of a FirstImpactQuery; where bodies or vertices are
-/// held, that of an ImpactQuery for each of some rounds.
+/// `output` and `index` are not read. Cost: one to three times that of a FirstImpactQuery; with Held::bodies and
+/// Held::vertices that of an ImpactQuery for each round of a few.
 struct FreeStepQuery : ImpactQuery {
     using Result = FreeStep;
     Held held = Held::worlds;
@@ -76,7 +77,7 @@ struct ImpactList {
     Array<Pair> pairs;          ///< indices within their bodies; see FeatureKind
     Array<BodyPair> bodies;     ///< for each pair its bodies; empty for a single mesh
     Array<double> toi;          ///< first time of contact in [0, 1], rounded down: toi <= exact < next number
-    Array<std::uint8_t> start;  ///< 1: they touch at the start, or come nearer from there on; toi = 0 exactly
+    Array<std::uint8_t> start;  ///< 1: they touch at the start (approaching_only: come nearer at once), toi = 0 exactly
 
     // Where ImpactQuery::index asks for them; a single mesh only:
     Array<std::int64_t> offsets;         ///< impacts of first feature i: [offsets[i], offsets[i + 1])
@@ -95,21 +96,20 @@ struct FirstImpact {
     friend bool operator==(const FirstImpact&, const FirstImpact&) = default;
 };
 
-/// A share of a step that can be gone.
+/// A share of a step that is free.
 struct FreeStep {
     double share = 0;  ///< 0 to 1, the least of all; 1: the whole step is free
-    /// 3 a vertex: start + share (end - start), rounded to the precision of the mesh or body; of worlds body by body,
-    /// as they are posed.
+    /// 3 a vertex: start + s (end - start) with the share s of its vertex, body or world, rounded to the precision of
+    /// the mesh or body; of worlds body by body, as they are posed.
     Array<double> positions;
-    FirstImpact first;  ///< the first impact of the whole step, if there is one
-    /// With ImpactQuery::triangle_pairs: some triangles intersect at the start, these are the first two.
-    bool intersects = false;
-    Pair intersecting{};
+    FirstImpact first;        ///< the first impact of the uncut step, if there is one
+    bool intersects = false;  ///< with ImpactQuery::triangle_pairs: some triangles intersect at the start
+    Pair intersecting{};      ///< the first two of them
     BodyPair intersecting_bodies{};
 
     Array<double> vertex_shares;       ///< one a vertex, with Held::vertices
     Array<double> body_shares;         ///< one a body, otherwise, of worlds and two meshes
-    Array<std::int64_t> first_vertex;  ///< of worlds and two meshes: vertices of body b are those from [b] to [b + 1]
+    Array<std::int64_t> first_vertex;  ///< of worlds and two meshes: body b has [first_vertex[b], first_vertex[b + 1])
 };
 
 /// Result of an ImpactQuery. A plain value: copy it to keep it beyond the detector's next call.

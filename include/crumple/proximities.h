@@ -34,8 +34,8 @@ struct ProximityQuery {
     std::span<const double> radii = {};
     bool strict = false;   ///< less, not equal
     bool closest = false;  ///< also tell where they are closest: ProximityList::type and at
-    /// Also tell each feature's least distance: Proximities::vertex_distance and so on; single mesh. Pairs count that
-    /// `rings` or `rest` leave out of the lists, so that a step can be bounded by it: that is another search.
+    /// Tell each feature's least distance, too: Proximities::vertex_distance and so on; single mesh. It counts pairs
+    /// that `rings` or `rest` leave out of the lists, so that it can bound a step; with these it takes a second search.
     bool least = false;
     bool weld = false;  ///< vertices at equal positions count as one, for neighbours
     /// Neighbours, which are never near: features of which two vertices are joined by a path of at most so many edges.

@@ -185,13 +185,13 @@ class FirstImpact(NamedTuple):
 
 
 class FreeStep(NamedTuple):
-    """A share of a step that can be gone.
+    """A share of a step that is free.
 
     Attributes:
         share: 0 to 1, the least of all; 1: the whole step is free; 0: contact is at the start, or too near.
-        positions: (n, 3), of the precision of the mesh: start + share (end - start), rounded. Of a world body by body,
-            as they are posed, in float64.
-        first: the first impact of the whole step; None: there is none.
+        positions: (n, 3), of the precision of the mesh: start + s (end - start) with the share s of the vertex, body or
+            world, rounded. Of a world body by body, as they are posed, in float64.
+        first: the first impact of the uncut step; None: there is none.
         intersecting: with `triangle_pairs`, the first two triangles that intersect at the start; else None.
         intersecting_bodies: of a world or two meshes, their bodies; else None.
         vertex_shares: (n,) float64, with held="vertices": the share of each vertex; else None.

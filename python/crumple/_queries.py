@@ -105,9 +105,9 @@ class ImpactQuery(Query):
             "any_by_world": in which worlds; "first": the first impact; "pairs": all impacts.
         min_distance: features touch where their distance is at most this, in the units of the coordinates.
         min_distance_share: or at most this share, in [0, 1), of the pair's own distance at the start, if that is more.
-        approaching_only: leave out features that touch at the start and come no nearer than they are there. If they
-            come nearer, `toi` is the last time before that. Features at a distance of 0 cannot come nearer: they are
-            left out wherever they go.
+        approaching_only: leave out features that touch at the start, by the minimum distance if there is one, and come
+            no nearer than they start. If they do come nearer, `toi` is the last moment before that. Features at a
+            distance of 0 cannot come nearer: they are left out wherever they go.
         weld: vertices at equal positions at the start and at the end count as one: their features are neighbours.
         filter: which pairs; a vertex or edge is in the group of its lowest triangle.
         index: of one mesh, also make offsets by vertex, face and edge.
@@ -152,11 +152,11 @@ class FreeStepQuery(Query):
     """A share of a step, with positions, on the way to which nothing touches, as they are rounded -> FreeStep.
 
     vertices + toi * (end - vertices), computed in floating point, is another motion than the one whose toi that is.
-    What touches is held back to somewhat less than the time of contact, by 2**-16 of it if that does; to 0 where
-    contact is at the start or too near. Features that touch as they are at the start hold their whole world there; with
-    `approaching_only` they do so only if they are to come nearer, and then they alone are held. Cost: two or three
-    times that of `any` with an ImpactQuery; where bodies or vertices are held, that of all impacts for each of some
-    rounds.
+    Where something touches, what `held` names stops short of the time of contact, by 2**-16 of it if that suffices; the
+    share is 0 if they touch at the start, or too soon. All else goes on. Features that touch while they rest at the
+    start hold their whole world there; with `approaching_only` they do not, and if they would come nearer, what `held`
+    names stays at the start. Cost: one to three times that of a FirstImpactQuery; with held="bodies" and "vertices" that of all impacts for
+    each round of a few.
 
     Args:
         held: what is held back where something touches: all of its "worlds" (a mesh is one), the two "bodies", or the
@@ -192,8 +192,8 @@ class ProximityQuery(Query):
             both, in real numbers. Of one mesh; shapes of a world have their own.
         strict: distances less than the radius, or the sum of radii, not equal to it.
         closest: also tell where the features of each pair are closest.
-        least: also tell the least distance of each vertex, face and edge of one mesh. Pairs count that `rings` or
-            `rest` leave out of the lists, so that a step can be bounded by it: that is another search.
+        least: also tell the least distance of each vertex, face and edge of one mesh. It counts pairs that `rings` or
+            `rest` leave out of the lists, so that it can bound a step; with these it takes a second search.
         weld: vertices at equal positions count as one: their features are neighbours.
         rings: neighbours, which are never near, are also those from one of whose vertices at most so many edges lead
             to one of the other's: Newton's topological filter. Kept while the edges stay the same.

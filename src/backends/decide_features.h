@@ -28,7 +28,7 @@ struct FeatureCounts {
 FeatureDecision decide(FeatureKind kind, const PreparedScene& scene, const std::int32_t (&vertex)[4],
                        const FeatureRequest& query, FeatureCounts& counts);
 
-/// Whether an impact of two features, if there is one, certainly has a later time than this, as rounded.
+/// True if an impact of two features would certainly have a later time than this, as rounded.
 bool surely_later(FeatureKind kind, const PreparedScene& scene, const std::int32_t (&vertex)[4],
                   const FeatureRequest& query, double time);
 

@@ -128,7 +128,7 @@ class Step {
     Array<double> start_, end_;
 };
 
-/// What is held back together: a world, a body or a vertex, and the share of the step that it goes.
+/// Units of what is held back together, worlds, bodies or vertices, with the share of the step that each goes.
 class Units {
    public:
     Units(const Step& step, Held held) : step_(step), held_(held) {
@@ -164,7 +164,7 @@ class Units {
 
     /// Cuts the steps of units that take part in what was noted.
     void cut() {
-        // What is left of the time of contact, one cut after the other. What needs more is held altogether.
+        // Bits by which a cut is shorter than the time of contact, one cut after the other; then it is half of that.
         constexpr std::array<int, 4> bits{16, 8, 4, 2};
         constexpr std::size_t most_cuts = 40;
         constexpr double least_share = 0x1p-40;
@@ -213,8 +213,8 @@ class Units {
             cut(unit(first, 0));
             cut(unit(second, 0));
         }
-        // They touch where they are.
-        if (!goes) hold(std::max(step_.world_of(first), step_.world_of(second)));
+        if (!goes)  // they touch where they rest
+            hold(std::max(step_.world_of(first), step_.world_of(second)));
         return true;
     }
 

@@ -33,7 +33,7 @@ class ClearWorlds {
 
     /// True if nothing is near in a pass: world by world, then what is in all worlds. Else marked() has what may be.
     bool clear(std::int32_t pass);
-    /// By body and group; empty where it is not known.
+    /// Marks by body and group; empty where it is not known what may be near.
     std::span<const Mark> marked() const { return marks_; }
     const ShapeTree& tree(std::int32_t body) const { return *bodies_[static_cast<std::size_t>(body)].tree; }
 

@@ -126,7 +126,8 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
     result.statistics.pairs = result.count;
 }
 
-// Under a memory limit trees would have to make room for the scenes; and brute force is to be independent.
+// Nothing is known under a memory limit, where trees would take room from scenes, and for brute force, with which this
+// is compared.
 template <class Query>
 void FeatureSearch::read_clear_worlds(const BackendBase& backend, const Query& query) {
     clear_.forget();
@@ -213,8 +214,8 @@ void FeatureSearch::add_marked(std::int32_t pass, std::span<const ClearWorlds::M
     }
 }
 
-// Whether what may be near can be searched without the rest: not if neighbours, or groups of vertices and edges, are
-// told by what else there is.
+// True if what may be near can be searched without the rest: not if neighbours, or groups of vertices and edges, depend
+// on what else there is.
 template <class Query>
 bool FeatureSearch::parts_suffice(const Query& query) const {
     const auto& shapes = outline_.world().shapes;

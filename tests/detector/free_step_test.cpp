@@ -179,7 +179,7 @@ TEST_P(FreeSteps, go_on_from_contact_if_only_what_approaches_counts) {
 INSTANTIATE_TEST_SUITE_P(, FreeSteps, testing::Values(Backend::reference, Backend::cpu),
                          [](const auto& p) { return p.param == Backend::cpu ? "cpu" : "reference"; });
 
-/// Of hard soups: free as they are rounded, or at the start where something touches there.
+/// Hard soups: free as they are rounded, or at the start where something touches there.
 TEST(FreeStepsOfSoups, are_free_whatever_is_held) {
     Detector cpu({.backend = Backend::cpu, .threads = 1}), reference({.backend = Backend::reference});
     int cuts = 0, some = 0;

@@ -117,7 +117,7 @@ TEST_P(FeatureFilters, OfAShareRejectOnlyWhatStaysFarther) {
             RandomCases random(GetParam(), float32, 101);
             for (int i = 0; i < 400; ++i) {
                 FeatureCase c = random(kind, 2);
-                // Also what stays about where it is, which is the rule; and what comes to just that share.
+                // Half of them stay about where they are, as most do.
                 const double part = i % 2 ? 0x1p-6 : 1;
                 for (MovingPoint& p : c.point)
                     for (int axis = 0; axis < 3; ++axis) {

@@ -17,8 +17,7 @@ struct SeparationCounts {
     std::int64_t rational = 0;
 };
 
-/// Whether an impact, if there is one, certainly has a time that is later than this one as it is rounded, too. Cost:
-/// 60 ns.
+/// True if an impact would certainly have a later time than this, as rounded. Cost: 60 ns.
 bool surely_later(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, const Separation& separation,
                   double time);
 

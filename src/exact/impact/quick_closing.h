@@ -1,7 +1,7 @@
 #pragma once
 
-// Whether features that start within a distance come closer than they start, where float64 arithmetic with proven
-// bounds tells, else `unknown`. What it tells is what rational_separation.h answers with Separation::approaching_only.
+// Decision whether features that start within a distance come closer than they start, by float64 arithmetic with proven
+// bounds, else `unknown`. It is what rational_separation.h answers with Separation::approaching_only.
 // The derivation is docs/separation_filters.md. Host only.
 //
 // Cost: 30 ns.
@@ -11,7 +11,7 @@
 
 namespace crumple {
 
-/// Of features that are within the distance at the start.
+/// Decides features that are within the distance at the start.
 template <FeatureKinds kinds>
 QuickImpact quick_closing(const std::array<MovingPoint, 4>& points) {
     bool moves = false;

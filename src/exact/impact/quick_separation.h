@@ -34,7 +34,7 @@ CRUMPLE_HD_COLD QuickImpact close_separation(const std::array<MovingPoint, 4>& p
 
 }  // namespace detail
 
-/// Whether an impact, if there is one, certainly has a time that is later than this one as it is rounded, too.
+/// True if an impact would certainly have a later time than this, as rounded.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline bool surely_later(const std::array<MovingPoint, 4>& points, const Separation& separation,
                                     double time) {

@@ -45,7 +45,7 @@ struct NeededGap {
         : error(projection_error * reach + 1e-18f), share(share) {
         gap = distance * 1.000002f + error;
     }
-    /// That of a pair.
+    /// Returns what a pair needs.
     template <int moments>
     CRUMPLE_HD float of(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b) const {
         return share > 0 ? max(gap, share * (most_at_start(a, b) * 1.000002f + 2 * error) + error) : gap;

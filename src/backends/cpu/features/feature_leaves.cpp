@@ -286,7 +286,8 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
     worker.statistics.rational_tests += counts.rational;
 }
 
-// Whether a test is later than an impact that is known. Times are not negative, so their bits are in order.
+// True if an impact of this test would be later than one that is known. Times are not negative, so their bits are in
+// order.
 template <int moments>
 bool FeatureLeaves<moments>::is_later(FeatureKind kind, const FeatureTest& test) const {
     const double known = std::bit_cast<double>(first_time_.load(std::memory_order_relaxed));
