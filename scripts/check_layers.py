@@ -17,7 +17,7 @@ LAYERS = "base geometry exact scene partition queries filters results backends s
 BACKENDS = "reference cpu cuda".split()
 NAMED = "include src cli scenes".split()  # folders whose base names differ
 MOST_FILES = 40
-MODULES = """__main__ _core _mpi _errors _versions _arrays _queries _mesh _world_arrays _world _results _drawing _overlaps _intersections
+MODULES = """__main__ _core _mpi _errors _versions _arrays _queries _rigid_motion _mesh _world_arrays _world _results _drawing _overlaps _intersections
     _features _feature_pairs _scene _pickle_checks _pickles _device _detector _files _ranks mpi __init__""".split()
 UPWARDS = {
     ("_results", "_pickles"),  # in the functions that pickle calls: all results are known there, and NumPy is loaded

@@ -16,6 +16,7 @@
 #include "crumple/overlaps.h"
 #include "crumple/proximities.h"
 #include "crumple/query.h"
+#include "crumple/rigid_motion.h"
 #include "crumple/scene.h"
 #include "crumple/version.h"
 #include "crumple/world.h"

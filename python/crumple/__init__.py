@@ -65,6 +65,8 @@ from ._queries import (
 from ._results import ContactKind as ContactKind
 from ._results import Contacts as Contacts
 from ._results import Distances
+from ._rigid_motion import RigidMotion as RigidMotion
+from ._rigid_motion import cut_rigid_motion
 from ._world import Body, World
 
 
@@ -130,6 +132,7 @@ __all__ = [
     "__version__",
     "as_mesh",
     "candidates",
+    "cut_rigid_motion",
     "distances",
     "first_impact",
     "free_step",
