@@ -147,8 +147,7 @@ class Units {
     /// Notes the impacts that the next cut is to keep clear of. False if there are none, but of worlds that are held.
     bool note(const Impacts& found) {
         bool any = false;
-        if (held_ == Held::worlds) {
-            if (found.world_first.empty()) return note(found.first, found);
+        if (found.count == 0 && held_ == Held::worlds) {
             for (const FirstImpact& first : found.world_first) any |= note(first, found);
             return any;
         }
@@ -177,8 +176,12 @@ class Units {
         }
     }
 
-    /// Holds a world where it is at the start, with bodies that are in all worlds; -1: all worlds.
-    void hold(std::int32_t world) {
+    /// Holds the world of two bodies where it is at the start, with bodies that are in all worlds; all worlds if both
+    /// are.
+    void hold_worlds_of(const BodyPair& bodies) {
+        const auto first = static_cast<std::size_t>(bodies.first), second = static_cast<std::size_t>(bodies.second);
+        if (stuck_[first] || stuck_[second]) return;
+        const std::int32_t world = std::max(step_.world_of(first), step_.world_of(second));
         for (std::size_t b = 0; b < step_.bodies(); ++b) {
             const std::int32_t its = step_.world_of(b);
             if (world >= 0 && its != world && its >= 0) continue;
@@ -213,8 +216,7 @@ class Units {
             cut(unit(first, 0));
             cut(unit(second, 0));
         }
-        if (!goes)  // they touch where they rest
-            hold(std::max(step_.world_of(first), step_.world_of(second)));
+        if (!goes) hold_worlds_of(impact.bodies);  // they touch where they rest
         return true;
     }
 
@@ -225,25 +227,32 @@ class Units {
     std::vector<std::uint8_t> stuck_;  ///< by body: its world is held
 };
 
-/// Holds worlds in which triangles intersect at the start, or features touch: these do so at every share of the step.
-/// False if there are none.
+/// True if bodies that are in all worlds have pairs among them: these are no world's, and may be hidden by the first
+/// impact of one, so that only lists tell them.
+bool needs_lists(const Scene& scene) {
+    const auto* world = std::get_if<World>(&scene.source());
+    if (!world) return false;
+    std::size_t in_all = 0;
+    for (const Body& body : world->bodies) in_all += body.world != -1 ? 0 : body.self ? 2 : 1;
+    return in_all > 1;
+}
+
+/// Holds worlds in which triangles intersect at the start: these do so at every share of the step. False if there are
+/// none.
 template <class Find>
 bool hold_what_intersects(Step& step, ImpactQuery query, Find find, Units& units, FreeStep& result) {
     query.triangle_pairs = true;
-    query.output = Output::any_by_world;
-    std::vector<std::int32_t> held;
-    const Impacts& found = find(step.moving_to(result.positions), query);
-    for (std::size_t w = 0; w < found.world_hit.size(); ++w) {
-        if (found.world_hit[w]) held.push_back(static_cast<std::int32_t>(w));
-    }
-    if (held.empty()) return false;
-    for (const std::int32_t world : held) units.hold(world);
+    query.output = Output::any;
+    if (!find(step.moving_to(result.positions), query).any) return false;
     query.output = Output::pairs;
     const ImpactList& pairs = find(step.moving_to(result.positions), query).triangle_pairs;
     result.intersects = !pairs.pairs.empty();
-    if (result.intersects) {
-        result.intersecting = pairs.pairs[0];
-        result.intersecting_bodies = pairs.bodies.empty() ? BodyPair{} : pairs.bodies[0];
+    if (!result.intersects) return false;
+    result.intersecting = pairs.pairs[0];
+    for (std::size_t i = 0; i < pairs.pairs.size(); ++i) {
+        const BodyPair bodies = pairs.bodies.empty() ? BodyPair{} : pairs.bodies[i];
+        if (i == 0) result.intersecting_bodies = bodies;
+        units.hold_worlds_of(bodies);
     }
     return true;
 }
@@ -253,7 +262,7 @@ bool hold_what_intersects(Step& step, ImpactQuery query, Find find, Units& units
 void find_free_step(const Scene& scene, const FreeStepQuery& query,
                     FunctionRef<const Impacts&(const Scene&, const ImpactQuery&)> find, FreeStep& result) {
     ImpactQuery impacts = query;
-    impacts.output = query.held == Held::worlds ? Output::first : Output::pairs;
+    impacts.output = query.held == Held::worlds && !needs_lists(scene) ? Output::first : Output::pairs;
     impacts.index = impacts.triangle_pairs = false;
     const Impacts& whole = find(scene, impacts);  // which checks the scene, too
     const FloatEnvironment environment;

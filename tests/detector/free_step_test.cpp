@@ -98,6 +98,41 @@ TEST_P(FreeSteps, hold_bodies_or_worlds_of_many) {
     EXPECT_EQ(shares(Held::bodies), (std::vector{half, half, quarter, quarter, 1., 1.}));
 }
 
+/// Bodies that are in all worlds touch each other beside a world that touches first, or is held at the start.
+TEST_P(FreeSteps, keep_bodies_that_are_in_all_worlds_from_each_other) {
+    MovingSoup<> soup = falling({8, 4});
+    std::vector<Shape> shapes;
+    const std::vector<Body> bodies{{0, 0, 0}, {1, 0, 0}, {2, 0, -1}, {3, 0, -1}};
+    for (const bool stuck : {false, true}) {
+        if (stuck)  // the first two triangles pass through each other at the start
+            for (std::size_t v = 3; v < 6; ++v) soup.start[v] = {0.5, 0.5, 1 - static_cast<double>(v - 3)};
+        shapes.clear();
+        for (std::int64_t t = 0; t < 4; ++t) {
+            Shape shape(rows_of_three(soup.start[0].data() + 9 * t, 3), rows_of_three(soup.triangles[0].data(), 1));
+            shape.end = rows_of_three(soup.end[0].data() + 9 * t, 3);
+            shapes.push_back(shape);
+        }
+        const World world{shapes, bodies, {}};
+        for (const Held held : {Held::worlds, Held::bodies}) {
+            const FreeStep step = detector_.find(world, holding(held, {.triangle_pairs = stuck}));
+            EXPECT_EQ(step.body_shares[1], stuck ? 0 : 0.25 * cut);
+            EXPECT_EQ(step.body_shares[3], stuck ? 0 : 0.5 * cut);
+            EXPECT_EQ(step.intersects, stuck);
+        }
+    }
+    const MovingSoup<> one = falling({4});
+    std::vector<Shape> alone{Shape(one.view())};
+    alone[0].end = one.end_view();
+    const std::vector<Body> itself{{.world = -1, .self = true}};
+    EXPECT_EQ(detector_.find(World{alone, itself, {}}, FreeStepQuery()).share, 0.5 * cut);
+    const std::vector<Body> all_through{{2, 0, 0}, {0, 0, -1}, {1, 0, -1}};
+    const FreeStep held =
+        detector_.find(World{shapes, all_through, {}}, holding(Held::worlds, {.triangle_pairs = true}));
+    EXPECT_TRUE(held.intersects);
+    EXPECT_EQ(held.intersecting_bodies, (BodyPair{1, 2}));
+    EXPECT_EQ(held.share, 0);
+}
+
 TEST_P(FreeSteps, of_two_meshes_are_those_of_two_bodies) {
     const MovingSoup<> soup = falling({4});
     const std::vector<std::array<std::int32_t, 3>> one{{0, 1, 2}};

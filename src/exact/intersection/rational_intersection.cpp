@@ -108,7 +108,7 @@ bool clip(const std::array<Point, 2>& edge, const Hull& hull, std::vector<Ration
         if (!cut(f) || !cut({-f.p, -f.q})) return false;
         crosses = crosses && f.p.sign() * f.q.sign() < 0;
     }
-    // Of an edge that crosses the plane one point is left, `begin`.
+    // One point is left of an edge that crosses the plane: `begin`.
     for (const Plane& plane : hull.within) {
         const Ends f = ends(plane, edge);
         if (!cut(f)) return false;

@@ -34,8 +34,8 @@ CRUMPLE_HD float most_at_start(const FeatureRecord<moments>& a, const FeatureRec
     return std::sqrt(most + least_square);
 }
 
-/// What a gap along a direction of length 1 has to exceed. Along others, what it is times their length(): errors of
-/// projections grow with that as well, and what underflows is below 1e-18 times the least length.
+/// Bound that a gap along a direction of length 1 has to exceed. Along others it is multiplied by their length():
+/// errors of projections grow with that as well, and underflows are below 1e-18 times the least length.
 struct NeededGap {
     float gap, error;  ///< for the distance that is asked for, and what is in it for errors
     float share;       ///< or for this share of a feature's own distance at the start, if that is more
