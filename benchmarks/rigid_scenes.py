@@ -47,6 +47,18 @@ def box(size=1.0):
     return corners, np.array([t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))], np.int32)
 
 
+def sheets(side, apart):
+    """Two flat sheets in one plane, grids of so many squares a side, the second one moved by (apart, 0.21): float64
+    vertices and int32 faces, half of both of each sheet."""
+    x, y = np.meshgrid(np.arange(side + 1.0), np.arange(side + 1.0), indexing="ij")
+    vertices = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], 1)
+    corner = (np.arange(side)[:, None] * (side + 1) + np.arange(side)).ravel()
+    steps = np.array([(0, side + 1, side + 2), (0, side + 2, 1)])
+    faces = (corner[:, None, None] + steps).reshape(-1, 3)
+    both = np.concatenate([faces, faces + len(vertices)]).astype(np.int32)
+    return np.concatenate([vertices, vertices + (apart, 0.21, 0)]), both
+
+
 def tents(along):
     """Two prisms whose ridges, crooked lines of so many points, are the same: one lies below, one above it. Float64
     vertices and int32 faces of each, 3 along vertices."""

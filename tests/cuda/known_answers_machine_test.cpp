@@ -131,7 +131,7 @@ TEST_F(KnownAnswersOfAMachine, need_every_path_of_the_arithmetic) {
         const FourPoints points{moving(3), moving(0), moving(1), moving(2)};
         const QuickImpact impact = quick_impact<FeaturePair::vertex_face>(points);
         ++impacts[static_cast<std::size_t>(impact.verdict)];
-        at_start[static_cast<std::size_t>(surely_touch_at_start<FeaturePair::vertex_face>(points))]++;
+        at_start[static_cast<std::size_t>(contact_at_start<FeaturePair::vertex_face>(points) > 0)]++;
         const QuickDistance distance(
             {FeatureKinds::vertex_face, {points[0].start, points[1].start, points[2].start, points[3].start}});
         ++distances[static_cast<std::size_t>(distance.compare({1, 0}))];

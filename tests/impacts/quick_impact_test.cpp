@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -335,6 +336,35 @@ TEST(DecideImpact, TellsContactAtTheStartByPredicates) {
             ASSERT_TRUE(move.impact().start || (feature == Feature::edge_edge && i % 3 == 2)) << move;
         }
         EXPECT_LT(counts.exact, 110);
+    }
+}
+
+TEST(DecideImpact, NeedsNoRationalsForSlidesInAPlaneAcrossAnAxis) {
+    for (const Feature feature : quick_features) {
+        RandomMoves random(Lattice::level, 79);
+        ImpactCounts counts;
+        int meets = 0, in_motion = 0;
+        for (int i = 0; i < 300; ++i) {
+            Move move = random(feature);
+            const auto& first = move.point[0];
+            for (int axis = 0; axis < 3; ++axis) {
+                const bool level = std::all_of(move.point.begin(), move.point.end(), [&](const MovingPoint& p) {
+                    return p.start[axis] == first.start[axis] && p.end[axis] == first.end[axis];
+                });
+                if (level) continue;
+                for (MovingPoint& p : move.point) {
+                    p.start[axis] += 0.001 * random.below(1000);
+                    p.end[axis] += 0.001 * random.below(1000);
+                }
+            }
+            const Impact impact = decide(move, counts);
+            ASSERT_EQ(impact, move.impact()) << move;
+            meets += impact.meets;
+            in_motion += impact.meets && !impact.start;
+        }
+        EXPECT_GT(in_motion, 50);
+        EXPECT_GT(300 - meets, 30);
+        EXPECT_LT(counts.exact, 3);
     }
 }
 

@@ -14,11 +14,12 @@ enum class Lattice {
     small,  ///< -3 to 3
     wide,   ///< -50 to 50: mostly in general position
     flat,   ///< -3 to 3, in the plane x + y + z = 0 at all times
+    level,  ///< -3 to 3, in a plane across an axis at all times, which moves along it
     line,   ///< -4 to 4 on the line of (1, -1, 2) at all times
     focus,  ///< on that line at 1/2 only, where normals vanish
 };
-inline constexpr std::array all_lattices{Lattice::tiny, Lattice::small, Lattice::wide,
-                                         Lattice::flat, Lattice::line,  Lattice::focus};
+inline constexpr std::array all_lattices{Lattice::tiny,  Lattice::small, Lattice::wide, Lattice::flat,
+                                         Lattice::level, Lattice::line,  Lattice::focus};
 
 class RandomMoves {
    public:
@@ -26,12 +27,17 @@ class RandomMoves {
 
     Move operator()(Feature feature) {
         Move move{feature, {}};
+        const int axis = lattice_ == Lattice::level ? below(3) : 0;
         for (MovingPoint& p : move.point) {
             if (lattice_ == Lattice::focus) {
                 const Vec3d middle = on_line(), way = position();
                 p = {middle - way, middle + way};
             } else {
                 p = {position(), position()};
+            }
+            if (lattice_ == Lattice::level) {
+                p.start[axis] = move.point[0].start[axis];
+                p.end[axis] = move.point[0].end[axis];
             }
         }
         return move;

@@ -7,6 +7,51 @@ namespace crumple {
 namespace {
 
 template <FeaturePair pair>
+Impact decide(const FourPoints& points, ImpactCounts& counts, Filtered filtered);
+
+/// Returns the axis across which all four points stay in one plane, which may move along it, or -1.
+int axis_of_common_plane(const FourPoints& points) {
+    const auto common = [&](int axis) {
+        for (const MovingPoint& p : points) {
+            if (p.start[axis] != points[0].start[axis] || p.end[axis] != points[0].end[axis]) return false;
+        }
+        return true;
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+        if (common(axis)) return axis;
+    }
+    return -1;
+}
+
+/// Decides the impact of features that stay in a plane across an axis and do not touch at the start. One of them then
+/// has a vertex that meets an edge of the other first; and a vertex meets an edge in the plane when the edge meets the
+/// segment that stands on the plane at the vertex.
+template <FeaturePair pair>
+Impact impact_in_plane(FourPoints points, int axis, ImpactCounts& counts) {
+    for (MovingPoint& p : points) p.start[axis] = p.end[axis] = 0;
+    Impact first;
+    const auto vertex_meets_edge = [&](MovingPoint vertex, const MovingPoint& from, const MovingPoint& to) {
+        MovingPoint above = vertex;
+        vertex.start[axis] = vertex.end[axis] = -1;
+        above.start[axis] = above.end[axis] = 1;
+        const Impact impact = decide<FeaturePair::edge_edge>({from, to, vertex, above}, counts, Filtered::no);
+        if (impact.meets && (!first.meets || impact.toi < first.toi)) first = impact;
+    };
+    const auto& [a, b, c, d] = points;
+    if constexpr (pair == FeaturePair::vertex_face) {
+        vertex_meets_edge(a, b, c);
+        vertex_meets_edge(a, c, d);
+        vertex_meets_edge(a, d, b);
+    } else {
+        vertex_meets_edge(a, c, d);
+        vertex_meets_edge(b, c, d);
+        vertex_meets_edge(c, a, b);
+        vertex_meets_edge(d, a, b);
+    }
+    return first;
+}
+
+template <FeaturePair pair>
 Impact decide(const FourPoints& points, ImpactCounts& counts, Filtered filtered) {
     const Approach<pair> x(points);
     if (x.in_range()) {
@@ -18,7 +63,16 @@ Impact decide(const FourPoints& points, ImpactCounts& counts, Filtered filtered)
     } else {
         ++counts.roots;
     }
-    if (surely_touch_at_start<pair>(points)) return {true, 0, true};
+    const int contact = contact_at_start<pair>(points);
+    if (contact > 0) return {true, 0, true};
+    if (contact < 0) {
+        if (const int axis = axis_of_common_plane(points); axis >= 0) {
+            ImpactCounts of_edges;
+            const Impact impact = impact_in_plane<pair>(points, axis, of_edges);
+            counts.exact += of_edges.exact > 0;
+            return impact;
+        }
+    }
     ++counts.exact;
     const auto& [p, q, r, s] = points;
     return pair == FeaturePair::vertex_face ? vertex_face(p, q, r, s) : edge_edge(p, q, r, s);

@@ -25,23 +25,24 @@ CRUMPLE_HD inline bool vertices_touch_at_start(const FourPoints& points) {
     return a == c || a == d || (pair == FeaturePair::vertex_face ? a == b : b == c || b == d);
 }
 
-/// For coordinates in the range of expansions, and features that are not on one line.
+/// Decides by exact predicates whether the features touch at the start: 1 if they do, -1 if they do not, 0 if a
+/// coordinate is beyond the range of expansions, or points may be on one line.
 template <FeaturePair pair>
-CRUMPLE_HD_COLD inline bool surely_touch_at_start(const FourPoints& points) {
+CRUMPLE_HD_COLD inline int contact_at_start(const FourPoints& points) {
     const Vec3d a = points[0].start, b = points[1].start, c = points[2].start, d = points[3].start;
-    if (!in_expansion_range(a) || !in_expansion_range(b) || !in_expansion_range(c) || !in_expansion_range(d))
-        return false;
-    if (orient3d(a, b, c, d) != 0) return false;
+    if (!in_expansion_range(a) || !in_expansion_range(b) || !in_expansion_range(c) || !in_expansion_range(d)) return 0;
+    if (orient3d(a, b, c, d) != 0) return -1;
     const int axis = detail::axis_of_plane(a, b, c, d);
-    if (axis < 0) return false;
+    if (axis < 0) return 0;
     if constexpr (pair == FeaturePair::vertex_face) {
         const int turn = orient2d(b, c, d, axis);
-        if (turn == 0) return false;
+        if (turn == 0) return 0;
         const auto inside = [&](const Vec3d& from, const Vec3d& to) { return orient2d(from, to, a, axis) * turn >= 0; };
-        return inside(b, c) && inside(c, d) && inside(d, b);
+        return inside(b, c) && inside(c, d) && inside(d, b) ? 1 : -1;
     } else {
-        return orient2d(a, b, c, axis) * orient2d(a, b, d, axis) <= 0 &&
-               orient2d(c, d, a, axis) * orient2d(c, d, b, axis) <= 0;
+        const bool meet = orient2d(a, b, c, axis) * orient2d(a, b, d, axis) <= 0 &&
+                          orient2d(c, d, a, axis) * orient2d(c, d, b, axis) <= 0;
+        return meet ? 1 : -1;
     }
 }
 

@@ -52,7 +52,7 @@ struct ImpactQuestion {
         if constexpr (of_triangles(kind)) {
             constexpr FeaturePair pair =
                 kind == FeatureKind::vertex_face ? FeaturePair::vertex_face : FeaturePair::edge_edge;
-            if (surely_touch_at_start<pair>(points.moving(test.vertex)))
+            if (contact_at_start<pair>(points.moving(test.vertex)) > 0)
                 return approaching_only ? Decided{Outcome::apart} : Decided{Outcome::hit, 0, true};
         }
         return {};
