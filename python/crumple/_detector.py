@@ -189,13 +189,14 @@ class Detector(_core.Detector):
 
     def _call(self, delivery: str, scene: Any, query: Query, *more: Any) -> Any:
         """Has the extension module do it, unless queries of this type are not delivered so."""
-        if delivery not in query._deliveries:
+        method = query._methods.get(delivery)
+        if method is None:
             raise InvalidInput(f"{delivery} is not for {type(query).__name__}: docs/supported.md has the table")
         excluded = query.filter.excluded_bodies
         if excluded is not None:
             excluded = excluded_in(scene, excluded)
         try:
-            return getattr(self, f"_{delivery}_{query._call}")(scene, query, excluded, *more)
+            return getattr(self, method)(scene, query, excluded, *more)
         except InvalidInput as error:
             raise with_names(scene, error) from error.__cause__
 
@@ -298,7 +299,7 @@ class Detector(_core.Detector):
             groups: (m,) integers that fit int32, one a triangle.
             copy: as of find.
         """
-        return self._find(scene_of(vertices, faces, groups=groups), query_of(IntersectionQuery, options), copy)
+        return self._find(scene_of(vertices, faces, groups), query_of(IntersectionQuery, options), copy)
 
     @keywords_of(ImpactQuery)
     def impacts(

@@ -44,7 +44,12 @@ class Query:
     filter: PairFilter
     _call: ClassVar[str]  # the name of its calls, and of the method of Detector
     _deliveries: ClassVar[frozenset[str]] = frozenset({"find", "supports"})
+    _methods: ClassVar[dict[str, str]]  # of the extension module's detector, by delivery
     _read: ClassVar[Any] = None  # of an object: the query as the extension module has read it
+    _requests: ClassVar[Any] = None  # of an object: the requests of its results, by what they depend on
+
+    def __init_subclass__(cls) -> None:
+        cls._methods = {delivery: f"_{delivery}_{cls._call}" for delivery in cls._deliveries}
 
     def __getstate__(self) -> dict[str, Any]:
         """The members: pickles and copies have nothing else."""
@@ -310,7 +315,8 @@ class OverlapQuery(Query):
 
 _PLAIN = {query: query() for query in Query.__subclasses__()}
 _SIMPLE = frozenset({str, bool, int, float, type(None)})
-_made: dict[tuple[Any, ...], Query] = {}
+_made: dict[Any, Query] = {}
+_keywords = {query: {f.name for f in fields(query)} for query in _PLAIN}  # of each method, for suggestions
 
 
 def query_of(query: type[Query], options: dict[str, Any]) -> Query:
@@ -318,41 +324,36 @@ def query_of(query: type[Query], options: dict[str, Any]) -> Query:
     if not options:
         return _PLAIN[query]
     types = tuple(map(type, options.values()))
-    if not _SIMPLE.issuperset(types):
-        return query(**options)
-    key = (query, types, tuple(options.items()))  # with types: True is not 1 here
+    key = (query, types, tuple(options.items())) if _SIMPLE.issuperset(types) else None  # with types: True is not 1
     made = _made.get(key)
     if made is None:
-        if len(_made) >= 256:
-            _made.clear()
-        made = _made[key] = query(**options)
+        for name in options:
+            if name not in _keywords[query]:
+                close = get_close_matches(name, _keywords[query], n=1)
+                meant = f". Did you mean '{close[0]}'?" if close else ""
+                raise TypeError(f"Detector.{query._call}() got an unexpected keyword argument '{name}'{meant}")
+        made = query(**options)
+        if key is not None:
+            if len(_made) >= 256:
+                _made.clear()
+            _made[key] = made
     return made
 
 
-def keywords_of(query: type) -> Callable[[Function], Function]:
-    """For a method whose keywords are its own and, as **options, the members of a query: a signature that has them all,
-    and errors that suggest a name."""
+def keywords_of(query: type[Query]) -> Callable[[Function], Function]:
+    """Gives a method whose keywords are its own and, as **options for query_of, the members of a query, a signature
+    that has them all."""
 
     def with_members(method: Function) -> Function:
         signature = inspect.signature(method)
         own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
         members = [
             inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=f.default, annotation=f.type)
-            for f in fields(query)
+            for f in fields(query)  # type: ignore[arg-type]
         ]
-        known = {parameter.name for parameter in (*own, *members)}
-
-        @functools.wraps(method)
-        def call(*arguments: Any, **named: Any) -> Any:
-            if not known.issuperset(named):
-                name = next(name for name in named if name not in known)
-                close = get_close_matches(name, known - {"self"}, n=1)
-                meant = f". Did you mean '{close[0]}'?" if close else ""
-                raise TypeError(f"{method.__qualname__}() got an unexpected keyword argument '{name}'{meant}")
-            return method(*arguments, **named)
-
-        call.__signature__ = signature.replace(parameters=[*own, *members])  # type: ignore[attr-defined]
-        return call  # type: ignore[return-value]
+        method.__signature__ = signature.replace(parameters=[*own, *members])  # type: ignore[attr-defined]
+        _keywords[query] |= {parameter.name for parameter in own[1:]}
+        return method
 
     return with_members
 

@@ -27,17 +27,18 @@ from ._world import World
 
 #: A scene as the extension module takes it (python/src/scene.h).
 Scene = World | _core.Part | Mesh | tuple[Mesh, Mesh]
+_WHOLE = (World, Mesh, _core.Part)
 
 
 def scene_of(
-    given: Any, second: Any = None, *, end: Any = None, groups: Any = None, edges: Any = None, points: Any = None
+    given: Any, second: Any = None, groups: Any = None, *, end: Any = None, edges: Any = None, points: Any = None
 ) -> Scene:
     """A scene of one object, of two meshes, or of vertices and faces; with attributes of a mesh.
 
     One object is a crumple.World, a crumple.Part, a list or tuple of two meshes, or what as_mesh takes.
     """
     is_plain = second is None and end is None and groups is None and edges is None and points is None
-    if is_plain and isinstance(given, (World, Mesh, _core.Part)):
+    if is_plain and isinstance(given, _WHOLE):
         return given
     given_attributes = {"end": end, "groups": groups, "edges": edges, "points": points}
     attributes = {name: value for name, value in given_attributes.items() if value is not None}
@@ -116,12 +117,12 @@ def checked_copy(copy: Any) -> bool:
 
 def checked_query(scene: Any, query: Any) -> Any:
     """The query, with its kinds as a tuple, and a radius that fits the scene."""
+    if type(query) is IntersectionQuery and type(query.filter) is PairFilter:
+        return query
     if not isinstance(query, Query):
         raise InvalidType(f"query must be one of crumple's, such as crumple.ImpactQuery(), not {_name_of(query)}")
     if not isinstance(query.filter, PairFilter):
         raise InvalidType(f"filter must be a crumple.PairFilter, not {_name_of(query.filter)}")
-    if type(query) is IntersectionQuery:
-        return query
     if isinstance(query, CandidateQuery):
         return query if type(query.kinds) is tuple else replace(query, kinds=_kinds(query.kinds))
     if isinstance(query, ProximityQuery):
@@ -169,12 +170,16 @@ _OPTIONS = ("index", "triangle_pairs", "closest", "least", "self_overlaps", "gra
 
 def show(found: Any, scene: Any, query: Any, copy: bool, block: bool = False) -> Any:
     """The result of a query, of the extension module's."""
-    known = query.__dict__.setdefault("_requests", {})  # callers use a query many times
-    how = (type(scene), copy, block)
-    request = known.get(how)
+    requests = query._requests  # callers use a query many times
+    if requests is None:
+        requests = query.__dict__["_requests"] = {}
+    key = (type(scene), copy, block)
+    request = requests.get(key)
     if request is None:
-        request = known[how] = _request_of(query, kind_of(scene), copy, block)
+        request = requests[key] = _request_of(query, kind_of(scene), copy, block)
     if type(query) is IntersectionQuery:
+        if request.scene == "world":
+            return Intersections(found, request, scene, scene.poses)
         return Intersections(found, request, *_kept(scene, request.scene))
     if isinstance(query, FirstImpactQuery):
         first = None if found is None else FirstImpact(*found)
@@ -199,9 +204,7 @@ def _request_of(query: Any, kind: str, copy: bool, block: bool) -> Request:
 
 
 def _kept(scene: Any, kind: str) -> tuple[Any, ...]:
-    """The parts of a scene that files and pictures need: (world, poses), or two meshes and ids of triangles."""
-    if kind == "world":
-        return scene, scene.poses
+    """The parts of a scene of meshes that files and pictures need: two meshes, and ids of triangles of a part."""
     if kind == "part":
         second = None if scene.second is None else Mesh(*scene.second)
         return Mesh(*scene.mesh), second, scene.triangles, None if second is None else scene.triangles_second
