@@ -13,17 +13,17 @@
 
 namespace crumple {
 
-/// Counts the bytes that a detector's arrays own, and refuses more than a limit.
+/// Counts the bytes that a detector's arrays own, and enforces a limit.
 struct MemoryMeter {
-    /// Thrown by a growing Array; the detector turns it into smaller chunks or into an Error.
+    /// Thrown by a growing Array. The detector then works in smaller chunks, or reports an Error.
     struct Exceeded {
-        std::int64_t bytes = 0;  ///< more than the limit: what would be owned if all had gone well so far
+        std::int64_t bytes = 0;  ///< total bytes that would have been owned: above the limit
     };
 
     std::int64_t limit = 0;  ///< 0: none
     std::atomic<std::int64_t> used{0}, peak{0};
 
-    // What is refused is never counted, not for a moment: another thread could take it for the peak.
+    // Never counts refused bytes, not even temporarily: another thread could record them as the peak.
     void add(std::int64_t bytes) {
         std::int64_t before = used.load(std::memory_order_relaxed), now = 0;
         do {
@@ -36,8 +36,8 @@ struct MemoryMeter {
     }
 };
 
-/// Owning, contiguous array of plain values on a 64-byte boundary. Growth does not initialise, capacity is kept, copies
-/// are deep. Every byte is counted by the meter, if there is one; copies are not metered.
+/// Owning, contiguous array of plain values on a 64-byte boundary. Growth does not initialise elements, clear() keeps
+/// the capacity, copies are deep. A meter, if there is one, counts every byte; copies are not metered.
 template <class T>
 class Array {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -75,12 +75,12 @@ class Array {
 
     void clear() { size_ = 0; }
 
-    /// Keeps what is there; new elements are not initialised.
+    /// Keeps existing elements; new elements are not initialised.
     void resize(std::size_t size) {
         if (size > capacity_) grow(size);
         size_ = size;
     }
-    /// As resize, but what was there may be lost: cheaper where everything is written anew.
+    /// Resizes without keeping elements: cheaper than resize() if everything is overwritten.
     T* resize_discard(std::size_t size) {
         if (size > capacity_) {
             size_ = 0;
@@ -92,7 +92,8 @@ class Array {
     void reserve(std::size_t capacity) {
         if (capacity > capacity_) grow(capacity);
     }
-    /// Room for so many more at the end. Growing bit by bit costs O(1) an element, under a limit too.
+    /// Reserves capacity for `more` further elements. Repeated calls cost amortised O(1) per element, also under a
+    /// limit.
     void make_room_for(std::size_t more) {
         if (size_ + more > capacity_) grow(std::max(size_ + more, capacity_ + capacity_ / 8));
     }
@@ -115,8 +116,8 @@ class Array {
         size_ = capacity_ = 0;
     }
 
-    /// Swaps elements and storage. Meters stay where they are and count what is there now; if that exceeds a limit,
-    /// throws MemoryMeter::Exceeded and changes nothing.
+    /// Swaps elements and storage, but not meters: each meter then counts its array's new storage. Throws
+    /// MemoryMeter::Exceeded, without any change, if that exceeds a limit.
     void swap_elements(Array& other) {
         const auto bytes = [](const Array& array) { return static_cast<std::int64_t>(array.capacity_ * sizeof(T)); };
         const std::int64_t growth = bytes(other) - bytes(*this);
@@ -141,8 +142,8 @@ class Array {
         std::swap(meter_, other.meter_);
     }
     void grow(std::size_t wanted) {
-        // Half as much again, so that frames of slowly rising size do not allocate each time; under a limit just what
-        // is wanted.
+        // Grows by half, so that frames of slowly increasing size do not allocate each time; with a limit only to the
+        // wanted capacity.
         const bool tight = meter_ && meter_->limit > 0;
         const std::size_t capacity = tight ? wanted : std::max(wanted + wanted / 8, capacity_ + capacity_ / 2);
         if (capacity > static_cast<std::size_t>(PTRDIFF_MAX) / sizeof(T)) throw std::bad_alloc();

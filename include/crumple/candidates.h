@@ -16,8 +16,8 @@ namespace crumple {
 struct Candidates;
 struct DeviceCandidates;
 
-/// What two features are a candidate. In a Pair `a` is the first one's index and `b` the second one's; of two features
-/// of one kind a < b. The order is that of the lists in an answer.
+/// Kind of a candidate pair. In a Pair of features, `a` is the index of the first and `b` of the second; a < b if both
+/// are of one kind. Results hold their lists in the order of this enum.
 enum class CandidateKind : std::uint8_t { vertex_face, edge_edge, edge_face, face_face, vertex_edge, vertex_vertex };
 inline constexpr int candidate_kinds = 6;
 constexpr std::string_view candidate_kind_name(CandidateKind kind) {
@@ -26,40 +26,41 @@ constexpr std::string_view candidate_kind_name(CandidateKind kind) {
     return names[static_cast<std::size_t>(kind)];
 }
 
-/// Which features have boxes that overlap, for those who bring their own narrow phase (docs/candidates.md). A feature's
-/// box has the axes of the coordinates and holds where its vertices are at the start and, of a step, at the end; grown
-/// by `inflation` on all sides. Two are a candidate if they have no vertex in common and on every axis the gap between
-/// their boxes is at most twice that, in real numbers. A value: it owns what it names.
+/// Query for all pairs of features whose inflated boxes overlap: the broad phase for a narrow phase of the caller
+/// (docs/candidates.md). The box of a feature is axis-aligned, contains its vertices at the start and, if they move, at
+/// the end, and is inflated by `inflation` on all sides. Two features are a candidate pair if they have no common
+/// vertex and the gap between their original boxes is at most twice the inflation on every axis, in real numbers. A
+/// value: it owns its data.
 struct CandidateQuery {
     using Result = Candidates;
     using DeviceResult = DeviceCandidates;
 
-    /// Which lists are made; at least one, the order does not matter.
+    /// Kinds to list: at least one, in any order.
     std::vector<CandidateKind> kinds{CandidateKind::vertex_face, CandidateKind::edge_edge};
-    /// By how much each box is grown: finite, 0 or more; in the units of the coordinates. Exact as given.
+    /// Inflation of each box: finite, 0 or more; in the units of the coordinates. Exact as given.
     double inflation = 0;
-    bool weld = false;  ///< vertices at equal positions at the start and at the end count as one, for "in common"
+    bool weld = false;  ///< vertices with equal positions at start and end count as one common vertex
     PairFilter filter = {};
 };
 
-/// Candidates of one kind: unique, by first feature, then second; of worlds by world, then by body before each feature,
-/// and pairs among bodies that are in all worlds come last.
+/// Candidates of one kind, each once, sorted by first feature, then second. For worlds sorted by world, then by body
+/// before each feature; pairs among bodies that are in all worlds come last.
 struct CandidateList {
     Array<Pair> pairs;       ///< indices within their bodies; see CandidateKind
-    Array<BodyPair> bodies;  ///< for each pair its bodies; empty for a single mesh
+    Array<BodyPair> bodies;  ///< the bodies of each pair; empty for a single mesh
 };
 
 /// Result of a CandidateQuery. A plain value: copy it to keep it beyond the detector's next call.
 struct Candidates {
-    bool any = false;                                  ///< whether there is any candidate
-    std::int64_t count = 0;                            ///< candidates of all kinds
-    std::array<CandidateList, candidate_kinds> lists;  ///< by CandidateKind; empty where not asked for
-    std::array<bool, candidate_kinds> listed{};        ///< by CandidateKind: whether the question named it
+    bool any = false;                                  ///< true if there is any candidate
+    std::int64_t count = 0;                            ///< number of candidates of all kinds
+    std::array<CandidateList, candidate_kinds> lists;  ///< by CandidateKind; empty if not requested
+    std::array<bool, candidate_kinds> listed{};        ///< by CandidateKind: true if requested
 
-    /// What edges are meant: as in Impacts.
+    /// The edges that indices refer to: as in Impacts.
     Array<Edge> edges;
     Array<std::int64_t> first_edge;
-    /// And what points.
+    /// The points that indices refer to: as in Impacts.
     Array<std::int32_t> points;
     Array<std::int64_t> first_point;
 

@@ -26,37 +26,38 @@
 
 namespace crumple {
 
+/// True if `Query` is one of the types `Of`.
 template <class Query, class... Of>
 concept OneOf = (std::same_as<Query, Of> || ...);
-/// Queries with one row for each pair, which can be cut short, and answered part by part.
+/// Queries whose result has one row per pair: they can end at the first pair (Detector::any), and search parts.
 template <class Query>
 concept PairQuery = OneOf<Query, IntersectionQuery, ImpactQuery, ProximityQuery>;
-/// Queries that can be asked whether there is anything.
+/// Queries that Detector::any takes.
 template <class Query>
 concept FlagQuery = PairQuery<Query> || OneOf<Query, OverlapQuery>;
-/// Queries whose rows can be delivered in blocks, and left on a device.
+/// Queries whose rows can be delivered in blocks (Detector::stream) or left on a device (Detector::launch).
 template <class Query>
 concept RowQuery = PairQuery<Query> || OneOf<Query, CandidateQuery>;
+/// All queries.
 template <class Query>
 concept AnyQuery = RowQuery<Query> || OneOf<Query, DistanceQuery, OverlapQuery, FirstImpactQuery, FreeStepQuery>;
 
 template <RowQuery Query>
 class LaunchTicket;
 
-/// Searches scenes, exactly and completely. The type of a query says what is searched for, and gives the type of the
-/// result: IntersectionQuery, ImpactQuery, FirstImpactQuery, FreeStepQuery, ProximityQuery, CandidateQuery,
-/// DistanceQuery, OverlapQuery; without a type it is about intersections. Keeps buffers and cluster centres between
-/// calls, so a detector that is fed the frames of a simulation is faster than a new one for each; the topology may
-/// change freely.
+/// Searches scenes, exactly and completely. The type of the query selects what is searched for and the type of the
+/// result: IntersectionQuery (the default), ImpactQuery, FirstImpactQuery, FreeStepQuery, ProximityQuery,
+/// CandidateQuery, DistanceQuery, OverlapQuery. A detector caches buffers and cluster centres between calls, so one
+/// detector for all frames of a simulation is faster than a new one per frame; the topology may change freely.
 ///
-/// A detector is used by one thread at a time; different detectors work at the same time. Results are references to
-/// what the detector owns, valid until its next call, move or destruction. Every call throws crumple::Error on bad
-/// input, which names mesh, body or shape, and leaves the detector usable. Where a query cannot be asked of a scene, or
-/// not with this backend, that is an Error (invalid_argument).
+/// A detector is used by one thread at a time; different detectors may work at the same time. Results are references to
+/// data of the detector, valid until its next call, move or destruction. Every call throws crumple::Error on bad input,
+/// with a message that names mesh, body or shape, and leaves the detector usable. A query that the scene or the backend
+/// does not support throws Error (invalid_argument).
 ///
-/// A call that is given a std::stop_token ends soon after a stop is requested, from any thread: it throws Error
-/// (cancelled) within some milliseconds, or returns its result if that was all but there. A request that was made
-/// before the call ends it at once.
+/// With a std::stop_token, a call ends soon after any thread requests a stop: it throws Error (cancelled) within some
+/// milliseconds, or returns its result if that was nearly complete. A stop that was requested before the call ends it
+/// at once.
 class CRUMPLE_API Detector {
    public:
     explicit Detector(const Options& options = {});
@@ -66,74 +67,73 @@ class CRUMPLE_API Detector {
 
     /// Finds everything that the query describes.
     ///
-    /// Worlds: bodies whose shapes are named cost next to nothing while they are clear of others; flags for such bodies
-    /// end at the first hit. One body with Body::self gives the rows of its mesh. The cuda backend searches copies on
-    /// its device, many worlds at once; where poses lie there (World::device_poses), only they are new in a call, and
-    /// what the bodies are stays there. For features, arrays of a world lie in host memory. Two meshes are a world of
-    /// two bodies for queries about features and distances.
+    /// Worlds: a body whose shape is named costs next to nothing while it is clear of others; flags for such bodies end
+    /// at the first hit. One body with Body::self gives the rows of its mesh. The cuda backend uploads posed bodies in
+    /// each call and searches many worlds at once; if the poses are in device memory (World::device_poses), the bodies
+    /// stay cached on the device and only the poses are read anew. For queries about features, arrays of a world are in
+    /// host memory. For queries about features and distances, two meshes are handled as a world of two bodies.
     ///
-    /// Meshes in device memory: all arrays, also those of the query, lie where the mesh does. For features, triangles,
-    /// and listed edges and points, are copied to the host once, and again where they are others than in the call
-    /// before; all arrays are in each call that welds, asks for triangle pairs, a free step, closest points or least
-    /// distances, or filters groups beside lists of edges or points.
+    /// Meshes in device memory: all arrays, including those of the query, are in the memory of the mesh. For queries
+    /// about features, triangles and listed edges and points are downloaded once, and again whenever they change. All
+    /// arrays are downloaded in each call with `weld`, triangle pairs, a free step, closest points, least distances, or
+    /// a filter of groups together with listed edges or points.
     ///
-    /// Parts: the rows of the whole result that the part owns, with the ids of the meshes, in their order; each row is
-    /// owned by one part. It costs what a mesh of the part's size does. Offsets, hit flags and least distances count by
-    /// position in the part's lists: offsets[i] belongs to triangle part.mesh.ids[i]. `first` and `any` are those of
-    /// the part; edges and points are empty, for a part knows its own (PartFeatures). A part that did not come from
-    /// partition() is checked, and an Error's vertex or triangle is a position in the part.
+    /// Parts: returns the rows of the whole result that the part owns, with the ids of the meshes, in the same order;
+    /// exactly one part owns each row. Costs as much as a mesh of the part's size. Offsets, hit flags and least
+    /// distances are indexed by position in the part's lists: offsets[i] belongs to triangle part.mesh.ids[i]. `first`
+    /// and `any` are those of the part; edges and points are empty, as the part has its own (PartFeatures). A part that
+    /// did not come from partition() is validated; an Error then counts vertices and triangles within the part.
     ///
-    /// Throws Error (invalid_argument), with the sentence that supports() is about, where that is false.
+    /// Throws Error (invalid_argument) where supports() is false.
     template <AnyQuery Query = IntersectionQuery>
     const typename Query::Result& find(const Scene& scene, const Query& query = {}, std::stop_token stop = {});
 
-    /// True if find() takes queries of this type about such a scene: by what it is, where it lies, and the backend that
-    /// works. docs/supported.md has the table. Of options only IntersectionQuery::containment matters; says nothing of
-    /// sizes, and looks at no array.
+    /// True if find() takes queries of this type about this scene: depends on the kind of scene, its memory, and the
+    /// backend (table in docs/supported.md). Of the query's options only IntersectionQuery::containment matters. Reads
+    /// no arrays and does not check sizes.
     template <AnyQuery Query = IntersectionQuery>
     bool supports(const Scene& scene, const Query& query = {}) const;
 
-    /// True if there is anything to find: of intersections, impacts, proximities and overlaps. Stops at the first pair
-    /// found; the cuda backend at those found at the same time. Query::output does not matter, if the query has it. A
-    /// step is free if there is no impact.
+    /// True if find() would find anything. Stops at the first pair found; the cuda backend finds many at a time.
+    /// Ignores Query::output. A step without an impact is free.
     template <FlagQuery Query = IntersectionQuery>
     bool any(const Scene& scene, const Query& query = {}, std::stop_token stop = {});
 
-    /// Calls `take(block)` with one block of the result after another, for results that exceed memory; a block is gone
-    /// when `take` returns. Of intersections, impacts, proximities and candidates, with the cpu and the reference
-    /// backend, of scenes in host memory that are no parts.
+    /// Calls `take(block)` with one block of the result after another, for results that exceed memory; a block is valid
+    /// until `take` returns. For intersections, impacts, proximities and candidates, with the cpu and the reference
+    /// backend, of scenes in host memory that are not parts.
     ///
-    /// A block has `block_rows` (1 to 2^40) rows of all its lists together, the last one fewer; their bodies, and
-    /// contacts if those are asked for. Of worlds and of features, `count` is the number of rows so far, with the
-    /// block's own. Edges and points are as in the whole result. There is nothing else: no offsets, no flags, no first
-    /// impact. All blocks together have the rows of the whole result, world by world, but in another order: leaf by
-    /// leaf. That does not depend on threads; like the leaves, it does on the memory limit and on calls before.
+    /// A block has `block_rows` (1 to 2^40) rows of all its lists together (the last block fewer), with their bodies,
+    /// and contacts if these are requested. For worlds and features, `count` is the number of rows up to and including
+    /// this block. Edges and points are those of the whole result. Everything else is empty: offsets, flags, first
+    /// impact. All blocks together have the rows of the whole result, world by world, but leaf by leaf within a world.
+    /// This order does not depend on threads; like the leaves, it depends on the memory limit and on earlier calls.
     ///
-    /// Memory is that of find() without its lists, and of about three blocks; under a memory limit on one thread. Cost:
-    /// that of find(); of several worlds, the scene of each is made twice for features. `take` is called from any
-    /// thread of the detector, by one at a time, and must not call this detector; what it throws ends the call, as a
-    /// stop does, and then some blocks have been delivered. Throws Error (invalid_argument) for what blocks have not:
-    /// `index`, `triangle_pairs`, `least`, and less output than pairs.
+    /// Memory: that of find() without its lists, plus about three blocks; a memory limit means one thread. Cost: that
+    /// of find(); for features of several worlds, each world's scene is prepared twice. Any thread of the detector may
+    /// call `take`, one at a time. `take` must not call this detector; an exception that it throws ends the call, as a
+    /// stop does, after some blocks have been delivered. Throws Error (invalid_argument) for options that blocks do not
+    /// support: `index`, `triangle_pairs`, `least`, and less output than pairs.
     template <RowQuery Query = IntersectionQuery>
     Statistics stream(const Scene& scene, const Query& query,
                       FunctionRef<void(const typename Query::Result& block)> take,
                       std::int64_t block_rows = std::int64_t{1} << 18, std::stop_token stop = {});
 
     /// Cuts a scene of one mesh, or of two for intersections, into `count` (1 to 262,144) parts for queries of this
-    /// type: of intersections, impacts and proximities. Depends only on the arguments, so that several machines that
-    /// are given the same meshes make the same parts. Parts for queries about features answer for no more distance than
-    /// this query asks for, with the radii, the rest shape and the welding of this query; they are about twice as
-    /// large, and know no triangle pairs. For intersections the members of the query do not matter.
+    /// type: intersections, impacts or proximities. Depends on the arguments only, so machines that have the same
+    /// meshes make the same parts. Parts for queries about features are limited to the distance, the radii, the rest
+    /// shape, the rings and the welding of this query; they are about twice as large, and do not support triangle
+    /// pairs. For intersections the members of the query do not matter.
     ///
-    /// Meshes of a device are copied to the host first, for intersections; for features they lie in host memory.
-    /// O(triangles times 64 a level) and the copies; on all threads of the cpu backend. The memory limit counts neither
-    /// parts nor what it takes to make them. What is done after the meshes were read is not cut short by a stop.
+    /// For intersections, meshes in device memory are downloaded first; for features meshes must be in host memory.
+    /// Cost: O(triangles times 64) per level, on all threads of the cpu backend, and the copies. The memory limit does
+    /// not count parts and the memory to make them. A stop is ignored once the meshes have been read.
     template <PairQuery Query = IntersectionQuery>
     std::vector<Part> partition(const Scene& scene, const Query& query, int count, std::stop_token stop = {});
 
-    /// Swaps the last result of this type with `other`, which outlives the detector and its next call, and is no longer
-    /// counted by the memory limit. The detector's own result is empty afterwards; what `other` held is dropped, but
-    /// its storage serves the next result, unless there is a memory limit. Swaps pointers, copies nothing.
+    /// Swaps the last result of this type with `other`. Afterwards `other` outlives the detector's next call and the
+    /// detector, and the memory limit no longer counts it. The detector's result is empty; it reuses the old storage of
+    /// `other` for the next result, unless there is a memory limit. Swaps pointers; copies nothing.
     template <class Result>
     void swap_result(Result& other);
     /// Returns the result by value; pass an old one to reuse its storage.
@@ -143,57 +143,57 @@ class CRUMPLE_API Detector {
         return spare;
     }
 
-    /// Has `poll` called about every 20 ms while a call runs, in the thread that made the call; shorter calls do not
-    /// poll. What it throws ends the call and leaves it, as an Error does; it must not call this detector. For
-    /// languages whose signals must be looked at in the calling thread. Empty: none.
+    /// Calls `poll` about every 20 ms during a call, in the thread that made the call; not in shorter calls. An
+    /// exception from `poll` ends the call and leaves it, as an Error does. `poll` must not call this detector. For
+    /// languages that must handle signals in the calling thread. An empty function stops polling.
     void set_poll(std::function<void()> poll);
 
-    /// Starts a query on arrays in device memory and returns at once; wait() of the ticket gives the result:
+    /// Starts a query on arrays in device memory and returns at once; wait() of the ticket returns the result:
     ///
     ///     auto launched = detector.launch(mesh.moving_to(end), ImpactQuery());
     ///     const DeviceImpacts& impacts = launched.wait();
     ///
-    /// Takes intersections of meshes and of worlds whose poses lie there (World::device_poses), and impacts,
-    /// proximities and candidates of one mesh. Only with the cuda backend. On the stream of the mesh (of the first), or
-    /// of the poses, which all arrays, also those of the query, have to be ready on. Consecutive frames of one shape
-    /// run as one CUDA graph each, and the host reads one struct of counters after it. The arrays must stay as they are
-    /// until the wait() for it returns; shapes and bodies of a world until this returns.
+    /// Takes intersections of meshes and of worlds with World::device_poses, and impacts, proximities and candidates of
+    /// one mesh. Only with the cuda backend. Runs on the stream of the (first) mesh or of the poses; all arrays,
+    /// including those of the query, must be ready on that stream. Consecutive frames of the same sizes run as one CUDA
+    /// graph each, after which the host reads one struct of counters. Arrays must stay unchanged until the
+    /// corresponding wait() returns, shapes and bodies of a world until launch() returns.
     ///
-    /// Two launches of any kind may be in flight before a wait(), on one stream or two; they are waited for in their
-    /// order. A third throws Error (invalid_argument), and leaves them. Passes share their lists, so that they run one
-    /// after the other. Any call but launches, and those of tickets, forgets what is in flight, after it has waited
-    /// for it.
+    /// At most two launches of any kind may be in flight, on one stream or two; wait for them in their order. A third
+    /// throws Error (invalid_argument) and leaves them in flight. Passes share their lists, so they run one after the
+    /// other. Any other call of the detector, except those of tickets, first completes the launches in flight and
+    /// discards their results.
     ///
-    /// On a stream that is being captured, the query becomes part of the caller's graph, and each replay of that is a
-    /// query, of what the arrays then hold. Two calls before it, outside of the capture, with meshes of the same shape
-    /// or the same bodies, and the same query, make the lists; without them it throws Error (invalid_argument), and the
-    /// capture goes on. Lists cannot grow in a replay: wait() then says that the result is not complete. The graph may
-    /// be replayed until the next call but those of the ticket, which may move or free what it works on; and no call
-    /// may be made while a replay runs. One launch to a capture and detector; the streams of two meshes both take part.
+    /// On a stream that is being captured, the query becomes part of the caller's graph, and each replay repeats the
+    /// query on the current contents of the arrays. First make two calls outside of the capture, with the same query
+    /// and with meshes of the same sizes, or the same bodies: they allocate the lists. Without them launch() throws
+    /// Error (invalid_argument), and the capture goes on. Lists cannot grow in a replay; wait() then reports an
+    /// incomplete result. The graph may be replayed until the next call of the detector (except those of the ticket),
+    /// which may move or free memory that the graph uses; no call may be made during a replay. One launch per capture
+    /// and detector; the streams of two meshes both take part.
     ///
-    /// Features: the first launch for a mesh, and one whose mesh has other numbers of vertices, triangles, listed edges
-    /// or points than the one before, waits for the stream: the host has to see which edges there are. So does a wait
-    /// where triangles or lists turn out to be others; in a capture, where they stay what they were, the result is then
-    /// not complete. Throws Error (invalid_argument) for what find() copies the mesh to the host for. `index` does not
-    /// matter.
+    /// Features: a launch waits for the stream if it is the first for a mesh, or if the number of vertices, triangles,
+    /// listed edges or points has changed, because the host has to find the edges. wait() does so if it turns out that
+    /// triangles or lists have changed; in a capture, where the features are fixed, the result is then incomplete.
+    /// Throws Error (invalid_argument) for options for which find() downloads all arrays. `index` does not matter.
     ///
-    /// Worlds: bodies and shapes are read and uploaded when they are not those of the call before (a named shape by its
-    /// name and groups, another by its contents, which are compared in each call), as is the filter. Such a call takes
-    /// what a first one does; other calls are one CUDA graph. All worlds are one scene: without those that have fewer
-    /// than two triangles at most 65,535, and 2^24 triangles together where there are several, bodies that are in all
-    /// worlds counted in each. Throws Error (invalid_argument) for more, which find() takes; for Output::body_pairs and
-    /// for `index`. Cost: that of a mesh of the triangles of all worlds together, whatever the output; the host
-    /// compares bodies, some nanoseconds each.
+    /// Worlds: bodies, shapes and the filter are read and uploaded if they have changed since the previous call (a
+    /// named shape is compared by its name and groups, another by its contents in each call). Such a call takes as long
+    /// as a first one; other calls are one CUDA graph. All worlds are one scene: at most 65,535 worlds with two or more
+    /// triangles, and if there are several, at most 2^24 triangles in total, where bodies that are in all worlds count
+    /// in each. Throws Error (invalid_argument) for more, which find() takes; for Output::body_pairs and for `index`.
+    /// Cost: that of a mesh with the triangles of all worlds, whatever the output; the host compares bodies in some
+    /// nanoseconds each.
     template <RowQuery Query = IntersectionQuery>
     LaunchTicket<Query> launch(const Scene& scene, const Query& query = {});
 
     const Options& options() const;
 
-    /// The backend that works: what Options::backend asks for, or what Backend::automatic has chosen.
+    /// The backend in use: Options::backend, or the choice of Backend::automatic.
     Backend backend() const;
 
-    /// Why Backend::automatic took the cpu backend although this build has the cuda backend, in one line; else empty.
-    /// Valid while the detector lives.
+    /// Reason in one line why Backend::automatic chose the cpu backend although this build has the cuda backend; else
+    /// empty. Valid while the detector lives.
     std::string_view fallback() const;
 
    private:
@@ -203,29 +203,29 @@ class CRUMPLE_API Detector {
     std::unique_ptr<Implementation> implementation_;
 };
 
-/// Ticket of a launch, as Detector::launch returns it: a value that is cheap to copy. Its calls are calls of the
-/// detector, which must be alive; the detector may be moved in the meantime.
+/// Ticket of a launch (Detector::launch): a value that is cheap to copy. Its functions are calls of the detector, which
+/// must be alive; the detector may have been moved in the meantime.
 template <RowQuery Query>
 class CRUMPLE_API LaunchTicket {
    public:
-    /// Waits for the launch and returns where its result lies on the device. Reports bad input, which names its body;
-    /// makes room and runs again where a list was too short, and does what only the host can: the result is complete.
-    /// Valid until the second launch after this one, or the detector's next call that is neither a launch nor one of a
-    /// ticket. (Where memory, or Options::memory_limit, does not hold two results: until the next launch or wait().)
-    /// Where memory does not hold all worlds at once: Error (memory_limit or device).
+    /// Waits for the launch and returns its complete result, in device memory. Reports bad input with its body. If a
+    /// list was too short, grows it and runs the query again; does steps that only the host can do. The result is valid
+    /// until the second launch after this one, or the detector's next call that is neither a launch nor one of a
+    /// ticket. (If memory, or Options::memory_limit, cannot hold two results: until the next launch or wait().) Throws
+    /// Error (memory_limit or device) if memory cannot hold all worlds at once.
     ///
-    /// After a launch in a capture: returns the result of the last replay, whose stream the caller has waited for;
-    /// valid until the next replay. It does not run again what did not fit (`complete`): a call outside of a capture
-    /// makes longer lists, for a new one. May be called again after each replay, also after bad input.
+    /// After a launch in a capture: returns the result of the last replay, whose stream the caller has synchronized;
+    /// valid until the next replay. Does not rerun an overflowed query (see `complete`): a call outside of a capture
+    /// grows the lists, for a new capture. May be called again after each replay, also after bad input.
     ///
-    /// Throws Error (invalid_argument), and leaves what is in flight, if an older launch is in flight; if this one was
-    /// waited for before, whatever came of it; if another call has come and ended it; and in a capture if there was no
-    /// replay since then, or since the last wait(). Bad input of one launch leaves another in flight, an Error
+    /// Throws Error (invalid_argument), and leaves launches in flight, if an older launch is in flight; if this launch
+    /// has been waited for before, successfully or not; if another call has ended it; and in a capture if there was no
+    /// replay since the capture or the last wait(). Bad input of one launch leaves the other in flight; an Error
     /// (memory_limit or device) ends both. A stop that was requested before the call leaves this launch in flight.
     const typename Query::DeviceResult& wait(std::stop_token stop = {}) const;
 
-    /// Copies the intersections of meshes that wait() has returned to the host. Valid as any result of the detector.
-    /// Throws Error (invalid_argument) if another call, or a launch, has come after that wait().
+    /// Downloads the intersections of meshes that wait() has returned. Valid as any result of the detector. Throws
+    /// Error (invalid_argument) if there was another call or launch since that wait().
     const Intersections& download() const requires std::same_as<Query, IntersectionQuery>;
 
    private:

@@ -8,21 +8,22 @@
 
 namespace crumple {
 
-/// A device that the cuda backend can work on.
+/// Device that the cuda backend can use.
 struct DeviceInfo {
     int number = 0;  ///< Options::device
     std::string name;
     int major = 0, minor = 0;       ///< compute capability
-    std::int64_t memory_bytes = 0;  ///< of the device, in use or not
+    std::int64_t memory_bytes = 0;  ///< total memory of the device
 };
 
+/// Result of list_devices().
 struct DeviceList {
     std::vector<DeviceInfo> devices;
-    std::string reason;  ///< why there are none, in one line; empty if there are any
+    std::string reason;  ///< reason in one line why there are none; empty if there are any
 };
 
-/// The devices that CUDA lists. Without a device, a driver or the backend the list is empty and says why: no Error is
-/// thrown. The first call in a process starts the driver, which takes some tenths of a second.
+/// Returns the devices that CUDA lists. Throws no Error: without a device, a driver or the backend, the list is empty
+/// and has the reason. The first call in a process starts the driver, which takes some tenths of a second.
 CRUMPLE_API DeviceList list_devices();
 
 }  // namespace crumple

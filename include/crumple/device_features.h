@@ -10,10 +10,10 @@
 
 namespace crumple {
 
-// Results about features that lie in device memory (Detector::launch). Lists have the order, and
-// the numbers, of those in host memory: what pairs, edges and points are is said there.
+// Results about features in device memory (Detector::launch). Lists have the order and the numbering of the results in
+// host memory (Impacts, Proximities, Candidates), which define pairs, edges and points.
 
-/// Impacts of one kind. Null where there are none.
+/// Impacts of one kind. Pointers are null if there are none.
 struct DeviceImpactList {
     std::int64_t count = 0;
     const Pair* pairs = nullptr;          ///< count
@@ -35,35 +35,38 @@ struct DeviceCandidateList {
     const Pair* pairs = nullptr;  ///< count
 };
 
-/// What every answer about features on the device says.
+/// Base of all results about features on the device.
 struct DeviceFeatures {
-    /// False if lists of fixed length were too short for it, or the triangles, edges or points were not those of the
-    /// calls before (a launch in a capture): then there is nothing else.
+    /// False if a list of fixed length overflowed, or the triangles, edges or points have changed (a launch in a
+    /// capture): then everything else is empty.
     bool complete = true;
-    /// Rows that there are in all lists; where the answer is not complete, those that were found, and there may be
-    /// more.
+    /// Number of rows of all lists; if the result is incomplete, the number found so far, a lower bound.
     std::int64_t rows_needed = 0;
-    std::int64_t count = 0;       ///< rows of all lists
-    const Edge* edges = nullptr;  ///< edge_count: what edges are meant. Valid while the triangles stay the same.
+    std::int64_t count = 0;  ///< number of rows of all lists
+    /// edge_count: the edges that indices refer to; valid while the triangles stay the same.
+    const Edge* edges = nullptr;
     std::int64_t edge_count = 0;
     Statistics statistics;
 };
 
+/// Result of an ImpactQuery in device memory.
 struct DeviceImpacts : DeviceFeatures {
-    bool any = false;   ///< whether anything touches
+    bool any = false;   ///< true if anything touches
     FirstImpact first;  ///< from Output::first on
     std::array<DeviceImpactList, feature_kinds> lists;
     const DeviceImpactList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
 };
 
+/// Result of a ProximityQuery in device memory.
 struct DeviceProximities : DeviceFeatures {
-    bool any = false;  ///< whether anything is near
+    bool any = false;  ///< true if anything is near
     std::array<DeviceProximityList, feature_kinds> lists;
     const DeviceProximityList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
 };
 
+/// Result of a CandidateQuery in device memory.
 struct DeviceCandidates : DeviceFeatures {
-    std::array<DeviceCandidateList, candidate_kinds> lists;  ///< empty where not asked for
+    std::array<DeviceCandidateList, candidate_kinds> lists;  ///< empty if not requested
     const DeviceCandidateList& operator[](CandidateKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
 };
 

@@ -12,34 +12,34 @@ namespace crumple {
 
 struct Distances;
 
-/// How far apart the bodies of a world are, each pair of them (docs/nearest.md). A value: it owns what it names.
+/// Query for the distance of each pair of bodies of a world (docs/nearest.md). A value: it owns its data.
 struct DistanceQuery {
     using Result = Distances;
 
-    /// Only pairs of bodies whose distance is at most this: Euclidean, 0 or more, or infinite; in the units of the
-    /// world. Exact as given.
+    /// Reports only pairs of bodies whose distance is at most this: Euclidean, 0 or more, or infinite; in the units of
+    /// the world. Exact as given.
     double radius = std::numeric_limits<double>::infinity();
-    /// Which pairs of triangles count. Pairs within a body never do, so `bodies` must not be `within`.
+    /// Pairs of triangles that count. Pairs within a body never count, so `bodies` must not be `within`.
     PairFilter filter = {};
 };
 
-/// Result of a DistanceQuery: one row for each pair of bodies that has a wanted pair of triangles, at most `radius`
-/// apart. First body < second body; rows in that order, so that worlds follow each other, and pairs among bodies that
-/// are in all worlds are last. The same bytes from every backend, thread count and instruction set. A plain value: copy
-/// it to keep it beyond the detector's next call.
+/// Result of a DistanceQuery: one row for each pair of bodies that has a pair of triangles selected by the filter, at
+/// most `radius` apart. First body < second body; sorted by first body, then by second body, so worlds follow each
+/// other, and pairs among bodies that are in all worlds come last. The same bytes from every backend, thread count and
+/// instruction set. A plain value: copy it to keep it beyond the detector's next call.
 struct Distances {
-    bool any = false;        ///< whether there is any row
-    std::int64_t count = 0;  ///< rows
+    bool any = false;        ///< true if there is a row
+    std::int64_t count = 0;  ///< number of rows
 
     Array<BodyPair> bodies;
-    /// Of the triangles as sets of points, closed: 0 where some intersect. Exact, then rounded to the nearest number;
-    /// infinite beyond the largest.
+    /// Squared distance of the bodies' triangles as closed sets of points: 0 if some intersect. Exact, then rounded to
+    /// the nearest number; infinite if it overflows.
     Array<double> squared_distance;
     Array<std::uint8_t> touching;  ///< 1: the distance is 0 exactly; a squared distance may also be rounded to 0
-    Array<Pair> triangles;         ///< as they count within their bodies: the first of those that are at that distance
-    /// Where these triangles are closest: a point of the first body's and one of the second's, exact ones rounded to
-    /// the nearest numbers. Of triangles that intersect the lexicographically smallest point of the intersection,
-    /// twice. Of several pairs of points those of the first features, as docs/nearest.md counts them.
+    Array<Pair> triangles;         ///< the first pair of triangles at that distance, indices within their bodies
+    /// Closest points of these triangles: one of the first body and one of the second, exact, then rounded to the
+    /// nearest numbers. If the triangles intersect: the lexicographically smallest point of the intersection, twice. If
+    /// several pairs of points are closest: those of the first features, in the order of docs/nearest.md.
     Array<std::array<std::array<double, 3>, 2>> points;
 
     Statistics statistics;

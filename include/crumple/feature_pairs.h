@@ -11,51 +11,53 @@
 
 namespace crumple {
 
-// Exact decisions about pairs of features that are given, for those who have a broad phase of their own
-// (docs/given_pairs.md). The decisions are those of Detector::find, pair by pair. Nothing is
-// known of meshes, so nothing is left out as a neighbour.
+// Exact decisions about pairs of features that the caller provides, for callers with their own broad phase
+// (docs/given_pairs.md). Each decision is that of Detector::find. The functions do not know the meshes, so they never
+// skip pairs of adjacent features.
 //
-// Points lie in rows, pair after pair, float32 or float64, in host memory, as the kind has them: the vertex, then the
-// face's three corners; the two ends of the one edge, then those of the other; the vertex, then the edge's ends; or two
-// vertices. So k pairs have 4k, 4k, 3k or 2k rows. A feature is the closed convex hull of its points, collapsed or not.
+// Points are rows of three coordinates, pair after pair, float32 or float64, in host memory. By kind a pair has: the
+// vertex and the face's three corners; two ends of each edge; the vertex and the edge's two ends; or two vertices. So k
+// pairs have 4k, 4k, 3k or 2k rows. A feature is the closed convex hull of its points, degenerate or not.
 //
-// Both throw Error: invalid_argument where the rows are no whole number of pairs, or the start has not as many as the
-// end; not_finite, which names the pair and the point; cancelled. Thread-safe. Answers are the same bytes for every
+// Both functions throw Error: invalid_argument if the rows are not a whole number of pairs, or start and end differ in
+// size; not_finite, which names the pair and the point; cancelled. Thread-safe. Results are the same bytes for any
 // number of threads.
 
-/// When two features of a pair count as touching, and how many threads decide it.
+/// Options of pair_impacts().
 struct PairImpactQuery {
     double min_distance = 0;        ///< as ImpactQuery::min_distance
     double min_distance_share = 0;  ///< as ImpactQuery::min_distance_share
-    int threads = 0;                ///< 0: as many as the machine has
+    int threads = 0;                ///< 0: all of the machine
     bool approaching_only = false;  ///< as ImpactQuery::approaching_only
 };
 
-/// One element a pair.
+/// Result of pair_impacts(): one element per pair.
 struct PairImpacts {
-    Array<std::uint8_t> hit;    ///< 1: they touch at some time in [0, 1]
-    Array<double> toi;          ///< the first such time, rounded down: toi <= exact < next number; infinite without one
+    Array<std::uint8_t> hit;  ///< 1: they touch at some time in [0, 1]
+    Array<double> toi;        ///< first such time, rounded down: toi <= exact < next number; infinite if there is none
     Array<std::uint8_t> start;  ///< 1: they touch at the start, toi = 0 exactly
 };
 
-/// Returns what pairs of one kind do while each point goes straight from its start to its end. Cost: some 0.3 us for a
-/// pair that is apart, some 2 us for one that touches, 5 to 200 us where only rational arithmetic can tell.
+/// Decides for each pair of one kind if and when the features touch, while each point moves straight from start to end.
+/// Cost per pair: about 0.3 us if the features stay apart, 2 us if they touch, 5 to 200 us if only rational arithmetic
+/// can decide.
 CRUMPLE_API PairImpacts pair_impacts(FeatureKind kind, const VertexView& start, const VertexView& end,
                                      const PairImpactQuery& query = {}, std::stop_token stop = {});
 
-/// One element a pair.
+/// Result of pair_distances(): one element per pair.
 struct PairDistances {
-    Array<double> squared_distance;  ///< exact, then rounded to the nearest number; infinite beyond the largest
+    Array<double> squared_distance;  ///< exact, rounded to nearest; infinite if it overflows
     Array<std::uint8_t> touching;    ///< 1: the distance is 0 exactly
-    /// Which parts are closest: a VertexFaceType, an EdgeEdgeType or a VertexEdgeType, whose EA0 and E0 are the first
-    /// end given, or a VertexVertexType.
+    /// Closest parts: a VertexFaceType, EdgeEdgeType, VertexEdgeType (whose EA0 and E0 are the first end given) or
+    /// VertexVertexType.
     Array<std::uint8_t> type;
-    /// Where: (u, v) of the face's point a + u (b - a) + v (c - a), (s, t) of the edges' a + s (b - a) and
-    /// c + t (d - c), (t, 0) of the one edge's a + t (b - a), (0, 0) of two vertices. Exact, then rounded.
+    /// Closest points, as parameters: (u, v) of the point a + u (b - a) + v (c - a) of a face, (s, t) of a + s (b - a)
+    /// and c + t (d - c) on two edges, (t, 0) of a + t (b - a) on one edge, (0, 0) for two vertices. Exact, then
+    /// rounded.
     Array<std::array<double, 2>> at;
 };
 
-/// Returns how far apart pairs of one kind are. `threads`: 0: as many as the machine has. Cost: some 0.6 us a pair.
+/// Returns the distance of each pair of one kind. `threads` 0: all of the machine. Cost: about 0.6 us per pair.
 CRUMPLE_API PairDistances pair_distances(FeatureKind kind, const VertexView& points, int threads = 0,
                                          std::stop_token stop = {});
 

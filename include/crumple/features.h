@@ -7,21 +7,22 @@
 
 namespace crumple {
 
-/// Two vertices: a < b where triangles have made the edge, else as it is listed.
+/// Two vertices: a < b for an edge of triangles, else in the order in which it is listed.
 struct Edge {
     std::int32_t a, b;
     friend auto operator<=>(const Edge&, const Edge&) = default;
 };
 
-/// What touches what, or is near it (docs/motion.md, docs/nearness.md). Features are vertices, edges, and faces (the
-/// triangles): vertices that a triangle or an edge names and the triangles' edges, or those that the caller lists
-/// (MeshView::edges, MeshView::points). In a Pair of features `a` is the first one's index and `b` the second one's;
-/// that of a vertex is its place in the list of points, if there is one. The order of the kinds is that of the lists in
-/// an answer. The last two are of rods, hair and particles: what no face or edge covers.
+/// Kind of a pair of features (docs/motion.md, docs/nearness.md). Features are vertices, edges and faces (triangles).
+/// By default, vertices are those that a triangle or an edge names, and edges those of the triangles; the caller may
+/// list others (MeshView::edges, MeshView::points). In a Pair of features, `a` is the index of the first and `b` of the
+/// second; if points are listed, a vertex's index is its position in the list. Results hold their lists in the order of
+/// this enum. The last two kinds are for rods, hair and particles: pairs that no pair with a face or an edge covers.
 enum class FeatureKind : std::uint8_t {
-    vertex_face,    ///< a: vertex, b: triangle that does not name it
+    vertex_face,    ///< a: vertex, b: triangle without this vertex
     edge_edge,      ///< a < b: edges without a common vertex
-    vertex_edge,    ///< a: vertex, b: edge of no triangle that does not name it, nor meets all edges of the vertex
+    vertex_edge,    ///< a: vertex, b: edge of no triangle, without this vertex, that is adjacent to all edges of the
+                    ///< vertex
     vertex_vertex,  ///< a < b: vertices of no triangle and no edge
 };
 inline constexpr int feature_kinds = 4;

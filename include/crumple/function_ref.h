@@ -9,7 +9,7 @@ namespace crumple {
 template <class Signature>
 class FunctionRef;
 
-/// A reference to something that can be called, for the time of a call that takes it: two pointers, no allocation.
+/// Non-owning reference to a callable, valid during the call that it is passed to: two pointers, no allocation.
 template <class Result, class... Arguments>
 class FunctionRef<Result(Arguments...)> {
    public:

@@ -15,126 +15,129 @@ struct DistributedImpacts;
 struct FirstImpact;
 struct FreeStep;
 
-/// Which features touch while every vertex goes straight from its start to its end, and when (docs/motion.md). A value:
-/// it owns what it names.
+/// Query for all pairs of features that touch while every vertex moves straight from start to end, and when
+/// (docs/motion.md). A value: it owns its data.
 struct ImpactQuery {
     using Result = Impacts;
     using DeviceResult = DeviceImpacts;
     using DistributedResult = DistributedImpacts;
 
     Output output = Output::pairs;  ///< `any`, `any_by_world`, `first` or `pairs`
-    /// Features touch where their distance is at most this: Euclidean, finite, 0 or more; in the units of the
-    /// coordinates. Exact as given.
+    /// Features touch if their distance is at most this: Euclidean, finite, 0 or more; in the units of the coordinates.
+    /// Exact as given.
     double min_distance = 0;
-    /// The same as a share, in [0, 1), of the pair's own distance at the start; of both the larger one counts. A first
-    /// impact with a share of 0.2 takes 1.7 to 3.4 times as long as without (docs/motion_figures.md).
+    /// Minimum distance as a share, in [0, 1), of the pair's distance at the start; if both are given, the larger one
+    /// applies. A first impact with a share of 0.2 takes 1.7 to 3.4 times as long as without (docs/motion_figures.md).
     double min_distance_share = 0;
-    /// Leave out features that touch at the start, by the minimum distance if there is one, and come no nearer than
-    /// they start; decided exactly. A step may then begin within the minimum distance, and what moves apart is free. If
-    /// they do come nearer, `toi` is the last moment before that: 0 if they approach at once. Features at a distance of
-    /// 0 cannot come nearer and have no side, so they are left out wherever they go. Pairs of triangles that intersect
-    /// at the start are listed all the same.
+    /// Drops pairs that touch at the start (by the minimum distance if there is one) and never come nearer than they
+    /// are at the start; decided exactly. So a step may begin within the minimum distance, and features may move apart.
+    /// If a pair does come nearer, `toi` is the last time before that: 0 if they approach at once. Pairs at distance 0
+    /// cannot come nearer and have no sides, so they are dropped whatever their motion. Pairs of triangles that
+    /// intersect at the start are still listed.
     bool approaching_only = false;
-    bool weld = false;  ///< vertices at equal positions at the start and at the end count as one, for neighbours
+    bool weld = false;  ///< vertices with equal positions at start and end count as one, for adjacency
     PairFilter filter = {};
-    bool index = false;  ///< also make the offsets of ImpactList, where impacts are listed
-    /// Also list pairs of triangles: those that intersect at the start (docs/contract.md, Neighbours::geometric), and
-    /// those of whose features some pair is an impact. They count for `any` and `any_by_world`, too.
+    bool index = false;  ///< also the offsets of ImpactList, for Output::pairs
+    /// Also lists pairs of triangles: those that intersect at the start (docs/contract.md, Neighbours::geometric), and
+    /// those of which an impact names one feature each. They count for `any` and `any_by_world`, too.
     bool triangle_pairs = false;
 };
 
-/// The first impact of all worlds. `output` and `index` are not read. FirstImpactQuery{{.min_distance = 1e-3}}: its
-/// members are those of an ImpactQuery.
+/// Query for the first impact of all worlds. Ignores `output` and `index`. The members are those of an ImpactQuery:
+/// FirstImpactQuery{{.min_distance = 1e-3}}.
 struct FirstImpactQuery : ImpactQuery {
     using Result = FirstImpact;
 };
 
-/// Choice of what is held back where something touches in a step.
+/// What is held back if two features touch during a step.
 enum class Held : std::uint8_t {
-    worlds,    ///< the world of the two features; a mesh is one
+    worlds,    ///< the world of the two features; a mesh is one world
     bodies,    ///< the two bodies
     vertices,  ///< the vertices of the two features
 };
 
-/// A share of the step with positions, so that no feature touches another on the way to those, as they are rounded:
-/// start + toi (end - start), computed in floating point, is another motion than the one whose toi that is.
+/// Query for the share of a step that is free, and for end positions that can be reached without any impact. This is
+/// verified for the rounded positions: start + toi (end - start), computed in floating point, is a different motion
+/// from the one that toi belongs to.
 ///
-/// Where something touches, what `held` names stops short of the time of contact: by 2^-16 of it if that suffices, by
-/// more if it touches again. The share is 0 if they touch at the start, or too soon for any share above 2^-40. All else
-/// goes on. Features that touch while they rest at the start hold their whole world there, for no share is free of
-/// that; with `approaching_only` they do not, and if they would come nearer, what `held` names stays at the start.
+/// If two features touch, what `held` selects stops short of the time of contact: by 2^-16 of that time if this
+/// suffices, by more if it touches again. The share is 0 if they touch at the start, or too early for any share above
+/// 2^-40. Everything else goes on. Features that touch at the start hold their whole world there, because no share is
+/// free of that contact. With `approaching_only` they do not; if they would come nearer, what `held` selects stays at
+/// the start.
 ///
-/// `output` and `index` are not read. Cost: one to three times that of a FirstImpactQuery; with Held::bodies and
-/// Held::vertices that of an ImpactQuery for each round of a few.
+/// Ignores `output` and `index`. Cost: one to three times that of a FirstImpactQuery; with Held::bodies and
+/// Held::vertices that of an ImpactQuery for each of a few iterations.
 struct FreeStepQuery : ImpactQuery {
     using Result = FreeStep;
     Held held = Held::worlds;
 };
 
-/// Impacts of one kind: unique, by first feature, then second; of worlds by world, then by body before each feature,
-/// and pairs among bodies that are in all worlds come last.
+/// Impacts of one kind, each once, sorted by first feature, then second. For worlds sorted by world, then by body
+/// before each feature; pairs among bodies that are in all worlds come last.
 struct ImpactList {
     Array<Pair> pairs;          ///< indices within their bodies; see FeatureKind
-    Array<BodyPair> bodies;     ///< for each pair its bodies; empty for a single mesh
+    Array<BodyPair> bodies;     ///< the bodies of each pair; empty for a single mesh
     Array<double> toi;          ///< first time of contact in [0, 1], rounded down: toi <= exact < next number
-    Array<std::uint8_t> start;  ///< 1: they touch at the start (approaching_only: come nearer at once), toi = 0 exactly
+    Array<std::uint8_t> start;  ///< 1: touch at the start (approaching_only: approach at once); toi = 0 exactly
 
-    // Where ImpactQuery::index asks for them; a single mesh only:
-    Array<std::int64_t> offsets;         ///< impacts of first feature i: [offsets[i], offsets[i + 1])
-    Array<std::int64_t> second_offsets;  ///< the same of second features, into `by_second`
+    // For ImpactQuery::index, a single mesh only:
+    Array<std::int64_t> offsets;         ///< impacts with first feature i: [offsets[i], offsets[i + 1])
+    Array<std::int64_t> second_offsets;  ///< offsets into `by_second` by second feature
     Array<std::int64_t> by_second;       ///< positions in `pairs`, by second feature, then first
 };
 
-/// The first impact: least toi as rounded, then first in the order of the lists.
+/// First impact: the least toi as rounded; among equals the first in the order of the lists.
 struct FirstImpact {
     bool found = false;
     FeatureKind kind = FeatureKind::vertex_face;
     Pair pair{};
     BodyPair bodies{};
-    double toi = 0;  ///< where found
+    double toi = 0;  ///< valid if found
     bool start = false;
     friend bool operator==(const FirstImpact&, const FirstImpact&) = default;
 };
 
-/// A share of a step that is free.
+/// Result of a FreeStepQuery.
 struct FreeStep {
-    double share = 0;  ///< 0 to 1, the least of all; 1: the whole step is free
-    /// 3 a vertex: start + s (end - start) with the share s of its vertex, body or world, rounded to the precision of
-    /// the mesh or body; of worlds body by body, as they are posed.
+    double share = 0;  ///< 0 to 1, the smallest of all shares; 1: the whole step is free
+    /// 3 per vertex: start + s (end - start) with the share s of the vertex, its body or its world, rounded to the
+    /// precision of the mesh or body. For worlds the posed vertices, body after body.
     Array<double> positions;
-    FirstImpact first;        ///< the first impact of the uncut step, if there is one
-    bool intersects = false;  ///< with ImpactQuery::triangle_pairs: some triangles intersect at the start
-    Pair intersecting{};      ///< the first two of them
+    FirstImpact first;        ///< the first impact of the whole step, if any
+    bool intersects = false;  ///< with ImpactQuery::triangle_pairs: true if triangles intersect at the start
+    Pair intersecting{};      ///< the first pair of these
     BodyPair intersecting_bodies{};
 
-    Array<double> vertex_shares;       ///< one a vertex, with Held::vertices
-    Array<double> body_shares;         ///< one a body, otherwise, of worlds and two meshes
-    Array<std::int64_t> first_vertex;  ///< of worlds and two meshes: body b has [first_vertex[b], first_vertex[b + 1])
+    Array<double> vertex_shares;  ///< 1 per vertex, for Held::vertices
+    Array<double> body_shares;    ///< otherwise, for worlds and two meshes: 1 per body
+    /// For worlds and two meshes: body b has vertices [first_vertex[b], first_vertex[b + 1]).
+    Array<std::int64_t> first_vertex;
 };
 
 /// Result of an ImpactQuery. A plain value: copy it to keep it beyond the detector's next call.
 struct Impacts {
-    /// True if anything touches; else the step is free. With ImpactQuery::triangle_pairs also if any intersect at
-    /// the start.
+    /// True if anything touches (otherwise the step is free), or with ImpactQuery::triangle_pairs if triangles
+    /// intersect at the start.
     bool any = false;
-    FirstImpact first;       ///< of features, of all worlds (from Output::first on)
-    std::int64_t count = 0;  ///< impacts, where they are listed; else 0
+    FirstImpact first;       ///< first impact of features in all worlds (from Output::first on)
+    std::int64_t count = 0;  ///< number of impacts if they are listed, else 0
 
-    Array<std::uint8_t> world_hit;                ///< one a world: something touches (not for Output::any)
-    Array<FirstImpact> world_first;               ///< one a world (from Output::first on)
+    Array<std::uint8_t> world_hit;                ///< 1 per world: something touches (not for Output::any)
+    Array<FirstImpact> world_first;               ///< 1 per world (from Output::first on)
     std::array<ImpactList, feature_kinds> lists;  ///< by FeatureKind
-    /// Where ImpactQuery::triangle_pairs asks for them: triangles a < b (of worlds body by body) whose groups are
-    /// wanted. The first time of their features; 0, with `start`, if they intersect at the start.
+    /// For ImpactQuery::triangle_pairs: triangles a < b (for worlds body by body) whose groups the filter selects.
+    /// `toi` is the first time of contact of their features; 0, with `start`, if they intersect at the start.
     ImpactList triangle_pairs;
-    bool lists_triangle_pairs = false;  ///< they were asked for, be there none
+    bool lists_triangle_pairs = false;  ///< true if requested, even if there are none
 
-    /// What edges are meant: those of body b are [first_edge[b], first_edge[b + 1]), as its shape lists them, or each
-    /// edge of its triangles once, in lexicographic order. An edge's index counts within its body.
+    /// The edges that indices refer to; an edge's index counts within its body. Body b has [first_edge[b], first_edge[b
+    /// + 1]): the edges that its shape lists, or each edge of its triangles once, in lexicographic order.
     Array<Edge> edges;
     Array<std::int64_t> first_edge;
 
-    /// What points are meant where a shape lists them: those of body b are [first_point[b], first_point[b + 1]), its
-    /// vertices in the order of the list. A body without any of its own has vertices by their index instead.
+    /// The points that indices refer to, if a shape lists points: body b has [first_point[b], first_point[b + 1]),
+    /// vertices in the order of its list. Vertices of a body without listed points have their vertex index instead.
     Array<std::int32_t> points;
     Array<std::int64_t> first_point;
 

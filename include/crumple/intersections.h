@@ -13,25 +13,27 @@ struct Intersections;
 struct DeviceIntersections;
 struct DistributedIntersections;
 
-/// Two colliding triangles. One soup: a < b. Two meshes: a counts in the first, b in the second.
+/// Pair of colliding triangles. For a single mesh a < b; for two meshes, a is an index into the first and b into the
+/// second.
 struct Pair {
     std::int32_t a, b;
     friend auto operator<=>(const Pair&, const Pair&) = default;
 };
 
+/// Dimension of a contact.
 enum class ContactKind : std::uint8_t { point = 1, segment = 2, area = 3 };
 
-/// Where the pairs meet: for pair i, kinds[i] and the points [offsets[i], offsets[i + 1]).
+/// Contacts of the pairs: pair i has kinds[i] and the points [offsets[i], offsets[i + 1]).
 ///
 /// The points are the extreme points of the exact intersection, each coordinate rounded to the nearest float64. The
 /// lexicographically smallest exact point comes first; areas run counter-clockwise about the first triangle's normal.
 struct Contacts {
     Array<ContactKind> kinds;
     Array<std::int64_t> offsets;          ///< pairs + 1
-    Array<std::array<double, 3>> points;  ///< 1, 2 or 3 to 6 a pair
+    Array<std::array<double, 3>> points;  ///< 1 (point), 2 (segment) or 3 to 6 (area) per pair
 };
 
-/// The stages of the method, in order. `output` makes the sorted result.
+/// Stages of the method, in order. `output` makes the sorted result.
 enum class Stage : std::uint8_t { bounds, subdivide, align, sort, sweep, narrow, output };
 inline constexpr int stage_count = 7;
 constexpr std::string_view stage_name(Stage stage) {
@@ -40,25 +42,25 @@ constexpr std::string_view stage_name(Stage stage) {
     return names[static_cast<std::size_t>(stage)];
 }
 
-/// Counts and times of a call. Times are wall-clock for the total and summed over threads for the stages.
+/// Counts and times of a call. Stage times are sums over threads.
 struct Statistics {
     double milliseconds = 0;                               ///< wall-clock time of the call
     std::array<double, stage_count> stage_milliseconds{};  ///< summed over threads
     std::int64_t triangles = 0;
     std::int64_t clusters = 0;        ///< first level
-    std::int64_t leaves = 0;          ///< clusters that were swept
-    std::int64_t members = 0;         ///< memberships of triangles in leaves
-    std::int64_t interval_tests = 0;  ///< overlaps along the sweep direction: the prefix sum's total
-    std::int64_t box_overlaps = 0;    ///< candidate pairs that left the sweep
+    std::int64_t leaves = 0;          ///< leaf clusters that were swept
+    std::int64_t members = 0;         ///< triangles of all leaves, counted once per leaf
+    std::int64_t interval_tests = 0;  ///< overlaps along the sweep direction
+    std::int64_t box_overlaps = 0;    ///< candidate pairs found by the sweep
     std::int64_t edge_tests = 0;      ///< pairs that no plane separated
-    std::int64_t double_tests = 0;    ///< pairs that float32 filters left undecided
-    std::int64_t exact_tests = 0;     ///< pairs that float64 filters left undecided: exact arithmetic
-    std::int64_t rational_tests = 0;  ///< of these, beyond the range of expansions
-    /// Contacts that took rational arithmetic, which cuda leaves to the host: of triangles in one plane, of degenerate
-    /// ones, and points that double words could not round.
+    std::int64_t double_tests = 0;    ///< pairs left undecided by float32 filters
+    std::int64_t exact_tests = 0;     ///< pairs left undecided by float64 filters: decided in exact arithmetic
+    std::int64_t rational_tests = 0;  ///< of these, pairs beyond the range of floating-point expansions
+    /// Contacts computed in rational arithmetic, by the host even with cuda: of coplanar or degenerate triangles, and
+    /// points that double-double arithmetic could not round.
     std::int64_t rational_contacts = 0;
     std::int64_t pairs = 0;
-    std::int64_t peak_memory_bytes = 0;  ///< most that the detector has owned
+    std::int64_t peak_memory_bytes = 0;  ///< most bytes that the detector has owned
     int threads = 1;
     std::string_view backend;  ///< "reference", "cpu", "cuda"
     std::string_view simd;     ///< Highway's name of the instruction set: "scalar", "SSE4", "AVX2", "AVX3_DL", ...
@@ -67,30 +69,31 @@ struct Statistics {
     double operator[](Stage stage) const { return stage_milliseconds[static_cast<std::size_t>(stage)]; }
 };
 
-/// Pairs of triangles that share a vertex.
+/// Treatment of adjacent triangles: pairs that share a vertex.
 enum class Neighbours : std::uint8_t {
-    geometric,  ///< intersect only if they meet outside the hull of what they share: a fold counts, a hinge does not
+    geometric,  ///< intersect only if they meet outside the hull of shared vertices: a fold does, a hinge does not
     skip,       ///< never reported
 };
 
+/// Pairs of triangles that count as intersecting.
 enum class IntersectionKind : std::uint8_t {
     all,     ///< closed sets: touching counts
-    proper,  ///< only if an edge of one strictly crosses the relative interior of the other
+    proper,  ///< an edge of one strictly crosses the relative interior of the other
 };
 
-/// Query for the triangles that intersect (docs/contract.md); where things move, at the start. A value: it owns what
-/// it names.
+/// Query for all pairs of triangles that intersect (docs/contract.md), at the start if they move. A value: it owns its
+/// data.
 struct IntersectionQuery {
     using Result = Intersections;
     using DeviceResult = DeviceIntersections;
     using DistributedResult = DistributedIntersections;
 
-    /// Any but `first`; of meshes in device memory `any`, `pairs` or `contacts`; in blocks and of parts `pairs` or
+    /// All values but `first`. Meshes in device memory: `any`, `pairs` or `contacts`. Blocks and parts: `pairs` or
     /// `contacts`.
     Output output = Output::pairs;
     Neighbours neighbours = Neighbours::geometric;
     IntersectionKind kind = IntersectionKind::all;
-    /// Vertices at equal positions (-0 equals +0) count as one, also those of different meshes and bodies.
+    /// Vertices at equal positions (-0 equals +0) count as one, including those of different meshes and bodies.
     bool weld = false;
     /// A body inside another one counts in the outputs any, any_by_world and body_pairs, never as pairs of triangles,
     /// and `inside` is set for that body pair. Two bodies count if their surfaces meet, or else if a component of one
@@ -99,31 +102,33 @@ struct IntersectionQuery {
     ///
     /// For worlds and two meshes, with `kind` all and without filters of groups if shapes have groups. With `weld`,
     /// which also closes the seams of each body, `neighbours` has to be geometric, and vertices that are one with
-    /// vertices of the other body do not count. Additional cost: a ray for each component that lies in the other's box,
-    /// of bodies whose boxes overlap and whose surfaces do not meet.
+    /// vertices of the other body do not count. Additional cost: for bodies whose boxes overlap and whose surfaces do
+    /// not meet, one ray for each component that lies in the other's box.
     bool containment = false;
     /// Treatment of bodies that are not closed, in pairs whose boxes overlap and whose surfaces do not meet. Such a
     /// body can still be reported as lying inside another one.
     OpenSurfaces open = OpenSurfaces::error;
     PairFilter filter = {};
-    bool index =
-        false;  ///< of worlds: also make offsets and hit flags, where pairs are listed; meshes always have them
+    /// For worlds: also makes offsets and hit flags if pairs are listed; meshes always have them.
+    bool index = false;
 
+    /// True if contacts are requested.
     bool contacts() const { return output == Output::contacts; }
 };
 
-/// Result of an IntersectionQuery: every pair once. Of a mesh in lexicographic order, a < b; of two meshes a counts in
-/// the first, b in the second. Of worlds in the order of first body, its triangle, second body, its triangle: so worlds
-/// follow each other, and pairs among bodies that are in all worlds, which come once, are last. The same bytes from
-/// every backend, thread count and cluster count. A plain value: copy it to keep it beyond the detector's next call.
+/// Result of an IntersectionQuery: every pair once. For a single mesh a < b, in lexicographic order; for two meshes, a
+/// is an index into the first and b into the second. For worlds sorted by first body, its triangle, second body, its
+/// triangle: so worlds follow each other, and pairs among bodies that are in all worlds are listed once, at the end.
+/// The same bytes from every backend, thread count and cluster count. A plain value: copy it to keep it beyond the
+/// detector's next call.
 struct Intersections {
-    bool any = false;        ///< whether anything intersects
-    std::int64_t count = 0;  ///< pairs of triangles, where they are counted or listed; else 0
+    bool any = false;        ///< true if anything intersects
+    std::int64_t count = 0;  ///< number of pairs of triangles if they are counted or listed, else 0
 
-    Array<std::uint8_t> world_hit;     ///< one a world: something intersects (not for Output::any); of worlds only
-    Array<std::int64_t> world_counts;  ///< one a world: pairs of triangles (from Output::count on); of worlds only
+    Array<std::uint8_t> world_hit;     ///< for worlds, 1 each: something intersects (not for Output::any)
+    Array<std::int64_t> world_counts;  ///< for worlds, 1 each: number of pairs of triangles (from Output::count on)
 
-    /// Bodies of each pair, in worlds; for Output::body_pairs those that intersect, each once. Else empty.
+    /// For worlds, the bodies of each pair; for Output::body_pairs each intersecting pair of bodies once. Else empty.
     Array<BodyPair> bodies;
     /// For IntersectionQuery::containment and Output::body_pairs: one entry per pair of bodies, 1 if their surfaces do
     /// not meet, and one body has a component inside the other. Else empty.
@@ -132,38 +137,39 @@ struct Intersections {
     /// pairs whose boxes overlap and whose surfaces do not meet. Empty for Output::any if surfaces meet; for
     /// Output::any_by_world, worlds in which surfaces meet add none.
     Array<std::int32_t> skipped;
-    Array<Pair> pairs;  ///< triangles, as they count within their bodies or meshes
+    Array<Pair> pairs;  ///< triangles, by index within their bodies or meshes
     Contacts contacts;  ///< for Output::contacts
 
     // For a mesh, two meshes, and parts:
-    Array<std::int64_t> offsets;     ///< pairs of triangle i as first: [offsets[i], offsets[i + 1]); size m + 1
+    Array<std::int64_t> offsets;     ///< pairs with first triangle i: [offsets[i], offsets[i + 1]); size m + 1
     Array<std::uint8_t> hit_second;  ///< 1 for each triangle of the second mesh in some pair; empty for one mesh
 
-    /// 1 for each triangle (of the first mesh; of all bodies, one after another, see first_triangle) in some pair.
+    /// 1 for each triangle that is in some pair: triangles of the first mesh, or of all bodies, one after another (see
+    /// first_triangle).
     Array<std::uint8_t> hit;
 
-    // For worlds, where IntersectionQuery::index asks for them:
-    Array<std::int64_t>
-        world_offsets;                 ///< pairs of world w: [world_offsets[w], world_offsets[w + 1]); the rest follows
-    Array<std::int64_t> body_offsets;  ///< pairs whose first body is b: [body_offsets[b], body_offsets[b + 1])
-    Array<std::int64_t> first_triangle;  ///< of each body, in `hit`; the number of bodies + 1
+    // For worlds, with IntersectionQuery::index:
+    /// Pairs of world w: [world_offsets[w], world_offsets[w + 1]); then those among bodies in all worlds.
+    Array<std::int64_t> world_offsets;
+    Array<std::int64_t> body_offsets;    ///< pairs whose first body is b: [body_offsets[b], body_offsets[b + 1])
+    Array<std::int64_t> first_triangle;  ///< start of each body's triangles in `hit`, and the end
 
     Statistics statistics;
 };
 
-/// The same in the memory of a device: pointers of the device, in the same order.
+/// Result of an IntersectionQuery in device memory: device pointers, in the order of Intersections.
 struct DeviceIntersections {
-    /// False if lists of fixed length were too short for it (Detector::launch in a capture): there are no arrays.
+    /// False if a list of fixed length overflowed (Detector::launch in a capture): then there are no arrays.
     bool complete = true;
-    bool of_worlds = false;  ///< the launch was one of worlds, else of meshes
-    /// Pairs that there are; where the result is not complete, those that were found, and there may be more.
+    bool of_worlds = false;  ///< true for worlds, false for meshes
+    /// Number of pairs; if the result is incomplete, the number found so far, a lower bound.
     std::int64_t pairs_needed = 0;
-    bool any = false;        ///< whether anything intersects
+    bool any = false;        ///< true if anything intersects
     std::int64_t count = 0;  ///< pairs of triangles
 
-    const BodyPair* bodies = nullptr;  ///< count: of worlds for each pair its bodies; null below Output::pairs
+    const BodyPair* bodies = nullptr;  ///< count: the bodies of each pair, for worlds; null below Output::pairs
     const Pair* pairs = nullptr;       ///< count; null below Output::pairs
-    const ContactKind* contact_kinds = nullptr;             ///< count; null unless asked for
+    const ContactKind* contact_kinds = nullptr;             ///< count; null unless requested
     const std::int64_t* contact_offsets = nullptr;          ///< count + 1
     const std::array<double, 3>* contact_points = nullptr;  ///< contact_point_count
     std::int64_t contact_point_count = 0;
@@ -176,9 +182,10 @@ struct DeviceIntersections {
 
     // For worlds:
     std::int64_t worlds = 0;
-    const std::uint8_t* world_hit = nullptr;      ///< worlds: something intersects
-    const std::int64_t* world_counts = nullptr;   ///< worlds: pairs of triangles
-    const std::int64_t* world_offsets = nullptr;  ///< worlds + 1: pairs of world w begin here; the rest follows
+    const std::uint8_t* world_hit = nullptr;     ///< worlds: 1 if something intersects
+    const std::int64_t* world_counts = nullptr;  ///< worlds: number of pairs of triangles
+    /// Worlds + 1: start of the pairs of each world; pairs among bodies in all worlds follow.
+    const std::int64_t* world_offsets = nullptr;
     Statistics statistics;
 };
 

@@ -13,7 +13,7 @@
 #include "crumple/error.h"
 #include "crumple/features.h"
 
-// Clang warns of a view that outlives the temporary array it was made of.
+// Lets Clang and MSVC warn about a view that outlives the temporary array it was made from.
 #if defined(__has_cpp_attribute)
 #if __has_cpp_attribute(clang::lifetimebound)
 #define CRUMPLE_LIFETIMEBOUND [[clang::lifetimebound]]
@@ -31,8 +31,8 @@ enum class ScalarType : std::uint8_t { float32, float64 };
 enum class IndexType : std::uint8_t { int32, uint32, int64 };
 enum class MemorySpace : std::uint8_t { host, cuda };
 
-/// A (rows, 3) array that somebody else owns. Strides are in bytes, so that row-major, column-major and
-/// interleaved layouts are read where they lie.
+/// View of a (rows, 3) array that the caller owns. Strides are in bytes, so row-major, column-major and interleaved
+/// layouts need no copy.
 template <class Type>
 struct ArrayView {
     const void* data = nullptr;
@@ -46,7 +46,7 @@ struct ArrayView {
 using VertexView = ArrayView<ScalarType>;
 using TriangleView = ArrayView<IndexType>;
 
-/// A matrix in memory that knows its strides, in elements: Eigen's Matrix, Map, Ref and blocks, row- or column-major.
+/// Matrix in memory with strides counted in elements: Eigen's Matrix, Map, Ref and blocks, row- or column-major.
 template <class Matrix>
 concept MatrixInMemory = requires(const Matrix& m) {
     *m.data();
@@ -56,31 +56,31 @@ concept MatrixInMemory = requires(const Matrix& m) {
     { m.colStride() } -> std::convertible_to<std::int64_t>;
 };
 
-/// A triangle soup that somebody else owns; nothing is copied. Any soup will do: open, non-manifold, with
-/// duplicated or degenerate triangles, several objects in one array.
+/// View of a triangle soup that the caller owns; nothing is copied. Works on any triangle soup: open, non-manifold,
+/// with duplicated or degenerate triangles, several objects in one array.
 ///
-/// The arrays must stay as they are until the call that was given the view returns.
+/// The arrays must stay unchanged until the call that was given the view returns.
 struct MeshView {
     VertexView vertices;                   ///< (n, 3) coordinates
     TriangleView triangles;                ///< (m, 3) indices into `vertices`
-    std::span<const std::int32_t> groups;  ///< one id a triangle, or empty: all in group 0
+    std::span<const std::int32_t> groups;  ///< one id per triangle, or empty: all in group 0
     MemorySpace memory = MemorySpace::host;
     void* stream = nullptr;  ///< CUDA stream on which device arrays become ready
 
-    /// Where the vertices are at the end of a step, for queries about motion: (n, 3), in the same memory. Queries about
-    /// one time are about the start. Without data, nothing moves.
+    /// Positions of the vertices at the end of a step, for queries about motion: (n, 3), in the same memory as
+    /// `vertices`. Queries about one time use the start. Without data, nothing moves.
     VertexView end = {};
-    /// The same mesh, on its way to `end`.
+    /// Returns this mesh with the given positions at the end of the step.
     MeshView moving_to(const VertexView& end) const {
         MeshView moving = *this;
         moving.end = end;
         return moving;
     }
 
-    /// What is meant by edges and by points where motion and nearness are asked about, instead of the triangles' edges
-    /// and the vertices that a triangle or an edge names: rods, hair, particles, or a mesh's own lists. Answers name
-    /// them by their place in the list; what is listed twice is answered twice. An edge has two different vertices.
-    /// Questions about intersections do not read them.
+    /// Edges and points for queries about motion and nearness. If set, they replace the default features: the
+    /// triangles' edges, and the vertices that a triangle or an edge names. For rods, hair, particles, or a mesh's own
+    /// lists. Results name an edge or a point by its position in the list; an entry that is listed twice is reported
+    /// twice. The ends of an edge must differ. Queries about intersections ignore both lists.
     std::optional<std::span<const Edge>> edges = {};
     std::optional<std::span<const std::int32_t>> points = {};
 
@@ -93,6 +93,7 @@ struct MeshView {
     MeshView(const Scalar* xyz, std::int64_t vertex_count, const Index* ijk, std::int64_t triangle_count,
              std::span<const std::int32_t> groups = {});
 
+    /// View of vectors of rows.
     template <class Scalar, class Index>
     MeshView(const std::vector<std::array<Scalar, 3>>& vertices CRUMPLE_LIFETIMEBOUND,
              const std::vector<std::array<Index, 3>>& triangles CRUMPLE_LIFETIMEBOUND,
@@ -101,8 +102,8 @@ struct MeshView {
                    triangles.empty() ? nullptr : triangles[0].data(), static_cast<std::int64_t>(triangles.size()),
                    groups) {}
 
-    /// Matrices of three columns, such as Eigen's, in the order in which they lie. Throws Error (invalid_argument) for
-    /// another number of columns.
+    /// Matrices of three columns, such as Eigen's, in either storage order, without a copy. Throws Error
+    /// (invalid_argument) for another number of columns.
     template <MatrixInMemory Vertices, MatrixInMemory Triangles>
     MeshView(const Vertices& vertices CRUMPLE_LIFETIMEBOUND, const Triangles& triangles CRUMPLE_LIFETIMEBOUND,
              std::span<const std::int32_t> groups = {});
@@ -136,14 +137,15 @@ constexpr void check_index() {
 }
 }  // namespace detail
 
-/// View of `rows` contiguous rows of three values.
+/// Returns a view of `rows` contiguous rows of three values.
 template <class T>
 auto rows_of_three(const T* data, std::int64_t rows) {
     constexpr auto type = detail::type_of<T>();
     return ArrayView<std::remove_const_t<decltype(type)>>{data, rows, 3 * sizeof(T), sizeof(T), type};
 }
 
-/// View of a matrix of three columns where it lies. `what` is named in the message.
+/// Returns a view of a matrix of three columns, without a copy. Throws Error (invalid_argument) for another number of
+/// columns; the message calls the matrix `what`.
 template <MatrixInMemory Matrix>
 auto rows_of(const Matrix& matrix CRUMPLE_LIFETIMEBOUND, const char* what) {
     if (matrix.cols() != 3)

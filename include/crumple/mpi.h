@@ -1,6 +1,6 @@
 #pragma once
 
-// One scene on many processes of MPI. Link crumple::mpi, which -DCRUMPLE_MPI=ON builds. docs/distributed.md
+// Searches one scene with many MPI processes. Link crumple::mpi, which -DCRUMPLE_MPI=ON builds. docs/distributed.md
 
 #ifndef OMPI_SKIP_MPICXX
 #define OMPI_SKIP_MPICXX 1
@@ -21,60 +21,62 @@
 
 namespace crumple::mpi {
 
-/// Searches a scene of which each rank brings a share. The rows of all ranks, merged, are the bytes of
-/// crumple::Detector::find, for any number of ranks and any distribution. Keeps parts and
-/// centres between calls: where only vertices have moved, little more than their coordinates travels.
+/// Searches a scene that is distributed over ranks: each provides local triangles or bodies. The rows of all ranks,
+/// merged, are the same bytes as those of crumple::Detector::find, for any number of ranks and any distribution. Caches
+/// parts and centres between calls: if only vertices have moved, little more than their coordinates is sent.
 ///
 /// Every call but the destructor is collective: all ranks of the communicator make the same calls, in the same order,
-/// with the same query and options. A call throws the same crumple::Error on all ranks, if it throws on one
+/// with the same query and options. If a call throws on one rank, it throws the same crumple::Error on all
 /// (Error::rank), and leaves the detectors usable. A stop that is requested on one rank ends the call on all. A process
-/// that dies ends the job, as MPI does. One thread makes the calls; if MPI was initialised with less than
-/// MPI_THREAD_SERIALIZED, the one that initialised it, and with MPI_THREAD_SINGLE only a detector of one thread works.
+/// that dies ends the job, as usual with MPI. One thread makes the calls. If MPI was initialised with less than
+/// MPI_THREAD_SERIALIZED, it must be the thread that initialised MPI; with MPI_THREAD_SINGLE, a detector must have one
+/// thread.
 class CRUMPLE_API Detector {
    public:
-    /// Of a duplicate of the communicator, so that messages of others never get mixed up with these.
+    /// Works on a duplicate of the communicator, so that its messages are never mixed up with others.
     explicit Detector(MPI_Comm communicator, const DistributedOptions& options = {});
-    /// Does not communicate; the duplicate is left to MPI_Finalize unless close() has freed it.
+    /// Does not communicate. Unless close() was called, MPI_Finalize frees the duplicate.
     ~Detector();
     Detector(Detector&&) noexcept;
     Detector& operator=(Detector&&) noexcept;
 
-    /// Frees the communicator and all memory. No call may follow.
+    /// Frees the duplicate communicator and all memory. No call may follow.
     void close();
 
-    /// Finds everything that the query describes, as crumple::Detector::find does. On each rank those rows whose first
-    /// triangle, or first feature, or first body, it has brought, in order. Valid until the next call. A share is a
-    /// MeshShare or a WorldShare, a query one of intersections, impacts or proximities.
+    /// Finds everything that the query describes, as crumple::Detector::find does. Each rank gets the rows whose first
+    /// triangle, feature or body it has provided, in order; valid until the next call. `Share` is MeshShare or
+    /// WorldShare; the query is an IntersectionQuery, ImpactQuery or ProximityQuery.
     ///
-    /// For less output than pairs no rows travel; Output::any_by_world is as Output::any. A mesh that moves says where
-    /// to (MeshView::moving_to); listed edges and points are not read. Parts are made for one query: another minimum
-    /// distance, or a query of another kind, begins them anew. A filter of bodies speaks of these (Body::self, too) or
-    /// of groups, not of both. Throws Error (invalid_argument) for what ranks have not: `index`, `triangle_pairs`,
-    /// `radii`, `rest`, `rings`, `least`; of triangles, excluded bodies; of bodies, Body::world other than 0, poses on
-    /// a device, and shapes with listed edges or points, radii, or a rest shape. An Error about a body has its number
-    /// over all ranks (Element::body); where there are no ids, and it is not about coordinates or triangles, the rank's
-    /// own.
+    /// With less output than pairs no rows are sent; Output::any_by_world is the same as Output::any. A moving mesh has
+    /// its end positions in MeshView::end; listed edges and points are ignored. Parts are made for one query: a
+    /// different minimum distance, or another type of query, makes new parts. The pair filter may select bodies (with
+    /// Body::self) or groups, not both. Throws Error (invalid_argument) for what ranks do not support: `index`,
+    /// `triangle_pairs`, `radii`, `rest`, `rings`, `least`; for meshes, excluded bodies; for worlds, Body::world other
+    /// than 0, poses in device memory, and shapes with listed edges or points, radii, or a rest shape. An Error about a
+    /// body counts bodies over all ranks (Element::body); without `body_ids`, unless it is about coordinates or
+    /// triangles, it counts the rank's own.
     template <class Query = IntersectionQuery, class Share>
     const typename Query::DistributedResult& find(const Share& share, const Query& query = {},
                                                   std::stop_token stop = {});
-    /// True if there is anything to find, over all ranks. Each rank stops at its first.
+    /// True if find() would find anything on any rank. Each rank stops at its first pair.
     template <class Query = IntersectionQuery, class Share>
     bool any(const Share& share, const Query& query = {}, std::stop_token stop = {});
 
-    /// Has `poll` called at the beginning of each phase, and about every 20 ms while this rank searches, in the thread
-    /// that made the call. What it throws ends the call on all ranks: an Error is thrown on all of them, anything else
-    /// as it is here, and as an Error (cancelled) elsewhere. Not collective; it must not call this detector.
+    /// Calls `poll` at the beginning of each phase, and about every 20 ms while this rank searches, in the thread that
+    /// made the call. An exception from `poll` ends the call on all ranks: an Error is thrown on all of them; any other
+    /// exception is thrown on this rank, and Error (cancelled) on the others. Not collective. `poll` must not call this
+    /// detector.
     void set_poll(std::function<void()> poll);
 
-    /// Has `show` called, in the thread that made the call, as each phase begins on this rank, and as each part has
-    /// been searched. Phases come in their order, each once at most; what a call does not need is left out. What it
-    /// throws ends the call as it does in a poll. Not collective; it must not call this detector. An empty one: no
-    /// calls.
+    /// Calls `show`, in the thread that made the call, at the beginning of each phase on this rank and after the search
+    /// of each part. Phases come in their order, each at most once; phases that a call does not need are skipped.
+    /// Exceptions are handled as those of `poll`. Not collective. `show` must not call this detector. An empty function
+    /// stops the calls.
     void set_progress(std::function<void(const DistributedProgress&)> show);
 
-    /// What the last call did on this rank.
+    /// Returns counts and times of the last call on this rank.
     const DistributedStatistics& statistics() const;
-    /// With the number of threads that it has come to.
+    /// Returns the options, with the actual number of threads.
     const DistributedOptions& options() const;
     int rank() const;
     int ranks() const;

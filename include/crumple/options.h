@@ -8,56 +8,57 @@
 
 namespace crumple {
 
-/// Who does the work. `automatic` takes cuda if it was built and a device is there (Detector::fallback() tells why
-/// not), else cpu. A backend that is asked for by name and is not there is an Error (backend_unavailable).
+/// Backend that runs the queries. `automatic` chooses cuda if it was built and a device is available
+/// (Detector::fallback() has the reason if not), else cpu. If a backend is requested by name and is not available, the
+/// constructor throws Error (backend_unavailable).
 enum class Backend : std::uint8_t { automatic, reference, cpu, cuda };
 
-/// Instruction sets that the cpu backend can run on. `automatic` takes the best that the machine has.
+/// Instruction sets for the cpu backend. `automatic` chooses the best that the machine supports.
 enum class Simd : std::uint8_t { automatic, scalar, sse4, avx2, avx512, neon };
 
-/// How fuzzy C-means ([MZ] sec. 4) places the centres of clusters: for researchers.
+/// Parameters of fuzzy C-means ([MZ] sec. 4), which places the centres of clusters: for researchers.
 struct FuzzyCMeans {
     double fuzziness = 2.0;    ///< t of [MZ] eq. 2, above 1
-    int max_iterations = 2;    ///< cap on iterations, warm-started from the centres of the call before
-    int first_iterations = 5;  ///< the same for a first frame, which has no centres to start from
-    /// Iteration ends when no centre moves further than this in any coordinate, in units of the scene's extent rounded
+    int max_iterations = 2;    ///< most iterations of a call that is warm-started from the previous centres
+    int first_iterations = 5;  ///< most iterations of a first frame, which has no centres to start from
+    /// Iteration stops when no centre moves further than this in any coordinate, in units of the scene's extent rounded
     /// up to a power of two.
     double stop = 1e-2;
-    double first_stop = 1e-4;  ///< the same for a first frame
+    double first_stop = 1e-4;  ///< as `stop`, for a first frame
 
     friend bool operator==(const FuzzyCMeans&, const FuzzyCMeans&) = default;
 };
 
-/// How a Detector works. None of these changes an answer, only its cost.
+/// Configuration of a Detector. No option changes a result, only its cost.
 struct Options {
     Backend backend = Backend::automatic;
-    /// 0: as many as the machine has; more than oneTBB allows in the process (tbb::global_control) are not used. The
-    /// cpu backend starts them when the detector is made.
+    /// Threads of the cpu backend, started when the detector is made; 0: as many as the machine has. Threads beyond
+    /// oneTBB's limit for the process (tbb::global_control) are not used.
     int threads = 0;
 
-    /// Bytes that the detector may own, buffers kept between calls and the result included; the caller's arrays are
-    /// not counted. 0: no limit. Work that exceeds it is cut into chunks, on one thread; if records or result cannot
-    /// fit even so, the call throws ErrorCode::memory_limit with a lower bound on the limit that suffices, as soon as
-    /// that is certain: at the latest when as many pairs were counted as the limit has room for.
+    /// Bytes that the detector may own, including buffers cached between calls and the result, but not the caller's
+    /// arrays; 0: no limit. Work that exceeds the limit is cut into chunks and runs on one thread. If records or the
+    /// result do not fit even then, the call throws ErrorCode::memory_limit with a lower bound on a sufficient limit,
+    /// as soon as this is certain: at the latest when the pairs counted so far fill the limit.
     std::int64_t memory_limit = 0;
 
-    /// Parts of the first level of subdivision, 1 to 64 (the cuda backend makes at most 63 between two meshes); 0:
+    /// Clusters of the first level of subdivision, 1 to 64 (the cuda backend makes at most 63 for two meshes); 0:
     /// chosen from the triangle count.
     int clusters = 0;
-    int leaf_size = 3000;  ///< triangles that a leaf should have; larger clusters are subdivided again
+    int leaf_size = 3000;  ///< target number of triangles per leaf; larger clusters are subdivided again
     FuzzyCMeans fuzzy_c_means = {};
     Simd simd = Simd::automatic;
-    int device = 0;  ///< of the cuda backend: its number among those of list_devices()
-    /// Instead of `device`: several, each once, which share the work. They share questions about one mesh in host
-    /// memory, about intersections, motion and nearness; the first does alone what is of two meshes, of worlds, in
-    /// device memory, in blocks or in parts, of listed edges and points, radii, rings or a shape at rest, welded by
-    /// position where features are asked about, candidates, and all under a memory limit.
+    int device = 0;  ///< CUDA device: its number in list_devices()
+    /// Replaces `device`: several different devices that share the work of queries about one mesh in host memory
+    /// (intersections, motion and nearness). The first device alone handles two meshes, worlds, device memory, blocks,
+    /// parts, listed edges and points, radii, rings, rest shapes, feature queries with `weld`, candidates, and all
+    /// queries under a memory limit.
     std::vector<int> devices = {};
 
-    /// The device whose memory the detector's arrays there are in.
+    /// Returns the device that holds the detector's arrays.
     int first_device() const { return devices.empty() ? device : devices.front(); }
 
-    /// Whose threads the cpu backend works on, in place of `threads` of its own; null: oneTBB's.
+    /// Threads that the cpu backend runs on, instead of `threads` of its own; null: oneTBB's.
     std::shared_ptr<Executor> executor = {};
 };
 

@@ -12,34 +12,33 @@ namespace crumple {
 
 struct Overlaps;
 
-/// Vertex of a body, by its index in the body's shape.
+/// Vertex of a body: `vertex` is an index into the vertices of the body's shape.
 struct BodyVertex {
     std::int32_t body, vertex;
     friend bool operator==(const BodyVertex&, const BodyVertex&) = default;
 };
 
-/// Query for how much closed bodies overlap, where, and which way out (docs/overlap.md). A value: it owns what it
-/// names.
+/// Query for how much closed bodies overlap, where, and which way out (docs/overlap.md). A value: it owns its data.
 ///
 /// A surface is closed if each edge occurs in its triangles equally often in both directions; triangles are
 /// counter-clockwise seen from outside. Volumes are integrals of the product of both winding numbers: a region that the
-/// bodies cover u and v times counts u v times.
+/// bodies cover u and v times is counted u v times.
 struct OverlapQuery {
     using Result = Overlaps;
 
     /// `any`, `any_by_world`, `body_pairs` (which bodies overlap, and their relation) or `pairs` (all numbers).
     Output output = Output::pairs;
-    /// Only pairs of bodies that overlap by at least this volume, in magnitude and as it is rounded: finite, 0 or more;
-    /// in the units of the world, cubed. 0: those that touch, too.
+    /// Reports only pairs of bodies whose overlap has at least this volume, in magnitude and as rounded: finite, 0 or
+    /// more; in cubed units of the world. 0 includes bodies that only touch.
     double min_volume = 0;
     OpenSurfaces open = OpenSurfaces::error;
-    bool weld = false;  ///< merges vertices of a shape at equal positions, which closes seams, as of STL files
-    /// Also the overlap of each body with itself, whatever Body::self: rows (i, i), volumes of bodies, and whether they
-    /// are solids. Always on for a single mesh.
+    bool weld = false;  ///< merges vertices of a shape at equal positions, which closes seams (STL files)
+    /// Also makes the overlap of each body with itself, regardless of Body::self: rows (i, i), volumes of bodies, and
+    /// is_solid. Always on for a single mesh.
     bool self_overlaps = false;
-    bool gradient = false;  ///< also derivatives of volumes by vertices
-    bool curves = false;    ///< also the curves in which surfaces cross; not of a body with itself
-    bool windings = false;  ///< also winding numbers at vertices
+    bool gradient = false;  ///< also the derivatives of volumes by vertices
+    bool curves = false;    ///< also the curves in which surfaces cross; not for a body with itself
+    bool windings = false;  ///< also the winding numbers at vertices
     /// Filters of groups use the group id of each body, and are an error if a shape has groups of triangles;
     /// PairScope::within of bodies is an error, too.
     PairFilter filter = {};
@@ -63,9 +62,9 @@ enum class OverlapRelation : std::uint8_t {
 /// the detector's next call.
 struct Overlaps {
     bool any = false;        ///< true if there is a row
-    std::int64_t count = 0;  ///< rows, where they are listed; else 0
+    std::int64_t count = 0;  ///< number of rows if they are listed, else 0
 
-    Array<std::uint8_t> world_hit;  ///< one a world: it has a row (not for Output::any)
+    Array<std::uint8_t> world_hit;  ///< 1 per world: it has a row (not for Output::any)
     /// For OpenSurfaces::skip: bodies that are not closed, ascending, among those in selected pairs whose boxes
     /// overlap; with self_overlaps, among all bodies.
     Array<std::int32_t> skipped;
@@ -74,16 +73,16 @@ struct Overlaps {
     Array<OverlapRelation> relation;
 
     // For Output::pairs:
-    /// ∫ w_first w_second dx, of winding numbers w; of a body with itself ½ ∫ (w² − w) dx, what it covers twice.
+    /// ∫ w_first w_second dx for winding numbers w; for a body with itself ½ ∫ (w² − w) dx, the part covered twice.
     Array<double> volume;
-    Array<std::array<double, 3>> centroid;  ///< of the overlap; NaN where the volume is 0
+    Array<std::array<double, 3>> centroid;  ///< centroid of the overlap; NaN if the volume is 0
     /// Derivative of the volume with respect to a translation of the first body: ∫ n dA over the part of its surface
     /// inside the second body, with outward normal n. Where surfaces coincide, the mean of both one-sided derivatives.
     /// Moving the first body along the negative vector reduces the volume fastest; the second body's vector is the
     /// negative.
     Array<std::array<double, 3>> area_vector;
-    Array<std::array<double, 3>> normal;  ///< the area vector's direction: the contact normal; NaN where it is 0
-    Array<double> mean_depth;             ///< volume over the length of the area vector; NaN where that is 0
+    Array<std::array<double, 3>> normal;  ///< contact normal: the direction of the area vector; NaN if that is 0
+    Array<double> mean_depth;             ///< volume divided by the length of the area vector; NaN if that is 0
     /// Derivative of the volume with respect to a rotation of the first body about `torque_point`: ∫ (x - p) × n dA.
     Array<std::array<double, 3>> torque;
     Array<std::array<double, 3>> torque_point;  ///< the centroid; where there is none, a point between the bodies
@@ -102,7 +101,7 @@ struct Overlaps {
     /// body is on the left. Where surfaces touch or coincide, curves are computed as if the second body were shifted by
     /// (e, e², e³), e → 0+.
     Array<std::int64_t> curve_offsets;
-    /// By curve: 1 if it is closed. Open curves end at a boundary of a surface, or between neighbouring triangles with
+    /// By curve: 1 if it is closed. Open curves end at a boundary of a surface, or between adjacent triangles with
     /// opposite orientations.
     Array<std::uint8_t> curve_closed;
     /// Contribution of each curve to the area vector and the torque; NaN if it is open. Where surfaces touch or

@@ -1,21 +1,22 @@
 #pragma once
 
-// Options that several queries have in common.
+// Options shared by several queries.
 
 #include <cstdint>
 #include <vector>
 
 namespace crumple {
 
-/// How much of a result is made. A query ends as soon as that is known. Which of these a query has, it says.
+/// How much of a result is made, from least to most. The search ends as soon as the output is decided. Each query
+/// documents which values it takes.
 enum class Output : std::uint8_t {
-    any,           ///< whether there is anything
-    any_by_world,  ///< the same for each world
-    body_pairs,    ///< which bodies: intersections and overlaps only
-    count,         ///< how many pairs of triangles, in all and in each world: intersections only
+    any,           ///< one flag: there is a result
+    any_by_world,  ///< one flag per world
+    body_pairs,    ///< pairs of bodies: intersections and overlaps only
+    count,         ///< number of pairs of triangles, in total and per world: intersections only
     first,         ///< the first impact of each world: impacts only
     pairs,         ///< all pairs
-    contacts,      ///< all pairs, and where each meets: intersections only
+    contacts,      ///< all pairs, and the points where each meets: intersections only
 };
 
 /// Two bodies by their index; the order does not matter.
@@ -30,16 +31,16 @@ struct GroupPair {
     friend bool operator==(const GroupPair&, const GroupPair&) = default;
 };
 
-/// Pairs across bodies or groups, pairs within one, or both. Without group ids nothing lies between groups, so that
-/// `between` is an error then.
+/// Selects pairs across bodies or groups, pairs within one, or both. `between` for groups is an error if there are no
+/// group ids.
 enum class PairScope : std::uint8_t { both, between, within };
 
-/// Choice of the pairs that a query is about.
+/// Pair filter of a query.
 struct PairFilter {
-    PairScope bodies = PairScope::both;  ///< Body::self holds as well; `both` where the scene is a mesh or two
+    PairScope bodies = PairScope::both;  ///< Body::self applies as well; must be `both` for one or two meshes
     PairScope groups = PairScope::both;
-    /// Not tested against each other, or (a body and itself) within: "allowed collision matrix" of robotics. Bodies of
-    /// worlds only.
+    /// Pairs of bodies to skip, or (a body and itself) pairs within it: the "allowed collision matrix" of robotics.
+    /// Worlds only.
     std::vector<BodyPair> excluded_bodies = {};
     std::vector<GroupPair> excluded_groups = {};
 };
@@ -47,7 +48,7 @@ struct PairFilter {
 /// Treatment of a body whose surface is not closed, where its winding numbers are needed. A surface is closed if each
 /// edge occurs in its triangles equally often in both directions.
 enum class OpenSurfaces : std::uint8_t {
-    error,  ///< Error (invalid_argument) that names the body, an open edge and a triangle at it
+    error,  ///< throws Error (invalid_argument) that names the body, an open edge and a triangle with it
     skip,   ///< the body has no inside, and `skipped` of the result names it; overlaps have no rows for its pairs
     /// Overlap queries only: pairs whose surfaces meet have a row with the relation `undefined`, NaN for all numbers
     /// but the contact area and the torque point, and curves if they are requested.

@@ -9,28 +9,30 @@
 
 namespace crumple {
 
-/// Pairs across two meshes. Equal indices share nothing; with `weld` equal positions do. If one is float64, both are
-/// computed in float64.
+/// Two meshes: a query is about the pairs across them. Vertices of different meshes are different, whatever their
+/// indices; with `weld`, vertices at equal positions count as one. If one mesh is float64, both are computed in
+/// float64.
 struct TwoMeshes {
     MeshView a, b;
 };
 
-/// Subject of a query. Made by conversion from any of these; a world is named, find(World{shapes, bodies, poses}).
-/// Nothing is copied but views, so that what they name, a part too, must stay as it is until the call returns.
+/// Subject of a query. Converts implicitly from each of the types below; a world needs its type's name:
+/// find(World{shapes, bodies, poses}). Holds views only: the arrays (and the Part) they refer to must stay unchanged
+/// until the call returns.
 class Scene {
    public:
     /// Pairs within one mesh.
     Scene(const MeshView& mesh) : source_(mesh) {}
     Scene(const MeshView& a, const MeshView& b) : source_(TwoMeshes{a, b}) {}
-    /// Pairs within the mesh that is made of these: vertices, triangles, and perhaps groups.
+    /// Pairs within the mesh MeshView(vertices, triangles, groups...).
     template <class Vertices, class Triangles, class... Groups>
     requires std::constructible_from<MeshView, const Vertices&, const Triangles&, const Groups&...> Scene(
         const Vertices& vertices CRUMPLE_LIFETIMEBOUND, const Triangles& triangles CRUMPLE_LIFETIMEBOUND,
         const Groups&... groups)
         : source_(MeshView(vertices, triangles, groups...)) {}
-    /// Pairs of different bodies, and within bodies.
+    /// Pairs across bodies, and within bodies that have Body::self.
     Scene(const World& world) : source_(world) {}
-    /// The pairs that a part owns, without a look at the meshes that it was cut from (Detector::partition).
+    /// Pairs that a part owns; the meshes that it was cut from are not needed (Detector::partition).
     Scene(const Part& part CRUMPLE_LIFETIMEBOUND) : source_(&part) {}
 
     const std::variant<MeshView, TwoMeshes, World, const Part*>& source() const { return source_; }

@@ -11,22 +11,22 @@
 
 namespace crumple {
 
-/// An affine map: the three rows of (A | t), so that an array of shape (n, 3, 4) is n poses. Rotation and translation
-/// as a rule; scale, reflection and maps that flatten are as good. Each coordinate of a posed vertex is
-/// ((r0 x + r1 y) + r2 z) + t in float64, without fused operations, rounded once to the precision of its shape; answers
-/// are exact for these numbers.
+/// Affine map: the three rows of (A | t), so that an array of shape (n, 3, 4) is n poses. Usually a rotation and a
+/// translation, but A may be any matrix: it may scale, mirror or flatten. Each coordinate of a posed vertex is ((r0 x +
+/// r1 y) + r2 z) + t in float64, without fused operations, rounded once to the precision of its shape; results are
+/// exact for these rounded numbers.
 struct Pose {
     std::array<double, 12> rows{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     friend bool operator==(const Pose&, const Pose&) = default;
 };
 
-/// Poses in the memory of a device, as a kernel has written them: the numbers of one Pose a body, row by row and
-/// without gaps, (n, 3, 4). A view, nothing is copied.
+/// View of poses in device memory, as written by a kernel: (n, 3, 4) numbers without gaps, in the layout of Pose, one
+/// pose per body.
 struct DevicePoses {
-    const void* data = nullptr;  ///< aligned to its numbers; null: there are none
+    const void* data = nullptr;  ///< aligned to its number type; null: no poses
     std::int64_t count = 0;
-    ScalarType type = ScalarType::float64;  ///< float32 numbers count as the float64 numbers that they are
-    void* stream = nullptr;                 ///< CUDA stream on which they become ready
+    ScalarType type = ScalarType::float64;  ///< float32 numbers are converted without loss
+    void* stream = nullptr;                 ///< CUDA stream on which the poses become ready
 
     DevicePoses() = default;
     DevicePoses(const Pose* poses, std::int64_t count, void* stream = nullptr)
@@ -37,30 +37,31 @@ struct DevicePoses {
         : data(numbers), count(count), type(ScalarType::float32), stream(stream) {}
 };
 
-/// Triangles, and edges and points, that bodies are made of; a view, nothing is copied.
+/// View of the triangles, edges and points that bodies are made of; nothing is copied.
 struct Shape {
     VertexView vertices;                   ///< (n, 3) coordinates
     TriangleView triangles;                ///< (m, 3) indices into `vertices`
-    std::span<const std::int32_t> groups;  ///< one id a triangle, or empty: that of the body
+    std::span<const std::int32_t> groups;  ///< one id per triangle, or empty: the body's group
 
-    /// Not 0: what this number names has the same contents now and in later calls of the detector. It is checked and
-    /// read in the first call only, and what was computed is kept, for all bodies of this shape; where it must go under
-    /// a memory limit, it is read again. Another size or precision under a known name is an error.
+    /// Nonzero: the caller promises that a shape with this name has the same contents in all later calls of the
+    /// detector. The contents are validated and read in the first call only, and derived data is cached for all bodies
+    /// of this shape; if the memory limit evicts it, the shape is read again. A different size or precision under the
+    /// same name is an error.
     std::uint64_t name = 0;
 
-    /// Where the vertices are at the end of a step, for queries about motion: (n, 3); without data they stay.
-    /// Intersections and nearness are those of the start.
+    /// Positions of the vertices at the end of a step, for queries about motion: (n, 3). Without data the shape does
+    /// not move. Intersections and nearness use the start.
     VertexView end = {};
 
-    /// As MeshView::edges and MeshView::points. What no triangle names is of the body's group where the shape has no
-    /// groups, and of none where it has: then a filter of groups says nothing of it.
+    /// As MeshView::edges and MeshView::points. A feature that belongs to no triangle is in the body's group if the
+    /// shape has no groups; if the shape has groups it is in no group, and filters of groups ignore it.
     std::optional<std::span<const Edge>> edges = {};
     std::optional<std::span<const std::int32_t>> points = {};
 
-    /// For proximities: see ProximityQuery::radii. In the units of the world, whatever the pose. If any shape has some,
-    /// those of shapes without are 0.
+    /// For proximities: one per vertex, as ProximityQuery::radii. In the units of the world; poses do not scale them.
+    /// If any shape has radii, those of shapes without are 0.
     std::span<const double> radii = {};
-    /// For proximities: see ProximityQuery::rest. Before poses, and for pairs within a body only.
+    /// For proximities: the rest shape, as ProximityQuery::rest. Not posed; used for pairs within a body only.
     VertexView rest = {};
 
     Shape() = default;
@@ -78,26 +79,29 @@ struct Shape {
           points(mesh.points) {}
 };
 
+/// Instance of a shape, in one world or in all.
 struct Body {
     std::int32_t shape = 0;  ///< index into World::shapes
-    std::int32_t group = 0;  ///< of its triangles, where the shape has no groups of its own
-    /// Bodies of different worlds never meet; -1: in all worlds. Answers have an entry for each id up to the largest.
+    std::int32_t group = 0;  ///< group of its triangles if the shape has no groups
+    /// World id, 0 or more, or -1: in all worlds. Bodies of different worlds are never paired. Results have an entry
+    /// for each id up to the largest.
     std::int32_t world = 0;
-    bool self = false;  ///< whether pairs within the body are wanted, as of a deformable one
+    bool self = false;  ///< true: also pairs within the body, as for deformable bodies
 };
 
-/// Bodies, and where they are. World ids ascend over the bodies, and those that are in all worlds (-1) come last.
+/// Bodies and their poses, in one or many worlds. World ids ascend over the bodies; bodies that are in all worlds (-1)
+/// come last.
 struct World {
     std::span<const Shape> shapes;
     std::span<const Body> bodies;
-    std::span<const Pose> poses;  ///< one a body; empty: all as given
-    /// The same at the end of a step, for queries about motion: posed vertices go straight from the one place to the
-    /// other. Empty: as `poses`.
+    std::span<const Pose> poses;  ///< one per body; empty: identity for all
+    /// Poses at the end of a step, for queries about motion: each posed vertex moves straight from start to end. Empty:
+    /// the same as `poses`.
     std::span<const Pose> end_poses = {};
-    /// Instead of `poses`: one a body, with the cuda backend. Intersections are found on the device, whatever else is
-    /// asked of copies that the call makes of the poses.
+    /// Replaces `poses`: one per body, with the cuda backend only. Intersections are found on the device; for all other
+    /// queries the call copies the poses to the host.
     DevicePoses device_poses = {};
-    DevicePoses device_end_poses = {};  ///< instead of `end_poses`, where device_poses are given
+    DevicePoses device_end_poses = {};  ///< replaces `end_poses` if device_poses are given
 };
 
 }  // namespace crumple

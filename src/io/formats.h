@@ -1,6 +1,6 @@
 #pragma once
 
-// One reader and one writer a format; what they have in common.
+// Readers and writers of mesh files, one of each per format, and what they have in common.
 
 #include <array>
 #include <cstdint>
@@ -16,16 +16,17 @@ namespace crumple::io {
 
 TriangleMesh read_ply(const Source& source, const ReadOptions& options, Warnings& warnings);
 TriangleMesh read_obj(const Source& source, const ReadOptions& options, Warnings& warnings);
-/// Three vertices a triangle, not welded.
+/// Returns three vertices per triangle, not welded.
 TriangleMesh read_stl(const Source& source, const ReadOptions& options, Warnings& warnings);
 TriangleMesh read_off(const Source& source, const ReadOptions& options, Warnings& warnings);
 
-/// 84 bytes and 50 for each of the triangles that it announces: a file of text would need 7 GB for that.
+/// True if the file has exactly 84 bytes plus 50 for each triangle that it announces. A text file would need 7 GB to
+/// match.
 bool is_binary_stl(const Source& source);
-/// Length of the keyword that a word begins with: "OFF" after prefixes that tell what a vertex has (ST, C, N, 4, n), in
-/// any order. Digits may follow, a count. 0 if the word is none.
+/// Returns the length of the keyword of an OFF file at the start of a word: prefixes (ST, C, N, 4, n) that announce the
+/// data of a vertex, in any order, then "OFF". Digits (a count) may follow. Returns 0 if there is no keyword.
 std::size_t off_keyword(std::string_view word);
-/// A statement that OBJ files begin with.
+/// True if the word is a statement that OBJ files usually begin with.
 bool starts_obj(std::string_view word);
 
 struct Colour {
@@ -34,7 +35,7 @@ struct Colour {
 inline constexpr Colour free_colour{178, 178, 178};
 inline constexpr Colour colliding_colour{213, 94, 0};  // vermilion: strong on grey, also to the colour-blind
 
-/// Colour under the name that files give it.
+/// Colour and the name that files give it.
 struct Material {
     const char* name;
     Colour colour;
@@ -44,11 +45,12 @@ inline constexpr std::array<Material, 2> collision_materials{{{"free", free_colo
 inline constexpr std::array<Material, 2> overlap_materials{
     {{"outside", free_colour, 0.2}, {"inside", colliding_colour}}};
 
-/// What the writers colour: one soup of one or two meshes, with polygons if these are coloured instead of triangles.
+/// Input of the writers of coloured meshes: one soup of one or two meshes, with polygons if these are coloured instead
+/// of triangles.
 struct ColouredMesh {
     TriangleMesh mesh;
-    std::vector<std::uint8_t> hit;  ///< which triangles collide, or whose polygons do: 1, or a shade
-    std::span<const Material> materials = collision_materials;  ///< by `hit`
+    std::vector<std::uint8_t> hit;  ///< per triangle: 0, or if it or its polygon collides 1, or a shade
+    std::span<const Material> materials = collision_materials;  ///< indexed by `hit`
 
     bool has_polygons() const { return !mesh.polygons.empty(); }
 };
@@ -70,63 +72,66 @@ void for_each_face(const TriangleMesh& mesh, bool polygons, F f) {
     }
 }
 
-/// Throws unless both meshes are sound and the collisions are theirs. `second` may be null.
+/// Throws Error unless both meshes are valid and the collisions are theirs. `second` may be null.
 void check_collisions(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions);
 
-/// The same, and both meshes as one.
+/// Joins both meshes into one, after the checks of check_collisions().
 ColouredMesh coloured_mesh(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions);
 
-/// `polygons`: faces are the mesh's polygons.
+/// Write a mesh. `polygons`: faces are the mesh's polygons, where the format has polygons.
 void write_ply(std::ostream& out, const TriangleMesh& mesh, bool polygons);
 void write_obj(std::ostream& out, const TriangleMesh& mesh, bool polygons);
 void write_stl(std::ostream& out, const TriangleMesh& mesh, bool);
 void write_off(std::ostream& out, const TriangleMesh& mesh, bool polygons);
 void write_3mf(std::ostream& out, const TriangleMesh& mesh, bool);
 void write_glb(std::ostream& out, const TriangleMesh& mesh, bool);
-/// A world without colours.
+/// Write a world without colours.
 void write_3mf(std::ostream& out, const WorldMesh& world);
 void write_glb(std::ostream& out, const WorldMesh& world);
 
 void write_coloured_ply(std::ostream& out, const ColouredMesh& coloured);
 void write_coloured_obj(std::ostream& out, const ColouredMesh& coloured, const std::string& material_file);
-/// Materials of the file above, which begin with this line.
+/// Writes the material file that write_coloured_obj() refers to. It begins with the line `title_of_materials`.
 void write_materials(std::ostream& out, std::span<const Material> materials);
 inline constexpr std::string_view title_of_materials = "# Crumple: materials of free and of colliding triangles";
-/// Writes both files, which appear or stay as they were. Throws as the public write_coloured does.
+/// Writes the .obj file and the .mtl file beside it; both are complete before either is put in place. Throws as the
+/// public write_coloured does.
 void write_coloured_obj(const std::filesystem::path& path, const ColouredMesh& coloured);
 void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured);
 void write_coloured_3mf(std::ostream& out, const ColouredMesh& coloured);
-/// `hit`: for each triangle of each body, which of the materials it has; without materials there are none.
+/// Writes a world. `hit`: index of the material of each triangle of each body. Both `hit` and `materials` are empty for
+/// a world without colours.
 void write_coloured_3mf(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit,
                         std::span<const Material> materials);
-/// `hit` counts in the shades.
+/// Writes a mesh whose `hit` holds indices of `shades`.
 void write_shaded_glb(std::ostream& out, const ColouredMesh& coloured, std::span<const Colour> shades);
-/// The same, with a node for each body.
+/// Writes a world, with a node for each body. `hit`: index of the material of each triangle of each body.
 void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit,
                         std::span<const Material> materials);
-/// A page of its own, or for a height in pixels a piece of one. The collisions are those of the meshes.
+/// Writes a whole page if `height` is 0, else a fragment of a page that is `height` pixels high. The collisions must be
+/// those of the meshes.
 void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
                 const Intersections& collisions, int height = 0);
-/// Writes a page that shows opaque triangles through translucent ones, and lines, each by its two ends.
+/// Writes a page that shows opaque triangles through translucent ones, and lines. `lines`: two end points per line.
 void write_overlap_html(std::ostream& out, const ColouredMesh& coloured, std::vector<std::array<double, 3>> lines,
                         const std::string& caption);
 
-/// Lower-case extension, with its dot; .obj for mesh.obj.gz.
+/// Returns the lower-case extension, with its dot; ".obj" for mesh.obj.gz.
 std::string extension_of(const std::filesystem::path& path);
-/// The format that an extension, in lower case and with its dot, names; automatic for none of them.
+/// Return the format of an extension (lower case, with its dot); `automatic` if it is that of no format.
 MeshFormat mesh_format_of(std::string_view extension);
 PairFormat pair_format_of(std::string_view extension);
-/// Whether meshes are written so, or those with colours.
+/// True if meshes, or coloured meshes, can be written in this format.
 bool holds_meshes(MeshFormat format);
 bool has_colours(MeshFormat format);
-/// Throws Error (invalid_argument) unless coloured meshes are written so, to a path or to a stream.
+/// Throw Error (invalid_argument) unless coloured meshes can be written in this format, to a path or to a stream.
 void check_has_colours(const std::filesystem::path& path, MeshFormat format);
 void check_has_colours(MeshFormat format);
 
-/// Throws unless the arrays have the right sizes, indices are in range and coordinates finite.
+/// Throws Error unless the arrays have the right sizes, indices are in range and coordinates finite.
 void validate(const TriangleMesh& mesh);
 
-/// Calls f with a float or a double, the scalar type of the mesh that it returns.
+/// Calls f with a zero of type float or double, which is to be the scalar type of the mesh that it returns.
 template <class F>
 TriangleMesh in_precision(Precision asked, ScalarType of_file, F&& f) {
     const bool single = asked == Precision::automatic ? of_file == ScalarType::float32 : asked == Precision::float32;

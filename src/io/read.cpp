@@ -1,4 +1,5 @@
-// Which format a file has, by its content first and its extension second, and what all formats have in common.
+// Reads meshes and worlds: detects the format, by content first and by extension second, and does what all formats have
+// in common.
 
 #include <algorithm>
 #include <cctype>
@@ -58,14 +59,14 @@ TriangleMesh read(const Source& source, Format format, const ReadOptions& option
     }
 }
 
-/// Text in which every other byte is zero, or that begins with the mark of UTF-16.
+/// True if every other one of the first four bytes is zero, or if the text begins with the byte order mark of UTF-16.
 bool is_utf16(std::string_view text) {
     if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return true;
     const auto is_zero = [&](std::size_t i) { return text[i] == 0; };
     return text.size() >= 4 && is_zero(0) != is_zero(1) && is_zero(0) == is_zero(2) && is_zero(1) == is_zero(3);
 }
 
-/// Refuses content that no reader could name.
+/// Throws Error (format) for content about which no reader could give a helpful message.
 void check_content(const Source& source) {
     const auto fail = [&](const char* what) { source.fail_at_byte(source.begin(), what); };
     if (source.text().find_first_not_of(" \t\r\n") == source.text().npos) fail("the file is empty");
@@ -80,13 +81,13 @@ bool names_mesh(const std::string& entry) {
     return extension == ".glb" || extension == ".gltf" || holds_meshes(mesh_format_of(extension));
 }
 
-/// A file and the folder that it may name others in; a stream and an archive's entry have none.
+/// File, and the folder of other files that it may name; none for a stream or an archive entry.
 struct File {
     Source source;
     std::optional<std::filesystem::path> folder;
 };
 
-/// The mesh that a zip archive holds, if it is no 3MF file; any other file as it is.
+/// Returns the one mesh of a zip archive that is not a 3MF file, and any other file unchanged. Throws Error (format).
 File unpacked(File file) {
     const Source& source = file.source;
     if (!is_zip(source) || extension_of(source.name()) == ".3mf") return file;
@@ -164,7 +165,8 @@ WorldMesh read_scene(const File& file, const ReadOptions& options) {
     }
 }
 
-/// A few lines may name a large mesh often: as a world that is nothing, as one mesh more than memory holds.
+/// Throws Error (format) if the bodies have too many triangles for the size of the file. A few lines can place a large
+/// mesh many times: that is cheap in a world, but one joined mesh could exceed the memory.
 void check_expansion(const Source& source, const WorldMesh& world) {
     constexpr std::int64_t always = std::int64_t{1} << 24, per_byte = 16;
     std::int64_t triangles = 0;
@@ -175,7 +177,8 @@ void check_expansion(const Source& source, const WorldMesh& world) {
                                            std::to_string(triangles) + " triangles, more than 16 a byte of the file");
 }
 
-/// The bodies of a scene, where they are; one that has not been moved keeps its bits.
+/// Reads the bodies of a scene, posed, as one mesh. A single body with the identity pose keeps its vertices bit for
+/// bit.
 TriangleMesh read_posed(const File& file, const ReadOptions& options) {
     const Source& source = file.source;
     ReadOptions apart = options;
@@ -199,7 +202,7 @@ TriangleMesh read_posed(const File& file, const ReadOptions& options) {
     }
 }
 
-/// A mesh or a world in the unit that is asked for, if one is.
+/// Converts a mesh or a world to the requested unit; Unit::unknown requests none.
 template <class Mesh>
 Mesh in_unit(Unit unit, const Source& source, Mesh mesh) {
     try {

@@ -1,4 +1,4 @@
-// Which format a mesh is written in, by extension, and what is checked before a byte is written.
+// Writes meshes and worlds: chooses the format by extension, and validates them before a byte is written.
 
 #include <algorithm>
 #include <cctype>
@@ -21,7 +21,7 @@ std::string extension_of(const std::filesystem::path& path) {
 
 namespace {
 
-/// Polygons whose corners and triangles are those of the mesh.
+/// Throws Error (invalid_argument) unless the polygons fit the mesh's triangles and vertices.
 void validate_polygons(const TriangleMesh& mesh) {
     const auto& [of_triangle, offsets, corners] = mesh.polygons;
     if (of_triangle.empty()) return;

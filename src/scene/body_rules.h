@@ -1,6 +1,6 @@
 #pragma once
 
-// Which pairs of a world's triangles are wanted, by bodies and groups, prepared for look-up.
+// Pair filter of a world's triangles by bodies and groups, prepared for look-up.
 
 #include <algorithm>
 #include <cstdint>
@@ -29,26 +29,27 @@ class BodyRules {
         keys(rules.excluded_groups, excluded_groups_);
     }
 
-    /// Whether pairs within a body may be wanted, and pairs of two different bodies.
+    /// within(): true if pairs within a body may be selected; between(): pairs of two different bodies; groups(): pairs
+    /// of two groups.
     bool within(std::int32_t body, bool self) const { return self && wanted().bodies(body, body); }
     bool between(std::int32_t a, std::int32_t b) const { return wanted().bodies(a, b); }
     bool groups(std::int32_t g, std::int32_t h) const { return wanted().groups(g, h); }
-    /// Nothing hangs on groups.
+    /// True if groups are not filtered.
     bool any_group() const { return groups_ == PairScope::both && excluded_groups_.empty(); }
 
-    /// The rules by themselves; valid while this is as it is.
+    /// Returns a view of the filter; valid while this object is unchanged.
     WantedPairs wanted() const {
         return {rule(groups_, excluded_groups_), rule(bodies_, excluded_bodies_), classes.data()};
     }
     bool operator()(const BodyClass& a, const BodyClass& b) const { return wanted()(a, b); }
     bool operator()(std::int32_t a, std::int32_t b) const { return (*this)(classes[a], classes[b]); }
 
-    /// No pair within a class is wanted.
+    /// True if no pair within a class is selected.
     bool classes_apart() const {
         return std::none_of(classes.begin(), classes.end(), [&](const BodyClass& c) { return (*this)(c, c); });
     }
 
-    Array<BodyClass> classes;  ///< of the scene that is searched
+    Array<BodyClass> classes;  ///< classes of the current scene
 
    private:
     static WantedGroups rule(PairScope wanted, const Array<std::uint64_t>& excluded) {

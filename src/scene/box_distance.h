@@ -1,15 +1,16 @@
 #pragma once
 
-// How far boxes in the frames of two bodies are apart at least, under both bodies' poses; and posed triangles.
+// Lower bound on the distance of boxes in the frames of two bodies, under both bodies' poses, and of posed triangles.
 //
-// Directions are as in box_separation.h: the columns of both poses, which are the axes of the boxes, the line through
-// both shapes' middles, and one that the caller knows: from the one body to the other where they are closest. Here they
-// are taken as long as makes lengths along them lengths. Along the three axes of a frame gaps are the parts of one
-// vector that no two points are closer than, so their squares add up. The columns of a pose that is not rigid are no
-// frame; they are shortened until they stretch no vector (Gershgorin's bound on the squares of what they make of it).
+// Directions are those of box_separation.h: the columns of both poses, which are the axes of the boxes, and the line
+// through the middles of both shapes; and one known to the caller: from one body to the other where they are closest.
+// Here directions are scaled so that lengths along them are true lengths. Along the three axes of a frame, gaps are
+// components of one vector that is no longer than any distance of two points, so their squares add up. The columns of a
+// pose that is not rigid are no frame; they are shortened until they stretch no vector (Gershgorin's bound on the
+// eigenvalues of their Gram matrix).
 //
-// Lengths are in units of more than all boxes of both bodies can reach, so the bounds on errors are those of
-// box_separation.h. Numbers that leave float64's middle range set nothing apart.
+// The unit of length exceeds how far all boxes of both bodies extend, so the error bounds are those of
+// box_separation.h. Directions whose numbers leave float64's middle range separate nothing.
 
 #include <cmath>
 #include <limits>
@@ -18,19 +19,20 @@
 
 namespace crumple {
 
-/// Four float32 numbers at a time, as Two is two float64 ones (geometry/two.h).
+/// Vector of four float32 numbers, the counterpart of Two for float64 (geometry/two.h).
 using Four = float __attribute__((vector_size(16)));
 inline Four least(Four x, Four y) { return x < y ? x : y; }
 inline Four most(Four x, Four y) { return x > y ? x : y; }
 
 class BoxDistance {
    public:
-    /// A number for each direction: the first body's axes and the middles; the second one's axes and the known one.
+    /// One number per direction: `first` has the first body's axes and the line through the middles, `second` the
+    /// second body's axes and the known direction.
     struct Lanes {
         Four first{}, second{};
     };
 
-    /// From where to where something reaches along each direction.
+    /// Interval of an object along each direction.
     struct Reach {
         Lanes low, high;
 
@@ -39,7 +41,8 @@ class BoxDistance {
             high = {most(high.first, other.high.first), most(high.second, other.high.second)};
         }
 
-        /// Above 0: at most the square of the distance. Else they may touch, and the lower it is the deeper.
+        /// If above 0: a lower bound on the squared distance. Else the objects may touch; the lower the value, the
+        /// deeper they overlap.
         friend float gap(const Reach& a, const Reach& b) {
             const Four first = most(a.low.first - b.high.first, b.low.first - a.high.first),
                        second = most(a.low.second - b.high.second, b.low.second - a.high.second);
@@ -51,7 +54,7 @@ class BoxDistance {
         }
     };
 
-    /// One of both bodies.
+    /// Computes intervals for one of the two bodies.
     class Side {
        public:
         Reach operator()(const SmallBox& box) const {
@@ -66,7 +69,7 @@ class BoxDistance {
                     {middle.first + radius.first, middle.second + radius.second}};
         }
 
-        /// How far a triangle of posed vertices reaches that lie at p, q and r.
+        /// Returns the interval of a triangle whose posed vertices are at p, q and r.
         Reach operator()(const Lanes& p, const Lanes& q, const Lanes& r) const {
             return {{least(p.first, least(q.first, r.first)) - slack_.first,
                      least(p.second, least(q.second, r.second)) - slack_.second},
@@ -79,7 +82,7 @@ class BoxDistance {
         Lanes along_[3], size_[3], offset_, slack_;
     };
 
-    /// `known`: any vector, 0 if there is none.
+    /// `known`: any direction, 0 if there is none.
     BoxDistance(const Placement& a, const SmallFrame& frame_a, const Placement& b, const SmallFrame& frame_b,
                 const Vec3d& known) {
         const Affine pa = a.matrix(), pb = b.matrix();
@@ -109,14 +112,14 @@ class BoxDistance {
     const Side& a() const { return a_; }
     const Side& b() const { return b_; }
 
-    /// What gap() is above only of what is farther apart than the distance.
+    /// Returns a threshold: if gap() exceeds it, the distance exceeds `distance`.
     float limit(double distance) const {
         const double scaled = distance / unit_;
         if (!usable_ || !(scaled < 0x1p50)) return std::numeric_limits<float>::infinity();
         return static_cast<float>(scaled * scaled * (1 + 0x1p-18) + 1e-36);
     }
 
-    /// Where a posed vertex lies along each direction.
+    /// Returns the position of a posed vertex along each direction.
     Lanes operator()(const Vec3d& vertex) const {
         if (!usable_) return {};
         const double scale = 1 / unit_;
@@ -132,7 +135,7 @@ class BoxDistance {
     static double reach(const Affine& pose) {
         return length(pose.column(0)) + length(pose.column(1)) + length(pose.column(2));
     }
-    /// A little shorter than 1; 0 of a vector that has no such length.
+    /// Returns v scaled to slightly less than length 1; 0 if its squared length leaves the range.
     static Vec3d unit_vector(const Vec3d& v) {
         const double squared = dot(v, v);
         if (!(squared > 0x1p-800 && squared < 0x1p800)) return {};

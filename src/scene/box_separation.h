@@ -1,20 +1,21 @@
 #pragma once
 
-// Whether boxes in the frames of two bodies are certainly apart, under both bodies' poses.
+// Decides if boxes in the frames of two bodies are certainly apart, under both bodies' poses.
 //
-// A box with middle c and half extent h under the pose (P | t) is the set of all P (c + d) + t with |d| <= h by axis: a
-// parallelepiped. Along any direction n it reaches from n . (P c + t) by the sum over its axes of |n . P_j| h_j to both
-// sides. Directions that are tried: the columns of both poses, which are the boxes' face normals as long as poses are
-// rigid (S. Gottschalk, M. C. Lin, D. Manocha, "OBBTree", 1996, whose other nine directions part few boxes more), and
-// the line through both shapes' middles. A direction may be any vector, so poses that scale or flatten cost tightness
-// only.
+// A box with middle c and half extent h under the pose (P | t) is the set of all P (c + d) + t with |d_j| <= h_j: a
+// parallelepiped. Along any direction n it extends by the sum over its axes of |n . P_j| h_j to both sides of n . (P c
+// + t). The directions are the columns of both poses, which are the boxes' face normals if the poses are rigid (S.
+// Gottschalk, M. C. Lin, D. Manocha, "OBBTree", 1996, whose other nine directions separate few more boxes), and the
+// line through the middles of both shapes. A direction may be any vector, so poses that scale or flatten only cost
+// tightness.
 //
-// Directions do not depend on the boxes. So how far a box reaches is computed once, and compared with many others.
+// Directions do not depend on the boxes. So a box's interval along each direction is computed once, and compared with
+// many others.
 //
-// Boxes are given in float32, relative to the middle of the shape and in units of its extent. Lengths along a direction
-// are taken in units of what all boxes of both bodies can reach, so no number exceeds 1 by much and no sum of
-// magnitudes exceeds 2; each of them is rounded nine times at most, which `slack` covers twice. It also covers that
-// vertices are rounded (Placement::error). A direction whose numbers leave float64's middle range parts nothing.
+// Boxes are given in float32, relative to the middle of the shape and in units of its extent. Along a direction, the
+// unit of length is the extent of all boxes of both bodies, so no number exceeds 1 by much and no sum of magnitudes
+// exceeds 2; each number is rounded at most nine times, which `slack` covers twice. `slack` also covers the rounding of
+// vertices (Placement::error). A direction whose numbers leave float64's middle range separates nothing.
 
 #include <cmath>
 #include <limits>
@@ -23,13 +24,13 @@
 
 namespace crumple {
 
-/// A box of some triangles of a shape, as BoxSeparation takes it.
+/// Box of some triangles of a shape, relative to a SmallFrame.
 struct SmallBox {
     float middle[3], half[3];
 };
 
-/// Where a shape's small boxes are: its whole box, and the unit of length, a power of two. A shape near the largest
-/// number has an infinite one, so that small boxes are NaN where they are used, and nothing is apart.
+/// Frame of a shape's small boxes: the box of the shape, and the unit of length, a power of two. For a shape near the
+/// largest number the unit is infinite, so that small boxes are NaN where they are used, and nothing is apart.
 struct SmallFrame {
     CentredBox all;
     double unit = 1;
@@ -51,7 +52,7 @@ struct SmallFrame {
         }
         return small;
     }
-    /// Holds what the small box was made of.
+    /// Returns a box that contains the one that `small` was made from.
     CentredBox box(const SmallBox& small) const {
         CentredBox box;
         for (int axis = 0; axis < 3; ++axis) {
@@ -68,11 +69,11 @@ class BoxSeparation {
     static constexpr int lanes = 8;  // the last one is not used
     using Lanes = float[lanes];
 
-    /// From where to where a box reaches along each direction.
+    /// Interval of a box along each direction.
     struct Reach {
         alignas(16) Lanes low, high;
 
-        /// The largest distance along a direction, in no unit: above 0, the boxes are certainly apart.
+        /// Largest gap along any direction, without a unit: above 0, the boxes are certainly apart.
         friend float gap(const Reach& a, const Reach& b) {
             Lanes apart;
             for (int i = 0; i < lanes; ++i) apart[i] = max(a.low[i] - b.high[i], b.low[i] - a.high[i]);
@@ -81,7 +82,7 @@ class BoxSeparation {
         }
     };
 
-    /// One of both bodies, for its boxes.
+    /// Computes intervals for the boxes of one of the two bodies.
     class Side {
        public:
         Reach operator()(const SmallBox& box) const {

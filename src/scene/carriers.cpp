@@ -1,4 +1,4 @@
-// Edges and points that a caller lists: which triangle owns them, and carriers for the others (scene_features.h).
+// Finds the triangles that own listed edges and points, and adds proxy triangles for the others (scene_features.h).
 
 #include <algorithm>
 #include <atomic>
@@ -8,7 +8,7 @@
 namespace crumple {
 namespace {
 
-// In place of a triangle, of a listed edge: it is owned, and needs no carrier.
+// Marks a listed edge that a triangle owns: it needs no proxy triangle.
 constexpr std::int32_t owned_by_triangle = -2;
 
 }  // namespace
@@ -26,8 +26,8 @@ std::int64_t SceneFeatures::points_below(std::int32_t vertex) const {
            points_.begin();
 }
 
-// Sides of one edge are in ascending order, the triangles' before those of the list. The first of the list is owned by
-// the first triangle.
+// The slots of one edge are in ascending order, those of triangles before those of the list. The first triangle owns
+// the first occurrence in the list.
 void SceneFeatures::find_owners_of_edges(ParallelFor& workers) {
     const auto sides = static_cast<std::int32_t>(3 * faces_);
     owner_.resize_discard(edges_.size());
@@ -64,7 +64,7 @@ void SceneFeatures::add_carriers_of_edges() {
     }
 }
 
-// The first of the list at a vertex is owned by what owns the vertex, if anything does.
+// The first listed point at a vertex is owned by the owner of the vertex, if there is one.
 void SceneFeatures::add_carriers_of_points() {
     first_point_.assign(owner_.size(), -1);
     const auto n = static_cast<std::int32_t>(points_.size());
@@ -112,6 +112,6 @@ void SceneFeatures::find_neighbours() {
     }
 }
 
-// An edge without a common vertex with the lone one is that to a vertex which the lone one does not name; of three
-// vertices it does not name one.
+// Two other ends per vertex suffice for has_edge_apart(): an edge is apart from a lone edge if its other end is not on
+// the lone edge. Two different other ends may both be on it, three may not.
 }  // namespace crumple

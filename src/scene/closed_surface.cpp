@@ -31,7 +31,7 @@ void ClosedSurface::release() {
 void ClosedSurface::prepare(const PreparedScene& scene, ParallelFor& workers) {
     features_.prepare(scene, false, workers);
     if (features_.revision() == revision_) return;
-    revision_ = 0;  // should memory end half-way
+    revision_ = 0;  // invalid if memory runs out half-way
     check_closed();
     parent_.assign(static_cast<std::size_t>(scene.vertex_count()), -2);
     walk();
@@ -40,7 +40,8 @@ void ClosedSurface::prepare(const PreparedScene& scene, ParallelFor& workers) {
     revision_ = features_.revision();
 }
 
-/// 1 if the face names an edge from its lower to its higher vertex, −1 if the other way round, 0 if its ends are one.
+/// Returns 1 if the triangle names an edge from its lower to its higher vertex, −1 for the opposite direction, 0 if
+/// both ends are equal.
 std::int32_t ClosedSurface::direction(std::int32_t triangle, std::size_t edge) const {
     const std::int32_t* c = corners(triangle);
     const std::int32_t from = c[edge], to = c[(edge + 1) % 3];
@@ -69,8 +70,7 @@ Array<OpenEdge> ClosedSurface::open_edges() const {
     return open;
 }
 
-// Vertices in the order of a walk down each tree that takes an edge to a vertex that it has not met as soon as it comes
-// by one.
+// Orders vertices by a depth-first walk of each component, without recursion.
 void ClosedSurface::walk() {
     const auto vertices = static_cast<std::int32_t>(parent_.size());
     first_.assign(static_cast<std::size_t>(vertices) + 2, 0);
@@ -81,7 +81,7 @@ void ClosedSurface::walk() {
         neighbour_[first_[edge.a + 1]++] = edge.b;
         neighbour_[first_[edge.b + 1]++] = edge.a;
     }
-    // Now those of v are [first_[v], first_[v + 1]); next_ tells how far they have been followed.
+    // Now the vertices adjacent to v are [first_[v], first_[v + 1]); next_[v] is the next one to follow.
     place_.assign(static_cast<std::size_t>(vertices), -1);
     vertex_at_.clear();
     end_of_.clear();

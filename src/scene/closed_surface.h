@@ -1,15 +1,15 @@
 #pragma once
 
-// A surface of triangles as winding numbers need it: whether it is closed, and its vertices in an order in which
-// winding numbers are constant but for few steps.
+// Triangle surface prepared for winding numbers: detects if it is closed, and orders its vertices so that winding
+// numbers are piecewise constant with few steps.
 //
-// The edges have a spanning forest, and vertices the place in which a walk down the forest first meets them. What lies
-// behind an edge of the forest is an interval of places: so a crossing of that edge by another surface changes the
-// winding numbers of an interval, and crossings of other edges need not be looked at. Faces are sorted by the place of
-// their first corner.
+// The edges have a spanning forest. The *place* of a vertex is its position in a depth-first walk of the forest. The
+// vertices below an edge of the forest form an interval of places. So if another surface crosses that edge, the winding
+// numbers of one interval change, and crossings of edges outside of the forest can be ignored. Faces are sorted by the
+// place of their first corner.
 //
 //   places        0 ........................... places() - 1      vertices that no triangle names have none
-//   components    [0, end0) [end0, end1) ...                      a tree each
+//   components    [0, end0) [end0, end1) ...                      one tree each
 //   faces         those of place 0, of place 1, ...
 
 #include <array>
@@ -27,10 +27,10 @@ class ClosedSurface {
    public:
     explicit ClosedSurface(MemoryMeter* meter);
 
-    /// Reads a scene of one mesh. Nothing is computed anew while the corners stay the same. O(triangles).
+    /// Reads a scene of one mesh. O(triangles); a comparison if the corners have not changed.
     void prepare(const PreparedScene& scene, ParallelFor& workers);
 
-    /// The open edges, in the order of their vertices; a surface without any is closed. Cost: O(triangles).
+    /// Returns the open edges, sorted by their vertices; a closed surface has none. Cost: O(triangles).
     Array<OpenEdge> open_edges() const;
     bool closed() const { return closed_; }
 
@@ -38,24 +38,24 @@ class ClosedSurface {
     std::int32_t places() const { return static_cast<std::int32_t>(vertex_at_.size()); }
     std::int32_t place(std::int32_t vertex) const { return place_[vertex]; }
     std::int32_t vertex_at(std::int32_t place) const { return vertex_at_[place]; }
-    /// The places behind a place in the forest, that one included: [place, end).
+    /// Returns the end of the subtree of a place: [place, end), including the place itself.
     std::int32_t end_of(std::int32_t place) const { return end_of_[place]; }
-    /// First places of components, and the end of the last one.
+    /// First place of each component, and the end of the last one.
     const Array<std::int32_t>& components() const { return components_; }
 
-    /// The faces whose first corner is at a place in [begin, end).
+    /// Returns the faces whose first corner is at a place in [begin, end).
     std::span<const std::int32_t> faces(std::int32_t begin, std::int32_t end) const {
         return {faces_.data() + first_face_[begin], faces_.data() + first_face_[end]};
     }
     const std::int32_t* corners(std::int32_t face) const { return features_.corners() + 3 * std::int64_t{face}; }
 
-    /// Returns 1 if an edge of a face, 01, 12 or 20, leads down the forest, −1 if it leads up; 0 if it does not belong
-    /// to the forest, or another face that has it stands for it.
+    /// Returns 1 if an edge of a face (01, 12 or 20) leads down the forest, −1 if it leads up; 0 if the edge is not in
+    /// the forest, or another face represents it.
     int forest_edge(std::int32_t face, std::size_t edge) const {
         return (down_[face] >> edge & 1) - (down_[face] >> (edge + 3) & 1);
     }
 
-    /// Gives all memory back.
+    /// Frees all memory.
     void release();
 
    private:
@@ -66,11 +66,11 @@ class ClosedSurface {
     void sort_faces();
 
     SceneFeatures features_;
-    std::uint64_t revision_ = 0;  ///< of the features that the rest is made of
+    std::uint64_t revision_ = 0;  ///< revision of the features from which the other members were made
     bool closed_ = false;
     Array<std::int32_t> place_, vertex_at_, end_of_, components_;
     Array<std::int32_t> faces_, first_face_;
-    Array<std::uint8_t> down_;  ///< by face: bit k: edge k leads down; bit 3 + k: it leads up
+    Array<std::uint8_t> down_;  ///< per face: bit k: edge k leads down; bit 3 + k: edge k leads up
     // Scratch:
     Array<std::int32_t> sum_, first_, neighbour_, parent_, next_;
 };

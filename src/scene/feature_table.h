@@ -1,6 +1,6 @@
 #pragma once
 
-// What inner loops read of a scene's features (scene_features.h), wherever the arrays lie. Compiled for host and
+// Pointers to a scene's features (scene_features.h) for inner loops, in host or device memory. Compiled for host and
 // device.
 
 #include <array>
@@ -11,16 +11,18 @@
 
 namespace crumple {
 
-/// The edges of a triangle, by side; -1 where a side's ends are equal.
+/// Edges of a triangle, by side; -1 if the side's ends are equal, and if edges are listed for each edge that the
+/// triangle does not own.
 using TriangleEdges = std::array<std::int32_t, 3>;
 
-/// The points of a triangle's corners, where points are listed.
+/// Points of a triangle's corners, if points are listed.
 using PointsOfTriangle = std::array<std::int32_t, 3>;
 
-/// Of a carrier: it owns a vertex of no edge and no triangle at corner 0, or an edge of no triangle on side 0.
+/// Ownership bits of a proxy triangle: it owns a vertex of no edge and no triangle at corner 0, or an edge of no
+/// triangle on side 0.
 inline constexpr std::uint8_t lone_point = 1 << 6, lone_edge = 1 << 7;
 
-/// The other ends of a vertex's edges, by name: up to two that differ, -1 for none.
+/// Other ends of a vertex's edges, as representatives: up to two different ones, -1 for none; `more`: there are others.
 struct NamedNeighbours {
     std::int32_t first = -1, second = -1;
     bool more = false;
@@ -30,16 +32,16 @@ struct FeatureTable {
     const TriangleEdges* edges_of = nullptr;
     const std::uint8_t* owned = nullptr;
     const std::int32_t* corners = nullptr;
-    const std::int32_t* names = nullptr;          ///< null: the vertices' indices
-    const PointsOfTriangle* points_of = nullptr;  ///< null: as vertices
-    const NamedNeighbours* neighbours = nullptr;  ///< of each vertex, if there are lone edges
+    const std::int32_t* names = nullptr;          ///< representative of each vertex; null: itself
+    const PointsOfTriangle* points_of = nullptr;  ///< null: points are vertices
+    const NamedNeighbours* neighbours = nullptr;  ///< per vertex; null: there are no lone edges
     std::int64_t faces = 0;
 
     friend bool operator==(const FeatureTable&, const FeatureTable&) = default;
 
-    /// What a vertex is called where it is asked whether two are the same.
+    /// Returns the representative of a vertex: two vertices count as one if these are equal.
     CRUMPLE_HD std::int32_t name(std::int32_t vertex) const { return names ? names[vertex] : vertex; }
-    /// Of the vertex that a triangle or a carrier owns at a corner.
+    /// Returns the point of the vertex that a triangle or a proxy triangle owns at a corner.
     CRUMPLE_HD std::int32_t point_of(std::int64_t triangle, int corner) const {
         return points_of ? points_of[triangle][static_cast<std::size_t>(corner)] : corners[3 * triangle + corner];
     }
@@ -47,7 +49,8 @@ struct FeatureTable {
         const std::int32_t v = name(vertex);
         return v == name(e.a) || v == name(e.b);
     }
-    /// Whether an edge of the vertex is a pair with a lone edge that it is not on: then that pair covers the vertex.
+    /// True if an edge of the vertex, which is not on this lone edge, has no common vertex with it. Then the pair of
+    /// these edges covers the vertex.
     CRUMPLE_HD bool has_edge_apart(std::int32_t vertex, const Edge& lone) const {
         if (!neighbours) return false;  // there is no lone edge
         const NamedNeighbours& of = neighbours[vertex];

@@ -1,6 +1,6 @@
 #pragma once
 
-// Which pairs of groups a query wants. Compiled for host and device.
+// Filter of pairs of groups. Compiled for host and device.
 
 #include <cstdint>
 
@@ -9,18 +9,18 @@
 namespace crumple {
 
 struct WantedGroups {
-    bool between = false, within = false;     ///< groups that differ only, groups that are equal only
-    const std::uint64_t* excluded = nullptr;  ///< keys of the pairs that are not wanted, sorted
+    bool between = false, within = false;     ///< between: only different groups; within: only equal groups
+    const std::uint64_t* excluded = nullptr;  ///< sorted keys of the excluded pairs
     std::int64_t excluded_count = 0;
     friend bool operator==(const WantedGroups&, const WantedGroups&) = default;
 
-    /// The lower group in the upper half.
+    /// Returns the key of a pair: the lower group in the upper 32 bits.
     CRUMPLE_HD static std::uint64_t key(std::int32_t g, std::int32_t h) {
         const auto low = static_cast<std::uint32_t>(min(g, h)), high = static_cast<std::uint32_t>(max(g, h));
         return static_cast<std::uint64_t>(low) << 32 | high;
     }
 
-    /// Every pair is: callers may skip the test.
+    /// True if every pair is selected: callers may skip the test.
     CRUMPLE_HD bool all() const { return !between && !within && excluded_count == 0; }
 
     CRUMPLE_HD bool operator()(std::int32_t g, std::int32_t h) const {

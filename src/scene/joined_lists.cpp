@@ -69,7 +69,7 @@ ListedFeatures JoinedLists::join(const WorldOutline& outline, const WorldScene& 
 }
 
 void JoinedLists::join_edges(const WorldOutline& outline, const WorldScene& bodies, const Array<Edge>& of_triangles) {
-    const Edge* next = of_triangles.begin();  // by their lower vertex, hence by body
+    const Edge* next = of_triangles.begin();  // sorted by lower vertex, hence by body
     for (std::size_t i = 0; i < bodies.added(); ++i) {
         const auto first = static_cast<std::int32_t>(bodies.first_vertex(i));
         const Shape& shape = outline.shape(bodies.added_body(i));

@@ -1,8 +1,8 @@
 #pragma once
 
-// Edges and points that shapes list, checked, and joined to those of one scene of several bodies. Bodies whose shape
-// lists none have what is meant without a list: the edges of their triangles, the vertices that a triangle or an edge
-// names.
+// Validates the edges and points that shapes list, and joins those of several bodies to the lists of one scene. Bodies
+// whose shape has no list contribute the default features: the edges of their triangles, and the vertices that a
+// triangle or an edge names.
 
 #include <string>
 
@@ -14,17 +14,17 @@
 
 namespace crumple {
 
-/// What the shape lists, as it is. Throws Error: an edge or a point that names no vertex of the shape, an edge with
-/// equal ends. `which` names the body: what messages begin with.
+/// Returns the shape's lists, validated. Throws Error for an edge or a point that names no vertex of the shape, and for
+/// an edge with equal ends. `which`: prefix of messages, which names the body.
 ListedFeatures checked_lists(const Shape& shape, const std::string& which);
 
 class JoinedLists {
    public:
     explicit JoinedLists(MemoryMeter* meter) : edges_(meter), points_(meter), named_(meter) {}
 
-    /// Of the bodies that were added to `bodies`, which is `scene`. `features` becomes that of the scene's triangles
-    /// if some bodies list edges and others do not. Those of each body are one behind the other. Valid until the next
-    /// call.
+    /// Joins the lists of the bodies in `bodies`, from which `scene` was made, body after body. If some bodies list
+    /// edges and others do not, prepares `features` for the scene's triangles without lists. The result is valid until
+    /// the next call.
     ListedFeatures join(const WorldOutline& outline, const WorldScene& bodies, const PreparedScene& scene,
                         ParallelFor& workers, SceneFeatures& features);
 
@@ -34,7 +34,7 @@ class JoinedLists {
 
     Array<Edge> edges_;
     Array<std::int32_t> points_;
-    Array<std::uint8_t> named_;  ///< of each vertex: by a triangle or an edge
+    Array<std::uint8_t> named_;  ///< 1 for each vertex that a triangle or an edge names
 };
 
 }  // namespace crumple

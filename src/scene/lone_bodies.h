@@ -1,6 +1,7 @@
 #pragma once
 
-// Bodies of edges and points alone, of which questions about triangles would say nothing in silence.
+// Rejects bodies that have edges and points but no triangles, because queries about triangles would silently ignore
+// them.
 
 #include <algorithm>
 #include <string>
@@ -11,10 +12,9 @@
 
 namespace crumple {
 
-/// Throws Error (invalid_argument) for the first body that has edges or points but no triangles, if the rules want a
-/// pair with it; `within`: pairs within a body count, too. `what`: why that pair cannot be answered. Bodies and shapes
-/// that are not sound are passed over, for who reads the world tells of them. Costs nothing where all shapes have
-/// triangles.
+/// Throws Error (invalid_argument) for the first body that has edges or points but no triangles, if the filter selects
+/// a pair with it; `within`: pairs within a body count, too. `what`: the reason, as a clause of the message. Skips
+/// invalid bodies and shapes; the caller's validation reports them. Costs nothing if all shapes have triangles.
 inline void check_bodies_have_triangles(const World& world, const PairFilter& given, bool within, const char* what) {
     const auto is_lone = [](const Shape& shape) {
         const bool lists = (shape.edges && !shape.edges->empty()) || (shape.points && !shape.points->empty());

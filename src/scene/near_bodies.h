@@ -1,6 +1,6 @@
 #pragma once
 
-// Pairs of bodies of a world whose boxes overlap, by a sweep along x.
+// Finds the pairs of bodies of a world whose boxes overlap, by a sweep along x.
 
 #include <algorithm>
 #include <cstdint>
@@ -17,7 +17,7 @@ class NearBodies {
    public:
     explicit NearBodies(MemoryMeter* meter) : box_(meter), rest_(meter) {}
 
-    /// `box_of(b)`: the box of body b. The outline has to stay while this is used.
+    /// `box_of(b)`: the box of body b. The outline must outlive the use of this object.
     template <class BoxOf>
     void prepare(const WorldOutline& outline, BoxOf box_of) {
         outline_ = &outline;
@@ -33,8 +33,9 @@ class NearBodies {
 
     const Bounds& box(std::int32_t body) const { return box_[body]; }
 
-    /// Calls visit(a, b), a < b, for the pairs with a body of this world whose boxes overlap; for the number of worlds
-    /// for those among the bodies that are in all worlds. In no order. Ends when visit returns false.
+    /// Calls visit(a, b), a < b, for the pairs with a body of this world whose boxes overlap. `world` may also be the
+    /// number of worlds: then for the pairs among bodies that are in all worlds. In no particular order. Ends when
+    /// visit returns false.
     template <class Visit>
     void for_each_pair(std::int32_t world, Visit visit) const {
         const bool last = world == outline_->worlds();
@@ -63,7 +64,8 @@ class NearBodies {
     }
 
    private:
-    /// A body that is in all worlds, and how far to the right those reach that begin no further right than it.
+    /// Body that is in all worlds. `reach`: the largest upper end in x of this body and of all bodies before it in the
+    /// order of `low`.
     struct Rest {
         std::int32_t body;
         double low, reach;
@@ -71,7 +73,7 @@ class NearBodies {
 
     const WorldOutline* outline_ = nullptr;
     Array<Bounds> box_;  ///< by body
-    Array<Rest> rest_;   ///< those in all worlds, from left to right
+    Array<Rest> rest_;   ///< bodies in all worlds, by ascending low.x
 };
 
 }  // namespace crumple

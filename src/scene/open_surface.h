@@ -1,6 +1,6 @@
 #pragma once
 
-// Error about a surface that has to be closed and is not.
+// Error for a surface that must be closed and is not.
 
 #include <cstdint>
 #include <string>
@@ -10,7 +10,8 @@
 
 namespace crumple {
 
-/// `first`: the lowest of the open edges of a body. `query`: the name of the query whose options the message names.
+/// Throws the error. `edges`: number of open edges of the body, `first`: the lowest of them. `query`: name of the query
+/// whose options the message mentions.
 [[noreturn]] inline void fail_open_surface(std::int32_t body, std::size_t edges, const OpenEdge& first,
                                            const std::string& query) {
     throw Error(ErrorCode::invalid_argument,

@@ -1,13 +1,13 @@
 #pragma once
 
-// Decides whether a pose turns bodies inside out. Host only.
+// Decides if a pose turns bodies inside out. Host only.
 
 #include "exact/integer.h"
 #include "scene/placement.h"
 
 namespace crumple {
 
-/// −1 for a pose that mirrors, 0 for one that flattens, else 1; decided exactly.
+/// Returns −1 for a pose that mirrors, 0 for one that flattens, else 1; decided exactly.
 inline int orientation_of(const Placement& placement) {
     if (placement.identity()) return 1;
     const Affine pose = placement.matrix();

@@ -1,7 +1,7 @@
 #pragma once
 
-// What is known of a scene before its arrays are read: shapes, counts, places. And the words for what may be wrong with
-// them, the same wherever the arrays are checked.
+// Outline of a scene, made before its arrays are read: shapes, counts, pointers. Also the error messages for invalid
+// arrays, shared by all places that validate them.
 
 #include <cstdint>
 #include <string>
@@ -11,20 +11,20 @@
 
 namespace crumple {
 
-/// Throws Error (invalid_argument) if counts, pointers or groups of the mesh make no sense, or it lies elsewhere than
-/// in `memory`. `subject`: what the message calls it.
+/// Throws Error (invalid_argument) if counts, pointers or groups of the mesh are invalid, or if it is not in `memory`.
+/// `subject`: the name of the mesh in the message.
 void check_mesh_outline(const MeshView& mesh, const std::string& subject, MemorySpace memory);
 
-/// Counts and readers of one mesh (b null) or two that lie in `memory`. Throws Error (invalid_argument).
+/// Returns a scene with counts and readers of one mesh (b null) or two in `memory`. Throws Error (invalid_argument).
 PreparedScene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory);
 
-/// Gives each vertex of a scene of one mesh an end, which is not read. Throws Error (invalid_argument).
+/// Adds end positions to a scene of one mesh, without reading them. Throws Error (invalid_argument).
 void outline_motion(const VertexView& end, PreparedScene& scene);
 
-/// Of two meshes, which: what an element's place begins with. Of one, nothing.
+/// Returns the prefix of errors about an element: "first mesh: " or "second mesh: " for two meshes, empty for one.
 std::string mesh_name(const PreparedScene& scene, std::size_t side);
 
-/// Calls `function` with a value of the type that indices have.
+/// Calls `function` with a value of the C++ type of the indices.
 template <class Function>
 void with_index_type(IndexType type, Function function) {
     switch (type) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Where a body's vertices are: its pose, applied to single vertices exactly as the contract says, and to boxes so that
-// they hold all vertices of what they held before.
+// Applies a body's pose: to single vertices exactly as the contract defines, and to boxes so that the posed box
+// contains all posed vertices.
 
 #include <algorithm>
 #include <array>
@@ -15,11 +15,11 @@
 
 namespace crumple {
 
-/// An axis-aligned box, closed. Bounds may be NaN where a pose overflows; such a box overlaps every box.
+/// Closed axis-aligned box. Bounds may be NaN if a pose overflows; such a box overlaps every box.
 struct Bounds {
     Vec3d low, high;
 
-    // Without branches: which axis parts two boxes is hard to foretell.
+    // Without branches, because it is hard to predict which axis separates two boxes.
     friend bool overlap(const Bounds& a, const Bounds& b) {
         const bool x = (a.low.x > b.high.x) | (b.low.x > a.high.x), y = (a.low.y > b.high.y) | (b.low.y > a.high.y),
                    z = (a.low.z > b.high.z) | (b.low.z > a.high.z);
@@ -32,7 +32,7 @@ inline constexpr double largest_number = std::numeric_limits<double>::max();
 inline constexpr Bounds no_bounds{{largest_number, largest_number, largest_number},
                                   {-largest_number, -largest_number, -largest_number}};
 
-/// A box by its middle and half extent, which hold it after rounding.
+/// Box by middle and half extent, rounded outwards: contains the given box.
 struct CentredBox {
     Vec3d middle, half;
 
@@ -43,7 +43,7 @@ struct CentredBox {
     }
 };
 
-/// (A | t) by columns.
+/// Affine map (A | t).
 struct Affine {
     std::array<double, 12> rows;
     Vec3d operator()(const Vec3d& p) const {
@@ -61,7 +61,7 @@ struct Affine {
 class Placement {
    public:
     Placement() = default;
-    /// `pose` null: as given. `float32`: the shape's precision.
+    /// `pose` null: identity. `float32`: the shape's precision.
     Placement(const Pose* pose, bool float32) : pose_(pose && *pose != Pose{} ? pose : nullptr), float32_(float32) {}
 
     bool identity() const { return pose_ == nullptr; }
@@ -73,7 +73,7 @@ class Placement {
         return float32_ ? rounded(posed) : posed;
     }
 
-    /// Many at once, in blocks of four: rows x, y, z of `blocks` blocks each.
+    /// Poses many vertices, in blocks of four: each of given[axis] and posed[axis] has `blocks` blocks.
     void operator()(const double* const given[3], std::int32_t blocks, double* const posed[3]) const {
         for (int axis = 0; axis < 3; ++axis) {
             double* const out = posed[axis];
@@ -97,8 +97,8 @@ class Placement {
 
     Affine matrix() const { return {pose_ ? pose_->rows : Pose{}.rows}; }
 
-    /// Bound on the difference of a coordinate of a posed vertex in `box` from what it were without rounding: six
-    /// roundings of float64, and one of the shape's precision. Also covers what is computed of `box` in a few steps.
+    /// Bound on the rounding error of a coordinate of any posed vertex in `box`: six roundings in float64, and one in
+    /// the shape's precision. Also covers a few further operations on `box`.
     double error(const CentredBox& box) const {
         const std::array<double, 12> r = matrix().rows;
         double size = 0;
@@ -111,7 +111,7 @@ class Placement {
         return float32_ ? 0x1p-21 * size + 0x1p-148 : 0x1p-46 * size + 0x1p-1070;
     }
 
-    /// Holds every posed vertex whose given position `box` holds.
+    /// Returns a box that contains every posed vertex whose given position is in `box`.
     Bounds operator()(const CentredBox& box) const {
         const double e = error(box);
         const Affine p = matrix();
@@ -128,9 +128,8 @@ class Placement {
     }
 
    private:
-    // Nothing may be known of the rounded numbers, since g++ 12 with -O3 takes double(float(x)) for x where it selects
-    // between both in lanes. They go through memory as one vector: read back from smaller pieces they would have to
-    // wait.
+    // Hides the rounded numbers from the optimiser: g++ 12 with -O3 replaces double(float(x)) by x if it selects
+    // between both in lanes. They go through memory as one vector, as loads of smaller pieces would stall.
     static void round_to_float(Two& low, Two& high) {
         using Four = float __attribute__((vector_size(16)));
         Four rounded{static_cast<float>(low[0]), static_cast<float>(low[1]), static_cast<float>(high[0]),

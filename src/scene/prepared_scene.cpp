@@ -21,9 +21,10 @@ bool contiguous(const ArrayView<Type>& view) {
     return view.column_stride == size && view.row_stride == 3 * size;
 }
 
-// Least and largest of each coordinate of contiguous rows, and whether all are finite. Sixteen rows at once are lanes
-// of every vector's width, and more of them than a compiler unrolls instead of vectorising; compare-and-select in lanes
-// keeps its meaning without -ffast-math. The difference of a finite value and itself is 0, of others NaN, which stays.
+// Finds the bounds of contiguous rows, and checks that all coordinates are finite. Sixteen rows at a time fill lanes of
+// any vector width, and are more than a compiler unrolls instead of vectorising; compare-and-select in lanes keeps its
+// meaning without -ffast-math. The difference of a finite value and itself is 0, that of others NaN, which persists in
+// the sum.
 template <class T>
 ChunkCheck check_rows(const T* data, std::int64_t rows) {
     constexpr double most = std::numeric_limits<double>::max();
@@ -53,7 +54,7 @@ ChunkCheck check_rows(const T* data, std::int64_t rows) {
     return check;
 }
 
-// Of vertices [begin, end): their box, and whether they are finite.
+// Returns the box of vertices [begin, end), and checks that they are finite.
 ChunkCheck check_vertices(const VertexView& view, const VertexReader& reader, std::int64_t begin, std::int64_t end) {
     if (contiguous(view) && reinterpret_cast<std::uintptr_t>(view.data) % size_of(view.type) == 0) {
         if (view.type == ScalarType::float32)
@@ -78,7 +79,7 @@ ChunkCheck check_vertices(const VertexView& view, const VertexReader& reader, st
     fail_not_finite(which, i);
 }
 
-// Reads indices wherever the caller has them; an array need not be aligned.
+// Reads indices in the caller's memory; the array need not be aligned.
 template <class Index>
 struct IndexReader {
     const std::byte* data;
@@ -95,8 +96,8 @@ struct IndexReader {
     }
 };
 
-// Whether all indices of triangles [begin, end) are in range. An index that is not is negative, or the last one less it
-// is: either way a highest bit is set.
+// True if all indices of triangles [begin, end) are in range. For an index out of range, the index or (last - index) is
+// negative: its highest bit is set.
 template <class Index>
 bool check_corners(const TriangleView& view, std::int64_t vertex_count, std::int64_t begin, std::int64_t end) {
     using Unsigned = std::make_unsigned_t<Index>;
@@ -129,7 +130,7 @@ template <class Index>
     fail_index(which, t, read(t, wrong(t, 0) ? 0 : wrong(t, 1) ? 1 : 2), vertex_count);
 }
 
-// Copies the indices of `view` to `out` as int32, `offset` added.
+// Copies the indices of `view` to `out` as int32, plus `offset`.
 template <class Index>
 void copy_corners(const TriangleView& view, std::int32_t offset, std::int32_t* out) {
     const IndexReader<Index> read(view);
@@ -138,7 +139,7 @@ void copy_corners(const TriangleView& view, std::int32_t offset, std::int32_t* o
             out[3 * t + corner] = static_cast<std::int32_t>(read(t, corner)) + offset;
 }
 
-// Checks vertices and triangles in chunks, all at once; widens the box [low, high] by the vertices.
+// Checks vertices and triangles in parallel chunks; extends the box [low, high] by the vertices.
 void check_content(const MeshView& mesh, const VertexReader& reader, const std::string& which, ParallelFor& workers,
                    Array<ChunkCheck>& checks, Vec3d& low, Vec3d& high) {
     constexpr std::int64_t chunk = 8192;
@@ -171,7 +172,7 @@ void check_content(const MeshView& mesh, const VertexReader& reader, const std::
 
 }  // namespace
 
-// Open addressing, linear probing, half full at most.
+// Hash table with open addressing and linear probing, at most half full.
 void name_equal_positions(const PreparedScene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names) {
     const std::int64_t n = scene.vertex_count();
     const std::uint64_t slots = std::bit_ceil(static_cast<std::uint64_t>(2 * n + 1));

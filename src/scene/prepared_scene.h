@@ -1,11 +1,11 @@
 #pragma once
 
-// What every backend is given: one or two meshes as one soup, checked.
+// Input of every backend: one or two meshes as one validated soup.
 //
-// Vertices and triangles of the first mesh come first, those of the second follow; `corners` are indices into that
-// joint numbering, three a triangle, with welded vertices replaced by the lowest of their kind. Coordinates stay where
-// the caller has them. `corners` is the caller's own array where that is one contiguous int32 mesh and nothing is
-// welded; otherwise it lies in SceneBuffers.
+// Vertices and triangles of the first mesh come first, those of the second follow. `corners` are indices in this joint
+// numbering, three per triangle, with welded vertices replaced by the lowest equal one. Coordinates stay in the
+// caller's memory. `corners` is the caller's own array if there is a single contiguous int32 mesh without welding;
+// otherwise it is in SceneBuffers.
 
 #include <algorithm>
 #include <array>
@@ -26,7 +26,7 @@ namespace crumple {
 
 class BodyRules;
 
-/// Reads coordinates where the caller left them.
+/// Reads coordinates in the caller's memory.
 struct VertexReader {
     const std::byte* data = nullptr;
     std::int64_t row_stride = 0, column_stride = 0;
@@ -38,7 +38,7 @@ struct VertexReader {
         return float32 ? read<float>(row) : read<double>(row);
     }
     std::size_t scalar_bytes() const { return float32 ? sizeof(float) : sizeof(double); }
-    /// Rows of three scalars, one behind the other.
+    /// True if rows of three scalars follow each other without gaps.
     bool contiguous() const {
         const auto size = static_cast<std::int64_t>(scalar_bytes());
         return column_stride == size && row_stride == 3 * size;
@@ -54,22 +54,22 @@ struct VertexReader {
 };
 
 struct PreparedScene {
-    bool between = false;                    ///< two meshes: pairs across only
+    bool between = false;                    ///< two meshes: only pairs across them
     bool float32 = true;                     ///< all coordinates are float32 numbers
-    std::array<VertexReader, 2> reader;      ///< of the first and the second mesh
-    std::array<std::int64_t, 2> vertices{};  ///< counts
+    std::array<VertexReader, 2> reader;      ///< first and second mesh
+    std::array<std::int64_t, 2> vertices{};  ///< counts of the first and the second mesh
     std::array<std::int64_t, 2> triangles{};
-    const std::int32_t* corners = nullptr;      ///< 3 a triangle
-    const std::int32_t* groups = nullptr;       ///< 1 a triangle, or null: all in group 0
-    const std::int32_t* lone_groups = nullptr;  ///< 1 a vertex: of features of no triangle; or null: in group 0
-    const BodyRules* bodies = nullptr;          ///< of a world: its groups are classes of these, which decide
-    /// Worlds side by side, which never meet: the first triangle of each, and how many there are in all; null: one
-    /// world has all.
+    const std::int32_t* corners = nullptr;      ///< 3 per triangle
+    const std::int32_t* groups = nullptr;       ///< 1 per triangle, or null: all in group 0
+    const std::int32_t* lone_groups = nullptr;  ///< 1 per vertex, for features without a triangle; null: all in group 0
+    const BodyRules* bodies = nullptr;          ///< for a world: the filter that decides; `groups` are its classes
+    /// For worlds side by side, which are never paired: first triangle of each of `worlds` worlds, and the end. Null: a
+    /// single world.
     const std::int64_t* first_of_world = nullptr;
     int worlds = 1;
-    bool moving = false;  ///< one mesh, whose vertices go straight to `end`
+    bool moving = false;  ///< single mesh whose vertices move straight to `end`
     VertexReader end;
-    Vec3d low, high;                           ///< box of all vertices, also at their ends; 0 if there are none
+    Vec3d low, high;                           ///< box of all vertices, at start and end; 0 if there are none
     std::array<Vec3d, 2> side_low, side_high;  ///< box of each mesh's vertices; low > high if there are none
 
     friend bool operator==(const PreparedScene&, const PreparedScene&) = default;
@@ -84,7 +84,7 @@ struct PreparedScene {
     CRUMPLE_HD Vec3d position(std::int64_t vertex) const {
         return vertex < vertices[0] ? reader[0](vertex) : reader[1](vertex - vertices[0]);
     }
-    /// The same as position() where nothing moves.
+    /// Returns the position at the end; position() if nothing moves.
     Vec3d end_position(std::int64_t vertex) const { return moving ? end(vertex) : position(vertex); }
     CRUMPLE_HD Triangle triangle(std::int64_t t) const {
         const std::int32_t* c = corners + 3 * t;
@@ -94,7 +94,7 @@ struct PreparedScene {
     CRUMPLE_HD bool second(std::int64_t t) const { return t >= triangles[0]; }
 };
 
-/// What the check of a chunk of vertices or of triangles found.
+/// Result of checking a chunk of vertices or triangles.
 struct ChunkCheck {
     Vec3d low, high;
     bool good;
@@ -107,21 +107,21 @@ struct SceneBuffers {
         : corners(meter), groups(meter), representative(meter), table(meter), checks(meter) {}
 };
 
-/// Both ends of a way are numbered by int32.
+/// Limit of moving scenes: start and end positions are numbered together, as int32.
 inline constexpr std::int64_t most_moving_vertices = std::int64_t{1} << 30;
 inline constexpr const char* too_many_moving_vertices = "in motion there may be 1073741824 vertices at most";
 
-/// Gives each vertex of a scene of one mesh an end. Throws Error: not_finite, invalid_argument.
+/// Adds end positions to a scene of one mesh and validates them. Throws Error: not_finite, invalid_argument.
 void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffers, PreparedScene& scene);
 
-/// Throws Error (not_finite) that names the first vertex that is not finite, after `which`.
+/// Throws Error (not_finite) that names the first vertex that is not finite, with the prefix `which`.
 void check_finite(const VertexView& vertices, const std::string& which, ParallelFor& workers, SceneBuffers& buffers);
 
-/// names[v]: the lowest vertex at v's position, at the start and, if the scene moves, at the end. -0 equals +0.
-/// `table` is scratch.
+/// Sets names[v] to the lowest vertex with the position of v, at the start and, if the scene moves, at the end. -0
+/// equals +0. `table` is scratch.
 void name_equal_positions(const PreparedScene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names);
 
-/// Checks one mesh (b null) or two, on the threads of `workers`, and joins them. Throws Error: not_finite,
+/// Validates one mesh (b null) or two on the threads of `workers`, and joins them. Throws Error: not_finite,
 /// index_out_of_range, invalid_argument.
 PreparedScene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor& workers,
                             SceneBuffers& buffers);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where a scene's vertices are at rest: what is close there is no answer to a question about nearness.
+// Rest shape of a scene: queries about nearness drop features that are close to each other in it.
 
 #include <cstdint>
 
@@ -9,11 +9,12 @@
 namespace crumple {
 
 struct RestShape {
-    VertexReader position;               ///< of the scene's vertices
-    const std::int32_t* body = nullptr;  ///< of each vertex, or -1: it has no rest shape; null: all are of one body
+    VertexReader position;  ///< rest positions of the scene's vertices
+    /// Body of each vertex, or -1 if it has no rest shape; null: all are of one body.
+    const std::int32_t* body = nullptr;
     double radius = 0;
 
-    /// Whether two features, of each of which this is a vertex, have a distance at rest.
+    /// True if features with these vertices have a distance in the rest shape: both are of one body that has one.
     bool knows(std::int32_t v, std::int32_t w) const { return !body || (body[v] >= 0 && body[v] == body[w]); }
 };
 

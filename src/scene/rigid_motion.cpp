@@ -42,7 +42,7 @@ struct Turn {
     Vec3d axis{1, 0, 0};
     double angle = 0;
 
-    /// Returns `r`, turned by a share of the angle.
+    /// Returns `r`, turned by the given fraction of the angle.
     Rotation operator()(const Rotation& r, double share) const {
         const double c = std::cos(share * angle), s = std::sin(share * angle);
         Rotation turned;
@@ -55,10 +55,11 @@ struct Turn {
     }
 };
 
-/// The rotation from one pose to another, by the quaternion's largest component.
+/// Returns the rotation from one pose to another, from the quaternion's largest component.
 Turn turn_between(const Pose& start, const Pose& end) {
     const Rotation a = rotation_of(start), b = rotation_of(end);
-    const auto m = [&](std::size_t i, std::size_t k) { return dot(b[i], a[k]); };  // of b times a, transposed
+    // Entry of b times the transpose of a.
+    const auto m = [&](std::size_t i, std::size_t k) { return dot(b[i], a[k]); };
     const double trace = m(0, 0) + m(1, 1) + m(2, 2);
     const std::array<double, 4> squares{1 + 2 * m(0, 0) - trace, 1 + 2 * m(1, 1) - trace, 1 + 2 * m(2, 2) - trace,
                                         1 + trace};
@@ -81,7 +82,7 @@ Turn turn_between(const Pose& start, const Pose& end) {
     return {(1 / length) * v, 2 * std::atan2(length, w)};
 }
 
-/// Bound on the distance of an arc from its chord at equal shares of both: r (1 - cos(angle / 2)).
+/// Returns a bound on the distance between an arc and its chord at equal parameters: r (1 - cos(angle / 2)).
 double off_chord(double radius, double angle) {
     const double s = std::sin(angle / 4);
     return 2 * radius * s * s;
@@ -106,7 +107,7 @@ RigidMotion cut_rigid_motion(std::span<const Pose> start, std::span<const Pose> 
         if (!(radii[b] >= 0) || !std::isfinite(radii[b])) refuse_body(b, "its radius must be finite and 0 or more");
         turns[b] = turn_between(start[b], end[b]);
         size = std::max(size, radii[b] + largest(abs(translation_of(start[b]))) + largest(abs(translation_of(end[b]))));
-        // Half the tolerance is for each of two bodies.
+        // Each of two bodies gets half of the tolerance.
         const double most = 4 * std::asin(std::sqrt(std::min(0.5, tolerance / (4 * radii[b]))));
         if (turns[b].angle > 0) pieces = std::max(pieces, std::ceil(turns[b].angle / most));
     }
@@ -127,14 +128,14 @@ RigidMotion cut_rigid_motion(std::span<const Pose> start, std::span<const Pose> 
     }
     motion.poses.insert(motion.poses.end(), end.begin(), end.end());
     for (std::size_t b = 0; b < bodies; ++b) {
-        // Rotations as they are given differ from exact ones, and so the last one from the turn.
+        // The given matrices are not exact rotations, so turning the first need not give the last one exactly.
         const Rotation turned = turns[b](rotation_of(start[b]), 1), given = rotation_of(end[b]);
         double off = 0;
         for (std::size_t row = 0; row < 3; ++row) off = std::max(off, largest(abs(turned[row] - given[row])));
         motion.min_distance =
             std::max(motion.min_distance, off_chord(radii[b], turns[b].angle / pieces) + 3 * off * radii[b]);
     }
-    motion.min_distance = 2 * motion.min_distance + 0x1p-46 * size;  // poses are off by a few roundings
+    motion.min_distance = 2 * motion.min_distance + 0x1p-46 * size;  // covers a few roundings of the poses
     return motion;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Which pairs of triangles a query wants, by sides, groups and parts; everything but geometry.
+// Pair filter of a query, by groups; for scenes made from worlds by the classes of body_rules.h.
 
 #include <algorithm>
 #include <cstdint>
@@ -13,15 +13,16 @@
 
 namespace crumple {
 
-/// Group rules of a query, prepared for look-up.
+/// Filter of groups of a query, prepared for look-up.
 class GroupRule {
    public:
     explicit GroupRule(MemoryMeter* meter = nullptr) : excluded_(meter) {}
 
-    /// Gives its memory back.
+    /// Frees its memory.
     void release() { excluded_.release(); }
 
-    /// `bodies`: of a scene whose groups are classes of bodies, and which decides instead of the query; else null.
+    /// `bodies`: for a scene whose groups are classes of bodies, the filter that then decides instead of the query's;
+    /// else null.
     void prepare(const PairFilter& filter, const BodyRules* bodies = nullptr) {
         bodies_ = bodies;
         classes_apart_ = bodies && bodies->classes_apart();
@@ -31,17 +32,17 @@ class GroupRule {
                        [](GroupPair p) { return WantedGroups::key(p.first, p.second); });
         std::sort(excluded_.begin(), excluded_.end());
     }
-    /// Every pair is wanted: callers may skip the test.
+    /// True if every pair is selected: callers may skip the test.
     bool trivial() const { return !bodies_ && of_groups().all(); }
 
-    /// No pair within a group is wanted.
+    /// True if no pair within a group is selected.
     bool groups_apart() const { return bodies_ ? classes_apart_ : wanted_ == PairScope::between; }
 
-    /// The rule by itself; valid while this is as it is.
+    /// Returns a view of the filter; valid while this object is unchanged.
     WantedPairs wanted() const { return bodies_ ? bodies_->wanted() : WantedPairs{of_groups(), {}, nullptr}; }
     bool operator()(std::int32_t g, std::int32_t h) const { return bodies_ ? (*bodies_)(g, h) : of_groups()(g, h); }
 
-    /// What the query says of groups; likewise.
+    /// Returns a view of the query's filter of groups; valid while this object is unchanged.
     WantedGroups of_groups() const {
         return {wanted_ == PairScope::between, wanted_ == PairScope::within, excluded_.data(),
                 static_cast<std::int64_t>(excluded_.size())};

@@ -76,7 +76,7 @@ void SceneFeatures::release() {
 void SceneFeatures::prepare(const PreparedScene& scene, bool weld, ParallelFor& workers, const ListedFeatures& listed) {
     check_number(scene, listed);
     if (!known(scene, listed)) {
-        vertices_ = -1;  // should memory end half-way
+        vertices_ = -1;  // invalid if memory runs out half-way
         ++revision_;
         adopted_ = false;
         faces_ = scene.triangle_count();
@@ -104,7 +104,7 @@ void SceneFeatures::prepare(const PreparedScene& scene, bool weld, ParallelFor& 
         if (lists_points_) add_carriers_of_points();
         vertices_ = scene.vertex_count();
     }
-    if (weld || renames() || knows_neighbours()) ++revision_;  // names hang on where vertices are
+    if (weld || renames() || knows_neighbours()) ++revision_;  // representatives depend on positions
     names_.clear();
     if (weld) name_equal_positions(scene, buffers_.table, names_);
     find_neighbours();
@@ -125,7 +125,7 @@ void SceneFeatures::adopt(const Part& part) {
     vertices_ = -1;
     ++revision_;
     adopted_ = true;
-    lone_edges_ = false;  // neighbours are given
+    lone_edges_ = false;  // adjacent vertices are given
     copy(given.edge_ends, edges_);
     copy(given.edges_of, edges_of_);
     copy(given.owned, owned_);
@@ -142,7 +142,8 @@ void SceneFeatures::adopt(const Part& part) {
     vertices_ = static_cast<std::int64_t>(given.vertices.size());
 }
 
-// A counting sort of all sides, and listed edges behind them, by their lower vertex; then those of each by the other.
+// Counting sort of all sides, followed by listed edges, by their lower vertex; then sorts the sides of each vertex by
+// the other end.
 void SceneFeatures::sort_sides(const PreparedScene& scene, ParallelFor& workers) {
     const std::int64_t sides = 3 * faces_, vertices = scene.vertex_count();
     const std::int64_t slots = sides + static_cast<std::int64_t>(edges_.size());
@@ -152,7 +153,7 @@ void SceneFeatures::sort_sides(const PreparedScene& scene, ParallelFor& workers)
         return std::pair(std::min(e.a, e.b), std::max(e.a, e.b));
     };
     first_.assign(static_cast<std::size_t>(vertices) + 2, 0);
-    std::int64_t* next = first_.data() + 1;  // counts, then places; at last first_[v] is where those of v begin
+    std::int64_t* next = first_.data() + 1;  // counts, then positions; finally first_[v] is the start of v's sides
     for (std::int64_t slot = 0; slot < slots; ++slot) {
         const auto [low, high] = ends(slot);
         if (low != high) ++next[low + 1];

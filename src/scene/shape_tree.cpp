@@ -8,7 +8,7 @@
 namespace crumple {
 namespace {
 
-/// Some centroids.
+/// Bounding box and number of some centroids.
 struct Section {
     Bounds box = no_bounds;
     std::int64_t count = 0;
@@ -65,9 +65,9 @@ void ShapeTree::build(const Shape& shape) {
     order_.release();
 }
 
-// Along the longest axis, where boxes are least in surface times the triangles they hold: a walk enters a box about as
-// often as its surface is large. Of 32 places, those that leave less than an eighth on a side do not count, so that the
-// depth is logarithmic. If there is none, the order of the centroids is halved.
+// Splits along the longest axis at the least sum of box surface times number of triangles, because a walk enters a box
+// about as often as its surface is large (surface area heuristic). Of 32 candidate places, those that leave less than
+// an eighth on one side are skipped, so that the depth is logarithmic. If none is left, splits at the median centroid.
 ShapeTree::Item* ShapeTree::split(Item* begin, Item* end) {
     constexpr int bins = 32, least_share = 8;
     Section all;
@@ -76,7 +76,7 @@ ShapeTree::Item* ShapeTree::split(Item* begin, Item* end) {
     const int axis = half.x >= half.y && half.x >= half.z ? 0 : half.y >= half.z ? 1 : 2;
     const double low = all.box.low[axis], scale = bins / (2 * half[axis]);
     const auto bin_of = [&](const Item& item) {
-        const double at = (item.centroid[axis] - low) * scale;  // not a number where the extent leaves float64's range
+        const double at = (item.centroid[axis] - low) * scale;  // NaN if the extent leaves float64's range
         return at > 0 ? static_cast<std::size_t>(min(at, bins - 1.0)) : 0;
     };
     std::array<Section, bins> bin, right;

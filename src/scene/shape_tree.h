@@ -1,14 +1,13 @@
 #pragma once
 
-// Groups of at most sixteen triangles of one shape, and a binary tree of boxes over them, in the shape's own frame.
+// Binary tree of boxes over groups of at most sixteen triangles of one shape, in the shape's own frame.
 //
-// [MZ] builds no hierarchy, because one has to be built or refitted whenever triangles move. A named shape never does:
-// its tree is built once and serves every body of that shape under every pose. It only leaves triangles out: which
-// groups of two bodies may meet. What becomes of those is decided as ever.
+// [MZ] builds no hierarchy, because a hierarchy has to be rebuilt or refitted whenever triangles move. A named shape
+// does not change: its tree is built once and serves every body of that shape under every pose. The tree only culls: it
+// finds the groups of two bodies that may meet. The usual stages decide the rest.
 //
-// Built from the top: each part is cut along its longest axis where the boxes of both sides are small.
-// Nodes lie in the order of a depth-first walk: the left child follows its parent. Each group has its own vertices, so
-// that it can be posed alone.
+// Built top-down: each node is split along its longest axis, where the boxes of both halves are small. Nodes are in
+// depth-first order: the left child follows its parent. Each group has its own vertices, so that it can be posed alone.
 
 #include <array>
 #include <cstdint>
@@ -26,18 +25,18 @@ class ShapeTree {
 
     struct Node {
         SmallBox box;
-        std::int32_t right = 0;   ///< the right child; the left one is the next node
-        std::int32_t group = -1;  ///< not negative: a leaf
+        std::int32_t right = 0;   ///< right child; the left child is the next node
+        std::int32_t group = -1;  ///< group of a leaf, negative for inner nodes
 
         float extent() const { return max(box.half[0], max(box.half[1], box.half[2])); }
     };
 
     struct Group {
         std::int32_t count = 0;        ///< triangles
-        std::int64_t first_block = 0;  ///< of four vertices, in the tree's
-        std::int32_t blocks = 0;       ///< the last vertex fills up the last one
+        std::int64_t first_block = 0;  ///< first of its blocks of four vertices
+        std::int32_t blocks = 0;       ///< number of blocks; the last vertex is repeated to fill the last one
         std::int32_t vertices = 0;
-        std::array<std::int32_t, most_triangles> triangle;  ///< of the shape, ascending
+        std::array<std::int32_t, most_triangles> triangle;  ///< triangles of the shape, ascending
         std::array<std::array<std::uint8_t, 3>, most_triangles> corner;
     };
 
@@ -47,30 +46,30 @@ class ShapeTree {
     explicit ShapeTree(MemoryMeter* meter)
         : node_(meter), first_(meter), group_(meter), vertex_(meter), box_(meter), order_(meter) {}
 
-    /// Reads the shape: coordinates must be finite and indices in range, or Error (without a shape's name) is thrown.
-    /// O(m log m).
+    /// Builds the tree. Throws Error (without the shape's name) for coordinates that are not finite and indices out of
+    /// range. O(m log m).
     void build(const Shape& shape);
 
     bool empty() const { return group_.empty(); }
     const Node& node(std::int32_t i) const { return node_[i]; }
-    /// The lowest triangle below a node.
+    /// Returns the lowest triangle below a node.
     std::int32_t first_triangle(std::int32_t i) const { return first_[i]; }
     const Group& group(std::int32_t g) const { return group_[g]; }
     std::int32_t groups() const { return static_cast<std::int32_t>(group_.size()); }
-    /// Coordinates of a group's vertices along an axis.
+    /// Returns the coordinates of a group's vertices along an axis.
     const double* vertices(const Group& group, int axis) const {
         return vertex_.data() + 12 * group.first_block + 4 * axis * group.blocks;
     }
-    /// A group's vertices under a pose, and what fills up the last block.
+    /// Poses a group's vertices, including the padding of the last block.
     void pose(const Group& group, const Placement& place, Posed& posed) const {
         const double* const given[3] = {vertices(group, 0), vertices(group, 1), vertices(group, 2)};
         double* const to[3] = {posed[0], posed[1], posed[2]};
         place(given, group.blocks, to);
     }
-    /// Of the whole shape; only if it is not empty.
+    /// Box of the whole shape; the tree must not be empty.
     const CentredBox& box() const { return frame_.all; }
     const SmallFrame& frame() const { return frame_; }
-    /// A node's box in the shape's own coordinates.
+    /// Returns a node's box in the shape's own coordinates.
     CentredBox box(const Node& node) const { return frame_.box(node.box); }
 
    private:
@@ -87,20 +86,20 @@ class ShapeTree {
 
     SmallFrame frame_;
     Array<Node> node_;
-    Array<std::int32_t> first_;  ///< of each node: its lowest triangle
+    Array<std::int32_t> first_;  ///< lowest triangle of each node
     Array<Group> group_;
     Array<double> vertex_;   ///< group by group: all x, all y, all z
-    Array<CentredBox> box_;  ///< scratch: of the nodes
+    Array<CentredBox> box_;  ///< scratch: boxes of the nodes
     Array<Item> order_;      ///< scratch
 };
 
-/// Walks both trees, and calls visit(group of a, group of b) for each pair of groups whose posed boxes overlap; ends
-/// when that returns false, and returns false then.
+/// Walks both trees and calls visit(group of a, group of b) for each pair of groups whose posed boxes overlap. Stops
+/// and returns false when visit returns false.
 template <class Visit>
 bool for_each_overlap(const ShapeTree& a, const Placement& pose_a, const ShapeTree& b, const Placement& pose_b,
                       Visit visit);
 
-/// The same of one tree's groups and a box.
+/// Calls visit(group) for each group whose posed box overlaps `box`.
 template <class Visit>
 void for_each_overlap(const ShapeTree& tree, const Placement& pose, const Bounds& box, Visit visit);
 
@@ -130,7 +129,8 @@ struct PairWalk {
         return gap(root_a.reach, root_b.reach) > 0 || (*this)(root_a, root_b);
     }
 
-    // Of two nodes that are not apart. Those that overlap most come first: a hit is likely there.
+    // Visits a pair of nodes that are not apart. The children that overlap most come first, because a hit is most
+    // likely there.
     bool operator()(const At& at_a, const At& at_b) {
         const ShapeTree::Node &node_a = a.node(at_a.node), &node_b = b.node(at_b.node);
         const bool leaf_a = node_a.group >= 0, leaf_b = node_b.group >= 0;

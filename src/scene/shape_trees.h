@@ -1,6 +1,6 @@
 #pragma once
 
-// Trees of named shapes, kept from call to call by name, for all questions that a detector is asked about worlds.
+// Cache of the trees of named shapes, by name, shared by all queries of a detector about worlds.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,18 +16,19 @@ class ShapeTrees {
    public:
     explicit ShapeTrees(MemoryMeter& meter) : meter_(meter) {}
 
-    /// A call begins. What it does not ask for may be forgotten in it.
+    /// Begins a call. Trees that this call does not use may be evicted during it.
     void begin() { ++calls_; }
 
-    /// The tree of a shape that has a name, shape `s` of its world; valid until the next call at least. Throws Error
-    /// with the shape if the name is known and something differs, or if the shape's contents are wrong.
+    /// Returns the tree of a named shape; `s` is the shape's index in its world. Valid at least until the next call.
+    /// Throws Error that names the shape if the name is cached with other counts or precision, or if the shape is
+    /// invalid.
     const ShapeTree& named(const Shape& shape, std::size_t s);
 
-    /// Builds the tree of any shape. Under a memory limit, named shapes that this call does not use make room, those
-    /// that were not used for longest first.
+    /// Builds the tree of any shape. If the memory limit is exceeded, evicts named shapes that this call does not use,
+    /// the least recently used first.
     void build(ShapeTree& tree, const Shape& shape, std::size_t s);
 
-    /// Forgets all and gives all memory back.
+    /// Evicts everything and frees all memory.
     void release() { named_.clear(); }
 
    private:
@@ -36,7 +37,7 @@ class ShapeTrees {
         ShapeTree tree;
         std::int64_t vertices = 0, triangles = 0;
         ScalarType type{};
-        std::int64_t used = 0;  ///< the call that used it last
+        std::int64_t used = 0;  ///< last call that used it
     };
 
     bool drop_oldest();

@@ -47,10 +47,11 @@ bool VertexRings::known(const SceneFeatures& features, std::int64_t vertices, st
            same(names_.span(), features.names().span());
 }
 
-// A counting sort of both directions of each side by where it begins; then each once.
+// Counting sort of both directions of each side by their first vertex; then removes duplicates.
 void VertexRings::find_next(const SceneFeatures& features, std::int64_t vertices) {
     first_next_.assign(static_cast<std::size_t>(vertices) + 2, 0);
-    std::int64_t* place = first_next_.data() + 1;  // counts, then places; at last those of v begin at first_next_[v]
+    // Counts, then positions; finally v's entries begin at first_next_[v].
+    std::int64_t* place = first_next_.data() + 1;
     const std::span<const std::int32_t> corners = corners_of(features);
     const auto for_each_way = [&](auto visit) {
         for (std::size_t t = 0; t < corners.size(); t += 3)
@@ -78,11 +79,11 @@ void VertexRings::find_next(const SceneFeatures& features, std::int64_t vertices
     first_next_[vertices] = end - next_.begin();
 }
 
-// Ring by ring. What edges lead to from one ring lies in the ring before it, in itself, or in the next one.
+// Breadth-first, ring by ring. Edges from one ring lead to the previous ring, the same ring, or the next one.
 void VertexRings::walk(std::int32_t from, Array<std::int32_t>& reached) const {
     reached.clear();
     reached.push_back(from);
-    std::size_t before = 0, begin = 0;  // of the ring before, and of the one that is left now
+    std::size_t before = 0, begin = 0;  // starts of the previous and of the current ring
     for (std::int32_t ring = 0; ring < rings_ && begin < reached.size(); ++ring) {
         const std::size_t end = reached.size();
         for (std::size_t i = begin; i < end; ++i)
@@ -98,16 +99,16 @@ void VertexRings::walk(std::int32_t from, Array<std::int32_t>& reached) const {
         reached.resize(static_cast<std::size_t>(last - reached.begin()));
         before = begin, begin = end;
     }
-    std::copy(reached.begin() + 1, reached.end(), reached.begin());  // without itself
+    std::copy(reached.begin() + 1, reached.end(), reached.begin());  // without the vertex itself
     reached.resize(reached.size() - 1);
     std::sort(reached.begin(), reached.end());
 }
 
-// Twice, the first time to count: so nothing but the answer needs memory that counts.
+// Walks twice, first to count, so that only the result needs metered memory.
 void VertexRings::prepare(const SceneFeatures& features, std::int64_t vertices, std::int32_t rings,
                           ParallelFor& workers, Cancellation& cancellation) {
     if (known(features, vertices, rings)) return;
-    vertices_ = -1;  // should memory end half-way
+    vertices_ = -1;  // invalid if memory runs out half-way
     revision_ = next_revision();
     rings_ = rings;
     find_next(features, vertices);

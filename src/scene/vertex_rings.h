@@ -1,7 +1,7 @@
 #pragma once
 
-// The rings about each vertex: which vertices a path of at most so many edges leads to, in ascending order, by the
-// names that vertices have where two are compared. Of every pair, each lists the other. Edges are those of all
+// Rings of each vertex: the vertices that a path of at most `rings` edges leads to, in ascending order. Vertices are
+// identified by their representatives (SceneFeatures::name). The relation is symmetric. Edges are those of all
 // triangles, and those that are listed.
 
 #include <algorithm>
@@ -20,34 +20,34 @@ class VertexRings {
     explicit VertexRings(MemoryMeter* meter)
         : of_(meter), first_(meter), next_(meter), first_next_(meter), corners_(meter), names_(meter) {}
 
-    /// `vertices`: of the scene that the features are of. What is known is kept while corners, names and `rings` stay
-    /// the same: then it costs a comparison. Else, on all threads, a walk about each vertex: O(v r d log(r d)) for v
-    /// vertices, r of them within so many edges, and d edges at each. Keeps 4 bytes for each of the v r, and some 100 a
-    /// vertex.
+    /// Finds the rings on all threads. `vertices`: number of vertices of the features' scene. The result is cached
+    /// while corners, representatives and `rings` stay the same; then the cost is a comparison. Else one walk per
+    /// vertex: O(v r d log(r d)) for v vertices, with r vertices in the rings and d edges per vertex. Memory: 4 bytes
+    /// for each of the v r entries, and about 100 per vertex.
     void prepare(const SceneFeatures& features, std::int64_t vertices, std::int32_t rings, ParallelFor& workers,
                  Cancellation& cancellation);
 
-    /// Those that a part knows, checked, in place of prepare().
+    /// Copies the rings of a validated part; replaces prepare().
     void adopt(const PartFeatures& part);
 
     std::int32_t rings() const { return rings_; }
-    /// The others within so many edges of a name.
+    /// Returns the other vertices in the rings of a representative vertex.
     std::span<const std::int32_t> about(std::int32_t name) const {
         return {of_.data() + first_[name], static_cast<std::size_t>(first_[name + 1] - first_[name])};
     }
-    /// Whether a path leads from one to the other; not of a name and itself.
+    /// True if a path of at most rings() edges connects two representative vertices; false for a vertex and itself.
     bool joined(std::int32_t name, std::int32_t other) const {
         const auto ring = about(name);
         return std::binary_search(ring.begin(), ring.end(), other);
     }
 
-    /// What about() reads: the rings of all, one after the other, and where those of each name begin.
+    /// Data of about(): all rings, one after another, and the start of each vertex's ring.
     std::span<const std::int32_t> rings_of_all() const { return of_.span(); }
     std::span<const std::int64_t> firsts() const { return first_.span(); }
-    /// Another number whenever what is known has changed; no two have the same.
+    /// Changes whenever the rings change; unique in the process.
     std::uint64_t revision() const { return revision_; }
 
-    /// Gives all memory back.
+    /// Frees all memory.
     void release();
 
    private:
@@ -55,11 +55,11 @@ class VertexRings {
     void find_next(const SceneFeatures& features, std::int64_t vertices);
     void walk(std::int32_t from, Array<std::int32_t>& reached) const;
 
-    Array<std::int32_t> of_;     ///< the rings of all, one after the other
-    Array<std::int64_t> first_;  ///< where those of each vertex begin; and the end
-    Array<std::int32_t> next_;   ///< by vertex, where its edges lead
+    Array<std::int32_t> of_;     ///< all rings, one after another
+    Array<std::int64_t> first_;  ///< start of each vertex's ring, and the end
+    Array<std::int32_t> next_;   ///< adjacent vertices, by vertex
     Array<std::int64_t> first_next_;
-    Array<std::int32_t> corners_, names_;  ///< for which this is known
+    Array<std::int32_t> corners_, names_;  ///< cache key
     std::int64_t vertices_ = -1;
     std::int32_t rings_ = 0;
     std::uint64_t revision_ = 0;

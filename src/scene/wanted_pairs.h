@@ -1,8 +1,8 @@
 #pragma once
 
-// Which pairs of triangles a query wants, by their groups; in a scene that is made of a world, by bodies and groups.
-// Triangles of one body and one group are a class then, and have classes where others have groups. Compiled for host
-// and device.
+// Filter of pairs of triangles by their groups; for scenes made from worlds by bodies and groups. In the latter,
+// triangles of one body and one group form a class, and the scene's groups are class numbers. Compiled for host and
+// device.
 
 #include <cstdint>
 
@@ -13,25 +13,25 @@ namespace crumple {
 struct alignas(16) BodyClass {
     std::int32_t body = 0, group = 0;
     std::uint32_t self : 1 = 1;        ///< Body::self
-    std::uint32_t everywhere : 1 = 0;  ///< in all worlds: such bodies meet only those of the world that is searched
-    std::uint32_t grouped : 1 = 1;     ///< else of no group, and rules about groups say nothing of it
+    std::uint32_t everywhere : 1 = 0;  ///< in all worlds; such a body is only paired with bodies of the current world
+    std::uint32_t grouped : 1 = 1;     ///< false: in no group, so filters of groups do not apply
     friend bool operator==(const BodyClass&, const BodyClass&) = default;
 };
 
 struct WantedPairs {
     WantedGroups groups;
-    WantedGroups bodies;                 ///< the same about pairs of bodies
-    const BodyClass* classes = nullptr;  ///< of a world; else null, and nothing is said of bodies
+    WantedGroups bodies;                 ///< filter of pairs of bodies
+    const BodyClass* classes = nullptr;  ///< for worlds; else null, and bodies are not filtered
     friend bool operator==(const WantedPairs&, const WantedPairs&) = default;
 
-    /// Every pair is: callers may skip the test.
+    /// True if every pair is selected: callers may skip the test.
     CRUMPLE_HD bool all() const { return !classes && groups.all(); }
 
     CRUMPLE_HD bool operator()(const BodyClass& a, const BodyClass& b) const {
         if ((a.everywhere && b.everywhere) || (a.body == b.body && !a.self) || !bodies(a.body, b.body)) return false;
         return !a.grouped || !b.grouped || groups(a.group, b.group);
     }
-    /// Of two groups, or of two classes.
+    /// `g` and `h` are groups, or classes if there are any.
     CRUMPLE_HD bool operator()(std::int32_t g, std::int32_t h) const {
         if (!classes) return groups(g, h);
         const BodyClass a = classes[g], b = classes[h];  // copied by four words at a time

@@ -1,7 +1,7 @@
 #pragma once
 
-// What is known of a world before coordinates are read: that its numbers make sense, where each body's triangles begin
-// if all bodies' are counted one after the other, and which bodies belong to which world.
+// Validated outline of a world, made without reading coordinates: the first triangle of each body, counted over all
+// bodies, and the bodies of each world.
 
 #include <cstdint>
 #include <string>
@@ -19,7 +19,8 @@ class WorldOutline {
    public:
     explicit WorldOutline(MemoryMeter* meter) : first_triangle_(meter), first_body_(meter) {}
 
-    /// Throws Error (invalid_argument), with the body or shape it is about. Keeps a copy of the views in `world`.
+    /// Validates a world and a pair filter. Throws Error (invalid_argument) that names the body or shape. Keeps a copy
+    /// of the views in `world`.
     void read(const World& world, const PairFilter& rules);
 
     const World& world() const { return world_; }
@@ -31,13 +32,13 @@ class WorldOutline {
                 shape(b).vertices.type == ScalarType::float32};
     }
 
-    /// The same at the end of a step.
+    /// Returns the placement at the end of a step.
     Placement end_placement(std::int32_t b) const {
         const auto& poses = world_.end_poses.empty() ? world_.poses : world_.end_poses;
         const VertexView& vertices = shape(b).end.data ? shape(b).end : shape(b).vertices;
         return {poses.empty() ? nullptr : &poses[static_cast<std::size_t>(b)], vertices.type == ScalarType::float32};
     }
-    /// Whether any body moves.
+    /// True if any body moves.
     bool moving() const;
 
     /// Worlds are numbered from 0 to worlds() - 1, empty ones included; bodies of world w are [first_body(w),
@@ -45,11 +46,11 @@ class WorldOutline {
     std::int32_t worlds() const { return static_cast<std::int32_t>(first_body_.size()) - 1; }
     std::int32_t first_body(std::int32_t world) const { return first_body_[world]; }
 
-    /// Of all bodies before b.
+    /// Number of triangles of all bodies before b.
     std::int64_t first_triangle(std::int32_t b) const { return first_triangle_[b]; }
     std::int64_t triangles() const { return first_triangle_.back(); }
 
-    /// The body as an error names it: "body 3: ".
+    /// Returns the prefix of errors about a body: "body 3: ".
     static std::string name(std::int32_t b) { return "body " + std::to_string(b) + ": "; }
 
    private:
@@ -58,20 +59,20 @@ class WorldOutline {
     Array<std::int32_t> first_body_;
 };
 
-/// Reads the vertices of a shape where the caller has them.
+/// Returns a reader of a shape's vertices in the caller's memory.
 inline VertexReader reader_of(const Shape& shape) {
     return {static_cast<const std::byte*>(shape.vertices.data), shape.vertices.row_stride, shape.vertices.column_stride,
             shape.vertices.type == ScalarType::float32};
 }
 
-/// The same at the end of a step.
+/// Returns a reader of a shape's vertices at the end of a step.
 inline VertexReader end_reader_of(const Shape& shape) {
     if (!shape.end.data) return reader_of(shape);
     return {static_cast<const std::byte*>(shape.end.data), shape.end.row_stride, shape.end.column_stride,
             shape.end.type == ScalarType::float32};
 }
 
-/// Calls `function(read)`, where read(t, corner) is a triangle's index, int64.
+/// Calls `function(read)`, where read(t, corner) returns a vertex index of triangle t as int64.
 template <class Function>
 void with_corner_reader(const Shape& shape, Function function) {
     with_index_type(shape.triangles.type, [&](auto type) {

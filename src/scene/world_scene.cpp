@@ -187,7 +187,7 @@ PreparedScene WorldScene::scene(const WorldOutline& outline, bool weld, Parallel
     }
 }
 
-// Carriers of what belongs to a triangle after all are of its class; others of a class of their body.
+// A proxy triangle whose feature a triangle names has that triangle's class; the others have a class of their body.
 PreparedScene WorldScene::with_carriers(const WorldOutline& outline, const SceneFeatures& features,
                                         const PreparedScene& scene) {
     if (features.carriers() == 0) return scene;

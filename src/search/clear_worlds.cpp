@@ -23,8 +23,8 @@ void ClearWorlds::read(const WorldOutline& outline, const BodyRules& rules, bool
     trees_.begin();
     std::vector<const ShapeTree*> tree(shapes.size());
     for (std::size_t s = 0; s < shapes.size(); ++s) tree[s] = &trees_.named(shapes[s], s);
-    // Boxes hold what they are to hold with more room than a few roundings of their own bounds; those of the reach come
-    // on top.
+    // The boxes have more slack than a few roundings of their bounds need, so only the rounding of `reach` itself is
+    // added.
     half_ = reach / 2 * (1 + 0x1p-40);
     bodies_.clear();
     for (std::int32_t b = 0; b < outline.bodies(); ++b)
@@ -41,7 +41,7 @@ void ClearWorlds::read(const WorldOutline& outline, const BodyRules& rules, bool
     known_ = finite;
 }
 
-// Points go straight from start to end, so that a box of both places holds the way.
+// Points move straight from start to end, so a box of both positions contains their trajectories.
 Bounds ClearWorlds::bounds(const Posed& body, const CentredBox& box) const {
     Bounds all = body.start(box);
     all.widen(body.end(box));

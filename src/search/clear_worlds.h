@@ -1,7 +1,7 @@
 #pragma once
 
-// Worlds of named bodies in which nothing can be near, at the start or all along a step, and what may be near in
-// others: told by boxes over the trees of their shapes, without a look at features.
+// Finds worlds of named bodies in which nothing can be near, at the start or during the whole step, and in other worlds
+// the groups of triangles that may be near. Compares boxes of the shapes' trees only, no features.
 
 #include <compare>
 #include <span>
@@ -19,29 +19,31 @@ class ClearWorlds {
    public:
     ClearWorlds(MemoryMeter& meter, ShapeTrees& trees) : trees_(trees), near_(&meter) {}
 
-    /// A group of triangles of a body's tree.
+    /// Group of triangles of a body's tree.
     struct Mark {
         std::int32_t body, group;
         friend auto operator<=>(const Mark&, const Mark&) = default;
     };
 
-    /// Reads a world: features of two bodies are near at a distance of at most `reach`. `step`: at some time between
-    /// start and end, else at the start. Only shapes are known that have names and triangles alone.
+    /// Reads a world in which features of two bodies are near if their distance is at most `reach`. `step`: at some
+    /// time between start and end, else at the start. Has no effect unless all shapes have names and consist of
+    /// triangles only.
     void read(const WorldOutline& outline, const BodyRules& rules, bool step, double reach);
-    /// Forgets the world: nothing is clear, and all may be near.
+    /// Forgets the world: clear() then returns false, and marked() is empty.
     void forget() { known_ = false; }
 
-    /// True if nothing is near in a pass: world by world, then what is in all worlds. Else marked() has what may be.
+    /// True if nothing can be near in world `pass`; worlds() stands for pairs among bodies that are in all worlds. If
+    /// false, marked() has the groups that may be near.
     bool clear(std::int32_t pass);
-    /// Marks by body and group; empty where it is not known what may be near.
+    /// Returns the marks of the last clear() by body and group; empty if unknown.
     std::span<const Mark> marked() const { return marks_; }
     const ShapeTree& tree(std::int32_t body) const { return *bodies_[static_cast<std::size_t>(body)].tree; }
 
-    /// Gives all memory back.
+    /// Frees all memory.
     void release();
 
    private:
-    /// A body of a named shape: its tree, and where that goes.
+    /// Body of a named shape: the shape's tree, and the body's placements.
     struct Posed {
         const ShapeTree* tree;
         Placement start, end;
@@ -54,7 +56,7 @@ class ClearWorlds {
     const WorldOutline* outline_ = nullptr;
     const BodyRules* rules_ = nullptr;
     bool known_ = false;
-    double half_ = 0;  ///< of the reach, rounded up
+    double half_ = 0;  ///< half of `reach`, rounded up
     std::vector<Posed> bodies_;
     std::vector<Mark> marks_;
     NearBodies near_;

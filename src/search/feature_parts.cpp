@@ -1,5 +1,5 @@
-// Public parts of a scene that is asked about its features: how they are made, and how one is answered
-// (feature_search.h). Everything is searched as it counts within the part, and called by its id in the end.
+// Makes public parts of a scene for queries about features, and searches one part (feature_search.h). The search uses
+// indices within the part; its rows get the ids of the mesh at the end.
 
 #include <algorithm>
 
@@ -60,7 +60,7 @@ PreparedScene FeatureSearch::prepare_part(BackendBase& backend, const Part& part
     PreparedScene scene = prepare_scene(part.mesh.view(), nullptr, false, backend, buffers_);
     if (given.moving) add_motion(end_of(given), backend, buffers_, scene);
     features_.adopt(part);
-    // Classes, for what no face is behind is of no group where faces have some.
+    // Uses classes, because a proxy triangle whose feature no face names is in no group if faces have groups.
     rules_.prepare(rules);
     rules_.classes.clear();
     scene.groups = nullptr;

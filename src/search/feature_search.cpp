@@ -18,7 +18,7 @@ bool wants_any(const Query& query) {
         return query.output == Output::any;
 }
 
-// `world`: -1 if it is none.
+// `world`: world index, or -1 for bodies that are in all worlds.
 template <class Result>
 void set_hit(std::int32_t world, bool hit, Result& result) {
     result.any = result.any || hit;
@@ -26,7 +26,7 @@ void set_hit(std::int32_t world, bool hit, Result& result) {
         if (!result.world_hit.empty() && world >= 0) result.world_hit[world] = hit;
 }
 
-// Whether every pair of the one body is wanted, as if there were no bodies.
+// True if the filter selects every pair of the only body, as if there were no bodies.
 bool all_wanted(const PairFilter& rules) {
     return rules.bodies != PairScope::between && rules.groups == PairScope::both && rules.excluded_bodies.empty() &&
            rules.excluded_groups.empty();
@@ -69,7 +69,7 @@ void FeatureSearch::release() {
     first_point_.release();
 }
 
-// Least distances are those of all that is near, also of what `rings` and `rest` leave out of the lists.
+// Searches twice: least distances include pairs that `rings` and `rest` drop from the lists.
 void FeatureSearch::search_with_least(BackendBase& backend, const World& world, const ProximityQuery& query,
                                       Proximities& result) {
     Shape all = world.shapes[0];
@@ -126,8 +126,8 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
     result.statistics.pairs = result.count;
 }
 
-// Nothing is known under a memory limit, where trees would take room from scenes, and for brute force, with which this
-// is compared.
+// Skipped under a memory limit, where trees would take memory from scenes, and for brute force, which serves as the
+// reference.
 template <class Query>
 void FeatureSearch::read_clear_worlds(const BackendBase& backend, const Query& query) {
     clear_.forget();
@@ -214,8 +214,8 @@ void FeatureSearch::add_marked(std::int32_t pass, std::span<const ClearWorlds::M
     }
 }
 
-// True if what may be near can be searched without the rest: not if neighbours, or groups of vertices and edges, depend
-// on what else there is.
+// True if the marked groups can be searched without the other triangles: not if the other triangles affect which
+// features are adjacent, or the groups of vertices and edges.
 template <class Query>
 bool FeatureSearch::parts_suffice(const Query& query) const {
     const auto& shapes = outline_.world().shapes;
@@ -301,7 +301,7 @@ void FeatureSearch::find_triangle_pairs(BackendBase& backend, const PreparedScen
     }
 }
 
-// Edges and points of each body lie together, in the order of the bodies.
+// Edges and points of each body are contiguous, in the order of the bodies.
 void FeatureSearch::place_features() {
     const Array<Edge>& edges = features_.edges();
     first_edge_.resize_discard(scene_.added() + 1);

@@ -1,7 +1,8 @@
 #pragma once
 
-// Queries about features of worlds, on any backend: the bodies of each world become one scene, whose vertices are posed
-// at the start and at the end, and the backend searches it. A single body in place is searched where the caller has it.
+// Searches features of worlds, on any backend: the bodies of each world become one scene, with vertices posed at the
+// start and at the end, and the backend searches it. A single body with the identity pose is searched in the caller's
+// memory ("in place").
 
 #include <array>
 #include <optional>
@@ -31,7 +32,7 @@ namespace crumple {
 /// Size and destination of blocks of a result (Detector::stream).
 template <class Result>
 struct FeatureBlocks {
-    std::int64_t most;  ///< rows of a block, of all its lists together
+    std::int64_t most;  ///< most rows of a block, of all its lists together
     FunctionRef<void(const Result& block)> take;
 };
 
@@ -39,7 +40,7 @@ class FeatureSearch {
    public:
     FeatureSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& trees);
 
-    /// `bodies`: true if the result names bodies, else there is only one. `frugal`: see FeatureRequest.
+    /// `bodies`: true if the result names bodies, else there is only one. `frugal`: low memory, see FeatureRequest.
     template <class Query>
     void find(BackendBase& backend, const World& world, const Query& query, bool bodies, bool frugal,
               typename Query::Result& result) {
@@ -48,8 +49,8 @@ class FeatureSearch {
         search(backend, world, query, result);
     }
 
-    /// The same in blocks, whose edges and points are complete. The blocks are made of `result`, which has their number
-    /// and the statistics in the end.
+    /// Delivers the result in blocks, each with all edges and points. Blocks are made in `result`, which has the number
+    /// of rows and the statistics at the end.
     template <class Query>
     void stream(BackendBase& backend, const World& world, const Query& query, bool bodies, bool frugal,
                 const FeatureBlocks<typename Query::Result>& blocks, typename Query::Result& result);
@@ -58,13 +59,13 @@ class FeatureSearch {
     template <class Query>
     std::vector<Part> partition(BackendBase& backend, const World& world, const Query& query, int count);
 
-    /// Finds the rows that a part owns, by the ids of the mesh that it was cut from.
+    /// Finds the rows that a part owns, with the ids of the mesh that it was cut from.
     template <class Query>
     void find(BackendBase& backend, const Part& part, const Query& query, bool frugal, typename Query::Result& result);
 
-    // For a mesh in device memory (features_there.cpp):
+    // Queries about a mesh in device memory (features_there.cpp):
 
-    /// True if the device does all of it; else the mesh is copied to the host first.
+    /// True if the device can run the whole query; else the mesh is downloaded first.
     static bool answers_there(const Shape& shape, const ImpactQuery& query);
     static bool answers_there(const Shape& shape, const ProximityQuery& query);
     static bool answers_there(const Shape& shape, const CandidateQuery& query);
@@ -75,7 +76,7 @@ class FeatureSearch {
     LaunchNumber launch(BackendBase& backend, const DeviceShape& mesh, const Question& question);
     DeviceAnswer wait(BackendBase& backend, LaunchNumber launch);
 
-    /// Gives all memory back.
+    /// Frees all memory.
     void release();
 
    private:
@@ -98,7 +99,7 @@ class FeatureSearch {
     void search_world(BackendBase& backend, std::int32_t pass, const Query& query,
                       std::span<const ClearWorlds::Mark> marked, typename Query::Result& result);
 
-    /// Finds out which worlds are clear, where the result does not name features.
+    /// Finds the worlds that are clear, for queries whose result has no features.
     template <class Query>
     void read_clear_worlds(const BackendBase& backend, const Query& query);
 
@@ -114,19 +115,21 @@ class FeatureSearch {
     void stream_scene(BackendBase& backend, const PreparedScene& scene, const Query& query, bool in_place,
                       Blocks& blocks, Statistics& statistics);
 
-    /// Reads the world.
+    /// Reads and validates the world.
     void read(const World& world, const PairFilter& rules);
-    /// Whether it is one body that is searched where the caller has it.
+    /// True if there is a single body that can be searched in the caller's memory.
     bool in_place(const PairFilter& rules) const;
-    /// Makes a scene of that body, or of the bodies of a pass, none if there are none; and prepares what it is searched
-    /// with. `step`: from the start to the end, else at the start. `marked`: of these groups of triangles alone.
+    /// Makes a scene of that body, or of the bodies of world `pass` (worlds(): those in all worlds; nothing if there
+    /// are none), with its features and filter. `step`: with end positions, else at the start only. `marked`: only
+    /// these groups of triangles, unless empty.
     PreparedScene prepare_in_place(BackendBase& backend, bool step, bool weld);
     std::optional<PreparedScene> prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld,
                                               std::span<const ClearWorlds::Mark> marked = {});
     void add_marked(std::int32_t pass, std::span<const ClearWorlds::Mark> marked);
-    /// How many bodies a pass has of its own.
+    /// Returns the number of bodies of world `pass`, without those in all worlds; for worlds() the number of the
+    /// latter.
     std::int32_t own_bodies(std::int32_t pass) const;
-    /// Swaps the rows that are found with those of the result: searches work in its memory.
+    /// Swaps found rows with those of the result, so that searches reuse the result's memory.
     template <class Query>
     void swap_found(typename Query::Result& result) {
         for (std::size_t k = 0; k < result.lists.size(); ++k)
@@ -136,10 +139,10 @@ class FeatureSearch {
     template <class Query>
     void find_rows(BackendBase& backend, const PreparedScene& scene, const Query& query);
     void find_triangle_pairs(BackendBase& backend, const PreparedScene& scene, const ImpactQuery& query);
-    /// The edges and points of the bodies that a pass has of its own.
+    /// Appends the edges and points of the bodies of world `pass`, as own_bodies() counts them.
     template <class Result>
     void append_features(std::int32_t pass, Result& result);
-    /// The points of a body whose shape lists them.
+    /// Appends the listed points of a body.
     template <class Result>
     void append_listed_points(std::int32_t body, Result& result);
     /// `in_place`: true if the scene's indices are those of the only body.
@@ -147,7 +150,7 @@ class FeatureSearch {
     void append_rows(FeatureTypes types, const FeatureRows& rows, bool in_place, List& list) const;
     void add_first(std::int32_t pass, Impacts& result) const;
 
-    /// What an element of the scene is within its body.
+    /// Index of an element of the scene within its body.
     struct Place {
         std::int32_t body, index;
     };
@@ -160,8 +163,8 @@ class FeatureSearch {
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
-    bool bodies_ = false, frugal_ = false;  // of the call
-    const DeviceShape* there_ = nullptr;    // of the call: the only body's, and its arrays lie there
+    bool bodies_ = false, frugal_ = false;  // of the current call
+    const DeviceShape* there_ = nullptr;    // mesh of the current call if it is in device memory
     WorldOutline outline_;
     BodyRules rules_;
     GroupRule rule_;
@@ -169,15 +172,15 @@ class FeatureSearch {
     WorldScene scene_;
     JoinedLists lists_;
     SceneBuffers buffers_;
-    Array<std::int32_t> class_of_;  ///< of each triangle of a part
+    Array<std::int32_t> class_of_;  ///< class of each triangle of a part
     SceneFeatures features_;
     NearInput near_input_;
     FeatureResult found_;
     TriangleImpacts triangle_impacts_;
-    // Of each body that was added to the scene; and how many there are:
+    // Per body that was added to the scene, and the end:
     Array<std::int64_t> first_edge_, first_point_;
 
-    /// Input of a launch, which may have to be found again: of the last launches, by number.
+    /// Inputs of the last launches, by number, for queries that have to be run again.
     struct Launched {
         DeviceShape mesh;
         std::variant<ImpactQuery, ProximityQuery, CandidateQuery> question;
@@ -185,7 +188,7 @@ class FeatureSearch {
     std::array<Launched, most_in_flight> launched_;
 };
 
-// The first of the bodies that were added are those whose own world this is.
+// Own bodies come first among the added ones.
 template <class Result>
 void FeatureSearch::append_features(std::int32_t pass, Result& result) {
     const auto bodies = static_cast<std::size_t>(own_bodies(pass));

@@ -1,5 +1,5 @@
-// Results about features of worlds in blocks: rows of a backend are placed in their bodies, and gathered until a block
-// is full, from world to world.
+// Delivers results about features of worlds in blocks: places the backend's rows in their bodies, and collects them
+// until a block is full, across worlds.
 
 #include <algorithm>
 #include <memory>
@@ -15,11 +15,11 @@
 namespace crumple {
 namespace {
 
-/// The rows of a block, by kind.
+/// Rows of a block, by kind.
 template <class Answer>
 using Lists = decltype(Answer::lists);
 
-/// The rows of a list, without offsets.
+/// Columns of a list, without offsets.
 auto rows_of(ImpactList& l) { return std::tie(l.pairs, l.bodies, l.toi, l.start); }
 auto rows_of(ProximityList& l) { return std::tie(l.pairs, l.bodies, l.squared_distance, l.touching, l.type, l.at); }
 auto rows_of(CandidateList& l) { return std::tie(l.pairs, l.bodies); }
@@ -38,7 +38,7 @@ void append(Array<Element>& to, const Array<Element>& from, std::size_t begin, s
     for (std::size_t i = begin; i < end; ++i) to.push_back(from[i]);
 }
 
-// Rows count through all lists, one behind the other.
+// `begin` and `end` count rows over all lists, one after another.
 template <class Rows>
 void append_rows(Rows& to, Rows& piece, std::size_t begin, std::size_t end) {
     std::size_t first = 0;
@@ -57,7 +57,7 @@ void append_rows(Rows& to, Rows& piece, std::size_t begin, std::size_t end) {
     }
 }
 
-// Delivers a block as a result that has these rows.
+// Delivers rows as a block.
 template <class Answer>
 void take_rows(Lists<Answer>& rows, const FeatureBlocks<Answer>& blocks, Answer& answer) {
     std::swap(answer.lists, rows);
@@ -84,7 +84,7 @@ OrderedBlocks<Lists<Answer>> blocks_of(const FeatureBlocks<Answer>& blocks, Memo
                  }}};
 }
 
-/// Makes pieces of blocks by write(rows of a scene, lists).
+/// Converts the rows of a scene to pieces of blocks by write(rows, lists).
 template <class Block, class Write>
 class FeaturePieces final : public FeatureStream {
    public:
@@ -143,7 +143,7 @@ void FeatureSearch::stream(BackendBase& backend, const World& world, const Query
     result.statistics.pairs = result.count;
 }
 
-// Each block has the edges and points of all worlds, so they have to be there before the first one.
+// Each block has the edges and points of all worlds, so they are needed before the first block.
 template <class Result>
 void FeatureSearch::list_features(BackendBase& backend, bool step, bool weld, Result& result) {
     for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {

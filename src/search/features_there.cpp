@@ -1,6 +1,6 @@
-// Questions about the features of a mesh in device memory. What edges there are, and who owns what, the host makes of
-// the mesh's triangles, which it sees once; the device compares them with those of each call, and where they are others
-// the host looks again. All else stays on the device.
+// Queries about the features of a mesh in device memory. The host finds edges and owners from the triangles, which it
+// downloads once. In each call the device compares its triangles with those; if they have changed, the host downloads
+// them again. Everything else stays on the device.
 
 #include <optional>
 #include <type_traits>
@@ -13,13 +13,13 @@ namespace crumple {
 namespace {
 
 bool rules_there(const Shape& shape, const PairFilter& rules) {
-    // Of what no triangle names, only a scene of bodies knows the group.
+    // The groups of features that no triangle names are known in scenes of bodies only.
     const bool by_groups = rules.groups != PairScope::both || !rules.excluded_groups.empty();
     return rules.bodies == PairScope::both && rules.excluded_bodies.empty() &&
            !(by_groups && (shape.edges || shape.points));
 }
 
-/// What find does by way of the host, launches do not.
+/// Throws for queries that find() would run on a copy on the host: launches do not.
 template <class Question>
 void refuse_what_is_not_there(const Shape& shape, const Question& question) {
     if (FeatureSearch::answers_there(shape, question)) return;
@@ -47,7 +47,7 @@ bool FeatureSearch::answers_there(const Shape& shape, const CandidateQuery& ques
     return !question.weld && rules_there(shape, question.filter);
 }
 
-// Makes features of what the mesh has now.
+// Makes the features of the mesh's current contents.
 void FeatureSearch::know(BackendBase& backend, const DeviceShape& mesh) {
     HostShape host;
     backend.features_there().copy_to_host(mesh, Copied::topology, host);
@@ -57,7 +57,7 @@ void FeatureSearch::know(BackendBase& backend, const DeviceShape& mesh) {
     features_.prepare(scene, false, backend, checked_lists(shape, ""));
 }
 
-// Calls ask(request) until it meets the features that it was given.
+// Calls ask(request) until the device confirms that the features are current.
 template <class Question, class Ask>
 auto FeatureSearch::ask_there(BackendBase& backend, const DeviceShape& mesh, const Question& question, Ask ask) {
     rule_.prepare(question.filter);
@@ -89,7 +89,7 @@ void FeatureSearch::find_there(BackendBase& backend, const DeviceShape& mesh, co
     search(backend, {{&mesh.shape, 1}, {&body, 1}, {}, {}}, query, result);
 }
 
-// Reads what a launch, or one that is answered again, is given.
+// Reads the inputs of a launch, or of one that is run again.
 template <class Question>
 void FeatureSearch::look_there(BackendBase& backend, const DeviceShape& mesh, const Question& question) {
     frugal_ = false;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Whether two bodies of known shape meet at all: a walk over both trees that ends at the first pair of triangles that
-// collides. No list, no sort; each pair of overlapping groups is decided at once, triangle by triangle.
+// Decides if two bodies whose shapes have trees meet at all: walks both trees, decides overlapping groups triangle by
+// triangle, and ends at the first pair that collides. Builds and sorts no lists.
 
 #include <array>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace crumple {
 
-/// A group of a tree under a pose: its vertices, and their box.
+/// Posed group of a tree: its vertices and their box.
 class PosedGroup {
    public:
     struct Boxed {
@@ -28,7 +28,7 @@ class PosedGroup {
     /// Lists the triangles whose boxes overlap `other`.
     std::span<const Boxed> boxes_within(const Bounds& other, Room& room) const;
 
-    std::int32_t index = -1;  ///< of the group, -1: none yet
+    std::int32_t index = -1;  ///< index of the group, -1: none yet
     const ShapeTree::Group* group = nullptr;
     Bounds all;
     alignas(64) ShapeTree::Posed coordinate;
@@ -36,7 +36,7 @@ class PosedGroup {
     Vec3d vertex(std::size_t v) const { return {coordinate[0][v], coordinate[1][v], coordinate[2][v]}; }
 };
 
-/// Thread-safe: touches nothing but its arguments. Adds to `decided` the pairs whose boxes overlapped.
+/// Thread-safe: accesses its arguments only. Adds the number of triangle pairs with overlapping boxes to `decided`.
 bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& question, const BodyRules& rules, std::int32_t a,
                  const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, std::int64_t& decided);
 

@@ -13,7 +13,7 @@
 namespace crumple {
 namespace {
 
-// Pairs of bodies that are answered in one task: some microseconds each.
+// Pairs of bodies per task: some microseconds each.
 constexpr std::size_t body_pairs_of_task = 8;
 
 bool within(const Bounds& box, double most) {
@@ -22,7 +22,7 @@ bool within(const Bounds& box, double most) {
     return true;
 }
 
-// What is in the boxes is certainly farther apart than the radius.
+// True if the contents of the boxes are certainly farther apart than the radius.
 bool beyond(const Bounds& a, const Bounds& b, double radius) {
     double squared = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -136,7 +136,8 @@ void NearestSearch::read_shapes() {
     }
 }
 
-// Boxes, and Error where a vertex is posed to infinity: only bodies whose boxes reach that far are looked at.
+// Computes boxes, and throws Error if a vertex is posed to infinity: only bodies whose boxes extend that far are
+// checked vertex by vertex.
 void NearestSearch::read_bodies() {
     box_.resize_discard(static_cast<std::size_t>(outline_.bodies()));
     for (std::int32_t b = 0; b < outline_.bodies(); ++b) {
@@ -159,7 +160,7 @@ void NearestSearch::check_vertices(std::int32_t b) const {
     }
 }
 
-// Bodies are in the order of their worlds, so ascending pairs are as the answer wants them.
+// Bodies are sorted by world, so ascending pairs are in the order of the result.
 void NearestSearch::list_pairs(Distances& answer) {
     const std::int32_t worlds = outline_.worlds(), rest = outline_.first_body(worlds);
     for (std::int32_t w = 0; w < worlds; ++w) {

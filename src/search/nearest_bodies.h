@@ -1,8 +1,8 @@
 #pragma once
 
-// How far bodies are apart, on any backend that runs on the host: trees of all shapes, kept by name; all pairs of
-// bodies that the rules allow and that may be near enough; and a walk for each of them (search/nearest_walk.h), on all
-// threads.
+// Finds the distances of bodies, on any backend that runs on the host: builds trees of all shapes (cached for named
+// ones), lists the pairs of bodies that the filter selects and that may be near enough, and runs one walk per pair
+// (search/nearest_walk.h), on all threads.
 
 #include <memory>
 #include <mutex>
@@ -24,10 +24,10 @@ class NearestSearch {
     NearestSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named);
     ~NearestSearch();
 
-    /// `frugal`: one pair after the other, so that as much memory is needed as in each such call.
+    /// `frugal`: low memory, one pair after the other, so that the memory does not depend on threads.
     void find(ParallelFor& workers, const World& world, const DistanceQuery& question, bool frugal, Distances& answer);
 
-    /// Gives all memory back, but for named shapes.
+    /// Frees all memory, except for named shapes.
     void release();
 
    private:
@@ -43,16 +43,16 @@ class NearestSearch {
     Cancellation& cancellation_;
     ShapeTrees& named_;
 
-    // Of the call that runs:
+    // State of the current call:
     double radius_ = 0;
     WorldOutline outline_;
     BodyRules rules_;
     std::vector<const ShapeTree*> trees_;              ///< by shape
-    std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< those of shapes without a name
-    Array<Bounds> box_;                                ///< of each body; holds all posed vertices
+    std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of shapes without a name
+    Array<Bounds> box_;                                ///< per body; contains all posed vertices
     std::mutex mutex_;
     std::vector<std::unique_ptr<NearestWalk>> idle_;  ///< guarded by the mutex
-    Array<std::uint8_t> kept_;                        ///< of each row, whether its bodies are near enough
+    Array<std::uint8_t> kept_;                        ///< per row: 1 if its bodies are near enough
 };
 
 }  // namespace crumple

@@ -44,7 +44,7 @@ bool NearestWalk::operator()(std::int32_t a, const ShapeTree& tree_a, std::int32
     aim({});
     const At root_a = at(a_, 0), root_b = at(b_, 0);
     if (gap(root_a.reach, root_b.reach) > limit_) return false;
-    // One way down each tree, for a first distance; then all that is not farther.
+    // First descends once in each tree to get an upper bound, then visits everything that is not farther.
     descend(root_a, root_b);
     if (found_ && !touching_) aim(direction_);
     candidates_.clear();
@@ -72,7 +72,7 @@ void NearestWalk::begin(Side& side, std::int32_t body, const ShapeTree& tree) {
     side.unit = static_cast<float>(tree.frame().unit);
 }
 
-// Along other directions all reach otherwise.
+// New directions invalidate all cached intervals.
 void NearestWalk::aim(const Vec3d& known) {
     boxes_.emplace(a_.place, a_.tree->frame(), b_.place, b_.tree->frame(), known);
     a_.boxes = &boxes_->a();
@@ -107,7 +107,7 @@ NearestWalk::Side::Side(MemoryMeter* meter) : leaves(meter) { leaves.resize(leav
 
 void NearestWalk::Side::forget() { group.fill(-1); }
 
-// Of two nodes that may be as close as what was found. The closer ones come first.
+// Visits two nodes that may be as close as the closest pair so far. The closer children come first.
 void NearestWalk::walk(const At& a, const At& b) {
     if (touching_ && comes_later(a, b)) return;
     if (is_leaf(a_, a) && is_leaf(b_, b)) return visit(a_.tree->node(a.node).group, b_.tree->node(b.node).group);
@@ -125,7 +125,7 @@ void NearestWalk::walk(const At& a, const At& b) {
     }
 }
 
-// All pairs of triangles below come after the one that touches.
+// True if all pairs of triangles below come after the touching pair in the order of the result.
 bool NearestWalk::comes_later(const At& a, const At& b) const {
     const Pair first{a_.tree->first_triangle(a.node), b_.tree->first_triangle(b.node)};
     return first > closest_.triangles;

@@ -1,7 +1,7 @@
 #pragma once
 
-// How far two bodies are apart: a walk over the trees of both that leaves out what is farther apart than what was found
-// so far, and lists the pairs of triangles that may be the closest ones; these are decided in the end.
+// Finds the distance of two bodies: walks both trees, prunes what is farther apart than the closest pair so far, and
+// collects the pairs of triangles that may be the closest ones; these are decided exactly at the end.
 
 #include <array>
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace crumple {
 
-/// A group of a tree under a pose: its vertices, and how far it and its triangles reach.
+/// Posed group of a tree: its vertices, and the intervals of the group and of its triangles.
 struct PosedLeaf {
     const ShapeTree::Group* group = nullptr;
     BoxDistance::Reach all;
@@ -27,20 +27,21 @@ struct PosedLeaf {
     TrianglePoints triangle(std::size_t k) const;
 };
 
-/// How much was done.
+/// Counts of tests.
 struct NearestCounts {
-    std::int64_t tests = 0;     ///< pairs of triangles that were looked at in float64
-    std::int64_t exact = 0;     ///< of these, decided by what decides about intersections
-    std::int64_t rational = 0;  ///< in rational arithmetic
+    std::int64_t tests = 0;     ///< pairs of triangles tested in float64
+    std::int64_t exact = 0;     ///< of these, pairs tested for intersection exactly
+    std::int64_t rational = 0;  ///< decisions in rational arithmetic
 };
 
-/// Walks of one thread, one after the other; what they need room for is kept.
+/// Runs one walk after another, in one thread; reuses its memory.
 class NearestWalk {
    public:
     NearestWalk(const WorldOutline& outline, const BodyRules& rules, Cancellation& cancellation, MemoryMeter* meter)
         : outline_(outline), rules_(rules), cancellation_(cancellation), a_(meter), b_(meter), candidates_(meter) {}
 
-    /// Whether the bodies have a wanted pair of triangles at most `radius` apart; then it is told in `row`.
+    /// True if the bodies have a pair of triangles that the filter selects, at most `radius` apart; `row` then has the
+    /// closest one.
     bool operator()(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, double radius,
                     NearestRow& row);
 
@@ -48,14 +49,14 @@ class NearestWalk {
     void clear_counts() { counts_ = {}; }
 
    private:
-    /// Nodes meet the same groups again and again. So many fit a core's own memory.
+    /// Cached posed groups per body: walks visit the same groups repeatedly. This many fit in a core's cache.
     static constexpr std::size_t leaves_kept = 64;
 
     struct At {
         std::int32_t node;
         BoxDistance::Reach reach;
     };
-    /// One of the bodies.
+    /// State of one of the two bodies.
     struct Side {
         explicit Side(MemoryMeter* meter);
         void forget();
@@ -63,10 +64,10 @@ class NearestWalk {
         std::int32_t body = 0;
         const ShapeTree* tree = nullptr;
         Placement place;
-        float unit = 1;  ///< of the tree's boxes
+        float unit = 1;  ///< unit of the tree's boxes
         const BoxDistance::Side* boxes = nullptr;
-        Array<PosedLeaf> leaves;                        ///< by group, as far as there is room
-        std::array<std::int32_t, leaves_kept> group{};  ///< what is in `leaves`; -1: nothing
+        Array<PosedLeaf> leaves;                        ///< cached groups, direct-mapped by group number
+        std::array<std::int32_t, leaves_kept> group{};  ///< the group in each entry of `leaves`; -1: none
     };
 
     void begin(Side& side, std::int32_t body, const ShapeTree& tree);
@@ -94,16 +95,17 @@ class NearestWalk {
     NearestCounts counts_;
     std::int64_t visits_ = 0;
 
-    // Of the bodies that are walked:
+    // State of the current walk:
     Side a_, b_;
     std::optional<BoxDistance> boxes_;
-    double upper_ = 0;  ///< what is farther apart is of no interest
-    float limit_ = 0;   ///< the same as BoxDistance has it
+    double upper_ = 0;  ///< upper bound: pairs farther apart than this are pruned
+    float limit_ = 0;   ///< `upper_` as a threshold of BoxDistance::Reach gaps
     bool found_ = false, touching_ = false;
-    NearestCandidate closest_{};          ///< which gave `upper_`, or that touches
-    Vec3d direction_;                     ///< in which that is closest, 0 if there is none
-    Array<NearestCandidate> candidates_;  ///< all that may be closest
-    std::size_t few_ = 0;                 ///< candidates that are not worth a look whether they are near enough
+    NearestCandidate closest_{};          ///< pair that gave `upper_`, or the touching pair
+    Vec3d direction_;                     ///< direction between the closest points of that pair, 0 if there is none
+    Array<NearestCandidate> candidates_;  ///< all pairs that may be closest
+    /// Number of candidates up to which those that are too far are not dropped.
+    std::size_t few_ = 0;
 };
 
 }  // namespace crumple

@@ -1,6 +1,6 @@
 #pragma once
 
-// Copies faces and segments to blocks, as kernels want them (backends/overlap_kernels.h). Host only.
+// Copies faces and segments to blocks, the input of kernels (backends/overlap_kernels.h). Host only.
 
 #include <algorithm>
 #include <span>

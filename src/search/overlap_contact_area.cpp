@@ -10,7 +10,8 @@
 namespace crumple {
 namespace {
 
-// Areas are those of a projection along an axis, times the length of the normal over its component along the axis.
+// An area is that of its projection along an axis, times the length of the normal over the normal's component along
+// that axis. Sums hold twice the area.
 
 struct EnclosedArea {
     Enclosed twice{0};
@@ -22,7 +23,7 @@ struct EnclosedArea {
     }
 };
 
-/// In units of 2^exponent.
+/// Coordinates are integers in units of 2^exponent.
 struct RationalArea {
     RationalSum& twice;
     int exponent;
@@ -72,7 +73,7 @@ void add_exactly(const FaceCorners& a, const FaceCorners& b, RootSum& sum) {
     add_common_area(IntegerProjection{axis}, p, in_units(b), area);
 }
 
-/// Adds up the areas of pairs, some pairs at a time: add(a, b, sum).
+/// Adds up the areas of pairs in parallel chunks: add(a, b, sum).
 template <class Sum, class Add>
 Sum sum_of(const OverlapScene& scene, std::span<const Pair> pairs, ParallelFor& workers, Cancellation& cancellation,
            Add add) {

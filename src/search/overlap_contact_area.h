@@ -1,6 +1,6 @@
 #pragma once
 
-// Area in which two surfaces coincide: the sum, over pairs of faces in one plane, of what they have in common.
+// Area in which two surfaces coincide: the sum of the common areas of pairs of coplanar faces.
 
 #include <span>
 
@@ -13,11 +13,11 @@ namespace crumple {
 
 struct ContactArea {
     double area = 0;         ///< correctly rounded
-    bool was_exact = false;  ///< it needed rational arithmetic
+    bool was_exact = false;  ///< true if it needed rational arithmetic
 };
 
-/// `pairs`: faces of the first and the second surface that lie in one plane, none of them degenerate. Cost: about a
-/// microsecond a pair, far more for those of a sum that double words do not decide.
+/// Returns the contact area. `pairs`: coplanar faces of the first and the second surface, none of them degenerate.
+/// Cost: about a microsecond per pair, far more if double-double arithmetic cannot round the sum.
 ContactArea find_contact_area(const OverlapScene& scene, std::span<const Pair> pairs, ParallelFor& workers,
                               Cancellation& cancellation);
 

@@ -1,4 +1,4 @@
-// The curves in which two surfaces cross: segments that follow each other, with points that are rounded once.
+// Joins segments to the curves in which two surfaces cross, and rounds their points, each coordinate once.
 
 #include <algorithm>
 #include <limits>
@@ -11,7 +11,7 @@
 namespace crumple {
 namespace {
 
-/// The point at which an edge crosses a face, each coordinate correctly rounded.
+/// Computes the point at which an edge crosses a face, each coordinate correctly rounded.
 class RoundedCrossing {
    public:
     RoundedCrossing(bool in_range, Cancellation& cancellation) : in_range_(in_range), cancellation_(cancellation) {}

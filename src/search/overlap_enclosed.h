@@ -1,6 +1,7 @@
 #pragma once
 
-// The terms of the sums over an overlap in double words with bounds (exact/overlap/pair_terms.h). Host only.
+// Terms of the sums over an overlap (exact/overlap/pair_terms.h) in double-double arithmetic with error bounds. Host
+// only.
 
 #include <array>
 
@@ -11,7 +12,7 @@
 
 namespace crumple {
 
-/// The number nearest to a rational one in double words, with its bound.
+/// Returns the double-double number nearest to x, with an error bound.
 inline Enclosed enclosed(const Rational& x) {
     const auto high = x.convert_to<double>();
     const Rational rest = x - Rational(high);
@@ -21,9 +22,10 @@ inline Enclosed enclosed(const Rational& x) {
     return {value, beyond == 0 ? 0 : (1 + 0x1p-40) * beyond.convert_to<double>() + 0x1p-1070};
 }
 
-/// The share of its way after which an edge crosses the plane of a face, for coordinates in the range of double words.
+/// Returns the parameter in [0, 1] at which an edge crosses the plane of a face, for coordinates in the range of
+/// double-double arithmetic.
 inline Enclosed enclosed_share(const CrossingEdge& edge) {
-    // Shares with larger bounds are too uncertain to be worth adding; smaller ones might underflow.
+    // Parameters with larger bounds are too uncertain to be useful in sums; smaller parameters might underflow.
     constexpr double largest_error = 0x1p-80, least_share = 0x1p-250;
     const FaceCorners& q = edge.face;
     const Vec3<Enclosed> normal = cross(enclosed_difference(q[1], q[0]), enclosed_difference(q[2], q[0]));
@@ -34,7 +36,7 @@ inline Enclosed enclosed_share(const CrossingEdge& edge) {
     return enclosed(share_of_edge(edge.from, edge.to, q));
 }
 
-/// Terms in double words, for bodies in their range.
+/// Terms in double-double arithmetic, for bodies in its range.
 class EnclosedTerms {
    public:
     explicit EnclosedTerms(const OverlapScene& scene) : scene_(scene) {}

@@ -8,7 +8,7 @@ struct ExactPoint {
     Integer w = 1;  ///< positive
 };
 
-/// From the origin, in units of 2^exponent.
+/// Integer coordinates relative to the origin, in units of 2^exponent.
 struct Unit {
     Vec3d origin;
     int exponent;
@@ -23,13 +23,13 @@ struct Unit {
         if (all < 0) distance = -distance, all = -all;
         return {all * from.x + distance * (to - from.x), all};
     }
-    /// Adds numbers of units to a power over a denominator.
+    /// Adds numerators / denominator, in units to the given power.
     void add(const Vec3<Integer>& numerators, const Integer& denominator, int power,
              std::array<RationalSum, 3>& sums) const {
         for (int axis = 0; axis < 3; ++axis)
             sums[static_cast<std::size_t>(axis)].add(numerators[axis], denominator, power * exponent);
     }
-    /// Adds the determinant of three points.
+    /// Adds the determinant of three points, and its moment.
     void add_cone(const ExactPoint& p, const ExactPoint& q, const ExactPoint& r, int times,
                   VolumeTotals<RationalSum>& totals) const {
         const Integer cone = times * dot(p.x, cross(q.x, r.x)), w = p.w * q.w * r.w;

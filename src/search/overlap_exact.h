@@ -1,10 +1,10 @@
 #pragma once
 
-// The terms of the sums over an overlap in whole numbers (exact/overlap/pair_terms.h). Host only.
+// Terms of the sums over an overlap (exact/overlap/pair_terms.h) in integers. Host only.
 //
-// Points are homogeneous, x / w in units of a power of two that all coordinates of a term are multiples of: w is 1 for
-// vertices, and where an edge crosses a face what its ends' distances from the plane differ by. So terms are whole
-// numbers over products of some w, and nothing is reduced on the way.
+// Points are homogeneous: x / w, in units of a power of two that divides all coordinates of a term. w is 1 for
+// vertices; for the crossing of an edge with a face it is the difference of the distances of the edge's ends from the
+// plane, up to a factor. So terms are integers over products of some w, and no fraction is reduced.
 
 #include "exact/overlap/overlap_totals.h"
 #include "exact/overlap/rational_sum.h"

@@ -1,5 +1,5 @@
-// Derivatives of the volume of an overlap by the vertices of the bodies: a face gives each of its corners its normal
-// times the corner's weight (docs/overlap.md).
+// Derivatives of the volume of an overlap by the vertices of the bodies: each face contributes to each of its corners
+// its normal times the corner's weight (docs/overlap.md).
 
 #include <algorithm>
 #include <map>
@@ -31,7 +31,7 @@ FaceWeights<Enclosed> enclosed(const FaceWeights<Rational>& w) {
     return {crumple::enclosed(w[0]), crumple::enclosed(w[1]), crumple::enclosed(w[2])};
 }
 
-/// How two faces cross under either shift, with weights that are certain.
+/// Crossings of two faces under both shifts, with certain weights.
 template <class Number>
 struct BothCrossings;
 template <>
@@ -64,7 +64,7 @@ struct BothCrossings<Enclosed> {
 
 }  // namespace
 
-// Weights of both shifts, and of a body with itself those of both of its copies, of the faces that are wanted.
+// Adds up the weights of both shifts (and for a body with itself of both copies) for the faces that `wanted` selects.
 template <class Number, class Wanted>
 WeightedFaces<Number> OverlapOfBodies::weigh(std::size_t side, Wanted wanted) const {
     std::array<std::array<WeightedFaces<Number>, 2>, 2> weights;  // by shift and copy
@@ -140,7 +140,7 @@ std::vector<VertexVector> OverlapOfBodies::gradient(std::size_t side) {
     return found;
 }
 
-// Returns the derivatives by vertices, which come in their order.
+// Returns the derivatives by the given vertices, which are sorted.
 std::vector<VertexVector> OverlapOfBodies::rational_gradient(std::size_t side,
                                                              const std::vector<std::int32_t>& vertices) {
     was_exact_ = true;

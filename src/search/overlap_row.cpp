@@ -12,7 +12,7 @@
 namespace crumple {
 namespace {
 
-/// Steps and segments that some pairs of triangles make.
+/// Winding steps and segments of a chunk of triangle pairs.
 struct CrossedPairs {
     std::array<std::array<WindingSteps, 2>, 2> steps;  ///< by shift and side
     std::vector<Segment> segments, links;
@@ -26,7 +26,7 @@ struct CrossedPairs {
     }
 };
 
-/// Adds how edges of a degenerate face cross another one, if they do: a segment without length.
+/// Adds a segment without length if edges of a degenerate face cross the other face.
 void add_link(const Pair& pair, const FaceCrossing& jumps, std::vector<Segment>& links) {
     const auto crosses = [](int jump) { return jump != 0; };
     if (std::none_of(jumps.a.begin(), jumps.a.end(), crosses) && std::none_of(jumps.b.begin(), jumps.b.end(), crosses))
@@ -93,12 +93,12 @@ OverlapRow OverlapOfBodies::find(const Request& request) {
     return row;
 }
 
-// Decides how each pair crosses, some pairs at a time.
+// Decides how each pair crosses, in parallel chunks.
 void OverlapOfBodies::cross_pairs(bool gradient) {
     constexpr std::size_t chunk = 1024;
     std::vector<CrossedPairs> parts((pairs_.size() + chunk - 1) / chunk);
     const bool quick = in_range();
-    const int once = self_ == 0 ? 1 : 0;  // curves of a body with itself are not asked for
+    const int once = self_ == 0 ? 1 : 0;  // a body with itself has no curves
     const auto cross = [&](std::size_t part) {
         cancellation_.check();
         CrossedPairs& crossed = parts[part];
@@ -144,7 +144,7 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
         cross_and_count(0);
     else
         workers_.parallel_for(parts.size(), cross_and_count);
-    memory_.add(memory_of_parts.bytes());  // for all of them once more, joined
+    memory_.add(memory_of_parts.bytes());  // for the joined copies
     std::size_t count = 0;
     for (const CrossedPairs& part : parts) count += part.segments.size();
     sums_.segments.reserve(count);
@@ -174,8 +174,7 @@ double OverlapOfBodies::contact_area() {
     return contact.area;
 }
 
-// A face counts as often as the winding number at its first corner says, and where its edge 01 is crossed as often as
-// that jumps.
+// Counts each face as often as the winding number at its first corner, plus the jumps where its edge 01 is crossed.
 void OverlapOfBodies::count_faces() {
     for (std::size_t side = 0; side < 2; ++side) {
         auto& faces = sums_.faces[side];
@@ -188,7 +187,7 @@ void OverlapOfBodies::count_faces() {
                 if (end.side == side && end.edge == 0) faces.push_back({side == 0 ? segment.a : segment.b, end.jump});
         }
     }
-    // Subtract the winding number of the whole surface, if a body is with itself.
+    // For a body with itself, subtract the winding number of the whole surface.
     for (std::int32_t face = 0; self_ != 0 && face < topology(0).face_count(); ++face)
         sums_.faces[0].push_back({face, -self_});
     for (const auto& faces : sums_.faces) memory_.add(bytes_of(faces));
@@ -201,8 +200,8 @@ OverlapSums OverlapOfBodies::sums_of_scene() const {
     return sums;
 }
 
-// True if all of a body lies where the winding number of the other is 1 or -1, and nothing of the other lies in it:
-// then its volume is that of the overlap.
+// True if all of a body lies where the winding number of the other is 1 or -1, and nothing of the other lies in it.
+// Then the overlap has the volume of the body.
 bool OverlapOfBodies::is_inside(std::size_t side) const {
     const auto& intervals = steps(side).intervals();
     const auto is_forward = [](const Segment& segment) { return segment.in_volume; };
@@ -213,7 +212,7 @@ bool OverlapOfBodies::is_inside(std::size_t side) const {
 
 bool OverlapOfBodies::has_volume_of(std::size_t side, const Scaled& volume) {
     if (is_inside(side)) return true;
-    int least_sign = -1, greatest_sign = 1;  // of what the volume of the body may be
+    int least_sign = -1, greatest_sign = 1;  // possible signs of the body's volume
     if (in_range()) {
         const VolumeBounds own = bounds_of_volume(body(side), sums_.scene.origin);
         const double size = 6 * std::abs(volume.value());
@@ -222,7 +221,7 @@ bool OverlapOfBodies::has_volume_of(std::size_t side, const Scaled& volume) {
         if (own.low > 0) least_sign = 1;
         if (own.high < 0) greatest_sign = -1;
     }
-    // The difference to the volume of the body or its opposite: most faces cancel.
+    // Computes the difference to the body's volume, or to its negative, in one sum: most faces cancel.
     std::vector<std::int32_t> times(static_cast<std::size_t>(topology(side).face_count()));
     for (int sign = least_sign; sign <= greatest_sign; sign += 2) {
         OverlapSums difference = sums_of_scene();
@@ -249,7 +248,7 @@ OverlapRelation OverlapOfBodies::relate(const OverlapNumbers& numbers) {
     return second ? OverlapRelation::second_inside : OverlapRelation::overlapping;
 }
 
-// The integral of the winding number of a body that is with itself, correctly rounded.
+// Returns the integral of the winding number of a body (with itself), correctly rounded.
 double OverlapOfBodies::volume_of_body() {
     OverlapSums sums = sums_of_scene();
     for (std::int32_t face = 0; face < topology(0).face_count(); ++face) sums.faces[0].push_back({face, 1});

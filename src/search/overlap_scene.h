@@ -1,6 +1,6 @@
 #pragma once
 
-// The input of sums over an overlap: two bodies, faces that count, segments in which faces cross. Host only.
+// Input of the sums over an overlap: two bodies, counted faces, segments in which faces cross. Host only.
 
 #include <array>
 
@@ -20,12 +20,13 @@ struct OverlapScene {
     FaceCorners corners_b(const Segment& s) const { return corners(1, s.b); }
 };
 
-/// A face that counts some times.
+/// Face that counts `times` times.
 struct CountedFace {
     std::int32_t face, times;
 };
 
-/// The edge at whose point a segment ends, and the face that it crosses.
+/// Edge on which a segment ends, and the face that it crosses there. If the segment ends at a vertex, `from` and `to`
+/// are that vertex.
 struct CrossingEdge {
     Vec3d from, to;
     FaceCorners face;

@@ -14,7 +14,7 @@
 namespace crumple {
 namespace {
 
-/// The middle of what two boxes have in common: sums about it cancel least.
+/// Returns the middle of the intersection of two boxes: sums relative to it have the least cancellation.
 Vec3d middle_of(const Bounds& a, const Bounds& b) {
     Vec3d middle;
     for (int axis = 0; axis < 3; ++axis) {
@@ -24,8 +24,8 @@ Vec3d middle_of(const Bounds& a, const Bounds& b) {
     return middle;
 }
 
-/// Pairs of triangles of one surface that have a common point, in both orders: those that were found, which lack
-/// neighbours that meet in no more than what they share, and all neighbours.
+/// Returns all pairs of triangles of one surface that have a common point, in both orders: the pairs found, and all
+/// adjacent triangles, since the former lack those that meet only in what they share.
 std::vector<Pair> pairs_within(const ClosedSurface& surface, std::span<const Pair> found) {
     std::vector<Pair> pairs;
     for (const auto& [a, b] : found) {
@@ -76,7 +76,7 @@ void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World&
     bodies_.read(backend, world, query.filter, query.weld);
     begin(query, outline().worlds(), outline().bodies(), result);
     add_skipped(list_candidates(), result);
-    // Where nothing but flags is wanted, surfaces that meet decide most of it, and the search for them ends early.
+    // If only flags are requested, surfaces that meet decide most of them, and the search for these ends early.
     const bool by_meeting = is_flag(query.output) && query.min_volume == 0 && !query.self_overlaps && none_is_open_;
     if (by_meeting)
         find_flags(backend, worlds, world, result);
@@ -86,7 +86,7 @@ void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World&
     result.count = static_cast<std::int64_t>(result.bodies.size());
 }
 
-// True if there is one candidate, two bodies as they are.
+// True if there is a single candidate: two different bodies with unnamed shapes and identity poses.
 bool OverlapSearch::is_one_pair_at_rest() const {
     if (candidates_.size() != 1) return false;
     const auto [a, b] = candidates_[0].bodies;
@@ -156,7 +156,7 @@ void OverlapSearch::find_rows(BackendBase& backend, WorldSearch& worlds, const W
     result.statistics.rational_tests += rational;
 }
 
-// From the order of first body, its triangle, second body, its triangle, to that of the candidates.
+// Sorts pairs from the order of first body, its triangle, second body, its triangle to that of the candidates.
 void OverlapSearch::sort_pairs() {
     std::vector<std::size_t> order(found_.pairs.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -166,15 +166,16 @@ void OverlapSearch::sort_pairs() {
     for (std::size_t i = 0; i < order.size(); ++i) pairs_[i] = found_.pairs[order[i]];
     std::size_t i = 0;
     for (Candidate& candidate : candidates_) {
-        while (i < order.size() && found_.bodies[order[i]] < candidate.bodies) ++i;  // of surfaces that are not closed
+        // Pairs of surfaces that are not closed.
+        while (i < order.size() && found_.bodies[order[i]] < candidate.bodies) ++i;
         candidate.begin = i;
         while (i < order.size() && found_.bodies[order[i]] == candidate.bodies) ++i;
         candidate.end = i;
     }
 }
 
-// Lists the pairs of bodies whose boxes overlap, of closed surfaces and for OpenSurfaces::curves of any. Returns the
-// bodies that are left out.
+// Lists the candidates: pairs of bodies whose boxes overlap and whose surfaces are closed, or for OpenSurfaces::curves
+// any. Returns the bodies that are left out.
 std::vector<std::int32_t> OverlapSearch::list_candidates() {
     const Array<BodyPair> pairs = bodies_.near_pairs(query_.self_overlaps);
     std::vector<std::int32_t> open = bodies_.open_bodies(pairs.span(), query_.open, "OverlapQuery");

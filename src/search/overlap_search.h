@@ -1,7 +1,7 @@
 #pragma once
 
 // Finds the overlaps of bodies of worlds, on any backend that runs on the host: the backend finds the pairs of
-// triangles that intersect, and each pair of bodies becomes a row by sums over these (search/overlap_row.h).
+// triangles that intersect, and sums over these make a row for each pair of bodies (search/overlap_row.h).
 //
 //   bodies  --worlds, by the backend----->  pairs of triangles, by pair of bodies
 //           --containment/closed_bodies.h-> pairs of bodies whose boxes overlap, of closed surfaces
@@ -21,18 +21,18 @@ namespace crumple {
 
 class OverlapSearch {
    public:
-    /// `bodies` keeps the surfaces of shapes between calls.
+    /// `bodies` caches the surfaces of shapes between calls.
     OverlapSearch(MemoryMeter& meter, Cancellation& cancellation, ClosedBodies& bodies);
 
     /// `worlds` finds the pairs of triangles.
     void find(BackendBase& backend, WorldSearch& worlds, const World& world, const OverlapQuery& query,
               Overlaps& result);
 
-    /// Gives all memory back, but for the surfaces.
+    /// Frees all memory, except for the surfaces.
     void release();
 
    private:
-    /// A pair of bodies, and its pairs of triangles: those of `pairs_` from `begin` to `end`.
+    /// Pair of bodies with its pairs of triangles: [begin, end) of `pairs_`.
     struct Candidate {
         BodyPair bodies;
         std::size_t begin, end;
@@ -54,9 +54,9 @@ class OverlapSearch {
     OverlapQuery query_;
     SceneBuffers buffers_of_two_;
     Intersections found_;
-    Array<Pair> pairs_;  ///< by pair of bodies
+    Array<Pair> pairs_;  ///< sorted by pair of bodies
     std::vector<Candidate> candidates_;
-    bool none_is_open_ = true;  ///< all pairs of bodies whose boxes overlap are candidates
+    bool none_is_open_ = true;  ///< true if all surfaces of pairs whose boxes overlap are closed
 };
 
 }  // namespace crumple

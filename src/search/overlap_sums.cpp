@@ -53,7 +53,7 @@ void add(const EnclosedTerms& enclosed, const Segment& segment, CurveTotals<Fixe
 
 }  // namespace
 
-/// Adds parts of [0, n) to totals, several at once: add(begin, end, totals of a part).
+/// Adds chunks of [0, n) to totals in parallel: add(begin, end, totals of a chunk).
 template <class Totals, class Add>
 void OverlapSums::for_chunks(std::size_t n, Totals& totals, Add add) {
     constexpr std::size_t chunk = 2048;

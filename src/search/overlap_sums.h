@@ -1,13 +1,13 @@
 #pragma once
 
-// The sums over an overlap, rounded correctly: over segments in which faces cross, and over faces
-// (exact/overlap/pair_terms.h). They are made as cheaply as what is asked of them allows:
+// Correctly rounded sums over an overlap: over segments in which faces cross, and over faces
+// (exact/overlap/pair_terms.h). Each sum is computed by the cheapest of three tiers that can round it:
 //
-//   words, in lanes, a bound for each term     if the backend has kernels, for bodies in the range of double words
-//   words, a bound for each operation          which is 0 for small whole numbers: of bodies in that range
-//   integers and rationals                     always
+//   double-double in lanes, one bound per term    if the backend has kernels, for bodies in the double-double range
+//   double-double, one bound per operation        for bodies in that range; bounds of small integers are 0
+//   integers and rationals                        always
 //
-// A number that the bounds leave open is made again, it and what is summed with it.
+// If the bounds of one tier cannot round a number, the next tier computes that number's group of sums again.
 
 #include <optional>
 #include <span>
@@ -28,11 +28,11 @@ class OverlapSums {
     OverlapSums(ParallelFor& workers, const OverlapKernels* kernels, Cancellation& cancellation)
         : workers_(workers), kernels_(kernels), cancellation_(cancellation) {}
 
-    // The terms, which stay as they are once a sum has been asked for:
+    // Terms; they must not change once a sum has been requested:
     OverlapScene scene;
     std::vector<Segment> segments;
-    std::array<std::vector<CountedFace>, 2> faces;  ///< of a and b
-    bool numbers = true;                            ///< otherwise only the volume is asked for
+    std::array<std::vector<CountedFace>, 2> faces;  ///< faces of a and b
+    bool numbers = true;                            ///< false: only the volume is requested
 
     template <class Combine>
     RoundedSum volume(Combine combine, int divisor) {

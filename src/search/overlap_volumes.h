@@ -1,6 +1,6 @@
 #pragma once
 
-// Bounds of volumes of bodies. Host only.
+// Bounds on the volumes of bodies. Host only.
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace crumple {
 
-/// Numbers between which six times the volume of a body lies.
+/// Lower and upper bound on six times the volume of a body.
 struct VolumeBounds {
     double low = 0, high = 0;
 };
@@ -25,7 +25,7 @@ inline VolumeBounds bounds_of_volume(const PlacedSurface& body, const Vec3d& ori
                      size_x.y * (size_y.z * size_z.x + size_y.x * size_z.z) +
                      size_x.z * (size_y.x * size_z.y + size_y.y * size_z.x);
     }
-    // A term passes eight roundings at most, and each sum as many as there are faces.
+    // Each term passes at most eight roundings, and the sum one per face.
     const double error = 0x1p-52 * (faces + 16) * magnitude;
     return {sum - error, sum + error};
 }

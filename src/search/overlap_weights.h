@@ -1,7 +1,7 @@
 #pragma once
 
-// Weights of the faces of one surface by the winding numbers of another (exact/overlap/crossing.h): those that
-// crossings give, added up by face, and those of the faces inside, on which the winding number is constant.
+// Weights of the faces of one surface by the winding numbers of another (exact/overlap/crossing.h): those of crossings,
+// added up per face, and those of faces inside, on which the winding number is constant.
 
 #include <algorithm>
 #include <cstdint>
@@ -17,7 +17,7 @@ class WeightedFaces {
    public:
     void add(std::int32_t face, const FaceWeights<Number>& weights) { faces_.push_back({face, weights}); }
 
-    /// Makes one entry of those of each face.
+    /// Merges the entries of each face into one, sorted by face.
     void combine() {
         const auto before = [](const Entry& x, const Entry& y) { return x.face < y.face; };
         if (!std::is_sorted(faces_.begin(), faces_.end(), before))
@@ -38,7 +38,7 @@ class WeightedFaces {
     }
 
     /// Calls crossed(face, weights) for each entry, and inside(face, winding) for all other faces on which the winding
-    /// number is not 0. After combine().
+    /// number is not 0. Call combine() first.
     template <class Crossed, class Inside>
     void for_each(const ClosedSurface& surface, const WindingSteps& steps, Crossed crossed, Inside inside) {
         if (!steps.intervals().empty()) is_crossed_.resize(static_cast<std::size_t>(surface.face_count()), 0);
@@ -64,7 +64,7 @@ class WeightedFaces {
 
    private:
     std::vector<Entry> faces_;
-    std::vector<std::uint8_t> is_crossed_;  ///< by face; 0 between calls
+    std::vector<std::uint8_t> is_crossed_;  ///< per face; all 0 between calls
 };
 
 }  // namespace crumple

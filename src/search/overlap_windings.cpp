@@ -17,8 +17,9 @@ void WindingSteps::add_jumps(const ClosedSurface& surface, std::int32_t face, co
     }
 }
 
-// Where a component has a vertex outside of the other's box, the winding number there is 0, and at its first vertex
-// what the steps between them say. Rays of all other components are taken through the faces at once.
+// If a component has a vertex outside of the other's box, the winding number there is 0, and the steps between that
+// vertex and the first one give the number at the first. For all other components, rays are cast through the faces
+// together.
 void WindingSteps::add_components(const PlacedSurface& of, const PlacedSurface& other, Shift shift,
                                   Cancellation& cancellation) {
     std::sort(steps_.begin(), steps_.end());
@@ -30,7 +31,7 @@ void WindingSteps::add_components(const PlacedSurface& of, const PlacedSurface& 
     std::vector<WindingRay> rays;
     std::vector<WindingInterval> found;
     std::size_t step = 0;
-    std::int32_t winding = 0;  // by the steps before that one: those of components before have ended
+    std::int32_t winding = 0;  // sum of the steps so far; steps of earlier components add up to 0
     for (std::size_t c = 0; c + 1 < first.size(); ++c) {
         std::int32_t place = first[c];
         while (place < first[c + 1] && !is_outside(place)) ++place;

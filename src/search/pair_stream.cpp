@@ -23,7 +23,7 @@ void append_pairs(Intersections& to, const Intersections& piece, std::size_t beg
     }
 }
 
-/// Makes pieces of blocks of pairs, with their contacts.
+/// Converts pairs to pieces of blocks, with contacts if requested.
 class PairPieces final : public PairStream {
    public:
     PairPieces(const PreparedScene& scene, bool contacts, MemoryMeter& meter, OrderedBlocks<Intersections>& blocks)
@@ -42,7 +42,7 @@ class PairPieces final : public PairStream {
     void finish(std::int64_t unit) override { blocks_.finish(unit); }
     void fail() override { blocks_.fail(); }
 
-    std::atomic<std::int64_t> rational{0};  ///< contacts in rational arithmetic
+    std::atomic<std::int64_t> rational{0};  ///< number of contacts in rational arithmetic
 
    private:
     const PreparedScene& scene_;

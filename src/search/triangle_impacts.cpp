@@ -13,7 +13,7 @@ bool names(const std::int32_t* corners, std::int32_t vertex) {
     return corners[0] == vertex || corners[1] == vertex || corners[2] == vertex;
 }
 
-// A search begins to count its peak anew where it goes on with nothing kept.
+// Restores the peak: a search that starts again after freeing its memory resets it.
 template <class Search>
 void keeping_peak(MemoryMeter& meter, Search search) {
     const std::int64_t before = meter.peak;
@@ -45,7 +45,7 @@ void TriangleImpacts::release() {
     rows_ = FeatureRows(&meter_);
 }
 
-// The triangles without carriers, at rest.
+// Returns the scene at the start, without proxy triangles, and with representative vertices.
 PreparedScene TriangleImpacts::at_start(const PreparedScene& scene, const SceneFeatures& features) {
     PreparedScene start = scene;
     start.moving = false;
@@ -138,7 +138,8 @@ void TriangleImpacts::for_each_pair(const PreparedScene& scene, const SceneFeatu
     });
 }
 
-// Of each first triangle by the second, only the first time of each pair; then one triangle's behind the other's.
+// Sorts the entries of each first triangle by the second and keeps the first time of each pair; then writes them one
+// first triangle after another.
 void TriangleImpacts::write_rows(ParallelFor& workers) {
     const auto firsts = static_cast<std::int64_t>(first_.size()) - 2;
     kept_.resize_discard(static_cast<std::size_t>(firsts) + 1);

@@ -1,7 +1,8 @@
 #pragma once
 
-// Pairs of triangles of a step: those that intersect at its start, and those of whose features some pair touches. The
-// same for all backends: they find both, and what follows for triangles is counted and put into rows.
+// Finds the pairs of triangles of a step: those that intersect at its start, and those of which an impact names one
+// feature each. Independent of the backend, which finds intersections and impacts; this file derives the pairs of
+// triangles from them, and counts and sorts them into rows.
 
 #include <cstdint>
 #include <span>
@@ -19,17 +20,17 @@ class TriangleImpacts {
    public:
     explicit TriangleImpacts(MemoryMeter& meter);
 
-    /// Whether some pair intersects at the start. `scene`: with the carriers of `features`.
+    /// True if some pair intersects at the start. `scene`: with the proxy triangles of `features`.
     bool any_at_start(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features);
 
-    /// Makes rows() of all impacts of features, and of the pairs that intersect at the start: unique, in order; the
-    /// value is the first time, the flag tells of the start. O(triangles + rows), and one search.
+    /// Makes rows() from all impacts of features and the pairs that intersect at the start: unique, sorted; the value
+    /// is the first time, the flag is set if they intersect or touch at the start. O(triangles + rows), and one search.
     void find(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features, const GroupRule& rule,
               const RowLists& found, Statistics& statistics);
 
     FeatureRows& rows() { return rows_; }
 
-    /// Gives all memory back.
+    /// Frees all memory.
     void release();
 
    private:
@@ -48,11 +49,11 @@ class TriangleImpacts {
     void write_rows(ParallelFor& workers);
 
     MemoryMeter& meter_;
-    Array<std::int32_t> corners_;       ///< of the scene at the start, if vertices count as one
-    Array<Pair> intersecting_;          ///< at the start, in any order
-    Array<std::int64_t> first_use_;     ///< of each vertex, in uses_
-    Array<std::int32_t> uses_;          ///< triangles that name it
-    Array<std::int64_t> first_, kept_;  ///< of each first triangle: its entries, and how many differ
+    Array<std::int32_t> corners_;       ///< corners of the scene at the start, if vertices are welded
+    Array<Pair> intersecting_;          ///< pairs at the start, in any order
+    Array<std::int64_t> first_use_;     ///< start of each vertex in `uses_`
+    Array<std::int32_t> uses_;          ///< triangles that name each vertex
+    Array<std::int64_t> first_, kept_;  ///< start of the entries of each first triangle, and of its rows
     Array<Entry> entries_;
     FeatureRows rows_;
 };

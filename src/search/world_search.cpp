@@ -16,12 +16,12 @@
 namespace crumple {
 namespace {
 
-// Worlds that are decided in one task: some microseconds each.
+// Worlds per task: some microseconds each.
 constexpr std::int32_t worlds_a_task = 16;
 
-// Side by side lie worlds that are small, and so many that a device's launches are little beside its work: further ones
-// would cost memory only. A larger world fills the device by itself, and would have the small ones cut into clusters
-// that they do not need.
+// Limits of worlds side by side in one scene. Worlds are joined only while they are small, and up to a total at which
+// the launches of a device cost little compared to its work; more would only cost memory. A larger world fills the
+// device alone, and would cause small ones beside it to be cut into clusters that they do not need.
 constexpr std::int64_t most_of_a_joined_world = 1 << 16, most_of_joined_worlds = 1 << 24;
 constexpr std::size_t few_worlds = 64;
 
@@ -86,7 +86,7 @@ void WorldSearch::find(BackendBase& backend, const World& world, const Intersect
     of_call_.clear();
 }
 
-// Trees: of named shapes, and of those that are in all of several worlds.
+// Builds or looks up trees of named shapes, and of shapes that are in all of several worlds.
 void WorldSearch::read_shapes() {
     const World& world = outline_.world();
     float32_ = std::all_of(world.shapes.begin(), world.shapes.end(),
@@ -105,7 +105,7 @@ void WorldSearch::read_shapes() {
     }
 }
 
-// Boxes, where bodies can be left out by them: not where all must be searched anyway.
+// Computes boxes if they can exclude bodies: not if all bodies must be searched anyway.
 void WorldSearch::read_bodies() {
     boxes_ = outline_.worlds() > 1 || std::any_of(trees_.begin(), trees_.end(), [](auto* tree) { return tree; });
     for (std::int32_t b = 0; b < outline_.bodies() && !boxes_; ++b) boxes_ = !rules_.within(b, outline_.body(b).self);
@@ -113,7 +113,8 @@ void WorldSearch::read_bodies() {
     near_.prepare(outline_, [&](std::int32_t b) { return read_box(b); });
 }
 
-// Holds all posed vertices of body b, which are finite, or Error is thrown. A body without triangles meets nothing.
+// Returns a box of all posed vertices of body b. Throws Error if one is not finite. A body without triangles has an
+// empty box.
 Bounds WorldSearch::read_box(std::int32_t b) const {
     const Shape& shape = outline_.shape(b);
     const Placement place = outline_.placement(b);
@@ -138,14 +139,14 @@ std::int32_t WorldSearch::end_of(std::int32_t pass) const {
     return pass < outline_.worlds() ? outline_.first_body(pass + 1) : outline_.bodies();
 }
 
-// By rules; of triangles nothing is known yet.
+// True if the filter can select a pair of triangles of the two bodies, as far as the bodies alone decide.
 bool WorldSearch::may_meet(std::int32_t a, std::int32_t b) const {
     if (!rules_.between(a, b)) return false;
     const bool grouped = !outline_.shape(a).groups.empty() || !outline_.shape(b).groups.empty();
     return grouped || rules_.groups(outline_.body(a).group, outline_.body(b).group);
 }
 
-// Pairs of bodies that both have trees, where only flags are wanted. Worlds are independent.
+// Decides pairs of bodies that both have trees, if only flags are requested. Worlds are independent tasks.
 void WorldSearch::search_directly(BackendBase& backend, Intersections& result) {
     const auto tasks = static_cast<std::size_t>((passes() + worlds_a_task - 1) / worlds_a_task);
     std::vector<std::vector<BodyPair>> meet(tasks);
@@ -176,10 +177,11 @@ void WorldSearch::search_directly(BackendBase& backend, Intersections& result) {
         for (const BodyPair& pair : pairs) result.bodies.push_back(pair);
 }
 
-// Worlds that need a scene, as many side by side as may be.
+// Searches the worlds that need a scene, as many side by side as possible.
 void WorldSearch::search_scenes(BackendBase& backend, Intersections& result) {
     const auto at_once = static_cast<std::size_t>(blocks_ ? 1 : backend.worlds_at_once());
-    // Where one hit ends it all, few first: that needs no more than a handful of searches, and may spare most worlds.
+    // If the first hit ends the search, starts with few worlds: this costs only a handful of additional searches, and
+    // may skip most worlds.
     std::size_t most = question_.output == Output::any ? std::min(few_worlds, at_once) : at_once;
     joined_.clear();
     for (std::int32_t pass = 0; pass < passes() && !is_over(result); ++pass) {
@@ -191,7 +193,7 @@ void WorldSearch::search_scenes(BackendBase& backend, Intersections& result) {
         if (!joined_.empty() && !joins(extent)) {
             search_joined(backend, true, result);
             if (is_over(result)) break;
-            collect(pass);  // the search may have collected others
+            collect(pass);  // the search may have overwritten what was collected
         }
         if (joined_.empty()) scene_.begin(float32_, rules_);
         joined_.push_back(pass);
@@ -203,7 +205,7 @@ void WorldSearch::search_scenes(BackendBase& backend, Intersections& result) {
     if (!joined_.empty()) search_joined(backend, true, result);
 }
 
-// What of the pass's bodies has to be searched as a scene: whole bodies, or groups of their triangles.
+// Collects what has to be searched as a scene for world `pass`: whole bodies, or groups of their triangles.
 void WorldSearch::collect(std::int32_t pass) {
     const std::int32_t worlds = outline_.worlds();
     marks_.clear();
@@ -229,7 +231,7 @@ void WorldSearch::collect(std::int32_t pass) {
     marks_.resize(static_cast<std::size_t>(std::unique(marks_.begin(), marks_.end()) - marks_.begin()));
 }
 
-// In the order of bodies: whole(body), or some(body, groups of its tree).
+// Calls whole(body) or some(body, groups of its tree), in the order of bodies.
 template <class Whole, class Some>
 void WorldSearch::for_each_collected(Whole whole, Some some) {
     const std::int32_t* w = whole_.begin();
@@ -263,13 +265,13 @@ WorldSearch::Extent WorldSearch::collected() {
     return extent;
 }
 
-// Whether what is collected may lie beside the worlds that are gathered.
+// True if the collected world may join the worlds that are already in the scene.
 bool WorldSearch::joins(const Extent& extent) const {
     return extent.triangles <= most_of_a_joined_world && scene_.triangles() + extent.triangles <= most_joined_ &&
            scene_.vertices() + extent.vertices <= std::numeric_limits<std::int32_t>::max();
 }
 
-// Adds what is collected to the scene, as a world of its own.
+// Adds the collected bodies to the scene, as a world of its own.
 void WorldSearch::gather(BackendBase& backend, std::int32_t pass) {
     const auto everywhere = [&](std::int32_t b) {
         return pass < outline_.worlds() && b >= outline_.first_body(outline_.worlds());
@@ -290,14 +292,15 @@ void WorldSearch::gather(BackendBase& backend, std::int32_t pass) {
     scene_.end_world();
 }
 
-// Groups of triangles by which a and b may meet; of a body without a tree each triangle will be asked.
+// Marks the groups of triangles by which a and b may meet; marks a body without a tree as whole, whose triangles are
+// then tested one by one.
 void WorldSearch::mark(std::int32_t a, std::int32_t b) {
     const ShapeTree *tree_a = tree(a), *tree_b = tree(b);
     const Placement place_a = outline_.placement(a), place_b = outline_.placement(b);
     neighbours_.push_back({a, b});
     neighbours_.push_back({b, a});
     if (tree_a && tree_b) {
-        std::int32_t last_a = -1, last_b = -1;  // many pairs in a row have a group in common
+        std::int32_t last_a = -1, last_b = -1;  // consecutive pairs often have a common group
         for_each_overlap(*tree_a, place_a, *tree_b, place_b, [&](std::int32_t group_a, std::int32_t group_b) {
             if (group_a != last_a) marks_.push_back({a, last_a = group_a});
             if (group_b != last_b) marks_.push_back({b, last_b = group_b});
@@ -317,7 +320,7 @@ void WorldSearch::mark(std::int32_t a, std::int32_t b) {
     by_box(b, tree_b, place_b, a);
 }
 
-// Whether memory suffices for work on the worlds that are joined. One has to fit.
+// True if memory suffices for work on the joined worlds. Throws if there is only one.
 template <class Work>
 bool WorldSearch::fits(Work work) const {
     try {
@@ -337,8 +340,8 @@ void WorldSearch::search_joined(BackendBase& backend, bool gathered, Intersectio
     joined_.clear();
 }
 
-// One half of the worlds, then the other, each gathered anew. What was kept for all is given back first, so that in the
-// end each has the memory that it would have alone.
+// Searches one half of the worlds, then the other, each gathered anew. First frees all memory that was cached for the
+// whole, so that a single world finally has as much memory as it would have alone.
 void WorldSearch::search_halves(BackendBase& backend, Intersections& result) {
     const std::vector<std::int32_t> all = std::exchange(joined_, {});
     most_joined_ = std::min(most_joined_, scene_.triangles()) / 2;
@@ -361,7 +364,7 @@ void WorldSearch::search_halves(BackendBase& backend, Intersections& result) {
     }
 }
 
-// Asks the backend about the scene.
+// Runs the query on the scene.
 void WorldSearch::look(BackendBase& backend, Intersections& result) {
     IntersectionQuery query;
     query.neighbours = question_.neighbours;
@@ -383,7 +386,7 @@ void WorldSearch::look(BackendBase& backend, Intersections& result) {
     }
 }
 
-// Adds what was found to the answer.
+// Adds the findings to the result.
 void WorldSearch::take(Intersections& result) {
     for (std::size_t w = 0; w < flags_.size(); ++w)
         if (flags_[w]) hit(joined_[w], outline_, result);
@@ -391,7 +394,7 @@ void WorldSearch::take(Intersections& result) {
     if (question_.output > Output::any_by_world && !blocks_) append(found_, result);
 }
 
-// Pairs come world by world.
+// Pairs are sorted by world.
 void WorldSearch::append(const Intersections& found, Intersections& result) {
     std::size_t world = 0;
     for (std::size_t i = 0; i < found.pairs.size(); ++i) {

@@ -1,16 +1,17 @@
 #pragma once
 
-// How any backend answers worlds: each world's bodies become a scene of posed triangles, less what cannot meet.
+// Intersections of worlds, on any backend: each world's bodies become a scene of posed triangles, without those that
+// cannot meet.
 //
-//   shapes  --named, or in all of several worlds-->  trees (scene/shape_tree.h), kept by name
+//   shapes  --named, or in all of several worlds-->  trees (scene/shape_tree.h), cached by name
 //   bodies  ---------------------------------------> boxes, and pairs of bodies whose boxes overlap
-//   both bodies of a pair have trees, and a flag is wanted:  search/first_hit.h decides the pair at once
+//   both bodies of a pair have trees, and only flags are requested:  search/first_hit.h decides the pair at once
 //   else: groups of triangles that may meet, or whole bodies --> WorldScene --> the backend's search of a scene
 //
-// A scene is of one world, or of many side by side where the backend says that it can (worlds_at_once).
+// A scene has one world, or many side by side if the backend supports it (worlds_at_once).
 //
-// So a body that is clear of all others costs one box, and the work of one world does not depend on how many others
-// there are, or how far triangles that are in all worlds reach.
+// So a body that is clear of all others costs one box, and the work for one world does not depend on the number of
+// other worlds, or on the extent of triangles that are in all worlds.
 
 #include <memory>
 #include <span>
@@ -33,11 +34,11 @@ class WorldSearch {
    public:
     WorldSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named);
 
-    /// In blocks, if `blocks` is not null.
+    /// Delivers blocks if `blocks` is not null.
     void find(BackendBase& backend, const World& world, const IntersectionQuery& question, Intersections& result,
               const WorldBlocks* blocks = nullptr);
 
-    /// Gives all memory back, but for named shapes.
+    /// Frees all memory, except for named shapes.
     void release();
 
    private:
@@ -54,7 +55,7 @@ class WorldSearch {
     void read_bodies();
     Bounds read_box(std::int32_t b) const;
 
-    // One pass a world, and a last one for the bodies that are in all worlds, among themselves.
+    // `pass` is a world index; worlds() stands for pairs among bodies that are in all worlds.
     std::int32_t passes() const { return outline_.worlds() + 1; }
     std::int32_t begin_of(std::int32_t pass) const { return outline_.first_body(pass); }
     std::int32_t end_of(std::int32_t pass) const;
@@ -88,26 +89,26 @@ class WorldSearch {
     Cancellation& cancellation_;
     ShapeTrees& named_;
 
-    // Of the call that runs:
+    // State of the current call:
     IntersectionQuery question_;
     const WorldBlocks* blocks_ = nullptr;
     WorldOutline outline_;
     BodyRules rules_;
     bool float32_ = true;
-    bool boxes_ = false;                               ///< whether bodies have boxes
+    bool boxes_ = false;                               ///< true if bodies have boxes
     std::vector<const ShapeTree*> trees_;              ///< by shape; null: it has none
     std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of shapes without a name
     NearBodies near_;
     Array<Mark> marks_;
-    Array<BodyPair> neighbours_;  ///< bodies that may meet, in both orders
+    Array<BodyPair> neighbours_;  ///< pairs of bodies that may meet, in both orders
     Array<std::int32_t> groups_, whole_;
     std::vector<Bounds> near_boxes_;
-    std::vector<std::int32_t> joined_;  ///< passes whose worlds are side by side in the scene
+    std::vector<std::int32_t> joined_;  ///< indices of the worlds that are side by side in the scene
     WorldScene scene_;
     Intersections found_;
-    Array<std::uint8_t> flags_;  ///< of joined worlds
+    Array<std::uint8_t> flags_;  ///< hits of the joined worlds
 
-    std::int64_t most_joined_;  ///< triangles of several worlds for which there is memory, as far as is known
+    std::int64_t most_joined_;  ///< most triangles of several joined worlds that are known to fit in memory
 };
 
 }  // namespace crumple

@@ -30,7 +30,7 @@ AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
     std::error_code error;
     constexpr int most_links = 40;
     for (int i = 0; i < most_links && fs::is_symlink(target_, error);
-         ++i)  // the link stays, and may point to nothing yet
+         ++i)  // writes to the target of a link, which need not exist yet
         target_ = target_.parent_path() / fs::read_symlink(target_, error);
     if (fs::is_symlink(target_, error)) {
         target_ = target;
@@ -39,21 +39,21 @@ AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
     const fs::file_status status = fs::status(target_, error);
     if (fs::is_directory(status)) fail("it is a directory", EISDIR);
     if (!target_.has_filename()) fail("it names no file");
-    // To rename over a file takes no permission to write it, so that has to be asked.
+    // Renaming over a file needs no permission to write that file, so check the permission explicitly.
     if (fs::exists(status) && faccessat(AT_FDCWD, target_.c_str(), W_OK, AT_EACCESS) != 0) fail(errno);
     direct_ = fs::exists(status) && !fs::is_regular_file(status);
     written_ = direct_ ? target_ : temporary_name(target_);
     if (!direct_) unfinished_.begin(written_);
-    constexpr mode_t readable = 0666;  // by all whom the umask leaves
+    constexpr mode_t readable = 0666;  // less the umask
     buffer_.open(::open(written_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (direct_ ? O_TRUNC : O_EXCL), readable));
     if (buffer_.descriptor() < 0) direct_ ? fail(errno) : fail_to_create(errno);
-    if (fs::is_regular_file(status)) fs::permissions(written_, status.permissions(), error);  // as it was, if possible
+    if (fs::is_regular_file(status)) fs::permissions(written_, status.permissions(), error);  // unchanged, if possible
     if (has_gzip_name(target)) stream_.rdbuf(&gzip_.emplace(buffer_));
 }
 
 AtomicFile::~AtomicFile() { close(); }
 
-/// What a close reports has not been written: over a network that may be when it shows.
+/// Closes the file. An error of close() counts as a failed write: network file systems may report it only then.
 void AtomicFile::close() {
     if (buffer_.descriptor() >= 0 && ::close(buffer_.descriptor()) != 0 && !buffer_.reason()) buffer_.fail(errno);
     buffer_.open(-1);
@@ -75,7 +75,7 @@ void AtomicFile::commit() {
     unfinished_.finish();
 }
 
-/// A file that cannot be made beside the target is the folder's fault.
+/// Throws Error (file) about the folder, in which the temporary file could not be created.
 void AtomicFile::fail_to_create(int system_error) const {
     const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
     std::error_code error;

@@ -1,8 +1,8 @@
 #pragma once
 
-// A file that appears whole or not at all: written under a temporary name beside its target, then renamed. What is not
-// a regular file (a pipe, /dev/stdout) cannot be renamed over and is written directly. A name that ends with .gz has
-// what is written compressed.
+// File that appears whole or not at all: it is written under a temporary name beside its target, then renamed. A target
+// that is not a regular file (a pipe, /dev/stdout) cannot be replaced by renaming and is written directly. Output to a
+// name that ends with .gz is compressed.
 
 #include <filesystem>
 #include <optional>
@@ -17,23 +17,23 @@ namespace crumple::io {
 
 class AtomicFile {
    public:
-    /// Throws Error (file) that names the target, or the folder that is the cause: no such folder, a directory, a file
-    /// that must not be written, not permitted.
+    /// Throws Error (file) that names the target, or its folder where that is the cause: the folder is missing, the
+    /// target is a directory, or either is not writable.
     explicit AtomicFile(const std::filesystem::path& target);
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
-    /// Removes what has not been committed.
+    /// Removes the temporary file unless it was committed.
     ~AtomicFile();
 
     std::ostream& stream() { return stream_; }
-    /// Where the bytes go until commit(), for others that write some of them; not of a compressed file. Empty where
-    /// they go to the target itself.
+    /// Returns the path of the temporary file, for other processes that write parts of it; not for compressed files.
+    /// Empty if the target is written directly.
     std::filesystem::path temporary() const { return direct_ ? std::filesystem::path() : written_; }
 
-    /// Throws Error (file) if anything could not be written; the target then is as it was. Of several files that belong
-    /// together, complete all before the first is committed.
+    /// Finishes writing. Throws Error (file) if anything could not be written; the target is unchanged then. If several
+    /// files belong together, complete all before committing the first.
     void complete();
-    /// Completes the file and gives it its name.
+    /// Completes the file and renames it to its target. Throws Error (file).
     void commit();
 
    private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// Numbers in a file's byte order.
+// Conversion of numbers between the byte order of a file and that of the machine.
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace crumple::io {
 
-/// The value at `p`, which need not be aligned.
+/// Returns the value at `p`, which need not be aligned.
 template <class T>
 T load(const char* p, std::endian order) {
     std::array<char, sizeof(T)> bytes;

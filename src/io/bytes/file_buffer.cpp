@@ -34,7 +34,7 @@ FileBuffer::int_type FileBuffer::overflow(int_type c) {
     return traits_type::not_eof(c);
 }
 
-/// What does not fit goes straight to the file.
+/// Writes data that does not fit in the buffer straight to the file.
 std::streamsize FileBuffer::xsputn(const char* data, std::streamsize size) {
     if (size <= epptr() - pptr()) return std::streambuf::xsputn(data, size);
     if (sync() == 0) write(data, static_cast<std::size_t>(size));

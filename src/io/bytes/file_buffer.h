@@ -1,7 +1,7 @@
 #pragma once
 
-// What is written to a file descriptor, and why that failed: std::filebuf and std::cout leave the reason to errno,
-// which others overwrite.
+// Stream buffer that writes to a file descriptor and records why a write failed. std::filebuf and std::cout leave the
+// reason in errno, where later calls overwrite it.
 
 #include <array>
 #include <streambuf>
@@ -10,12 +10,12 @@ namespace crumple::io {
 
 class FileBuffer : public std::streambuf {
    public:
-    /// -1: no file. Does not own the descriptor.
+    /// Does not own the descriptor; -1 means no file.
     explicit FileBuffer(int descriptor = -1);
 
     void open(int descriptor) { descriptor_ = descriptor; }
     int descriptor() const { return descriptor_; }
-    /// errno of the first write that failed, or 0. Nothing is written after that.
+    /// Returns errno of the first failed write, or 0. Nothing is written after a failure.
     int reason() const { return reason_; }
     void fail(int reason) { reason_ = reason; }
 

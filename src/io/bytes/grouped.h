@@ -5,7 +5,7 @@
 
 namespace crumple::io {
 
-/// 63,602; the number is not negative.
+/// Returns a non-negative number with thousands separators: "63,602".
 inline std::string grouped(std::int64_t number) {
     const std::string digits = std::to_string(number);
     std::string text;

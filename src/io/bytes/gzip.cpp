@@ -14,7 +14,7 @@ namespace crumple::io {
 namespace {
 
 constexpr int gzip_only = 16 + MAX_WBITS;
-/// zlib counts in 32 bits.
+/// Most bytes of one call: zlib counts in 32 bits.
 constexpr std::size_t most_a_call = std::size_t{1} << 30;
 
 class Expander {
@@ -71,7 +71,7 @@ class Expander {
     [[noreturn]] void fail_beyond_measure() const {
         fail("the file expands beyond measure: it is " + std::string(expansion_rule));
     }
-    /// At this byte of what is compressed.
+    /// Throws Error (format) that names the current byte of the compressed data.
     [[noreturn]] void fail(const std::string& what) const {
         const auto byte = static_cast<std::int64_t>(at_);
         throw Error(ErrorCode::format, name_ + ", byte " + std::to_string(byte) + ": " + what, Element::byte, byte);
@@ -137,7 +137,8 @@ bool GzipBuffer::compress(bool last) {
 
 bool GzipBuffer::finish() { return compress(true) && to_.pubsync() == 0; }
 
-/// What has been compressed so far; zlib keeps the rest, so that flushing does not cost compression.
+/// Writes the output that zlib has produced so far. zlib buffers the rest, so that flushing does not worsen the
+/// compression.
 int GzipBuffer::sync() { return compress(false) ? to_.pubsync() : -1; }
 
 GzipBuffer::int_type GzipBuffer::overflow(int_type c) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// gzip by zlib, in pieces: what files with `.gz` at the end of their name hold, or begin with 1f 8b.
+// gzip compression and decompression with zlib, for files that begin with 1f 8b or whose name ends with .gz.
 
 #include <array>
 #include <filesystem>
@@ -15,16 +15,16 @@ namespace crumple::io {
 
 inline bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
-/// Of all members, one after the other. `name` is for messages. Throws Error (format): truncated, damaged, followed by
-/// something else, expands beyond measure (io/bytes/expanded_size.h).
+/// Decompresses all gzip members in turn. `name` is for messages. Throws Error (format) if the data is truncated,
+/// damaged, followed by other data, or expands beyond the limit of io/bytes/expanded_size.h.
 Array<char> expand_gzip(std::string_view bytes, const std::string& name);
 
-/// Whether a file of this name is compressed.
+/// True if the name ends with .gz, in any case: such a file is compressed.
 bool has_gzip_name(const std::filesystem::path& path);
-/// mesh.obj for mesh.obj.gz; other names stay.
+/// Returns mesh.obj for mesh.obj.gz, and other names unchanged.
 std::filesystem::path without_gzip_name(const std::filesystem::path& path);
 
-/// Compresses what is written to it into another buffer. Equal bytes give equal files.
+/// Stream buffer that compresses into another buffer. Equal input gives equal output.
 class GzipBuffer : public std::streambuf {
    public:
     explicit GzipBuffer(std::streambuf& to);
@@ -32,7 +32,7 @@ class GzipBuffer : public std::streambuf {
     GzipBuffer& operator=(const GzipBuffer&) = delete;
     ~GzipBuffer() override;
 
-    /// Ends the file; whether all of it could be written.
+    /// Ends the gzip data. Returns false if not all of it could be written.
     bool finish();
 
    private:

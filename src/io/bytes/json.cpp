@@ -7,7 +7,7 @@ namespace crumple::io {
 
 namespace {
 
-/// Clocks tell no more than microseconds.
+/// Rounds to whole microseconds: clocks are no more precise.
 double rounded(double milliseconds) { return std::round(milliseconds * 1000) / 1000; }
 
 nlohmann::ordered_json document(const Statistics& statistics) {

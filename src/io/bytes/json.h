@@ -1,7 +1,7 @@
 #pragma once
 
-// What the JSON of pairs, of impacts and of near pairs has in common. Long arrays are written directly: a document
-// would take some 100 bytes a number.
+// Parts that all JSON output shares. Long arrays are written directly: a JSON document in memory would take some 100
+// bytes per number.
 
 #include <cstddef>
 #include <string>
@@ -12,13 +12,13 @@
 
 namespace crumple::io {
 
-/// What is no UTF-8 is replaced, for files may have any name.
+/// Returns the text with invalid UTF-8 replaced, since file names may hold any bytes.
 std::string valid_utf8(const std::string& text);
 
-/// An object, indented.
+/// Returns an indented JSON object.
 std::string json_of(const Statistics& statistics);
 
-/// [item, item, ...], an item a line.
+/// Writes [item, item, ...], one item per line; write(i) writes item i.
 template <class Write>
 void write_json_array(Sink& sink, std::size_t size, Write&& write) {
     sink << '[';

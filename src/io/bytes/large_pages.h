@@ -1,7 +1,7 @@
 #pragma once
 
-// Memory in large pages, where the system has them: new memory of megabytes then costs a fault for each 2 MiB, not for
-// each 4 KiB, which takes longer than reading a file into it.
+// Large memory pages, where the system has them: a large new block then costs a page fault for each 2 MiB, not for each
+// 4 KiB. The faults for 4 KiB pages would take longer than reading a file into the block.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace crumple::io {
 
-/// Requests large pages for memory that has not been written yet. No more than advice.
+/// Requests large pages for memory that has not been written yet. The system may ignore the request.
 inline void advise_large_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) {
 #ifdef MADV_HUGEPAGE
     constexpr std::size_t page = std::size_t{1} << 21;

@@ -15,7 +15,7 @@
 
 namespace crumple::io {
 
-/// A .npy file, from the left.
+/// Sequential reader of a .npy file.
 class NpyFile {
    public:
     explicit NpyFile(const Source& source) : source_(source), place_(source.begin()) {}
@@ -35,11 +35,11 @@ class NpyFile {
 
 struct NpyHeader {
     std::endian order;
-    std::string kind;  ///< of an item: "i4", "f8", ...; what is no plain number is something else
+    std::string kind;  ///< type of an item: "i4", "f8", ...; another text if items are not plain numbers
     bool by_column;    ///< Fortran order
     std::vector<std::int64_t> shape;
 
-    /// Items in all; nothing if that is beyond int64.
+    /// Returns the number of items, or nothing if it exceeds int64.
     std::optional<std::int64_t> items() const {
         std::int64_t product = 1;
         for (const std::int64_t size : shape)
@@ -48,7 +48,7 @@ struct NpyHeader {
     }
 };
 
-/// What follows a key, as "'shape':", in the header.
+/// Returns the text after a key, such as "'shape':", in the header; empty if the key is missing.
 inline std::string_view npy_value(std::string_view header, std::string_view key) {
     const std::size_t place = header.find(key);
     if (place == header.npos) return {};
@@ -56,7 +56,7 @@ inline std::string_view npy_value(std::string_view header, std::string_view key)
     return header.substr(std::min(header.find_first_not_of(' '), header.size()));
 }
 
-/// "(3, 4)", "(5,)", "()"; nothing for what is no shape.
+/// Parses a shape such as "(3, 4)", "(5,)" or "()"; returns nothing for any other text.
 inline std::optional<std::vector<std::int64_t>> npy_shape(std::string_view text) {
     std::vector<std::int64_t> shape;
     if (!text.starts_with('(')) return std::nullopt;
@@ -74,8 +74,8 @@ inline std::optional<std::vector<std::int64_t>> npy_shape(std::string_view text)
     return shape;
 }
 
-/// Reads up to the array's bytes; nothing if this is no array of NumPy. What the header does not tell stays empty.
-/// `npy` is an NpyFile or the like.
+/// Reads up to the array's bytes. Returns nothing if this is not a NumPy array. Fields that the header lacks stay
+/// empty. `npy` is an NpyFile or an NpzReader::Entry.
 template <class Npy>
 std::optional<NpyHeader> read_npy_header(Npy& npy) {
     const std::string prologue = npy.read(8);

@@ -1,6 +1,7 @@
 #pragma once
 
-// NumPy's .npz: a zip archive of .npy files. What is written is stored, not compressed; what is read may be either.
+// Writer and reader of NumPy's .npz, a zip archive of .npy files. The writer stores entries uncompressed; the reader
+// also accepts compressed ones.
 
 #include <cstring>
 #include <ostream>
@@ -13,7 +14,7 @@
 
 namespace crumple::io {
 
-/// `descr` of a NumPy type: byte order, kind, size.
+/// Returns `descr` of a NumPy type: byte order, kind, size.
 template <class T>
 std::string npy_descriptor() {
     const char order = sizeof(T) == 1 ? '|' : std::endian::native == std::endian::little ? '<' : '>';
@@ -30,10 +31,10 @@ inline std::string npy_header(const std::string& type, const std::string& shape)
     return std::string("\x93NUMPY\x01\x00", 8) + std::string(length.data(), length.size()) + text;
 }
 
-/// Holds the archive until it is written.
+/// Writer of an archive, which is held in memory until write().
 class NpzWriter {
    public:
-    /// `data` holds scalars of type T in rows of `columns`; 0: a plain vector.
+    /// Adds an array. `data` holds scalars of type T in rows of `columns`; 0 columns make a one-dimensional array.
     template <class T>
     void add(const char* name, const void* data, std::size_t rows, std::size_t columns = 0) {
         const std::string shape = std::to_string(rows) + "," + (columns ? std::to_string(columns) : "");
@@ -51,21 +52,22 @@ class NpzWriter {
     ZipWriter archive_{".npz"};
 };
 
-/// An archive that is read, one array at a time.
+/// Reader of an archive, one array at a time.
 class NpzReader {
    public:
     explicit NpzReader(const Source& source) : source_(source), archive_(source, ".npz") {}
 
-    /// One of its arrays, from the left.
+    /// Sequential reader of one array of the archive.
     class Entry {
        public:
         Entry(NpzReader& from, const std::string& array)
             : source_(from.source_), archive_(from.archive_), array_(array), found_(archive_.open(array + ".npy")) {}
 
-        /// Whether the archive has it.
+        /// True if the archive has the array.
         explicit operator bool() const { return found_; }
 
-        /// The next `size` bytes. Grows as they come: what the file says of its size may be a lie.
+        /// Reads the next `size` bytes. The result grows with the data, because the size that the file states may be
+        /// wrong.
         std::string read(std::size_t size) {
             constexpr std::size_t block = 1 << 20;
             std::string bytes;

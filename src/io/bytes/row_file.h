@@ -1,6 +1,6 @@
 #pragma once
 
-// File of rows that all have the same length: any range of them is read, in pieces, without the rest.
+// File of rows of equal length: reads any range of rows, in pieces, without reading the rest.
 
 #include <algorithm>
 #include <cstdint>
@@ -13,14 +13,14 @@ namespace crumple::io {
 
 class RowFile {
    public:
-    /// A file that cannot be opened, or that has no known size, is not open.
+    /// Opens the file; is_open() is false if it cannot be opened or has no known size.
     explicit RowFile(const std::filesystem::path& path);
 
     bool is_open() const { return in_.is_open(); }
     std::int64_t size() const { return size_; }
     const std::string& name() const { return name_; }
 
-    /// Returns the bytes from this offset on, at most so many. Throws Error (file).
+    /// Returns up to `bytes` bytes from this offset on. Throws Error (file).
     std::vector<char> read(std::int64_t offset, std::int64_t bytes);
 
     /// Calls f(row, offset of the row) for `count` rows that begin at an offset, until one returns false; returns true

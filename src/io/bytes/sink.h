@@ -1,6 +1,7 @@
 #pragma once
 
-// Buffered output of text and of little-endian numbers. Decimals are the shortest that give the same number back.
+// Buffered output of text and of little-endian numbers. Decimal numbers are the shortest that read back as the same
+// value.
 
 #include <array>
 #include <charconv>

@@ -1,4 +1,4 @@
-// Which files are read by slices, and the slices of STL; those of PLY are ply_slice.cpp's.
+// Decides which files can be read in slices, and reads slices of STL; ply_slice.cpp reads those of PLY.
 
 #include "io/bytes/slice.h"
 
@@ -22,7 +22,7 @@ namespace {
 constexpr std::int64_t stl_header = 80, stl_prologue = 84, stl_record = 50, stl_normal = 12;
 constexpr std::int64_t longest_header = std::int64_t{1} << 16;
 
-/// The same test as is_binary_stl's, of a file of which only the beginning is at hand.
+/// Tests like is_binary_stl of io/formats.h, for a file of which only the beginning is in memory.
 bool is_binary_stl(const Source& beginning, std::int64_t size) {
     return size >= stl_prologue &&
            size == stl_prologue + stl_record * std::int64_t{load<std::uint32_t>(beginning.begin() + stl_header,

@@ -1,6 +1,7 @@
 #pragma once
 
-// Binary file that several readers share: each reads its own rows. Blocks of rows follow each other, reader by reader.
+// Slices of a binary file that several readers share: each reads its own block of rows. Blocks are consecutive, in the
+// order of the readers.
 
 #include <cstdint>
 #include <filesystem>
@@ -10,16 +11,16 @@
 
 namespace crumple::io {
 
-/// Rows in as many blocks as there are readers.
+/// Division of rows into one block per reader.
 struct Blocks {
     std::int64_t rows = 0;
     int readers = 1;
-    int together = 1;  ///< rows that no two blocks share, such as the vertices of a triangle
+    int together = 1;  ///< successive rows that must share a block: 3 for the vertices of a triangle
 
     std::int64_t begin(int reader) const { return rows / together * reader / readers * together; }
     std::int64_t end(int reader) const { return begin(reader + 1); }
     std::int64_t size(int reader) const { return end(reader) - begin(reader); }
-    /// Returns whose block a row lies in.
+    /// Returns the reader whose block holds a row.
     int reader_of(std::int64_t row) const {
         return static_cast<int>(((row / together + 1) * readers - 1) / (rows / together));
     }
@@ -28,18 +29,18 @@ struct Blocks {
 /// One reader's part of a mesh.
 struct MeshSlice {
     Blocks triangles, vertices;  ///< of the whole file
-    /// A block of triangles and a block of vertices, and the groups of the triangles. Corners are numbers over the
-    /// whole file, so that they may name vertices of other blocks.
+    /// The reader's block of triangles, with their groups, and its block of vertices. Corners are vertex indices of the
+    /// whole file, so they may refer to other blocks.
     TriangleMesh mesh;
-    bool weld = false;  ///< vertices at equal positions, of any reader, are one
+    bool weld = false;  ///< vertices at equal positions are to be merged, across all readers
 };
 
-/// Reads the block of one of several readers. The blocks of all are what read_mesh would read, but for welding, which
-/// is left to the one who searches. Nothing for a file whose rows have no places that follow from the header, or that
-/// is odd in any way: read_mesh knows what to make of it. That is, it reads binary PLY of triangles and binary STL.
-/// Another reader sees what this one cannot see in its own block, such as a polygon.
+/// Reads the block of one of several readers. All blocks together are what read_mesh reads, except that welding is left
+/// to the search. Handles binary PLY of triangles and binary STL. Returns nothing for any other file, and for any
+/// irregularity in the header or in this block, such as a polygon; use read_mesh then. Irregularities of other blocks
+/// are found by their readers only.
 ///
-/// Throws Error (file, format) as read_mesh does, for what is wrong in this block. Reads its rows in pieces.
+/// Throws Error (file, format) as read_mesh does, for errors in this block. Reads its rows in pieces.
 std::optional<MeshSlice> read_slice(const std::filesystem::path& path, const ReadOptions& options, int reader,
                                     int readers);
 

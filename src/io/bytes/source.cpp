@@ -49,7 +49,7 @@ Source::Source(Array<char> bytes, std::string name) : name_(std::move(name)), by
 void Source::read(std::istream& in, std::size_t hint) {
     errno = 0;
     try {
-        bytes_.resize(std::max<std::size_t>(hint, 4095) + 1);  // one more, to see the end in one go
+        bytes_.resize(std::max<std::size_t>(hint, 4095) + 1);  // one byte more, to reach the end in one read
         advise_large_pages(bytes_.data(), bytes_.size());
         std::size_t size = 0;
         while (true) {

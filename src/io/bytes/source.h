@@ -1,6 +1,7 @@
 #pragma once
 
-// A file's bytes, read once, and the errors and warnings that name a place in it. Lines are counted only for those.
+// Bytes of a file, read once, and errors and warnings that name a place in it. Lines are counted only for such
+// messages.
 
 #include <filesystem>
 #include <iosfwd>
@@ -16,16 +17,16 @@ namespace crumple::io {
 
 class Source {
    public:
-    /// Reads the whole file, and expands one that is compressed by gzip. Throws Error (format) if that is damaged;
-    /// (file): missing, a directory, a device, not permitted, too large for memory.
+    /// Reads the whole file, and expands gzip. Throws Error (format) if the gzip data is damaged; (file) if the file is
+    /// missing, a directory, a device, not readable, or too large for memory.
     explicit Source(const std::filesystem::path& path);
-    /// Reads a stream to its end. `name` is for messages. Throws Error (file).
+    /// Reads a stream to its end, and expands gzip. `name` is for messages. Throws Error (file, format).
     Source(std::istream& in, const std::string& name);
-    /// Bytes that are there, as of an entry of an archive, expanded as well. Throws Error (format).
+    /// Takes bytes that are already in memory, such as an archive entry, and expands gzip. Throws Error (file, format).
     Source(Array<char> bytes, std::string name);
 
     const char* begin() const { return bytes_.begin(); }
-    /// Where text begins: after the byte order mark that some editors put before UTF-8.
+    /// Returns the start of the text, after the byte order mark that some editors put before UTF-8.
     const char* text_begin() const { return begin() + (text().starts_with("\xef\xbb\xbf") ? 3 : 0); }
     const char* end() const { return bytes_.end(); }
     std::string_view text() const { return {bytes_.data(), bytes_.size()}; }
@@ -46,7 +47,8 @@ class Source {
     Array<char> bytes_;
 };
 
-/// What is odd about a file that is read nevertheless, a sentence each: errors to those who want to be strict.
+/// Collector of warnings, one sentence each, about oddities of a file that can be read nevertheless. In strict mode
+/// each is thrown as an Error instead.
 class Warnings {
    public:
     Warnings(const Source& source, bool strict) : source_(source), strict_(strict) {}
@@ -69,7 +71,7 @@ class Warnings {
     std::vector<std::string> sentences_;
 };
 
-/// Places of one kind that one warning tells of: the first of them, and how many there are.
+/// Occurrences that share one warning: the place of the first, and their number.
 struct Tally {
     const char* first = nullptr;
     std::int64_t count = 0;
@@ -77,13 +79,13 @@ struct Tally {
     void add(const char* place) {
         if (count++ == 0) first = place;
     }
-    /// ", and 3 more like it", or nothing.
+    /// Returns ", and 1 more like it", ", and 3 more like that", or an empty text.
     std::string others() const {
         return count < 2 ? "" : ", and " + std::to_string(count - 1) + " more like " + (count == 2 ? "it" : "that");
     }
 };
 
-/// A word of a file for a message: short and printable, whatever the file holds.
+/// Quotes a word of a file for a message: cut to `longest` characters, with unprintable ones as '?'.
 std::string in_quotes(std::string_view word, std::size_t longest = 40);
 
 }  // namespace crumple::io

@@ -1,7 +1,7 @@
 #pragma once
 
-// Scanner: words and numbers of a text file, without copies. Lines end with LF, CR LF or CR. Numbers are rounded once,
-// directly to the type asked for (std::from_chars), whatever the locale. Every error names the line.
+// Scanner for words and numbers of a text file, without copies. Lines end with LF, CR LF or CR. Numbers are rounded
+// once, directly to the requested type (std::from_chars), regardless of the locale. Every error names the line.
 
 #include <charconv>
 #include <cmath>
@@ -14,8 +14,8 @@
 
 namespace crumple::io {
 
-/// Of a decimal number that std::from_chars calls out of range: whether it is too small rather than too large, which
-/// the decimal exponent of its first digit other than zero tells.
+/// True if a decimal number that std::from_chars reports as out of range is too small, false if it is too large. The
+/// decimal exponent of its first nonzero digit decides.
 inline bool underflows(std::string_view decimal) {
     std::int64_t exponent = 0;
     bool point = false, significant = false;
@@ -41,7 +41,8 @@ inline bool underflows(std::string_view decimal) {
     return exponent <= 0;
 }
 
-/// A number, as from_chars reads it, "nan" and "inf" included; nothing if it is none.
+/// Parses a whole word as a number, as from_chars does, "nan" and "inf" included; returns nothing if it is not a
+/// number.
 inline std::optional<double> number_of(std::string_view word) {
     if (word.starts_with('+')) word.remove_prefix(1);
     double value = 0;
@@ -51,11 +52,11 @@ inline std::optional<double> number_of(std::string_view word) {
     return value;
 }
 
-/// The decimal number that text begins with.
+/// Decimal number at the start of a text.
 template <class Scalar>
 struct LeadingNumber {
     Scalar value = 0;           ///< infinite if it overflows
-    const char* end = nullptr;  ///< null if there is none; nan and inf are none
+    const char* end = nullptr;  ///< end of the number; null if there is none: nan and inf do not count
 };
 
 template <class Scalar>
@@ -76,9 +77,9 @@ LeadingNumber<Scalar> leading_number(const char* begin, const char* end) {
 class Scanner {
    public:
     struct Syntax {
-        bool lines = false;         ///< an item ends with its line; otherwise a line's end is but a blank
-        bool comments = false;      ///< '#' and what follows it in the line is skipped
-        bool continuation = false;  ///< a backslash at a line's end is a blank, and so is that end
+        bool lines = false;         ///< items end with their line; otherwise a line end is a blank
+        bool comments = false;      ///< '#' and the rest of its line are skipped
+        bool continuation = false;  ///< a backslash and the line end after it are a blank
     };
 
     Scanner(const Source& source, Syntax syntax, const char* begin)
@@ -103,20 +104,20 @@ class Scanner {
         return true;
     }
 
-    /// To the first item of the next line that has any; false at the end of the file.
+    /// Moves to the next item, in this line or a later one; returns false at the end of the file.
     bool next_line_with_items() {
         while (!at_end() && finished()) skip_line();
         return !at_end();
     }
 
-    /// To the start of the next line. A comment ends with its line even if it ends with a backslash.
+    /// Moves to the start of the next line. A comment ends with its line even if it ends with a backslash.
     void skip_line() {
         const bool comment = p_ != end_ && *p_ == '#' && syntax_.comments;
         while (p_ != end_ && !ends_line(*p_)) p_ += comment ? 1 : std::max<std::size_t>(1, continuation(p_));
         if (p_ != end_) ++p_;
     }
 
-    /// The next word; `what` is missing if there is none.
+    /// Returns the next word. Throws Error, which names `what` as missing, if there is none.
     std::string_view word(const char* what = "a word") {
         if (finished()) fail(std::string(what) + " is missing");
         const char* const begin = p_;
@@ -124,14 +125,14 @@ class Scanner {
         return {begin, static_cast<std::size_t>(p_ - begin)};
     }
 
-    /// The next integer, a word of its own.
+    /// Returns the next word as an integer.
     std::int64_t integer(const char* what = "an integer") {
         const std::int64_t value = leading_integer(what);
         end_word(what);
         return value;
     }
 
-    /// After an item: nothing of its word may be left.
+    /// Throws Error if, after an item, something of its word is left over.
     void end_word(const char* what = "an integer") const {
         if (p_ != end_of_word()) fail("in " + std::string(what) + ": " + in_quotes(rest_of_word()) + " is left over");
     }
@@ -145,10 +146,10 @@ class Scanner {
         return true;
     }
 
-    /// Skips so many characters of this word.
+    /// Skips this many characters of the current word.
     void skip_characters(std::size_t count) { p_ += count; }
 
-    /// The next word's integer, up to the first character that is not a digit.
+    /// Returns the integer at the start of the next word, and stops at the first character that is not a digit.
     std::int64_t leading_integer(const char* what) {
         if (finished()) fail(std::string(what) + " is missing");
         std::int64_t value = 0;
@@ -159,7 +160,7 @@ class Scanner {
         return value;
     }
 
-    /// The next number, a word of its own. Neither overflow nor nan nor inf is a number.
+    /// Returns the next word as a finite number. Overflow, nan and inf are errors.
     template <class Scalar>
     Scalar real() {
         if (finished()) fail("a number is missing");
@@ -174,7 +175,7 @@ class Scanner {
         return value;
     }
 
-    /// From here to the next blank.
+    /// Returns the text from the position to the end of the word.
     std::string_view rest_of_word() const { return {p_, static_cast<std::size_t>(end_of_word() - p_)}; }
 
     [[noreturn]] void fail(const std::string& what) const { fail(p_, what); }
@@ -182,9 +183,9 @@ class Scanner {
 
    private:
     static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
-    static bool ends_line(char c) { return c == '\n' || c == '\r'; }  // CR LF ends an empty line, too
+    static bool ends_line(char c) { return c == '\n' || c == '\r'; }  // CR LF is two line ends
 
-    /// Length of a backslash with the line's end after it, or 0.
+    /// Returns the length of a backslash and the line end after it, or 0.
     std::size_t continuation(const char* p) const {
         if (*p != '\\' || !syntax_.continuation || end_ - p < 2 || !ends_line(p[1])) return 0;
         return end_ - p >= 3 && p[1] == '\r' && p[2] == '\n' ? 3 : 2;

@@ -8,8 +8,9 @@
 
 namespace crumple::io {
 
-/// The thread that takes the name out of its slot removes the file. A handler never frees the name: the heap is not
-/// safe there. Nor does anybody else then, who cannot know whether the handler is through: its slot is not taken again.
+/// Entry for one file. Whoever exchanges `name` for null removes the file. A signal handler must not use the heap, so
+/// it does not free the name. Nor does the owner then, who cannot know whether the handler is done with it: such a slot
+/// is never reused.
 struct UnfinishedFile::Slot {
     std::atomic<bool> taken{true};
     std::atomic<char*> name{nullptr};

@@ -1,17 +1,17 @@
 #pragma once
 
-// The names of files that are being written beside their targets, so that none stays behind when the process ends
-// early: by exit() while another thread writes, or by a signal whose handler calls remove_unfinished_files().
+// Registry of temporary files that are being written, so that none stays behind when the process ends early: by exit()
+// while another thread writes, or by a signal whose handler calls remove_unfinished_files().
 
 #include <atomic>
 #include <filesystem>
 
 namespace crumple::io {
 
-/// Removes them all. Async-signal-safe. A thread that is writing one of them fails to finish it.
+/// Removes all unfinished files. Async-signal-safe. A thread that is still writing one of them will fail to rename it.
 void remove_unfinished_files() noexcept;
 
-/// A file that is removed unless it is finished.
+/// Registration of one file, which is removed unless it is finished.
 class UnfinishedFile {
    public:
     UnfinishedFile() = default;
@@ -19,9 +19,9 @@ class UnfinishedFile {
     UnfinishedFile& operator=(const UnfinishedFile&) = delete;
     ~UnfinishedFile() { remove(); }
 
-    /// Call before the file is made.
+    /// Registers the file. Call before creating it.
     void begin(const std::filesystem::path& name);
-    /// The file is renamed, or was removed: there is nothing to remove any more.
+    /// Unregisters the file without removing it. Call once it has been renamed or removed.
     void finish();
     void remove();
 
@@ -30,7 +30,7 @@ class UnfinishedFile {
     void give_back(bool unlink);
     friend void remove_unfinished_files() noexcept;
 
-    /// All slots there have ever been; they are used again and never freed.
+    /// List of all slots ever allocated; they are reused and never freed.
     static std::atomic<Slot*> slots_;
     Slot* slot_ = nullptr;
 };

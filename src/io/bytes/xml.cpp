@@ -12,7 +12,7 @@ namespace {
 
 constexpr int piece = 1 << 16;
 constexpr int deepest_elements = 256;
-/// Of what expat holds until it has seen its end.
+/// Most bytes of a tag or comment, which expat buffers until its end.
 constexpr std::int64_t longest_tag = 1 << 20;
 
 }  // namespace
@@ -28,7 +28,7 @@ std::optional<std::string_view> XmlAttributes::find(std::string_view name) const
 }
 
 struct XmlReader::Callbacks {
-    /// After the first exception nothing is told any more.
+    /// Calls f(reader), and stores its exception. Does nothing after the first exception.
     template <class F>
     static void guard(void* self, F f) {
         auto& reader = *static_cast<XmlReader*>(self);

@@ -1,8 +1,8 @@
 #pragma once
 
-// XML by expat, element by element, in bounded pieces. Names are NAMESPACE|LOCAL, of attributes without a prefix LOCAL
-// alone. Documents with a DOCTYPE, and thus with entities of their own, are refused, as are elements nested deeper, and
-// tags longer, than any writer makes them.
+// Streaming reader of XML over expat: element by element, in bounded pieces. Names are NAMESPACE|LOCAL; attributes
+// without a prefix are LOCAL alone. Rejects documents with a DOCTYPE, which could define entities, and elements nested
+// deeper or tags longer than any writer produces (limits in xml.cpp).
 
 #include <cstdint>
 #include <exception>
@@ -17,17 +17,17 @@ struct XML_ParserStruct;
 
 namespace crumple::io {
 
-/// "PLACE, line 17: WHAT"; `place` names the file and what of it.
+/// Returns Error (format) "PLACE, line 17: WHAT"; `place` names the file and the part of it.
 Error xml_error(const std::string& place, std::int64_t line, const std::string& what);
 
-/// Of the element that begins, and only as long.
+/// Attributes of the element that begins; valid only during XmlReader::begin().
 class XmlAttributes {
    public:
     explicit XmlAttributes(const char** all) : all_(all) {}
     std::optional<std::string_view> find(std::string_view name) const;
 
    private:
-    const char** all_;  ///< names and values in turn, and a null
+    const char** all_;  ///< alternating names and values, then a null
 };
 
 class XmlReader {
@@ -37,20 +37,21 @@ class XmlReader {
     XmlReader& operator=(const XmlReader&) = delete;
     virtual ~XmlReader() = default;
 
-    /// Reads a document to its end. more(to, size) gives the next bytes, none at the end. Throws Error (format), and
-    /// what begin() and end() throw.
+    /// Reads a document to its end. more(to, size) copies up to `size` next bytes and returns their number, 0 at the
+    /// end. Throws Error (format), and whatever `more` and the callbacks throw.
     void read(const std::function<std::size_t(char*, std::size_t)>& more);
 
     const std::string& place() const { return place_; }
 
    protected:
     virtual void begin(std::string_view element, const XmlAttributes& attributes) = 0;
-    /// Of the element that began last and has not ended.
+    /// Ends the element that began last and has not ended.
     virtual void end() = 0;
-    /// Before the element begins on which it stands. Null for no namespace.
+    /// Called before begin() of the element with the declaration. `prefix` is null for the default namespace, `name`
+    /// for no namespace.
     virtual void declare_namespace(const char* /*prefix*/, const char* /*name*/) {}
 
-    /// Of the element that begins or ends.
+    /// Returns the line of the element that begins or ends.
     std::int64_t line() const;
     [[noreturn]] void fail(const std::string& what) const { throw xml_error(place_, line(), what); }
 
@@ -60,7 +61,7 @@ class XmlReader {
 
     std::string place_;
     XML_ParserStruct* parser_ = nullptr;
-    std::exception_ptr thrown_;  ///< by a callback: expat, which is C, must not see it
+    std::exception_ptr thrown_;  ///< exception of a callback; must not propagate through expat, which is C
     int depth_ = 0;
 };
 

@@ -1,8 +1,8 @@
 #pragma once
 
-// Zip archives in memory, with ZIP64's fields where they are needed or not: entries are stored or compressed by
-// deflate. minizip writes them. Its reader does not resolve every mixture of ZIP64's fields, so that ours reads them by
-// zlib.
+// Writer and reader of zip archives in memory, with and without ZIP64 fields. Entries are stored or compressed by
+// deflate. The writer uses minizip. minizip's reader does not handle every mixture of ZIP64 fields, so the reader here
+// is our own, on zlib.
 
 #include <cstddef>
 #include <cstdint>
@@ -18,11 +18,11 @@
 
 namespace crumple::io {
 
-/// Made in memory: the sizes that stand before an entry are known after it. Entries have the date 1980-01-01, so that
-/// equal contents give equal archives.
+/// Writer that builds an archive in memory, because the sizes stored before an entry are known only after it. Entries
+/// have the date 1980-01-01, so that equal contents give equal archives.
 class ZipWriter {
    public:
-    /// `kind` is what messages call the archive. Throws Error (file), as all calls do.
+    /// `kind` names the archive in messages. All calls throw Error (file).
     explicit ZipWriter(std::string kind);
     ZipWriter(const ZipWriter&) = delete;
     ZipWriter& operator=(const ZipWriter&) = delete;
@@ -34,7 +34,7 @@ class ZipWriter {
     void add(std::string_view bytes);
     void end();
 
-    /// After the last entry.
+    /// Ends the archive and writes it. Call once, after the last entry.
     void write(std::ostream& out);
 
    private:
@@ -46,24 +46,25 @@ class ZipWriter {
     void* archive_ = nullptr;
 };
 
-/// Refers to the source. One entry is open at a time.
+/// Reader of an archive. Refers to the source. One entry is open at a time.
 class ZipReader {
    public:
-    /// Throws Error (format): "NAME: this is not a KIND archive", or that its list of entries is damaged.
+    /// Throws Error (format): "NAME: this is not a KIND archive", or that the list of entries is damaged.
     ZipReader(const Source& source, const std::string& kind);
     ZipReader(const ZipReader&) = delete;
     ZipReader& operator=(const ZipReader&) = delete;
     ~ZipReader();
 
-    /// Names of all entries, in the order of the archive's list.
+    /// Returns the names of all entries, in the order of the archive's list.
     const std::vector<std::string>& names() const { return names_; }
     bool has(const std::string& name, bool any_case = false) const;
-    /// All bytes of an entry; nothing if there is none that can be read, or if it has more than `most`.
+    /// Returns all bytes of an entry, or nothing if it is missing, cannot be read, or has more than `most` bytes.
     std::optional<Array<char>> expand(const std::string& name, std::uint64_t most);
-    /// Opens an entry; false if there is none of the name that can be read: another method, a password, damage.
+    /// Opens an entry. Returns false if it is missing or cannot be read: another compression method, encryption,
+    /// damage.
     bool open(const std::string& name, bool any_case = false);
-    /// The next bytes of the open entry, at most so many; none at its end. False if it is truncated or damaged, which
-    /// a wrong checksum tells at the end.
+    /// Reads up to `size` next bytes of the open entry; `got` is 0 at its end. Returns false if the entry is truncated
+    /// or damaged; a wrong checksum is found at the end.
     bool read(char* to, std::size_t size, std::size_t& got);
 
    private:
@@ -76,17 +77,17 @@ class ZipReader {
 
     std::string_view bytes_;
     std::vector<std::string> names_;
-    std::unique_ptr<Entries> exact_, any_case_;  ///< of several with one name the first
+    std::unique_ptr<Entries> exact_, any_case_;  ///< by name; the first of several entries with one name
     std::unique_ptr<Inflation> open_;
 };
 
-/// By ASCII, as names of entries are compared.
+/// Converts ASCII letters only, as entry names are compared.
 inline std::string in_lower_case(std::string name) {
     for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     return name;
 }
 
-/// Whether the content is that of a zip archive.
+/// True if the content is that of a zip archive.
 inline bool is_zip(const Source& source) {
     using namespace std::string_view_literals;
     return source.text().starts_with("PK\3\4"sv) || source.text().starts_with("PK\5\6"sv);

@@ -1,5 +1,6 @@
-// The list of entries (central directory) says all about them; what stands before each entry is skipped.
-// APPNOTE.TXT 6.3, sections 4.3 to 4.5: a field of 32 or 16 bits that is all ones has its value in a ZIP64 record.
+// Reader of zip archives. The list of entries (central directory) describes them; the header before each entry is
+// skipped. APPNOTE.TXT 6.3, sections 4.3 to 4.5: a field of 32 or 16 bits that is all ones has its value in a ZIP64
+// record.
 
 #include <zlib.h>
 
@@ -23,14 +24,14 @@ T number(std::string_view bytes, std::size_t at) {
     return load<T>(bytes.data() + at, std::endian::little);
 }
 
-/// The record of the kind and size at that place; nothing if there is none.
+/// Returns the record with this size and signature at byte `at`; empty if there is none.
 std::string_view record(std::string_view bytes, std::uint64_t at, std::size_t size, std::string_view signature) {
     if (at > bytes.size() || size > bytes.size() - at) return {};
     const std::string_view found = bytes.substr(at, size);
     return found.starts_with(signature) ? found : std::string_view();
 }
 
-/// The last end record: only a comment of at most 64 KiB follows it.
+/// Returns the place of the last end record, or npos. Only a comment of at most 64 KiB may follow it.
 std::size_t find_end_record(std::string_view bytes) {
     const std::size_t at = bytes.rfind("PK\5\6"sv);
     const bool near_end = at != bytes.npos && bytes.size() - at <= end_record + UINT16_MAX;
@@ -40,10 +41,10 @@ std::size_t find_end_record(std::string_view bytes) {
 /// Extent of the list of entries.
 struct List {
     std::uint64_t begin = 0, size = 0;
-    std::uint64_t moved = 0;  ///< bytes that were put before the archive, which offsets do not count
+    std::uint64_t moved = 0;  ///< bytes prepended to the archive, which offsets do not count
 };
 
-/// False if the end records contradict each other or the size of the file.
+/// Finds the list of entries. Returns false if the end records contradict each other or the size of the file.
 bool find_list(std::string_view bytes, std::size_t end, List& list) {
     std::uint64_t begin = number<std::uint32_t>(bytes, end + 16), list_end = end;
     list.size = number<std::uint32_t>(bytes, end + 12);
@@ -74,7 +75,8 @@ struct ZipReader::Entry {
 
     bool is_locked() const { return flags & 1; }
 
-    /// Replaces fields that are all ones by those of the ZIP64 extra field, which holds these alone, in this order.
+    /// Replaces fields that are all ones by those of the ZIP64 extra field, which holds only these, in this order.
+    /// Returns false if that field is too short.
     bool resolve(std::string_view extra) {
         while (extra.size() >= 4) {
             const auto kind = number<std::uint16_t>(extra, 0), length = number<std::uint16_t>(extra, 2);
@@ -93,16 +95,16 @@ struct ZipReader::Entry {
     }
 };
 
-/// An entry that is being read.
+/// Decompression state of the entry that is being read.
 struct ZipReader::Inflation {
     Inflation(const Entry& entry, std::string_view compressed) : entry(entry), left(compressed) {
         if (entry.method == Z_DEFLATED && inflateInit2(&stream, -MAX_WBITS) != Z_OK) throw std::bad_alloc();
     }
     Inflation(const Inflation&) = delete;
     Inflation& operator=(const Inflation&) = delete;
-    ~Inflation() { inflateEnd(&stream); }  // nothing for a stream that has not begun
+    ~Inflation() { inflateEnd(&stream); }  // no effect if inflateInit2 was not called
 
-    /// The next bytes, none at the end. False: damaged or truncated.
+    /// Reads the next bytes; `got` is 0 at the end. Returns false if the entry is damaged or truncated.
     bool read(char* to, std::size_t size, std::size_t& got) {
         size = std::min(size, most_at_once);
         if (entry.method == Z_DEFLATED) {
@@ -138,7 +140,7 @@ struct ZipReader::Inflation {
     }
 
     const Entry& entry;
-    std::string_view left;  ///< what is compressed and has not been read
+    std::string_view left;  ///< compressed bytes that have not been read
     z_stream stream{};
     bool ended = false;
     std::uint64_t count = 0;
@@ -197,7 +199,7 @@ std::optional<Array<char>> ZipReader::expand(const std::string& name, std::uint6
     bytes.resize(static_cast<std::size_t>(entry->size));
     std::size_t size = 0;
     for (std::size_t got = 1; got > 0; size += got) {
-        // One more than there should be shows the end, and with it the checksum.
+        // Reading one byte more than expected reaches the end, where the checksum is checked.
         char beyond = 0;
         const bool whole = size == bytes.size();
         if (!read(whole ? &beyond : bytes.data() + size, whole ? 1 : bytes.size() - size, got)) return std::nullopt;

@@ -9,12 +9,12 @@ namespace crumple::io {
 
 namespace {
 
-/// Bytes of one call, which minizip counts in 32 bits.
+/// Most bytes of one call: minizip counts in 32 bits.
 constexpr std::size_t most_at_once = std::size_t{1} << 30;
 
 }  // namespace
 
-/// The archive as a file of minizip's.
+/// Archive in memory, with the file functions that minizip calls.
 struct ZipWriter::Memory {
     std::string bytes;
     std::size_t at = 0;

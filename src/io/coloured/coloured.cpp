@@ -1,4 +1,5 @@
-// Meshes with colliding triangles coloured: one soup of the one or two meshes, and the format by extension.
+// Writes meshes with colliding triangles coloured: joins one or two meshes into one soup, and chooses the format by
+// extension.
 
 #include <algorithm>
 #include <cerrno>
@@ -16,12 +17,12 @@ namespace crumple::io {
 
 namespace {
 
-/// Corners and ids of the second mesh follow those of the first.
+/// Appends corners or ids of the second mesh, which are shifted to follow those of the first.
 void append(std::vector<std::int32_t>& to, const std::vector<std::int32_t>& more, std::int64_t shift) {
     for (const std::int32_t value : more) to.push_back(static_cast<std::int32_t>(value + shift));
 }
 
-/// Each triangle as a polygon, where the other mesh has polygons.
+/// Returns the polygons of a mesh, or each triangle as a polygon if it has none.
 Polygons polygons_of(const TriangleMesh& mesh) {
     if (!mesh.polygons.empty()) return mesh.polygons;
     Polygons polygons{{}, {0}, mesh.triangles};
@@ -66,7 +67,7 @@ ColouredMesh join(const TriangleMesh& mesh, const TriangleMesh* second, const In
         for (std::size_t i = 1; i < more.offsets.size(); ++i) polygons.offsets.push_back(corners + more.offsets[i]);
         append(polygons.corners, more.corners, mesh.vertex_count());
     }
-    // Groups are kept if both have them: a made-up group could be taken for a real one.
+    // Groups are kept only if both meshes have them: an invented group could be mistaken for a real one.
     if (second->groups.empty()) result.mesh.groups.clear();
     if (!result.mesh.groups.empty()) {
         result.mesh.groups.insert(result.mesh.groups.end(), second->groups.begin(), second->groups.end());
@@ -83,7 +84,7 @@ void check_hits(const TriangleMesh& mesh, const Array<std::uint8_t>& hit) {
     }
 }
 
-/// Materials of somebody else, of an input perhaps, are not replaced.
+/// Throws Error (file) if the file exists and was not written by Crumple: it may belong to an input.
 void check_materials(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
     std::string first_line;

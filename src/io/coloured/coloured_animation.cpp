@@ -1,6 +1,6 @@
-// Animated binary glTF: a node for each frame, of which one at a time has the scale 1, all others 0, stepwise. So
-// frames may differ in everything, their topology as well, and every viewer that plays animations plays them. Viewers
-// that do not show the first frame.
+// Animated binary glTF: a node for each frame. A stepwise animation of scales shows one node at a time with scale 1,
+// and hides all others with scale 0. So frames may differ in everything, including topology, and every viewer that
+// plays animations plays them. Viewers that do not play animations show the first frame.
 
 #include <tiny_gltf.h>
 
@@ -14,10 +14,10 @@ namespace crumple::io {
 struct ColouredAnimation::Implementation {
     double frames_per_second;
     tinygltf::Model model = empty_glb();
-    std::vector<std::optional<int>> nodes;  // one a frame; a frame without triangles has none
+    std::vector<std::optional<int>> nodes;  // one per frame; a frame without triangles has none
     Unit unit = Unit::unknown;
 
-    /// Shows the node from its frame's begin to its end; the last one stays.
+    /// Adds a channel that shows a frame's node from the beginning to the end of the frame; the last frame stays.
     void add_channel(tinygltf::Model& to, tinygltf::Animation& animation, std::size_t frame) const {
         const auto time = [&](std::size_t i) { return static_cast<float>(static_cast<double>(i) / frames_per_second); };
         std::vector<float> times, scales;
@@ -81,7 +81,7 @@ void ColouredAnimation::write(const std::filesystem::path& path) {
 
 void ColouredAnimation::write(std::ostream& out) {
     const FloatEnvironment environment;
-    // What is added for the animation is taken away again: frames may follow.
+    // Data added for the animation is removed afterwards, because more frames may follow.
     tinygltf::Model& model = implementation_->model;
     const std::size_t bytes = model.buffers.empty() ? 0 : model.buffers[0].data.size(),
                       views = model.bufferViews.size(), accessors = model.accessors.size();

@@ -1,5 +1,5 @@
-// Meshes with what is hit, or near, coloured by time or distance, as binary glTF: a material for each eighth of the
-// range.
+// Writes meshes as binary glTF, with the triangles of impacts or near pairs coloured by time or distance: one material
+// for each eighth of the range.
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ namespace crumple::io {
 
 namespace {
 
-// ColorBrewer's YlOrRd, the darkest first.
+// Grey, then ColorBrewer's YlOrRd, the darkest first.
 constexpr std::array<Colour, 9> shades{{free_colour,
                                         {177, 0, 38},
                                         {227, 26, 28},
@@ -28,7 +28,7 @@ constexpr std::array<Colour, 9> shades{{free_colour,
                                         {255, 255, 204}}};
 constexpr double untouched = std::numeric_limits<double>::infinity();
 
-/// The least value of the rows that name a feature of one mesh.
+/// Least value, for each feature of one mesh, of the rows that name it.
 class Least {
    public:
     explicit Least(const TriangleMesh& mesh)
@@ -44,7 +44,7 @@ class Least {
         least = std::min(least, value);
     }
 
-    /// Of a triangle, its vertices and its edges.
+    /// Returns the least value of a triangle, its vertices and its edges.
     double of(std::size_t triangle) const {
         double least = of_triangle_[triangle];
         const std::int32_t* const c = &mesh_.triangles[3 * triangle];
@@ -92,7 +92,8 @@ void add(std::vector<Least>& meshes, const FeatureRow& row, double value) {
     add_feature(second, 1, first_ids(row.kind));
 }
 
-/// 0, grey, for what is in no row; 1 for the least values to 8 for those about `most`.
+/// Returns the shade of each triangle: 0 (grey) if it is in no row, else from 1 for the least values to 8 for those
+/// near `most`.
 Array<std::uint8_t> shades_of(const TriangleMesh& mesh, const Least& least, double most) {
     Array<std::uint8_t> result;
     constexpr double steps = shades.size() - 1;

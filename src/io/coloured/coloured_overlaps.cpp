@@ -1,8 +1,8 @@
-// Worlds with the surface of their overlaps in a strong colour, and all else translucent.
+// Writes worlds with the surface of their overlaps in a strong colour, and everything else translucent.
 //
-// That surface is made for the picture alone: triangles are cut along the segments in which bodies cross, which the
-// search for intersections returns, and a piece counts if its middle lies inside the other body of a pair. So numbers
-// of triangles are not those of the bodies.
+// The surface is computed for the picture alone: triangles are cut along the segments in which bodies cross, which the
+// search for intersections returns, and a piece is part of the surface if its middle lies inside the other body of a
+// pair. So indices of triangles are not those of the bodies.
 
 #include <algorithm>
 #include <map>
@@ -24,24 +24,24 @@ namespace {
 /// Common area of two triangles: a convex polygon.
 using CommonPolygon = std::vector<Vec3d>;
 
-/// Contacts of one triangle with other bodies, or with other triangles of its own.
+/// Contacts of one triangle with other bodies, or with other triangles of its own body.
 struct TriangleContacts {
     std::vector<CutSegment> segments;
     std::vector<CommonPolygon> areas;
 };
 
-/// Body that a row names with another one.
+/// The other body of a row, as seen from one of its two bodies.
 struct OtherBody {
     std::int32_t body;
-    bool has_inside;  ///< false if one of both is not closed (OverlapRelation::undefined)
+    bool has_inside;  ///< false if one of the two is not closed (OverlapRelation::undefined)
 };
 
-/// Body of a row, in place, with its contacts.
+/// Body of a row, posed, with its contacts.
 struct CutBody {
     std::vector<Vec3d> points;
-    std::vector<std::int32_t> corners;                  ///< of its triangles as they are
+    std::vector<std::int32_t> corners;                  ///< of its triangles before they are cut
     std::map<std::int32_t, TriangleContacts> contacts;  ///< by triangle
-    std::vector<OtherBody> others;                      ///< of its rows; itself, too
+    std::vector<OtherBody> others;  ///< of its rows; includes the body itself if a row pairs it with itself
     std::optional<PictureWindings> rays;
 };
 
@@ -78,7 +78,7 @@ CutBody place(const WorldMesh& world, std::size_t b) {
     return body;
 }
 
-/// Puts the bodies that rows name where they are; they have no contacts yet.
+/// Poses the bodies that rows name; they have no contacts yet.
 std::map<std::int32_t, CutBody> place_bodies(const WorldMesh& world, const Overlaps& overlaps) {
     std::map<std::int32_t, CutBody> bodies;
     const auto body_of = [&](std::int32_t b) -> CutBody& {
@@ -121,7 +121,8 @@ Intersections find_contacts(const WorldMesh& world, const Overlaps& overlaps, co
     return detector.find(World{view.shapes, bodies, view.poses}, IntersectionQuery{.output = Output::contacts});
 }
 
-/// Adds the contacts of bodies of rows to their triangles. Returns their segments, each by its two ends.
+/// Adds the contacts of the bodies of rows to their triangles. Returns the segments of these contacts, two end points
+/// each.
 std::vector<std::array<double, 3>> add_contacts(const Intersections& found, std::map<std::int32_t, CutBody>& bodies) {
     std::vector<std::array<double, 3>> curves;
     for (std::size_t i = 0; i < found.pairs.size(); ++i) {
@@ -147,7 +148,7 @@ bool is_within(const CommonPolygon& area, const Vec3d& p) {
     return true;
 }
 
-/// Returns true if a piece of a triangle belongs to the surface of an overlap, or to a common area.
+/// True if the piece of a triangle with this middle belongs to the surface of an overlap, or to a common area.
 bool is_in_overlap(const std::map<std::int32_t, CutBody>& bodies, std::int32_t b, std::int32_t triangle,
                    const Vec3d& middle, const TriangleContacts* contacts) {
     const CutBody& body = bodies.at(b);
@@ -155,7 +156,7 @@ bool is_in_overlap(const std::map<std::int32_t, CutBody>& bodies, std::int32_t b
         if (!has_inside) continue;
         if (other != b && bodies.at(other).rays->at(middle) != 0) return true;
         if (other != b) continue;
-        // The ray begins on one side of the piece; on the inner side the surface goes around once more.
+        // The ray begins on one side of the piece; on the inner side the winding number is greater by one.
         const std::int32_t* const c = &body.corners[3 * static_cast<std::size_t>(triangle)];
         const auto point = [&](std::size_t k) { return body.points[static_cast<std::size_t>(c[k])]; };
         const double slope = dot(cross(point(1) - point(0), point(2) - point(0)), PictureWindings::direction);
@@ -165,7 +166,7 @@ bool is_in_overlap(const std::map<std::int32_t, CutBody>& bodies, std::int32_t b
                                    [&](const CommonPolygon& area) { return is_within(area, middle); });
 }
 
-/// Cuts a body's triangles. `hit`: one is added for each piece.
+/// Cuts a body's triangles into pieces, which are fanned. Adds a flag to `hit` for each new triangle.
 TriangleMesh cut(const std::map<std::int32_t, CutBody>& bodies, std::int32_t b, std::vector<std::uint8_t>& hit) {
     const CutBody& body = bodies.at(b);
     std::vector<Vec3d> points = body.points;
@@ -192,11 +193,11 @@ TriangleMesh cut(const std::map<std::int32_t, CutBody>& bodies, std::int32_t b, 
     return mesh;
 }
 
-/// World with its bodies cut.
+/// World in which the bodies that rows name are cut.
 struct OverlapPicture {
     WorldMesh world;
-    std::vector<std::uint8_t> hit;              ///< by triangle of each body, by overlap_materials
-    std::vector<std::array<double, 3>> curves;  ///< in which bodies of rows cross: ends of segments, two each
+    std::vector<std::uint8_t> hit;              ///< per triangle of each body: index of overlap_materials
+    std::vector<std::array<double, 3>> curves;  ///< where bodies of rows cross: two end points per segment
     std::string caption;
 
     ColouredMesh mesh() const { return {posed_mesh(world), hit, overlap_materials}; }
@@ -228,7 +229,7 @@ OverlapPicture make_picture(const WorldMesh& world, const Overlaps& overlaps, co
     return picture;
 }
 
-/// Returns the coloured triangles alone, for formats that know nothing translucent.
+/// Returns the coloured triangles alone, for formats without translucency.
 ColouredMesh without_rest(ColouredMesh coloured) {
     TriangleMesh rest = std::move(coloured.mesh);
     coloured.mesh.unit = rest.unit;

@@ -1,4 +1,4 @@
-// Worlds with colliding triangles coloured: .glb and .3mf body by body, the other formats as one mesh.
+// Writes worlds with colliding triangles coloured: .glb and .3mf body by body, other formats as one mesh.
 
 #include "base/float_environment.h"
 #include "io/bytes/atomic_file.h"
@@ -11,7 +11,7 @@ namespace {
 
 using Writer = void (*)(std::ostream&, const WorldMesh&, std::span<const std::uint8_t>, std::span<const Material>);
 
-/// Of formats that keep bodies.
+/// Returns the writer of a format that keeps bodies apart, or null.
 Writer writer_of_bodies(MeshFormat format) {
     if (format == MeshFormat::glb) return write_coloured_glb;
     if (format == MeshFormat::threemf) return write_coloured_3mf;
@@ -27,7 +27,7 @@ void check(const WorldMesh& world, const Intersections& collisions) {
                     "the collisions are not those of this world, or without hit flags (Intersect::index)");
 }
 
-/// As if they were of the mesh that posed_mesh makes.
+/// Returns the collisions as if they were those of the mesh that posed_mesh() returns.
 Intersections of_posed_mesh(const Intersections& collisions) {
     Intersections result;
     result.hit = collisions.hit;

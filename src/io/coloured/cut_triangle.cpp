@@ -6,7 +6,7 @@
 namespace crumple::io {
 namespace {
 
-constexpr double tolerance = 1e-12;  // of lengths, as shares of the triangle's
+constexpr double tolerance = 1e-12;  // of lengths, relative to the size of the triangle
 
 /// Line of a segment in the plane of a triangle.
 class CutLine {
@@ -30,8 +30,8 @@ class CutLine {
     double tolerance_;
 };
 
-/// Splits a piece where a segment passes through it: what lies to the right stays in `piece`, the rest is returned.
-/// Returns an empty piece, and changes nothing, where the segment does not.
+/// Splits a piece along a segment that passes through it: the right part stays in `piece`, the left part is returned.
+/// If the segment does not pass through, returns an empty piece and changes nothing.
 CutPiece split(std::vector<Vec3d>& points, const CutLine& line, CutPiece& piece) {
     const auto point = [&](std::int32_t corner) { return points[static_cast<std::size_t>(corner)]; };
     std::vector<double> sides;
@@ -39,7 +39,7 @@ CutPiece split(std::vector<Vec3d>& points, const CutLine& line, CutPiece& piece)
     const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
     if (!(*least < 0 && *most > 0)) return {};
     CutPiece left, right;
-    double first = 1, last = 0;  // of the part of the segment within the piece
+    double first = 1, last = 0;  // ends of the cut within the piece, as places along the line
     const std::size_t old_points = points.size();
     for (std::size_t i = 0; i < piece.size(); ++i) {
         const std::size_t j = (i + 1) % piece.size();

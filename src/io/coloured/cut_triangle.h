@@ -16,8 +16,8 @@ using CutSegment = std::array<Vec3d, 2>;
 /// Convex piece of a triangle, by the indices of its corners, in the triangle's direction.
 using CutPiece = std::vector<std::int32_t>;
 
-/// Returns the pieces of the triangle. Each segment lies along the sides of some; a cut may go on beyond the end of its
-/// segment, to the border of the piece that it ends in. New corners are appended to `points`. Cost: O(segments x
+/// Returns the pieces of the triangle. Each segment lies along sides of pieces; a cut may continue beyond the end of
+/// its segment, to the border of the piece in which it ends. New corners are appended to `points`. Cost: O(segments x
 /// pieces).
 std::vector<CutPiece> cut_triangle(std::vector<Vec3d>& points, const std::array<std::int32_t, 3>& corners,
                                    std::span<const CutSegment> segments);

@@ -1,5 +1,6 @@
-// A page that shows the meshes in WebGL (viewer.html), with colliding triangles and contacts coloured. It needs no
-// package and no network. Corners, not indices: each triangle has its own colour, and old WebGL has no 32-bit indices.
+// Writes a page that shows the meshes in WebGL (viewer.html), with colliding triangles and contacts coloured. The page
+// needs no package and no network. It holds corners, not indices: each triangle has its own colour, and old WebGL has
+// no 32-bit indices.
 
 #include <algorithm>
 #include <array>
@@ -36,7 +37,7 @@ struct Side {
     const Material& material(std::size_t triangle) const { return hit[triangle] ? colliding : free; }
 };
 
-/// Colours as files have them, with the words of the legend; a second mesh is bluish, to be told from the first.
+/// Colours as in other files, with the words of the legend; a second mesh is bluish, to distinguish it from the first.
 constexpr Material collides{"collides", colliding_colour};
 constexpr Material materials_of_meshes[2][2] = {{{"free", free_colour}, collides},
                                                 {{"free", {150, 168, 188}}, collides}};
@@ -45,7 +46,7 @@ constexpr Colour contact_colour{20, 20, 20};
 /// Contents of a page.
 struct Page {
     std::vector<Side> sides;
-    std::vector<Point> lines, points;  ///< ends of lines, two each; points alone
+    std::vector<Point> lines, points;  ///< two end points per line; single points
     std::string caption;
     const char* line_name = "contact";
 };
@@ -60,7 +61,7 @@ Point corner_of(const TriangleMesh& mesh, std::size_t corner) {
         mesh.vertices);
 }
 
-/// Bytes as base64, three at a time.
+/// Encoder of bytes as base64, three at a time.
 class Base64 {
    public:
     explicit Base64(Sink& sink) : sink_(sink) {}
@@ -97,8 +98,8 @@ class Base64 {
     int count_ = 0;
 };
 
-/// Takes what is drawn into the unit ball. Nothing over- or underflows, wherever the coordinates lie: halves are added,
-/// quotients are squared.
+/// Transform of everything that is drawn into the unit ball. Nothing overflows or underflows for any coordinates:
+/// halves are added, and quotients are squared.
 class Normalised {
    public:
     explicit Normalised(const std::vector<Side>& sides) {
@@ -138,7 +139,7 @@ class Normalised {
     double extent_ = 1, radius_ = 1;
 };
 
-/// `"name": "..."` of the page's data; `before` is what precedes a member.
+/// Writes the member `"name": "..."` of the page's data, after the text `before`.
 template <class Write>
 void member(Sink& sink, const char* before, const char* name, Write write) {
     sink << before << '"' << name << "\": \"";
@@ -148,7 +149,7 @@ void member(Sink& sink, const char* before, const char* name, Write write) {
     sink << '"';
 }
 
-/// Calls take(side, corner) for the corners of all triangles, of the translucent ones last.
+/// Calls take(side, corner) for the corners of all triangles, those of translucent ones last.
 template <class Take>
 void for_each_corner(const std::vector<Side>& sides, Take take) {
     for (const bool translucent : {false, true})
@@ -194,7 +195,7 @@ void write_legend(Sink& sink, const Page& page) {
     if (!page.lines.empty() || !page.points.empty()) entry({page.line_name, contact_colour}, "");
 }
 
-/// A name for the page's elements: a notebook holds many pages.
+/// Returns a unique id for the page's root element: a notebook may hold many pages.
 std::string unique_name() {
     std::random_device random;
     std::string name = "crumple-";
@@ -213,14 +214,14 @@ void add_contacts(const Intersections& collisions, Page& page) {
     }
 }
 
-/// Writes a page of its own for height 0, else a piece of one of this height in pixels.
+/// Writes a whole page for height 0, else a fragment of a page with this height in pixels.
 void write_page(std::ostream& out, const Page& contents, int height) {
     Sink sink(out);
     const std::string name = unique_name();
     std::string_view text = viewer_html;
     const bool page = height == 0;
     if (page) sink << viewer_page;
-    while (true) {  // copied up to each @NAME@, for which something else is written
+    while (true) {  // copies the text up to each @NAME@, and replaces that
         const std::size_t begin = text.find('@'), end = text.find('@', begin + 1);
         sink << text.substr(0, begin);
         if (begin == text.npos) break;

@@ -14,8 +14,8 @@ Vec3d projected(const Vec3d& p) {
 
 bool is_before(const Vec3d& a, const Vec3d& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
 
-/// True if a point lies to the left of an edge. Of both directions of an edge one has it on its left, so that a ray
-/// crosses exactly one of two triangles that share an edge and lie on both sides of it.
+/// True if a point lies to the left of an edge. A point lies to the left of exactly one of the two directions of an
+/// edge, so that a ray crosses exactly one of two triangles that share the edge and lie on opposite sides of it.
 bool is_left(const Vec3d& a, const Vec3d& b, const Vec3d& p) {
     if (is_before(b, a)) return !is_left(b, a, p);
     return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x) > 0;
@@ -75,7 +75,8 @@ int PictureWindings::at(const Vec3d& point, std::int32_t ignored) const {
         const bool left = is_left(a, b, p);
         if (is_left(b, d, p) != left || is_left(d, a, p) != left) continue;
         const Vec3d normal = cross(b - a, d - a);
-        // Above the point: the ray leaves through a triangle that is counter-clockwise seen from its far end.
+        // The triangle is above the point. If it is counter-clockwise seen from the far end of the ray, the ray leaves
+        // through it.
         if (dot(normal, p - a) * (left ? 1 : -1) < 0) winding += left ? 1 : -1;
     }
     return winding;

@@ -2,7 +2,8 @@
 
 // Winding numbers of points about a mesh, by a ray from each point, for pictures: in float64, not exactly.
 //
-// All rays have one direction that no edge of a usual model has. Triangles are projected along it into a grid of cells.
+// All rays have one direction, chosen so that no edge of a usual model has it. Triangles are projected along it into a
+// grid of cells.
 
 #include <cstdint>
 #include <span>
@@ -14,7 +15,7 @@ namespace crumple::io {
 
 class PictureWindings {
    public:
-    /// `corners`: three a triangle, indices of `points`.
+    /// `corners`: three indices of `points` per triangle. They must outlive the object.
     PictureWindings(std::span<const Vec3d> points, std::span<const std::int32_t> corners);
 
     static constexpr Vec3d direction{0.3712, 0.2153, 0.9033};
@@ -35,7 +36,7 @@ class PictureWindings {
     Vec3d low_{}, high_{};
     std::int32_t size_ = 1;  ///< cells in a row, and in a column
     std::vector<std::size_t> first_;
-    std::vector<std::int32_t> triangles_;  ///< of cell c: from first_[c] to first_[c + 1]
+    std::vector<std::int32_t> triangles_;  ///< triangles [first_[c], first_[c + 1]) meet cell c
 };
 
 }  // namespace crumple::io

@@ -1,6 +1,6 @@
 #pragma once
 
-// Kinds of pairs of features as files name them: those of candidates, which hold those of impacts and near pairs in the
+// Kinds of feature pairs as files name them. The kinds of candidates include those of impacts and near pairs, in the
 // same order.
 
 #include <array>
@@ -28,15 +28,15 @@ constexpr CandidateKind kind_of(FeatureKind kind) {
     return kinds[static_cast<std::size_t>(kind)];
 }
 
-/// Features of a pair. In rows an edge has two ids, its vertices; in arrays one, its index.
+/// Type of a feature. In rows an edge has two ids, its vertices; in arrays one, its index.
 enum class Feature : std::uint8_t { vertex, edge, face };
 
 /// Names and columns of one kind.
 struct KindInFiles {
     std::string_view keyword;            ///< first word of rows
     std::string_view array;              ///< name of the array of pairs
-    std::array<Feature, 2> features;     ///< features of a pair
-    std::array<std::size_t, 4> columns;  ///< places of a row's ids in a .csv of kind,vertex,face,a,b,c,d
+    std::array<Feature, 2> features;     ///< types of the two features
+    std::array<std::size_t, 4> columns;  ///< columns of a row's ids in a .csv of kind,vertex,face,a,b,c,d
 };
 inline const KindInFiles& in_files(CandidateKind kind) {
     constexpr auto vertex = Feature::vertex, edge = Feature::edge, face = Feature::face;
@@ -51,10 +51,10 @@ inline const KindInFiles& in_files(CandidateKind kind) {
     return kinds[static_cast<std::size_t>(kind)];
 }
 
-/// `side`: 0 or 1.
+/// Returns the type of the first (`side` 0) or second (`side` 1) feature of a pair.
 inline Feature feature_of(CandidateKind kind, std::size_t side) { return in_files(kind).features[side]; }
 inline bool is_edge(CandidateKind kind, std::size_t side) { return feature_of(kind, side) == Feature::edge; }
-/// Ids of the first feature, and of a row.
+/// Return the number of ids of the first feature, and of a whole row.
 inline std::size_t first_ids(CandidateKind kind) { return is_edge(kind, 0) ? 2 : 1; }
 inline std::size_t id_count(CandidateKind kind) { return first_ids(kind) + (is_edge(kind, 1) ? 2 : 1); }
 

@@ -1,4 +1,4 @@
-// Impacts, near pairs and candidates as tables, and into files.
+// Converts impacts, near pairs and candidates to tables and to lists of rows.
 
 #include <algorithm>
 
@@ -11,14 +11,14 @@ namespace {
 
 /// Pairs of one kind.
 struct PairsOfKind {
-    bool listed = false;  ///< they are to be written, be there none
+    bool listed = false;  ///< written even if there are none
     std::span<const Pair> pairs;
     std::span<const BodyPair> bodies;
     std::span<const double> values;
     std::span<const std::uint8_t> flags;
 };
 
-/// A result, whichever it is.
+/// Common view of a result: impacts, near pairs or candidates.
 struct FeatureLists {
     FeatureWords words;
     std::array<PairsOfKind, candidate_kinds> lists;  ///< by CandidateKind
@@ -43,10 +43,10 @@ struct FeatureLists {
         return list.bodies.empty() ? BodyPair{0, 0} : list.bodies[i];
     }
     std::span<const Edge> edges_of(std::int32_t body) const { return piece(edges, first_edge, body); }
-    /// Empty if the body's points are its vertices.
+    /// Returns the points of a body; empty if its points are its vertices.
     std::span<const std::int32_t> points_of(std::int32_t body) const { return piece(points, first_point, body); }
 
-    /// The pair with vertices in place of points.
+    /// Returns the pair with indices of vertices in place of those of points.
     Pair by_vertex(CandidateKind kind, Pair pair, const BodyPair& bodies) const {
         const auto name_vertex = [&](std::size_t side, std::int32_t body, std::int32_t& id) {
             const auto of_body = points_of(body);
@@ -85,7 +85,7 @@ struct FeatureLists {
         return row;
     }
 
-    /// Calls use(row) in the order of the result; of candidates value and flag say nothing.
+    /// Calls use(row) in the order of the result. Value and flag of rows of candidates have no meaning.
     template <class Use>
     void for_each_row(Use use) const {
         for (const CandidateKind kind : all_kinds)
@@ -93,7 +93,7 @@ struct FeatureLists {
     }
 
    private:
-    /// Empty where there is none.
+    /// Returns the range of a body; empty if there is no such body or range.
     template <class T>
     static std::span<const T> piece(std::span<const T> all, std::span<const std::int64_t> first, std::int32_t body) {
         const auto b = static_cast<std::size_t>(body);
@@ -183,7 +183,7 @@ void add_earliest(Sink& sink, const FeatureLists& lists) {
     sink << R"(,"toi":)" << first.toi << R"(,"start":)" << int{first.start} << '}';
 }
 
-/// Pairs with vertices in place of points.
+/// Returns the array of pairs, with indices of vertices in place of those of points.
 ListMember pairs_by_vertex(const FeatureLists& lists, CandidateKind kind, ListArray array) {
     const std::span<const Pair> pairs = lists[kind].pairs;
     if (lists.points.empty()) return with_rows(std::move(array), pairs);

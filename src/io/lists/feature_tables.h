@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists of impacts, near pairs and candidates: one table, of which each list has its columns.
+// Tables of impacts, near pairs and candidates: one layout, of which each list has some of the columns.
 
 #include <span>
 #include <string>
@@ -13,21 +13,21 @@
 
 namespace crumple::io {
 
-/// Names of a list's columns, and which of them it has.
+/// Names of the columns of a list, and flags for the ones that it has.
 struct FeatureWords {
     std::string_view what;         ///< names the results in messages
     std::string_view value, flag;  ///< names of columns and arrays; candidates have neither
     bool text_has_flag;
-    bool has_edge_faces, has_face_faces;  ///< may have pairs of these kinds
+    bool has_edge_faces, has_face_faces;  ///< the list may have pairs of these kinds
 
     bool has_values() const { return !value.empty(); }
-    /// Kinds of pairs that such a list may have: the sections of its rows.
+    /// Returns the kinds of pairs that such a list may have: the sections of its rows.
     std::vector<CandidateKind> kinds() const;
-    /// Table of .txt and .csv.
+    /// Returns the table of .txt and .csv.
     RowTable rows() const;
     /// Writes a row of such a table.
     void add(RowWriter& writer, const FeatureRow& row, bool has_bodies) const;
-    /// Arrays of one kind: pairs, their bodies, values and flags.
+    /// Returns the arrays of one kind: pairs, their bodies, values and flags.
     std::vector<ListArray> arrays(CandidateKind kind) const;
 };
 inline constexpr FeatureWords impact_words{"impacts", "toi", "start", true, false, true};
@@ -37,18 +37,18 @@ inline constexpr FeatureWords candidate_words{"candidates", "", "", false, true,
 
 const FeatureWords& words_of(ListKind kind);
 
-/// Edges that pairs name by their index, and where those of each body begin.
+/// Return the arrays of edges, which pairs name by index, and of the first edge of each body.
 ListArray edges_array();
 ListArray first_edge_array();
 
-/// The lists of a result. Throw Error (invalid_argument) unless they fit together.
+/// Return the lists of a result. Throw Error (invalid_argument) unless they fit together.
 ListTable table_of(const Impacts& impacts);
 ListTable table_of(const Proximities& nearby);
 ListTable table_of(const Candidates& candidates);
-/// Pairs of triangles alone.
+/// Returns the pairs of triangles alone.
 ListTable table_of_triangle_pairs(const Impacts& impacts);
 
-/// Puts the lower vertex of each edge first, and of two features of one kind the lesser.
+/// Puts the lower vertex of each edge first, and if both features are of one type, the lesser feature.
 void put_in_order(CandidateRow& row);
 
 }  // namespace crumple::io

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists of results as .json and .npz hold them: arrays with names, all of whose rows have as many numbers.
+// Lists of results as .json and .npz hold them: named arrays, whose rows all have the same number of values.
 //
 //     name              type      width   ids
 //     vertex_faces      int32     2       vertex, face
@@ -25,7 +25,7 @@ namespace crumple::io {
 
 enum class NumberType : std::uint8_t { int32, int64, float64, uint8 };
 
-/// Calls use(0) with a number of this type.
+/// Calls use with a zero of this type.
 template <class Use>
 void with_number_of(NumberType type, Use use) {
     if (type == NumberType::int32) return use(std::int32_t{});
@@ -34,30 +34,30 @@ void with_number_of(NumberType type, Use use) {
     use(std::uint8_t{});
 }
 
-/// One array. Integers of 32 and 64 bits are ids, at most two a row; a reader refuses those below 0 and above
-/// INT32_MAX.
+/// Description of one array. Integers of 32 and 64 bits are ids, at most two per row; readers refuse ids below 0 or
+/// above INT32_MAX.
 struct ListArray {
     std::string name;
     NumberType type = NumberType::int32;
     std::size_t width = 1;                       ///< numbers of a row
     std::array<std::string_view, 2> nouns = {};  ///< name the ids of a row in messages
     std::string_view row_noun = {};              ///< names a row in messages: "pair"
-    bool integers_only = false;                  ///< ids that are written as other numbers are refused
-    bool may_be_nan = false;                     ///< null of a .json is NaN, else infinity
+    bool integers_only = false;                  ///< ids that are not stored as integers are refused
+    bool may_be_nan = false;                     ///< null in .json means NaN, else infinity
 
     bool has_ids() const { return type == NumberType::int32 || type == NumberType::int64; }
 };
 
-/// Array, or other member of a .json, that is to be written.
+/// Array, or other member of a .json, to be written.
 struct ListMember : ListArray {
     const void* data = nullptr;
     std::size_t rows = 0;
     bool in_json = true;
-    std::function<void(Sink&)> write_json = {};  ///< writes the member of a .json that a .npz does not have
-    std::shared_ptr<const void> owner = {};      ///< keeps data that the result itself does not have
+    std::function<void(Sink&)> write_json = {};  ///< writes a member that .json has and .npz has not
+    std::shared_ptr<const void> owner = {};      ///< owner of data that is not part of the result
 };
 
-/// Array of these rows, which must outlive it.
+/// Returns an array of these rows, which must outlive it.
 template <class Row>
 ListMember with_rows(ListArray array, std::span<const Row> rows, bool in_json = true) {
     return {std::move(array), rows.data(), rows.size(), in_json};
@@ -69,28 +69,28 @@ inline ListMember json_member(std::string name, std::function<void(Sink&)> write
 void write_list_json(std::ostream& out, std::span<const ListMember> members);
 void write_list_npz(std::ostream& out, std::span<const ListMember> members);
 
-/// Numbers that have been read.
+/// Contents of an array that was read: ids, or other numbers.
 struct ArrayNumbers {
     std::vector<std::int32_t> ids;
     std::vector<double> numbers;
 };
 using NumbersByName = std::map<std::string, ArrayNumbers, std::less<>>;
 
-/// Read those of the arrays that a file has, and nothing else of it. Throw Error (format) that names array and row, or
-/// the byte: what is no array of such numbers, ids that are out of range.
+/// Read those of the arrays that a file has, and ignore everything else in it. Throw Error (format) that names array
+/// and row, or the byte, if values are of another type or shape, or ids out of range.
 NumbersByName read_list_json(const Source& source, std::span<const ListArray> arrays);
 NumbersByName read_list_npz(const Source& source, std::span<const ListArray> arrays);
-/// The same of a .npy, which holds that one array.
+/// Reads a .npy file, which holds this one array.
 NumbersByName read_list_npy(const Source& source, const ListArray& array);
 
-/// Checks the numbers of an array as they come.
+/// Checks and stores the numbers of an array, one by one.
 class ArrayChecker {
    public:
-    /// All must outlive it.
+    /// All arguments must outlive the checker.
     ArrayChecker(const Source& source, const ListArray& array, ArrayNumbers& to);
 
     void add(double number);
-    /// How many have been added.
+    /// Returns how many numbers have been added.
     std::size_t count() const { return count_; }
     const ListArray& array() const { return array_; }
     /// Throws Error (format) that names the source.

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists of results in files, whatever they list and whatever the format.
+// Writing and reading of lists of results of any kind, in any of the formats.
 
 #include <filesystem>
 #include <functional>
@@ -17,7 +17,7 @@
 
 namespace crumple::io {
 
-/// A list of results, or a block of one. Valid as long as the result.
+/// List of results, or a block of one. Valid only as long as the result.
 struct ListTable {
     std::string_view what;  ///< names the results in messages: "near pairs"
     RowTable rows;
@@ -29,7 +29,7 @@ struct ListTable {
 void write_list(const std::filesystem::path& path, const ListTable& list, PairFormat format);
 void write_list(std::ostream& out, const ListTable& list, PairFormat format);
 
-/// Writes a list block by block as .txt or .csv: to a file, which is there after commit(), or to a stream.
+/// Writer of a list, block by block, as .txt or .csv: to a file, which appears at commit(), or to a stream.
 class ListWriter {
    public:
     ListWriter(std::string_view what, const RowTable& rows, const std::filesystem::path& path, PairFormat format);
@@ -45,15 +45,15 @@ class ListWriter {
     std::ostream* out_;
 };
 
-/// Table that a file is to hold, and the functions that take what is read.
+/// Table that a file must hold, and the functions that consume what is read.
 struct ListReader {
     RowTable rows;  ///< for .txt and .csv
     TakeRow take_row;
     std::vector<ListArray> arrays;  ///< for .json and .npz
     std::function<void(const NumbersByName&)> take_arrays;
-    bool reads_npy = false;  ///< a .npy holds the first of the arrays
+    bool reads_npy = false;  ///< true if .npy files are read: they hold the first of the arrays
 };
-/// Reads a list; the extension of the source's name tells the format, text by default. Throws Error (file, format).
+/// Reads a list. The extension of the source's name selects the format, text by default. Throws Error (file, format).
 void read_list(const Source& source, const ListReader& reader);
 
 }  // namespace crumple::io

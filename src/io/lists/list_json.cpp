@@ -1,4 +1,5 @@
-// Arrays as members of one JSON object. Events are read as they come: a document would take some 100 bytes a number.
+// Writes and reads arrays as members of one JSON object. Reads by SAX events: a JSON document in memory would take some
+// 100 bytes per number.
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +35,7 @@ void write_array(Sink& sink, const ListMember& array) {
     });
 }
 
-/// Arrays that are members of the outermost object.
+/// SAX handler that reads arrays that are members of the outermost object.
 class ArraysHandler : public nlohmann::json_sax<nlohmann::json> {
    public:
     ArraysHandler(const Source& source, std::span<const ListArray> arrays) : source_(source), arrays_(arrays) {}
@@ -87,7 +88,7 @@ class ArraysHandler : public nlohmann::json_sax<nlohmann::json> {
         inside_->add(value);
         return true;
     }
-    /// Takes what is no number: none of it belongs into an array.
+    /// Handles any other value: fails within an array that is read, and ignores the value elsewhere.
     bool other() {
         if (inside_) fail();
         named_ = nullptr;

@@ -1,4 +1,4 @@
-// Arrays of NumPy: a zip archive of .npy files, stored or compressed, or one such file.
+// Writes and reads arrays of NumPy: a zip archive of .npy files, or one such file.
 
 #include <optional>
 
@@ -19,7 +19,7 @@ void take_numbers(const std::string& bytes, const NpyHeader& header, ArrayChecke
     }
 }
 
-/// `npy` is an NpyFile or an NpzReader::Entry.
+/// Reads an array. `npy` is an NpyFile or an NpzReader::Entry.
 template <class Npy>
 void read_array(Npy& npy, ArrayChecker& to) {
     const std::size_t width = to.array().width;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists of results as .txt and .csv hold them: rows of words, each of a section.
+// Lists of results as .txt and .csv hold them: rows of words, each row in a section.
 //
 //     section    columns of .csv                             row of .txt
 //                kind  vertex  face  a  b  c  d  toi  start
@@ -21,7 +21,7 @@
 
 namespace crumple::io {
 
-/// Number of a triangle, a vertex and so on: "17", or "1:17" of body 1.
+/// Id of a triangle, a vertex and so on: "17", or "1:17" for id 17 of body 1.
 struct ListId {
     std::int32_t index = 0;
     std::optional<std::int32_t> body = {};
@@ -30,13 +30,13 @@ using ListValue = std::variant<ListId, double, bool, std::string_view>;
 
 enum class FieldType : std::uint8_t { id, id_of_body, number, flag, word };
 
-/// One value of a section's rows.
+/// Description of one value in the rows of a section.
 struct ListField {
     FieldType type;
     std::size_t column;              ///< place in a row of .csv
     std::string_view noun = {};      ///< names an id in messages: "face"
-    bool is_written_as_text = true;  ///< else .txt goes without it
-    bool may_be_nan = false;         ///< of a number: NaN is an empty cell of a .csv
+    bool is_written_as_text = true;  ///< false: .txt omits it
+    bool may_be_nan = false;         ///< for numbers: an empty cell of a .csv means NaN
 };
 
 struct ListSection {
@@ -45,19 +45,19 @@ struct ListSection {
 };
 
 struct RowTable {
-    std::vector<std::string> columns;  ///< heading of the .csv; those of keywords come first
+    std::vector<std::string> columns;  ///< heading of the .csv; the column of keywords, if any, is first
     std::vector<ListSection> sections;
-    std::size_t may_lack = 0;    ///< rows without so many of their last fields are read
-    bool may_have_more = false;  ///< what follows the fields is not read, and text may have commas between words
+    std::size_t may_lack = 0;    ///< number of last fields that rows may lack
+    bool may_have_more = false;  ///< words after the fields are ignored, and text may have commas between words
 };
 
-/// Writes rows as .txt or .csv. `table` must outlive it.
+/// Writer of rows as .txt or .csv. `table` must outlive it.
 class RowWriter {
    public:
     RowWriter(std::ostream& out, const RowTable& table, bool csv) : sink_(out), table_(table), csv_(csv) {}
 
     void write_heading();
-    /// Values of the section's fields, in their order; the last ones may be missing.
+    /// Writes a row: the values of the section's fields, in order; the last ones may be missing.
     void add(std::size_t section, std::span<const ListValue> values);
 
    private:
@@ -67,10 +67,10 @@ class RowWriter {
     std::vector<const ListValue*> cells_;  ///< values of a row; null: an empty cell
 };
 
-/// A cell of a .csv: in quotes where a comma, a quote, an end of a line or a blank at either end would be misread.
+/// Returns a cell of a .csv, in quotes if a comma, a quote, a line end or a blank at either end would be misread.
 std::string csv_cell(std::string_view text);
 
-/// Takes a row that has been read, and returns what is wrong with it, or nothing.
+/// Consumes a row that has been read. Returns what is wrong with it, or an empty text.
 using TakeRow = std::function<std::string(std::size_t section, std::span<const ListValue> values)>;
 
 /// Read all rows. Throw Error (format) that names the line.

@@ -58,7 +58,7 @@ ListArray array_of(const OverlapQuantity& quantity) {
     return array;
 }
 
-/// Array of what numbers_of(row) gives, a fixed count for each row.
+/// Returns the array of the numbers that numbers_of(row) returns, `array.width` per row.
 template <class NumbersOf>
 ListMember member_of(ListArray array, const OverlapList& list, NumbersOf numbers_of) {
     using Number = std::remove_cvref_t<decltype(numbers_of(list.rows[0])[0])>;
@@ -119,7 +119,7 @@ ListTable table_of(const OverlapList& list, const OverlapBodies& bodies, const S
             [&] { return members_of(list, bodies, statistics); }};
 }
 
-/// Reads one list.
+/// Reader of one list.
 class OverlapReader {
    public:
     OverlapReader(const Source& source, std::span<const std::string> names, bool has_configurations)
@@ -143,7 +143,7 @@ class OverlapReader {
     }
 
    private:
-    /// Adds the row that these values of a .csv make, or returns what is wrong with them.
+    /// Adds the row of these values of a .csv, or returns what is wrong with them.
     std::string add(std::span<const ListValue> values) {
         OverlapListRow row;
         if (list_.has_configurations) {
@@ -198,7 +198,7 @@ class OverlapReader {
         });
     }
 
-    /// The numbers of an array, as many rows as there are.
+    /// Returns the numbers of an array. Throws Error (format) if it is missing or has another number of rows.
     const ArrayNumbers& need(const NumbersByName& numbers, const ListArray& array) const {
         const auto found = numbers.find(array.name);
         if (found == numbers.end()) fail("there is no array \"" + array.name + '"');

@@ -47,7 +47,7 @@ inline constexpr std::size_t overlap_number_count = [] {
 /// Row of a list of overlaps.
 struct OverlapListRow {
     std::int32_t configuration = 0;
-    BodyPair bodies{0, 0};  ///< as they count in one configuration
+    BodyPair bodies{0, 0};  ///< indices within one configuration
     OverlapRelation relation = OverlapRelation::touching;
     std::array<double, overlap_number_count> numbers{};  ///< the quantities, one after the other
 
@@ -62,28 +62,28 @@ struct OverlapList {
     bool has_numbers = true;
     std::vector<OverlapListRow> rows = {};
 
-    /// Adds rows of worlds of `bodies` bodies each, the first of which is this configuration.
+    /// Adds the rows of worlds of `bodies` bodies each. The first world is configuration `first_configuration`.
     void add(const Overlaps& overlaps, std::int32_t bodies, std::int32_t first_configuration);
 };
 
-/// Properties of bodies that files state.
+/// Properties of bodies that are written to files.
 struct OverlapBodies {
     std::span<const std::string> names;
     Unit unit = Unit::unknown;
 };
 
-/// Writes a list as .csv, .json or .npz. A quantity that a row lacks is an empty cell, null, NaN. Throws Error (file,
-/// invalid_argument).
+/// Writes a list as .csv, .json or .npz. A quantity that a row lacks is an empty cell in .csv, null in .json, NaN in
+/// .npz. Throws Error (file, invalid_argument).
 void write_overlaps(const std::filesystem::path& path, const OverlapList& list, const OverlapBodies& bodies,
                     const Statistics& statistics);
 void write_overlaps(std::ostream& out, const OverlapList& list, const OverlapBodies& bodies,
                     const Statistics& statistics, PairFormat format);
 
-/// Reads such a list. Throws Error (file, format) that names the place: names that no body has, quantities of which
-/// some are there and some are not. `has_configurations`: whether the list is to have them.
+/// Reads such a list. Throws Error (file, format) that names the place, for example of a name that no body has, or if
+/// only some of the quantities are present. `has_configurations`: true if the list must have configurations.
 OverlapList read_overlaps(const std::filesystem::path& path, std::span<const std::string> names,
                           bool has_configurations);
-/// The same of a stream, to its end. `name` stands in messages, and its extension for the file's.
+/// Reads a stream to its end. `name` is for messages, and its extension selects the format.
 OverlapList read_overlaps(std::istream& in, const std::string& name, std::span<const std::string> names,
                           bool has_configurations);
 

@@ -26,7 +26,7 @@ void check_contacts(const Intersections& collisions) {
     if (!consistent) throw Error(ErrorCode::invalid_argument, "the contacts are not those of the pairs");
 }
 
-/// An array of objects: {"kind":"segment","points":[[0,0,0],[1,0,0]]}.
+/// Writes an array of objects: {"kind":"segment","points":[[0,0,0],[1,0,0]]}.
 void add_contacts(Sink& sink, const Intersections& collisions) {
     write_json_array(sink, collisions.pairs.size(), [&](std::size_t i) {
         sink << R"({"kind":")" << name_of(collisions.contacts.kinds[i]) << R"(","points":[)";

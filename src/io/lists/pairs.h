@@ -14,7 +14,7 @@ namespace crumple::io {
 RowTable pair_rows(bool contacts);
 /// Throws Error (invalid_argument) unless the contacts are those of the pairs.
 ListTable table_of(const Intersections& collisions);
-/// Contacts may be empty.
+/// Writes a row for each pair. `contacts` may be empty.
 void add_pairs(RowWriter& writer, std::span<const Pair> pairs, const Contacts& contacts);
 
 inline std::string_view name_of(ContactKind kind) {

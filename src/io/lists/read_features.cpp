@@ -1,4 +1,4 @@
-// Lists of impacts, near pairs and candidates that are read.
+// Reads lists of impacts, near pairs and candidates.
 
 #include <algorithm>
 
@@ -16,7 +16,7 @@ std::string check_value(const FeatureRow& row, const FeatureWords& words) {
     return {};
 }
 
-/// Reads one list.
+/// Reader of one list.
 template <class List>
 class FeatureReader {
    public:
@@ -35,7 +35,7 @@ class FeatureReader {
     }
 
    private:
-    /// Adds the row that these values make, or returns what is wrong with them.
+    /// Adds the row of these values, or returns what is wrong with them.
     std::string add(CandidateKind kind, std::span<const ListValue> values) {
         FeatureRow row;
         row.kind = kind;
@@ -67,8 +67,8 @@ class FeatureReader {
         if (!words_.has_values() && std::none_of(kinds_.begin(), kinds_.end(), has))
             fail("there is none of the arrays \"vertex_faces\", \"edge_edges\" and so on");
         for (const CandidateKind kind : kinds_) {
-            // Lists of candidates have the kinds that were asked for; others may be without rods, particles and pairs
-            // of triangles, or have nothing but these.
+            // Lists of candidates have the requested kinds only. Other lists may lack pairs of codimensional features
+            // and pairs of triangles, or have pairs of triangles alone.
             const bool may_lack =
                 !words_.has_values() || has(CandidateKind::face_face) || kind >= CandidateKind::face_face;
             if (!may_lack || has(kind)) add(numbers, kind);
@@ -109,7 +109,7 @@ class FeatureReader {
         }
     }
 
-    /// The vertices of an edge that a row of these arrays names.
+    /// Returns the vertices of an edge that a row of these arrays names.
     std::array<std::int32_t, 2> ends_of_edge(const ListId& id, const std::vector<ListArray>& arrays,
                                              std::size_t row) const {
         auto edge = static_cast<std::size_t>(id.index);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view csv_blanks = " \t\r";
 
-/// Takes the number that a word begins with from it.
+/// Removes the number at the start of a word and returns it; nothing if there is none.
 std::optional<std::int32_t> take_index(std::string_view& word) {
     std::int32_t index = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
@@ -76,7 +76,7 @@ class RowReader {
         return words_[0].find_first_of("+-0123456789") != 0;
     }
 
-    /// The end of the line, or of a later one if the line ends within quotes.
+    /// Returns the end of the line, or of a later one if the line ends within quotes.
     const char* end_of_record() const {
         const char *begin = line_, *end = line_;
         for (bool within_quotes = false;; begin = end++) {
@@ -103,7 +103,7 @@ class RowReader {
         }
     }
 
-    /// Takes the word in quotes that the line begins with from it. A doubled quote is one of the word.
+    /// Moves the quoted word at the start of the line to `unquoted_`. A doubled quote stands for one quote of the word.
     void take_quoted(std::string_view& line) {
         std::string& word = unquoted_.emplace_back();
         for (line.remove_prefix(1);;) {
@@ -129,7 +129,7 @@ class RowReader {
         fail(in_quotes(word) + " is none of " + names);
     }
 
-    /// Words of the section's fields, out of those of all columns.
+    /// Picks the words of the section's fields from those of all columns, and consumes the row.
     void take_csv() {
         const std::size_t section = section_of(words_[0]), most = table_.columns.size();
         const std::size_t least = most - table_.may_lack;

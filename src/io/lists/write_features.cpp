@@ -1,4 +1,4 @@
-// Impacts, near pairs and candidates into files, at once or block by block.
+// Writes impacts, near pairs and candidates to files, at once or block by block.
 
 #include "crumple/error.h"
 #include "io/lists/feature_tables.h"

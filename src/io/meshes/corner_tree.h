@@ -1,7 +1,7 @@
 #pragma once
 
-// A tree over corners of a polygon in the plane, which answers which of them may lie in a triangle. A node is a range
-// of the corners, split in the middle along its longer side; it has the box of its corners and how many of them are
+// Tree over corners of a polygon in the plane, which finds those that may lie in a triangle. A node is a range of the
+// corners, split at the median along the longer side of its box; it stores the box and the number of corners that are
 // left.
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace crumple::io {
 
 class CornerTree {
    public:
-    /// Of these corners, seen along an axis. O(n log n).
+    /// Builds the tree over these corners, projected along `axis`. O(n log n).
     void build(std::span<const Vec3d> points, std::vector<int> corners, int axis) {
         points_ = points;
         axis_ = axis;
@@ -31,7 +31,7 @@ class CornerTree {
             place_[static_cast<std::size_t>(corners_[i])] = static_cast<int>(i);
     }
 
-    /// Takes a corner out, if it is there. O(log n).
+    /// Removes a corner, if it is present. O(log n).
     void remove(int corner) {
         const int place = place_[static_cast<std::size_t>(corner)];
         place_[static_cast<std::size_t>(corner)] = -1;
@@ -44,8 +44,8 @@ class CornerTree {
         }
     }
 
-    /// Whether hit(corner) holds for one of those that may lie in the closed triangle; `sign` is 1 if it runs
-    /// counter-clockwise, -1 otherwise.
+    /// True if hit(corner) holds for any corner that may lie in the closed triangle. `sign`: 1 if the triangle runs
+    /// counter-clockwise, else -1.
     template <class Hit>
     bool any_in(const std::array<int, 3>& triangle, int sign, Hit hit) const {
         return !corners_.empty() && any_in(0, triangle, sign, hit);
@@ -55,7 +55,7 @@ class CornerTree {
     static constexpr int leaf_size = 8;
     struct Node {
         int begin = 0, end = 0;  ///< in `corners_`
-        int left = 0;            ///< how many of these are not removed
+        int left = 0;            ///< number of these that are not removed
         int child = -1;          ///< the first of two nodes; -1: a leaf
         int next = -1;           ///< the second node of the parent, if this is its first
         Vec3d low, high;
@@ -101,7 +101,7 @@ class CornerTree {
         return false;
     }
 
-    /// Whether a side of the box, or of the triangle, is certain to separate them.
+    /// True if a side of the box or of the triangle certainly separates the two.
     bool is_apart(const Node& node, const std::array<int, 3>& triangle, int sign) const {
         const Vec3d &a = point(triangle[0]), &b = point(triangle[1]), &c = point(triangle[2]);
         const int x = first_axis(axis_), y = second_axis(axis_);
@@ -126,7 +126,7 @@ class CornerTree {
     std::span<const Vec3d> points_;
     int axis_ = 2, used_ = 0;
     std::vector<int> corners_;
-    std::vector<int> place_;  ///< of each corner in `corners_`, or -1
+    std::vector<int> place_;  ///< by corner: its place in `corners_`, or -1
     std::vector<Node> nodes_;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The faces of a file, corner after corner, on their way to triangles. Each is fanned at once, so that a file of
-// triangles costs nothing more; polygons are kept beside, and cut once all vertices are known.
+// Builder of triangles from the faces of a file, which are added corner by corner. Each face is fanned at once, so that
+// files of triangles have no extra cost; polygons are stored as well, and triangulated once all vertices are known.
 
 #include <cstdint>
 #include <functional>
@@ -19,7 +19,7 @@ class Faces {
    public:
     void reserve(std::int64_t faces) { triangles_.reserve(3 * static_cast<std::size_t>(faces)); }
 
-    /// Begins a face; `place` is where it stands in the file.
+    /// Begins a face; `place` is its place in the file.
     void begin(const char* place) {
         place_ = place;
         corners_ = 0;
@@ -32,7 +32,7 @@ class Faces {
         previous_ = corner;
         ++corners_;
     }
-    /// Ends a face. One of less than three corners is left out, with a warning.
+    /// Ends a face. A face of less than three corners is left out, with a warning.
     void end() {
         if (corners_ < 3) {
             leave_out();
@@ -43,7 +43,8 @@ class Faces {
 
     std::size_t triangle_count() const { return triangles_.size() / 3; }
 
-    /// The mesh of these faces and vertices, which all corners must name. Places of warnings are lines, else bytes.
+    /// Returns the mesh of these faces and vertices; every corner must be the index of a vertex. `lines`: warnings name
+    /// lines, else bytes.
     template <class Scalar>
     TriangleMesh mesh(std::vector<Scalar>&& vertices, Triangulation triangulation, Warnings& warnings, bool lines) {
         const auto warn = [&](const Tally& faces, const std::string& what) {
@@ -80,11 +81,11 @@ class Faces {
 
     std::vector<std::int32_t> triangles_;
     Polygons polygons_;
-    std::vector<Polygon> to_cut_;  ///< those of more than three corners
+    std::vector<Polygon> to_cut_;  ///< polygons of more than three corners
     Tally left_out_;
     bool has_polygons_ = false;
     const char* place_ = nullptr;
-    std::int64_t corners_ = 0;  ///< of the face at hand
+    std::int64_t corners_ = 0;  ///< of the current face
     std::int32_t first_ = 0, previous_ = 0;
 };
 

@@ -1,6 +1,6 @@
-// OBJ: statements, one a line. `v` and `f` make the mesh, `l` and `p` its lines and points where they are asked for;
-// the other statements of the format are known and skipped, except free-form surfaces, which would leave a part of the
-// scene out. What exporters have added to the format is skipped with a warning.
+// Reader and writer of OBJ: one statement per line. `v` and `f` make the mesh, `l` and `p` its lines and points if
+// requested. Other statements of the format are skipped, except free-form surfaces: these are refused, because a part
+// of the scene would be missing. Statements that exporters have added to the format are skipped with a warning.
 
 #include <algorithm>
 #include <cctype>
@@ -27,7 +27,7 @@ bool is_one_of(std::span<const std::string_view> words, std::string_view word) {
     return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// What an exporter could call a statement of its own; anything else is damage.
+/// True if an exporter could have added a statement of this name; any other word means that the file is damaged.
 bool is_identifier(std::string_view word) {
     return !std::isdigit(static_cast<unsigned char>(word[0])) &&
            std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
@@ -79,7 +79,8 @@ class ObjReader {
    private:
     std::int64_t vertex_count() const { return static_cast<std::int64_t>(xyz_.size() / 3); }
 
-    /// What may follow the coordinates: a weight, which polygons ignore; a colour; both, or a colour with its opacity.
+    /// Reads a vertex. Its coordinates may be followed by a weight, which polygons ignore, by a colour, or by a colour
+    /// and a weight or opacity; all these are skipped.
     void read_vertex(const char* place) {
         for (int axis = 0; axis < 3; ++axis) xyz_.push_back(in_.real<Scalar>());
         int more = 0;
@@ -114,8 +115,8 @@ class ObjReader {
         while (!in_.finished()) points_.push_back(read_corner("point"));
     }
 
-    /// v, v/vt, v//vn or v/vt/vn of what names it, where vt and vn may be missing after their slash, as some exporters
-    /// write it. Negative indices count back from the last vertex so far.
+    /// Reads a corner: v, v/vt, v//vn or v/vt/vn, where vt and vn may be missing after their slash, as some exporters
+    /// write it. Negative indices count back from the last vertex so far. `what` names the statement in messages.
     std::int32_t read_corner(const char* what) {
         const char* const place = in_.position();
         const std::int64_t written = in_.leading_integer("a vertex index");
@@ -126,7 +127,7 @@ class ObjReader {
         }
         const std::int64_t index = written > 0 ? written - 1 : vertex_count() + written;
         if (written == 0 || index < 0 || index > INT32_MAX) fail_range(what, place, written);
-        if (index > furthest_) {  // the vertex may still come
+        if (index > furthest_) {  // the vertex may still follow
             furthest_ = index;
             furthest_place_ = place;
             furthest_what_ = what;
@@ -134,7 +135,7 @@ class ObjReader {
         return static_cast<std::int32_t>(index);
     }
 
-    /// At most two slashes, each with an integer after it or none. They are not looked at any further.
+    /// True for at most two slashes, each followed by an integer or nothing. The integers are not checked.
     static bool are_further_indices(std::string_view text) {
         for (int slashes = 0; slashes < 2 && text.starts_with('/'); ++slashes) {
             text.remove_prefix(1);
@@ -189,7 +190,7 @@ void write_material(Sink& sink, const Material& material) {
 }  // namespace
 
 bool starts_obj(std::string_view word) {
-    // Not the whole list: `p` and `s` might be what is left of "ply" and "solid".
+    // Not all statements: `p` and `s` might be remains of "ply" and "solid" in a damaged file.
     for (const std::string_view usual : {"v", "vn", "vt", "f", "o", "g", "mtllib", "usemtl"}) {
         if (word == usual) return true;
     }
@@ -203,7 +204,7 @@ TriangleMesh read_obj(const Source& source, const ReadOptions& options, Warnings
 
 void write_obj(std::ostream& out, const TriangleMesh& mesh, bool polygons) {
     Sink sink(out);
-    if (mesh.vertex_count() == 0) sink << "# nothing\n";  // an empty file is none
+    if (mesh.vertex_count() == 0) sink << "# nothing\n";  // an empty file could not be read back
     write_vertices(sink, mesh);
     for_each_face(mesh, polygons, [&](auto corners, std::size_t) { write_face(sink, corners); });
 }
@@ -212,7 +213,7 @@ void write_coloured_obj(std::ostream& out, const ColouredMesh& coloured, const s
     Sink sink(out);
     sink << "mtllib " << material_file << '\n';
     write_vertices(sink, coloured.mesh);
-    int material = -1;  // faces keep their order, so that ids stay what they are
+    int material = -1;  // faces keep their order, so that their ids stay valid
     for_each_face(coloured.mesh, coloured.has_polygons(), [&](auto corners, std::size_t triangle) {
         const int wanted = coloured.hit[triangle] != 0;
         if (wanted != material) sink << "usemtl " << coloured.materials[wanted ? 1 : 0].name << '\n';

@@ -1,5 +1,6 @@
-// OFF: counts, then a vertex a line, then faces. The header's prefixes (ST, C, N) announce what else the line of a
-// vertex holds after its coordinates; that is skipped, as are colours in the line of a face's last corner.
+// Reader and writer of OFF: counts, then one vertex per line, then faces. Prefixes in the header (ST, C, N) announce
+// data that follow the coordinates of a vertex in its line; they are skipped, as are colours in the line of a face's
+// last corner.
 
 #include <algorithm>
 
@@ -42,7 +43,7 @@ class OffReader {
     }
 
    private:
-    /// To the next item, in this line or a later one.
+    /// Moves to the next item, in this line or a later one.
     void next_item(const char* what) {
         if (!in_.next_line_with_items()) in_.fail(std::string(what) + " is missing");
     }

@@ -1,6 +1,6 @@
-// PLY: a header that announces elements, then the rows of each. The reader walks the rows of `vertex`, `face` and
-// `tristrips` and skips the rest; a file without faces is a cloud of points. Before anything is allocated or looped
-// over, the announced count is compared with the bytes left.
+// Reader and writer of PLY: a header that announces elements, then the rows of each. The reader reads the rows of
+// `vertex`, `face` and `tristrips` and skips the rest; a file without faces is a point cloud. Before rows are allocated
+// or read, their announced count is compared with the bytes left.
 
 #include <algorithm>
 #include <array>
@@ -83,7 +83,7 @@ class BodyReader {
         if (!vertex) source_.fail_at_line(header_.body - 1, "the header has no element 'vertex'");
         return *vertex;
     }
-    /// The list of faces' or strips' corners.
+    /// Returns the list property that holds the corners of faces or strips.
     const PlyProperty* indices(const PlyElement* element) const {
         if (!element) return nullptr;
         const PlyProperty* const found = element->find(source_, {"vertex_indices", "vertex_index"});
@@ -135,7 +135,7 @@ class BodyReader {
     template <class Scalar>
     std::vector<Scalar> read_vertices() {
         std::vector<Scalar> xyz(3 * static_cast<std::size_t>(vertex_.count));
-        std::vector<int> axes;  // of each property, -1 for those to skip
+        std::vector<int> axes;  // per property; -1: skip
         for (const PlyProperty& property : vertex_.properties) {
             const auto axis = std::find(xyz_.begin(), xyz_.end(), &property);
             axes.push_back(axis == xyz_.end() ? -1 : static_cast<int>(axis - xyz_.begin()));
@@ -198,8 +198,8 @@ class BodyReader {
         }
     }
 
-    /// Each corner makes a triangle with the two before it, and every other triangle is turned; -1 begins anew. Strips
-    /// turn and jump by triangles that name a vertex twice, which are left out.
+    /// Reads a triangle strip: each corner makes a triangle with the two before it, and every other triangle is
+    /// reversed; -1 starts a new strip. Strips turn and jump by triangles that name a vertex twice; these are left out.
     void read_strip() {
         std::int32_t before = -1, last = -1;
         bool turned = false;
@@ -229,7 +229,7 @@ class BodyReader {
     Body body_;
     const PlyElement& vertex_;
     std::array<const PlyProperty*, 3> xyz_;
-    const PlyElement* face_;  ///< null if there are none, as for strips
+    const PlyElement* face_;  ///< null if the file has no faces; the same for `strips_`
     const PlyProperty* corners_;
     const PlyElement* strips_;
     const PlyProperty* strip_corners_;
@@ -258,7 +258,7 @@ void write_header(Sink& sink, const TriangleMesh& mesh, std::int64_t faces, bool
     sink << "end_header\n";
 }
 
-/// `hit` may be null: no colours.
+/// Writes a mesh, with colours unless `hit` is null.
 void write(std::ostream& out, const TriangleMesh& mesh, bool polygons, const std::vector<std::uint8_t>* hit,
            std::span<const Material> materials = {}) {
     using Corners = std::span<const std::int32_t>;

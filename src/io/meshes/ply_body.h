@@ -1,7 +1,7 @@
 #pragma once
 
-// The rows of a PLY file, value after value: the same interface over both binary orders and over text. Errors name the
-// byte, or the line.
+// Readers of the rows of a PLY file, value by value: one interface for both binary byte orders and for text. Errors
+// name the byte, or the line.
 
 #include <cmath>
 
@@ -18,7 +18,7 @@ class BinaryBody {
           order_(header.encoding == PlyEncoding::big_endian ? std::endian::big : std::endian::little),
           p_(header.body) {}
 
-    /// Bytes that a value takes at least.
+    /// Returns the least number of bytes that a value takes.
     static std::int64_t least_size(PlyType type) {
         return with_type(type, [](auto zero) { return static_cast<std::int64_t>(sizeof zero); });
     }
@@ -65,7 +65,7 @@ class AsciiBody {
     static std::int64_t least_size(PlyType) { return 2; }  // a digit and a blank
     std::int64_t remaining() const {
         return static_cast<std::int64_t>(in_.remaining()) + 1;
-    }  // the last needs no blank
+    }  // the last value needs no blank
     const char* position() {
         in_.finished();
         return in_.position();

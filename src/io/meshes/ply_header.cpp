@@ -39,7 +39,7 @@ std::optional<PlyType> type_named(std::string_view name) {
     return std::nullopt;
 }
 
-/// The header, line by line.
+/// Reader of the header, line by line.
 class HeaderReader {
    public:
     explicit HeaderReader(const Source& source) : source_(source), next_(source.text_begin()) {}
@@ -71,7 +71,7 @@ class HeaderReader {
     Words next_line() {
         line_ = next_;
         const char* end = std::find(line_, source_.end(), line_end_);
-        if (line_end_ == 0) {  // the first line tells how lines end: a binary body may begin with either character
+        if (line_end_ == 0) {  // the first line determines how lines end: a binary body may begin with CR or LF
             end = std::find_if(line_, source_.end(), [](char c) { return c == '\n' || c == '\r'; });
             if (end != source_.end())
                 line_end_ = *end == '\r' && end + 1 != source_.end() && end[1] == '\n' ? '\n' : *end;
@@ -124,7 +124,7 @@ class HeaderReader {
     const Source& source_;
     const char* line_ = nullptr;
     const char* next_;
-    char line_end_ = 0;  ///< LF, after CR or not, or CR; 0 until the first line is read
+    char line_end_ = 0;  ///< LF (also for CR LF), or CR; 0 until the first line is read
     PlyHeader header_;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The header of a PLY file: which elements follow, of which properties, in which encoding.
+// Header of a PLY file: its elements, their properties, and the encoding.
 
 #include <cstdint>
 #include <optional>
@@ -45,7 +45,7 @@ decltype(auto) with_type(PlyType type, F&& f) {
 struct PlyProperty {
     std::string name;
     PlyType type;
-    std::optional<PlyType> count_type;  ///< of a list's count; a scalar has none
+    std::optional<PlyType> count_type;  ///< type of a list's count; a scalar has none
 };
 
 struct PlyElement {
@@ -54,7 +54,7 @@ struct PlyElement {
     std::vector<PlyProperty> properties;
     const char* place = nullptr;  ///< its line in the header, for errors
 
-    /// The property of one of these names, or null. Throws Error if there are two.
+    /// Returns the property with one of these names, or null. Throws Error if there are two.
     const PlyProperty* find(const Source& source, std::initializer_list<std::string_view> names) const;
 };
 
@@ -65,7 +65,7 @@ struct PlyHeader {
     std::vector<PlyElement> elements;
     const char* body = nullptr;  ///< the first byte after the header
 
-    /// The element of the name, or null. Throws Error if there are two.
+    /// Returns the element with this name, or null. Throws Error if there are two.
     const PlyElement* find(const Source& source, std::string_view name) const;
 };
 

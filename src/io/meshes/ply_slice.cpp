@@ -1,5 +1,6 @@
-// Binary PLY of which every row has its place: no lists but the corners of faces, three each. Each reader checks that
-// in the faces that it reads; where one has another number, all rows behind it lie elsewhere, and nothing is read.
+// Slices of binary PLY files whose rows have known places: the only lists are the corners of faces, three each. Each
+// reader checks this for the faces of its block. A face with another number of corners would shift all rows behind it,
+// so nothing is returned then.
 
 #include "io/meshes/ply_slice.h"
 
@@ -27,19 +28,19 @@ Value value_at(const char* p, PlyType type, std::endian order) {
     return with_type(type, [&](auto zero) { return static_cast<Value>(load<decltype(zero)>(p, order)); });
 }
 
-// Properties that are read, by number: x, y and z, and then
+// Numbers of the properties that are read; x, y and z are 0 to 2.
 constexpr std::size_t corners_number = 3, group_number = 4, property_count = 5;
 
 struct Column {
     std::size_t number;
-    std::int64_t place;  ///< in the row
+    std::int64_t place;  ///< byte offset in the row
     const PlyProperty* property;
 };
 
 /// Rows of an element.
 struct Rows {
     std::int64_t count = 0, begin = 0, row_bytes = 0;
-    std::vector<Column> columns;  ///< that are read, in the order of the row
+    std::vector<Column> columns;  ///< properties that are read, in the order of the row
 };
 
 struct Layout {
@@ -48,8 +49,8 @@ struct Layout {
     Rows vertices, faces;
 };
 
-/// Returns where rows lie, or nothing if they have no known length, or the file is not as long as all together. Throws
-/// Error where the header makes no sense.
+/// Returns where rows lie, or nothing if rows have no fixed length, or do not add up to the size of the file. Throws
+/// Error if the header names an element or a property twice.
 std::optional<Layout> layout_of(const RowFile& file, const Source& beginning, const PlyHeader& header,
                                 const std::string& group_property) {
     const PlyElement* const vertex = header.find(beginning, "vertex");
@@ -110,7 +111,7 @@ std::vector<Scalar> read_vertices(RowFile& file, const Layout& layout, const Blo
     return xyz;
 }
 
-/// Returns false at a face that has not three corners.
+/// Reads the faces of a reader's block. Returns false at a face that does not have three corners.
 bool read_faces(RowFile& file, const Layout& layout, int reader, MeshSlice& slice) {
     const auto read_corners = [&](const char* row, std::int64_t byte, const Column& column) {
         const PlyProperty& list = *column.property;
@@ -147,7 +148,7 @@ std::optional<MeshSlice> read_ply_slice(RowFile& file, const Source& beginning, 
     try {
         header = read_ply_header(beginning);
         layout = layout_of(file, beginning, header, options.group_property);
-    } catch (const Error&) {  // whoever reads the whole file says why
+    } catch (const Error&) {  // read_mesh, which reads the whole file, reports the error
     }
     if (!layout) return std::nullopt;
     MeshSlice slice{{layout->faces.count, readers}, {layout->vertices.count, readers}, {}, options.weld == Weld::yes};

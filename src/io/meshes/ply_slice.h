@@ -10,7 +10,7 @@
 
 namespace crumple::io {
 
-/// Reads as read_slice does. `beginning`: bytes of the file that hold its header.
+/// Reads a slice as read_slice() does. `beginning`: first bytes of the file, which hold its header.
 std::optional<MeshSlice> read_ply_slice(RowFile& file, const Source& beginning, const ReadOptions& options, int reader,
                                         int readers);
 

@@ -1,4 +1,4 @@
-// Intersections of polygons: each pair of triangles counts for the polygons that these were cut from.
+// Intersections of polygons: each pair of triangles counts for the polygons that the triangles were cut from.
 
 #include "io/meshes/polygons.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Polygons of a file, to which its triangles belong; without any, each triangle is one.
+// Polygons that the triangles of a mesh were cut from. In a mesh without polygons, each triangle counts as one.
 
 #include <vector>
 
@@ -11,7 +11,7 @@ namespace crumple::io {
 std::int64_t polygon_count(const TriangleMesh& mesh);
 std::int32_t polygon_of(const TriangleMesh& mesh, std::int32_t triangle);
 
-/// Hits of triangles from those of triangles or of polygons.
+/// Returns hit flags per triangle, from flags per triangle or per polygon.
 std::vector<std::uint8_t> hit_triangles(const TriangleMesh& mesh, const Array<std::uint8_t>& hit);
 
 }  // namespace crumple::io

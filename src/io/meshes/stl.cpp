@@ -1,6 +1,7 @@
-// STL: triangles by their coordinates. Binary: 80 bytes of anything, a count, and 50 bytes a triangle (normal, three
-// vertices, 16 bits). Ascii: `solid`, facets, `endsolid`, as often as there are solids. Normals are skipped. Either may
-// begin with "solid": a file of just the size that it announces, or with a zero byte near its begin, is binary.
+// Reader and writer of STL: triangles by their coordinates. Binary: 80 arbitrary bytes, a count, and 50 bytes per
+// triangle (normal, three vertices, 16 bits). Text: `solid`, facets, `endsolid`, for each solid. Normals are skipped.
+// Both kinds may begin with "solid": a file of exactly the size that it announces, or with a zero byte near its
+// beginning, is binary.
 
 #include <algorithm>
 #include <array>
@@ -32,7 +33,7 @@ std::size_t announced_count(const Source& source) {
 
 bool is_text(const Source& source) { return source.text().substr(0, 512).find('\0') == std::string_view::npos; }
 
-/// Throws Error about the first coordinate from `record` on that is not finite; there is one.
+/// Throws Error at the first coordinate from `record` on that is not finite; there must be one.
 [[noreturn]] void fail_not_finite(const Source& source, const char* record) {
     for (;; record += record_size)
         for (std::size_t i = 0; i < 9; ++i) {
@@ -83,7 +84,8 @@ Keyword keyword_named(std::string_view word) {
     return static_cast<Keyword>(found - std::begin(keywords));
 }
 
-/// Keywords may have words of their own after them in their line, as names and colours, and a blank after "end".
+/// Reader of STL as text. A keyword may be followed by other words in its line, such as names and colours, and may have
+/// a blank after "end".
 template <class Scalar>
 class AsciiReader {
    public:
@@ -99,10 +101,10 @@ class AsciiReader {
     }
 
    private:
-    /// Reads on after the first keyword.
+    /// Reads the rest of a solid, after its first keyword.
     void read_solid() {
         const char* const solid = place_;
-        skip_line();  // a name: anything
+        skip_line();  // a name, which may be any text
         if (in_.at_end() && xyz_.empty()) in_.fail(solid, "no line follows this one, which holds the solid's name");
         while (next()) {
             if (keyword_ == Keyword::endsolid) return skip_line();  // its name again
@@ -131,7 +133,7 @@ class AsciiReader {
         expect(Keyword::endfacet);
     }
 
-    /// To the next keyword. False at the end of the file.
+    /// Moves to the next keyword, or to another word that begins a line. Returns false at the end of the file.
     bool next() {
         while (true) {
             same_line_ = same_line_ && !in_.finished();
@@ -174,13 +176,13 @@ class AsciiReader {
     Warnings& warnings_;
     std::vector<Scalar> xyz_;
     const char* place_ = nullptr;  ///< of the last keyword
-    std::string_view word_;        ///< the word there
+    std::string_view word_;        ///< the word of the last keyword
     Keyword keyword_ = Keyword::none;
     bool same_line_ = false;  ///< what follows is in the line of the last keyword
     bool at_end_ = false;
 };
 
-/// Unit normal, or zero of a degenerate triangle. float32 coordinates neither overflow nor underflow here.
+/// Returns the unit normal, or zero for a degenerate triangle. float32 coordinates neither overflow nor underflow here.
 std::array<float, 3> normal_of(const std::array<std::array<float, 3>, 3>& corners) {
     std::array<double, 3> u, v;
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -11,8 +11,9 @@ namespace {
 
 constexpr std::int8_t cut_off = 2;
 
-/// The turn for coordinates that expansions do not hold: in whole numbers of a unit that all coordinates are multiples
-/// of. Fractions would take a hundred times as long, to be reduced.
+/// Returns the sign of the turn a, b, c for coordinates beyond the range of expansions, exactly: in integer multiples
+/// of a power of two that divides all coordinates. Rationals would take a hundred times as long, because they are
+/// reduced.
 int integer_turn(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     using Integer = boost::multiprecision::cpp_int;
     const int x = first_axis(dropped), y = second_axis(dropped);
@@ -29,8 +30,8 @@ int integer_turn(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     return Integer(difference(b, x) * difference(c, y) - difference(b, y) * difference(c, x)).sign();
 }
 
-/// The sum of the cross products of successive corners, and the sum of their magnitudes, in units that neither overflow
-/// nor underflow.
+/// Adds up the cross products of successive corners, and their magnitudes, in a unit in which they neither overflow nor
+/// underflow.
 void add_up_cross_products(std::span<const Vec3d> points, Vec3d& normal, Vec3d& magnitude) {
     double largest = 0;
     const auto half_difference = [&](std::size_t i) { return 0.5 * points[i] - 0.5 * points[0]; };
@@ -66,13 +67,14 @@ bool Triangulator::cut(std::span<const Vec3d> points, std::vector<std::int32_t>&
     if (!find_plane() || has_good_fan()) return true;
     if (crosses_itself()) return false;
     orient();
-    // An outline that nowhere meets itself has no area twice. One that does may: a hole that runs the wrong way round.
+    // An outline that nowhere touches itself covers no area twice. One that does may: for example with a hole that runs
+    // the wrong way round.
     if (clip_ears(ears) && !(touches_ && overlap_themselves(ears))) return true;
     ears.clear();
     return false;
 }
 
-/// Counter-clockwise as seen along the axis.
+/// Returns the sign of the turn a, b, c, projected along the axis: 1 if counter-clockwise.
 int Triangulator::plane_turn(int a, int b, int c) const {
     const auto point = [&](int i) -> const Vec3d& { return points_[static_cast<std::size_t>(i)]; };
     const int sign = orient2d_filtered(point(a), point(b), point(c), axis_);
@@ -81,10 +83,10 @@ int Triangulator::plane_turn(int a, int b, int c) const {
                   : integer_turn(point(a), point(b), point(c), axis_);
 }
 
-/// Positive where the polygon turns the way it runs.
+/// Returns the sign of the turn relative to the direction of the polygon: 1 at a convex corner.
 int Triangulator::turn(int a, int b, int c) const { return sign_ * plane_turn(a, b, c); }
 
-/// Further to the left, or below at the same place.
+/// True if a lies further left than b, or below it at the same x.
 bool Triangulator::before(int a, int b) const {
     const Vec3d &p = points_[static_cast<std::size_t>(a)], &q = points_[static_cast<std::size_t>(b)];
     const int x = first_axis(axis_), y = second_axis(axis_);
@@ -93,16 +95,16 @@ bool Triangulator::before(int a, int b) const {
 
 bool Triangulator::same_place(int a, int b) const { return !before(a, b) && !before(b, a); }
 
-/// False for a polygon that is a segment or a point: any triangles will do.
+/// Chooses the axis. Returns false if the polygon is a segment or a point: any triangulation is right then.
 bool Triangulator::find_plane() {
     Vec3d normal, magnitude;
     add_up_cross_products(points_, normal, magnitude);
     exact_ = std::all_of(points_.begin(), points_.end(), [](const Vec3d& p) { return in_expansion_range(p); });
     sign_ = 1;
-    // Where the normal vanishes, as that of a bow tie does, the plane is where most of the cross products lie.
+    // Where the normal vanishes, as for a bow tie, the sum of the magnitudes determines the axis.
     axis_ = largest_component(normal == Vec3d{} ? magnitude : normal);
     if (magnitude != Vec3d{}) return true;
-    // Beside a first corner that is very far away the others are one point to floating-point numbers.
+    // If the first corner is very far away, rounding can make the others one point: try all axes exactly.
     for (axis_ = 2; axis_ >= 0; --axis_) {
         for (int i = 1; i + 1 < count_; ++i)
             if (plane_turn(0, i, i + 1) != 0) return true;
@@ -111,8 +113,8 @@ bool Triangulator::find_plane() {
     return false;
 }
 
-/// Convex, and no triangle of its fan is degenerate. All corners turn one way, and from left to right and back is all
-/// of the way: a star turns one way as well, but goes to and fro.
+/// True if the polygon is convex and no triangle of its fan is degenerate. It is convex if all corners turn one way and
+/// the outline has only one leftmost place: a star turns one way as well, but has several.
 bool Triangulator::has_good_fan() const {
     int least = 1, greatest = -1, leftmost = 0;
     bool to_the_left = before(0, count_ - 1);
@@ -134,7 +136,7 @@ bool Triangulator::has_good_fan() const {
     return true;
 }
 
-/// Whether hit(i, k) holds for two of the boxes that overlap. A sweep.
+/// True if hit(i, k) holds for any two of `boxes_` that overlap. Sorts the boxes, and sweeps them from the left.
 template <class Hit>
 bool Triangulator::any_overlap(Hit hit) {
     std::sort(boxes_.begin(), boxes_.end(), [](const Box& e, const Box& f) { return e.left < f.left; });
@@ -146,7 +148,7 @@ bool Triangulator::any_overlap(Hit hit) {
     return false;
 }
 
-/// Whether two edges meet in a point that lies strictly within both. Notes whether any touch.
+/// True if two edges meet in a point that lies strictly within both. Sets `touches_`.
 bool Triangulator::crosses_itself() {
     const auto end = [&](int edge) { return edge + 1 == count_ ? 0 : edge + 1; };
     const int x = first_axis(axis_), y = second_axis(axis_);
@@ -158,7 +160,7 @@ bool Triangulator::crosses_itself() {
     touches_ = false;
     return any_overlap([&](int e, int f) {
         const int a = e, b = end(e), c = f, d = end(f);
-        if (b == c || d == a) {  // edges that follow each other: a spike goes back
+        if (b == c || d == a) {  // successive edges touch only at their common corner, unless it is a spike
             const std::array<int, 3> corner = b == c ? std::array{a, b, d} : std::array{c, a, b};
             touches_ = touches_ || (plane_turn(corner[0], corner[1], corner[2]) == 0 &&
                                     turns_back(corner[0], corner[1], corner[2]));
@@ -170,12 +172,12 @@ bool Triangulator::crosses_itself() {
     });
 }
 
-/// Whether the outline turns back on itself at b, which lies in line with a and c.
+/// True if the outline turns back on itself at b. The corners a, b and c must be collinear.
 bool Triangulator::turns_back(int a, int b, int c) const {
     return same_place(a, b) || same_place(b, c) || before(a, b) == before(c, b);
 }
 
-/// Whether two triangles have an area in common. They have not if an edge of one has the other on its far side.
+/// True if any two triangles have an area in common. They do not if an edge of one has the other on its outer side.
 bool Triangulator::overlap_themselves(std::span<const std::int32_t> triangles) {
     const auto corner = [&](int triangle, int k) {
         return triangles[3 * static_cast<std::size_t>(triangle) + static_cast<std::size_t>(k % 3)];
@@ -201,7 +203,7 @@ bool Triangulator::overlap_themselves(std::span<const std::int32_t> triangles) {
     return any_overlap([&](int t, int u) { return !beyond_an_edge(t, u) && !beyond_an_edge(u, t); });
 }
 
-/// The way it runs is the turn of the corner at the very left.
+/// Sets `sign_`: the polygon runs the way that it turns at its leftmost corner.
 void Triangulator::orient() {
     int found = 0;
     for (int i = 0; i < count_; ++i) {
@@ -232,8 +234,8 @@ bool Triangulator::clip_ears(std::vector<std::int32_t>& ears) {
         if (turn > 0) not_convex_.remove(i);
     };
 
-    // Corners to try, each once, and again when the corners beside it have changed. When all were tried, those that are
-    // left are tried anew, for what blocked them may be gone.
+    // Corners to try: each once, and again when a corner beside it has been clipped. When all have been tried, those
+    // left are tried again, because what blocked them may be gone.
     std::vector<int> to_try;
     std::size_t next = 0;
     int left = count_, some_corner = 0;
@@ -265,7 +267,7 @@ bool Triangulator::clip_ears(std::vector<std::int32_t>& ears) {
             next = 0;
             for (int i = 0, corner = some_corner; i < left; ++i, corner = at(after_, corner)) try_later(corner);
         } else {
-            // What is left without an ear has spikes, which are triangles without an area, or crosses itself.
+            // A rest without an ear has spikes, which are triangles without an area, or crosses itself.
             const int spike = find_spike(some_corner);
             if (spike < 0) return false;
             clip(spike);
@@ -276,7 +278,7 @@ bool Triangulator::clip_ears(std::vector<std::int32_t>& ears) {
     return true;
 }
 
-/// A corner where the outline turns back on itself, else a straight one, else -1.
+/// Returns a corner where the outline turns back on itself, else a straight one, else -1.
 int Triangulator::find_spike(int start) const {
     int straight = -1, b = start;
     do {
@@ -291,19 +293,20 @@ int Triangulator::find_spike(int start) const {
     return straight;
 }
 
-/// Whether the triangle of a convex corner holds no other corner. Corners that are convex cannot be the first to enter.
+/// True if the triangle of the convex corner b holds no other corner. Only corners that are not convex are tested: a
+/// convex one cannot be the first to enter the triangle.
 bool Triangulator::is_ear(int b) const {
     const int a = before_[static_cast<std::size_t>(b)], c = after_[static_cast<std::size_t>(b)];
     return !not_convex_.any_in({a, b, c}, sign_, [&](int r) {
         if (r == a || r == b || r == c) return false;
-        if (same_place(r, a) || same_place(r, c)) return false;  // where it goes from there is seen by the next corner
+        if (same_place(r, a) || same_place(r, c)) return false;  // the corner after r shows whether the outline enters
         if (same_place(r, b)) return opens_into(r, b);
         return turn(a, b, r) >= 0 && turn(b, c, r) >= 0 && turn(c, a, r) >= 0;
     });
 }
 
-/// Whether a corner at the same place as b takes the angle at b away: an edge of it leads into that angle, or it runs
-/// along both edges of b back again, so that there is no area between.
+/// True if a corner at the same place as b blocks the angle at b: one of its edges leads into that angle, or its edges
+/// run back along both edges of b, so that there is no area between them.
 bool Triangulator::opens_into(int corner, int b) const {
     const auto i = static_cast<std::size_t>(b), k = static_cast<std::size_t>(corner);
     const int a = before_[i], c = after_[i], from = before_[k], to = after_[k];

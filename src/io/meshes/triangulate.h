@@ -1,8 +1,9 @@
 #pragma once
 
-// Triangles of one polygon. A convex polygon is fanned from its first corner. A concave one is cut by clipping ears: a
-// corner whose triangle holds no other corner is cut off, until a triangle is left. Both see the polygon along the axis
-// in which its Newell normal is largest, which for a plane polygon changes nothing, and ask exact predicates only.
+// Triangulation of one polygon. A convex polygon is fanned from its first corner. A concave one is cut by ear clipping:
+// a corner whose triangle holds no other corner is cut off, until one triangle is left. Both project the polygon along
+// the axis in which its Newell normal is largest, which does not change the result for a plane polygon, and use exact
+// predicates only.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,9 +17,10 @@ namespace crumple::io {
 
 class Triangulator {
    public:
-    /// Cuts the polygon of these n corners, four or more. Fills the empty `ears` with 3 (n - 2) numbers of corners, or
-    /// leaves it empty if the fan will do. False if the polygon crosses itself, which the fan then has to do for.
-    /// Points may repeat, as where a slit joins a hole to the outline. O(n log n) as a rule, O(n^2) at worst.
+    /// Triangulates the polygon of these n corners, four or more. Fills the empty `ears` with 3 (n - 2) indices of
+    /// corners, or leaves it empty if the fan is right. Returns false if the polygon crosses or overlaps itself: the
+    /// caller then uses the fan. Points may repeat, for example where a slit joins a hole to the outline. O(n log n) as
+    /// a rule, O(n^2) at worst.
     bool cut(std::span<const Vec3d> points, std::vector<std::int32_t>& ears);
 
    private:
@@ -46,14 +48,14 @@ class Triangulator {
 
     std::span<const Vec3d> points_;
     int count_ = 0;
-    int axis_ = 2;          ///< seen along this axis
-    int sign_ = 1;          ///< 1 if the corners run counter-clockwise then, else -1
-    bool exact_ = true;     ///< expansions hold the products of all coordinates
-    bool touches_ = false;  ///< the outline meets itself other than at corners that follow each other
+    int axis_ = 2;          ///< of projection
+    int sign_ = 1;          ///< 1 if the projected corners run counter-clockwise, else -1
+    bool exact_ = true;     ///< all coordinates are in the range of expansions
+    bool touches_ = false;  ///< the outline touches itself, other than where successive edges join
     CornerTree not_convex_;
-    std::vector<int> before_, after_;  ///< of each corner that is left, the corners beside it
-    std::vector<std::int8_t> turns_;   ///< of each corner: 1 convex, 0 straight, -1 reflex; 2 once cut off
-    std::vector<Box> boxes_;           ///< of edges, later of triangles, from the left
+    std::vector<int> before_, after_;  ///< per corner that is left: the corners beside it
+    std::vector<std::int8_t> turns_;   ///< per corner: 1 convex, 0 straight, -1 reflex; 2 once cut off
+    std::vector<Box> boxes_;           ///< of edges, later of triangles; sorted from the left
 };
 
 }  // namespace crumple::io

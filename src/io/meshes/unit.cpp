@@ -1,4 +1,4 @@
-// Units of length, as whole numbers of the largest length that divides them all.
+// Conversion between units of length. Each is an integer multiple of a tenth of a micrometre.
 
 #include "io/meshes/unit.h"
 
@@ -32,8 +32,8 @@ constexpr Length lengths[] = {
 
 const Length& length_of(Unit unit) { return lengths[static_cast<std::size_t>(unit) - 1]; }
 
-/// A number times a fraction of whole numbers, rounded once: the remainders of the product and of the quotient, which
-/// fused operations give exactly, correct the rounded quotient.
+/// Multiplication by a ratio of integers, rounded once: the remainders of the product and of the quotient, which fused
+/// multiply-add gives exactly, correct the rounded quotient.
 class Scale {
    public:
     Scale(Unit from, Unit to) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Units as file formats have them.
+// Units of length in file formats.
 
 #include <optional>
 #include <string_view>
@@ -9,9 +9,9 @@
 
 namespace crumple::io {
 
-/// As 3MF writes it; an unknown one as millimetre, for 3MF has to say something.
+/// Returns the name of a unit in 3MF; "millimeter" for an unknown unit, because 3MF has no unknown unit.
 const char* name_in_3mf(Unit unit);
-/// The unit that 3MF calls so.
+/// Returns the unit with this name in 3MF, or nothing.
 std::optional<Unit> unit_in_3mf(std::string_view name);
 double metres_in(Unit unit);
 

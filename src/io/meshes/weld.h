@@ -4,8 +4,8 @@
 
 namespace crumple::io {
 
-/// Makes vertices at equal positions one (-0 equals +0): the first of them stays, with its bits. Vertices keep the
-/// order of their first occurrence. Linear time, whatever the positions.
+/// Merges vertices at equal positions (-0 equals +0); the first of them stays, bit for bit. Vertices keep the order of
+/// their first occurrence. Takes linear time for any positions (seeded hash).
 void weld(TriangleMesh& mesh);
 
 }  // namespace crumple::io

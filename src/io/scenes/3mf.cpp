@@ -1,6 +1,6 @@
-// 3MF, the core specification and the production extension: what the build puts where as a world. Each mesh that an
-// item of the build names, itself or by components, is a body, in the order of the build. Its pose is the product of
-// the transforms on the way there, in float64.
+// Reader of 3MF, the core specification and the production extension: reads the build as a world. Each mesh that a
+// build item refers to, directly or through components, is a body, in the order of the build. Its pose is the product
+// of the transforms along these references, in float64.
 
 #include "io/scenes/3mf.h"
 
@@ -17,8 +17,9 @@ namespace crumple::io {
 namespace {
 
 constexpr std::string_view model_relationship = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
-constexpr std::size_t deepest = 64;  // of components of components
-/// A few lines can name more bodies than memory holds; more than these have to be as many bytes.
+constexpr std::size_t deepest = 64;  // levels of nested components
+/// References to objects that any file may have. More are allowed up to the number of bytes expanded: a few lines could
+/// refer to more bodies than memory holds.
 constexpr std::uint64_t always_named = std::uint64_t{1} << 16;
 
 class Assembler {
@@ -37,10 +38,10 @@ class Assembler {
    private:
     struct Part {
         Model model;
-        std::vector<std::int32_t> shapes;  ///< of its meshes; -1: not used yet
+        std::vector<std::int32_t> shapes;  ///< shape of each mesh; -1: not used yet
     };
 
-    /// Names that differ in the case of letters are the same.
+    /// Returns a part, and reads it on first use. Names that differ only in case are the same.
     Part& part(const std::string& name) {
         std::string key = in_lower_case(name);
         const auto known = parts_.find(key);
@@ -50,7 +51,8 @@ class Assembler {
         return parts_.emplace(std::move(key), std::move(read)).first->second;
     }
 
-    /// The object that a reference in the part `from` names. `name`: of the innermost object around it that has one.
+    /// Adds the bodies of the object that a reference in the part `from` names. `name`: name of the innermost enclosing
+    /// object that has one.
     void place(const ModelReference& reference, const std::string& from, const Pose& outer, std::string_view name) {
         const auto fail = [&](const std::string& what) { throw xml_error(package_.place(from), reference.line, what); };
         const std::string& in = reference.part.empty() ? from : reference.part;
@@ -104,7 +106,7 @@ class Assembler {
     const ReadOptions& options_;
     Warnings& warnings_;
     std::string root_;
-    std::map<std::string, Part> parts_;  // references stay as they are when others come
+    std::map<std::string, Part> parts_;  // references stay valid when parts are added
     std::vector<const ModelObject*> path_;
     std::uint64_t references_ = 0;
     WorldMesh world_;

@@ -7,10 +7,10 @@
 
 namespace crumple::io {
 
-/// What the build of a 3MF file puts where. Names may repeat.
+/// Reads the bodies that the build of a 3MF file places. Their names may repeat. Throws Error (format).
 WorldMesh read_3mf(const Source& source, const ReadOptions& options, Warnings& warnings);
 
-/// Whether a file is 3MF, by its content, or by its extension (lower case, with its dot).
+/// True if a file is 3MF by its content (a zip archive) or by its extension (lower case, with its dot).
 bool is_3mf(const Source& source, const std::string& extension);
 
 }  // namespace crumple::io

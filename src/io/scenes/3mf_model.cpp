@@ -19,14 +19,14 @@ constexpr std::string_view core = "http://schemas.microsoft.com/3dmanufacturing/
 constexpr std::string_view production = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 constexpr std::string_view beams = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02|beamlattice";
 constexpr const char* path_attribute = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06|path";
-/// Extensions that may be required: they are read, or do not change where triangles are.
+/// Extensions that a file may require: they are read, or do not change the positions of triangles.
 constexpr std::string_view known_extensions[] = {core, production,
                                                  "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
                                                  "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
 
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-/// The next word, which is taken off the text; empty if none is left.
+/// Removes the next word from the text and returns it; empty if none is left.
 std::string_view take_word(std::string_view& text) {
     const auto begin = std::find_if_not(text.begin(), text.end(), is_blank);
     const auto end = std::find_if(begin, text.end(), is_blank);
@@ -35,7 +35,7 @@ std::string_view take_word(std::string_view& text) {
     return word;
 }
 
-/// The only word.
+/// Returns the text without blanks at either end.
 std::string_view trimmed(std::string_view text) {
     while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
     while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
@@ -50,7 +50,7 @@ class ModelReader : public XmlReader {
     Model take() { return std::move(model_); }
 
    private:
-    /// Where in the document an element stands; `other`: in what is skipped.
+    /// Element of the document that is open; `other`: one that is skipped.
     enum class Within : std::uint8_t {
         document,
         model,
@@ -186,7 +186,7 @@ class ModelReader : public XmlReader {
         return result;
     }
 
-    /// Row vectors: the numbers are those of Pose::rows by columns.
+    /// Parses a transform. 3MF uses row vectors: the 12 numbers are those of Pose::rows, column by column.
     Pose pose(std::string_view text) const {
         std::array<double, 12> m{};
         for (double& value : m) {
@@ -207,7 +207,7 @@ class ModelReader : public XmlReader {
         return *text;
     }
 
-    /// A whole number of 0 or more.
+    /// Returns an attribute that must be an integer of 0 or more.
     std::int64_t number(const char* element, const XmlAttributes& attributes, const char* name) const {
         const std::string_view word = trimmed(required(element, attributes, name));
         std::uint32_t value = 0;
@@ -232,11 +232,11 @@ class ModelReader : public XmlReader {
     static constexpr std::size_t longest_namespace = 120;
 
     Model model_;
-    ModelObject* object_ = nullptr;  ///< at hand
-    std::vector<Scalar> xyz_;        ///< of its mesh
+    ModelObject* object_ = nullptr;  ///< current object
+    std::vector<Scalar> xyz_;        ///< of the current mesh
     std::vector<std::int32_t> triangles_;
     std::vector<Within> within_;
-    std::unordered_map<std::string, std::string> namespaces_;  ///< of the root, by prefix
+    std::unordered_map<std::string, std::string> namespaces_;  ///< declared at the root, by prefix
 };
 
 template <class Scalar>

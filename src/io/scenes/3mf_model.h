@@ -1,6 +1,6 @@
 #pragma once
 
-// A model part of a 3MF file: its objects, and what its build is made of.
+// Model part of a 3MF file: its objects, and the items of its build.
 
 #include <cstdint>
 #include <optional>
@@ -14,15 +14,15 @@
 
 namespace crumple::io {
 
-/// An object that a build item or a component names, and where it is put.
+/// Reference of a build item or a component to an object, with its pose.
 struct ModelReference {
     std::int64_t line = 0;
     std::int64_t id = 0;
-    std::string part = {};  ///< empty: the part in which it stands
+    std::string part = {};  ///< part with the object; empty: the part with the reference
     Pose pose = {};
 };
 
-/// A mesh, or an assembly of other objects; neither, if only an extension tells what it is.
+/// Object of a model: a mesh, or an assembly of other objects; neither if only an extension defines it.
 struct ModelObject {
     std::int64_t line = 0;
     std::string name = {};
@@ -31,15 +31,15 @@ struct ModelObject {
 };
 
 struct Model {
-    std::string place;  ///< of the part, for messages
+    std::string place;  ///< file and part, for messages
     Unit unit = Unit::millimetre;
     std::unordered_map<std::int64_t, ModelObject> objects = {};
     std::vector<TriangleMesh> meshes = {};
     std::vector<ModelReference> build = {};
-    std::int64_t beams = 0;  ///< lattices, which are skipped
+    std::int64_t beams = 0;  ///< number of beam lattices, which are skipped
 };
 
-/// Throws Error (format) that names the part and the line.
+/// Reads a model part. Throws Error (format) that names the part and the line.
 Model read_3mf_model(Package& package, const std::string& part, const ReadOptions& options);
 
 }  // namespace crumple::io

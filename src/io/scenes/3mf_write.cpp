@@ -1,6 +1,6 @@
-// 3MF: bodies as objects, and a build that puts them where they are. A mesh that several bodies have is written once,
-// and each of these bodies is an object that has it for its only component, for an object is what has a name. Colours
-// are base materials of the core specification: the free one is the object's, and colliding triangles name theirs.
+// Writer of 3MF: bodies are objects, and the build places them. A mesh that several bodies have is written once, and
+// each of these bodies is an object with this mesh as its only component, because only objects have names. Colours are
+// base materials of the core specification: the object has the free one, and colliding triangles name theirs.
 
 #include <algorithm>
 #include <array>
@@ -38,7 +38,7 @@ constexpr std::string_view model_begin =
     " <metadata name=\"Application\">Crumple</metadata>\n"
     " <resources>\n";
 
-/// The open entry of an archive.
+/// Stream buffer that writes to the open entry of an archive.
 class EntryBuffer : public std::streambuf {
    public:
     explicit EntryBuffer(ZipWriter& archive) : archive_(archive) {}
@@ -57,7 +57,7 @@ class EntryBuffer : public std::streambuf {
     ZipWriter& archive_;
 };
 
-/// What an attribute may hold of a name: well-formed UTF-8 without the characters that XML has no way to write.
+/// Escapes a name for an attribute. Replaces invalid UTF-8 and characters that XML cannot represent.
 std::string attribute(const std::string& name) {
     std::string result;
     const std::string text = valid_utf8(name);
@@ -75,7 +75,7 @@ std::string attribute(const std::string& name) {
     return result;
 }
 
-/// #RRGGBB, or #RRGGBBAA if it is translucent.
+/// Returns #RRGGBB, or #RRGGBBAA for a translucent material.
 std::string hexadecimal(const Material& material) {
     const auto& [red, green, blue] = material.colour;
     const int alpha = static_cast<int>(std::lround(255 * material.opacity));
@@ -85,7 +85,7 @@ std::string hexadecimal(const Material& material) {
     return alpha < 255 ? text : text.substr(0, 7);
 }
 
-/// A shape as bodies have it. `hit`: each triangle's material, or empty.
+/// Mesh to write: a shape with one colouring. `hit`: material of each triangle, or empty.
 struct WrittenMesh {
     const TriangleMesh* shape;
     std::span<const std::uint8_t> hit;
@@ -124,7 +124,7 @@ class ModelText {
         return last_id_;
     }
 
-    /// An object that is another one under a name.
+    /// Adds an object that is another object under a name of its own, and returns its id.
     std::int64_t add_named(std::int64_t object, const std::string& name) {
         begin_object(name);
         out_ << ">\n   <components>\n    <component objectid=\"" << object << "\"/>\n   </components>\n  </object>\n";
@@ -159,7 +159,8 @@ class ModelText {
     std::int64_t last_id_ = 0;
 };
 
-/// Bodies without hits share the mesh of their shape; any other has its own.
+/// Returns the meshes to write; `of_body` receives the mesh of each body. Bodies without hits share the mesh of their
+/// shape; any other body has its own mesh.
 std::vector<WrittenMesh> meshes_of(const WorldMesh& world, std::span<const std::uint8_t> hit,
                                    std::vector<std::size_t>& of_body) {
     std::vector<WrittenMesh> meshes;
@@ -194,7 +195,7 @@ void add_model(std::ostream& out, const WorldMesh& world, std::span<const std::u
     text.end();
 }
 
-/// At least what the text of the model takes.
+/// Returns an upper bound on the bytes that the text of the model takes.
 std::uint64_t most_bytes(const WorldMesh& world) {
     std::uint64_t bytes = 4096;
     for (const NamedBody& body : world.bodies) {

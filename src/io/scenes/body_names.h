@@ -1,6 +1,6 @@
 #pragma once
 
-// Names of bodies, each once.
+// Unique names of bodies.
 
 #include <cstdint>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace crumple::io {
 
-/// The second body of a name becomes NAME_2, the third NAME_3; numbers that other names have are passed over.
+/// Renames the second body with a name to NAME_2, the third to NAME_3, and so on; skips names that are in use.
 inline void make_names_unique(std::vector<NamedBody>& bodies) {
     std::unordered_set<std::string> given, taken;
     for (const NamedBody& body : bodies) given.insert(body.name);

@@ -1,6 +1,7 @@
-// Binary glTF: one mesh over one position array, free and colliding triangles as two primitives with a material each.
-// glTF holds float32 only. Where that would cost a float64 mesh more than 4 of the 24 bits, because it lies far from
-// the origin compared with its size, positions are relative to the centre of its box, which the node translates back.
+// Writer of binary glTF: one mesh over one position array, with free and colliding triangles as two primitives with a
+// material each. glTF stores float32 only. If that would cost a float64 mesh more than 4 of the 24 bits, because it
+// lies far from the origin compared with its size, positions are relative to the centre of its box, and the node
+// translates them back.
 
 #include <tiny_gltf.h>
 
@@ -23,7 +24,7 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-/// The translation that keeps the bits of a float64 mesh, or zero.
+/// Returns the origin of positions that preserves the precision of a float64 mesh, or zero.
 Point origin_of(const std::vector<double>& xyz) {
     Point low, high, centre;
     low.fill(std::numeric_limits<double>::infinity());
@@ -57,7 +58,7 @@ std::vector<float> positions_of(const std::vector<Scalar>& xyz, const Point& ori
     return positions;
 }
 
-/// glTF's colours are linear.
+/// Converts a colour component from sRGB to linear, which glTF uses.
 double linear(std::uint8_t srgb) {
     const double value = srgb / 255.0;
     return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
@@ -111,7 +112,7 @@ int add_positions(tinygltf::Model& model, const std::vector<float>& positions) {
     return index;
 }
 
-/// Adds a mesh over positions that are there already, and returns its index. `hit`: each triangle's material.
+/// Adds a mesh over positions that have been added before, and returns its index. `hit`: material of each triangle.
 int add_mesh(tinygltf::Model& model, const std::vector<std::int32_t>& triangles, std::span<const std::uint8_t> hit,
              int position_accessor) {
     tinygltf::Mesh mesh;
@@ -122,7 +123,7 @@ int add_mesh(tinygltf::Model& model, const std::vector<std::int32_t>& triangles,
             if (std::min<std::size_t>(hit[i / 3], materials - 1) == shade)
                 indices.push_back(static_cast<std::uint32_t>(triangles[i]));
         }
-        if (indices.empty()) continue;  // glTF knows no empty accessor
+        if (indices.empty()) continue;  // glTF has no empty accessors
         tinygltf::Primitive primitive;
         primitive.attributes["POSITION"] = position_accessor;
         primitive.indices = add_accessor(model, indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR,
@@ -135,10 +136,11 @@ int add_mesh(tinygltf::Model& model, const std::vector<std::int32_t>& triangles,
     return static_cast<int>(model.meshes.size()) - 1;
 }
 
-/// Makes room for so many bytes more.
+/// Creates the buffer if there is none. Throws Error (invalid_argument) if this many more bytes would exceed the 4 GiB
+/// of .glb.
 void reserve_bytes(tinygltf::Model& model, std::size_t bytes) {
     if (model.buffers.empty()) model.buffers.resize(1);
-    if (model.buffers[0].data.size() + bytes > UINT32_MAX - (1u << 24)) {  // what remains is for the description
+    if (model.buffers[0].data.size() + bytes > UINT32_MAX - (1u << 24)) {  // the rest is for the description
         throw Error(ErrorCode::invalid_argument, "the meshes are larger than the 4 GiB that .glb holds");
     }
 }
@@ -168,7 +170,7 @@ int add_floats(tinygltf::Model& model, const std::vector<float>& values, int typ
 }
 
 std::optional<int> add_node(tinygltf::Model& model, const ColouredMesh& coloured) {
-    if (coloured.hit.empty()) return {};  // glTF knows no empty mesh
+    if (coloured.hit.empty()) return {};  // glTF has no empty meshes
     reserve_bytes(model, 12 * (static_cast<std::size_t>(coloured.mesh.vertex_count()) + coloured.hit.size()));
     return std::visit(
         [&](const auto& xyz) {
@@ -200,7 +202,7 @@ void write_glb(std::ostream& out, tinygltf::Model& model, Unit unit) {
 
 namespace {
 
-/// A shape, as far as the model has it. `free`: its mesh without any colliding triangle, -1 if there is none yet.
+/// Indices of what the model has of a shape; -1: not added yet. `free`: the mesh without colliding triangles.
 struct WrittenShape {
     int positions = -1, free = -1;
     Point origin{};
@@ -225,7 +227,7 @@ int mesh_of(tinygltf::Model& model, const TriangleMesh& shape, std::span<const s
     return mesh;
 }
 
-/// By columns, of a mesh whose positions are relative to `origin`.
+/// Returns the matrix of a node, by columns, for a mesh whose positions are relative to `origin`.
 std::vector<double> matrix_of(const Pose& pose, const Point& origin) {
     std::vector<double> matrix(16);
     matrix[15] = 1;
@@ -249,7 +251,7 @@ void write_glb(std::ostream& out, const WorldMesh& world, std::span<const std::u
         const auto triangles = static_cast<std::size_t>(shape.triangle_count());
         tinygltf::Node node;
         node.name = valid_utf8(body.name);
-        // glTF knows no empty mesh.
+        // glTF has no empty meshes.
         if (triangles) node.mesh = mesh_of(model, shape, hit.first(triangles), written[s]);
         hit = hit.subspan(triangles);
         if (body.pose != Pose{} || written[s].origin != Point{}) node.matrix = matrix_of(body.pose, written[s].origin);

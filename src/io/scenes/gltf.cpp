@@ -1,5 +1,5 @@
-// The scene of a glTF file as a world: each of its nodes that has a mesh is a body, in the order of the file's nodes.
-// A node's pose is the product of the transforms from its root down to it, in float64.
+// Reads the scene of a glTF file as a world: each of its nodes that has a mesh is a body, in the order of the file's
+// nodes. A node's pose is the product of the transforms from its root down to it, in float64.
 
 #include "io/scenes/gltf.h"
 
@@ -15,7 +15,7 @@ namespace crumple::io {
 
 namespace {
 
-/// Required extensions that do not change where triangles are, or that are read.
+/// True for extensions that do not change the positions of triangles, or that are read.
 bool is_harmless(const std::string& extension) {
     constexpr std::string_view exact[] = {"KHR_mesh_quantization", "KHR_xmp_json_ld", "KHR_animation_pointer"};
     constexpr std::string_view prefixes[] = {"KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_",
@@ -56,7 +56,7 @@ class Reader {
         node.fail((name.empty() ? "" : in_quotes(name) + " ") + what);
     }
 
-    /// Children of a node, or roots of a scene.
+    /// Returns the children of a node, or the roots of a scene.
     std::vector<std::size_t> nodes_of(const GltfObject& parent, const char* key) const {
         std::vector<std::size_t> result;
         for (const std::int64_t index : parent.integers(key)) {
@@ -67,7 +67,8 @@ class Reader {
         return result;
     }
 
-    /// Of the default scene, else of the first one; without any scene all nodes that are no children.
+    /// Returns the roots of the default scene, else of the first one; without any scene, all nodes that are not
+    /// children.
     std::vector<std::size_t> roots() const {
         const GltfObject& root = file_.root();
         if (root.has("scene") || root.size_of("scenes"))
@@ -81,7 +82,8 @@ class Reader {
         return result;
     }
 
-    /// Poses of all nodes below `roots`. Every node has one way to it: no cycles.
+    /// Computes the poses of `roots` and of all nodes below them. Throws Error (format) if a node is reached twice, as
+    /// in a cycle.
     void place_nodes(const std::vector<std::size_t>& roots) {
         struct Step {
             std::size_t node;
@@ -104,7 +106,7 @@ class Reader {
         }
     }
 
-    /// Of the node alone: its matrix, by columns, or translation after rotation after scale.
+    /// Returns the local transform of a node: its matrix, stored by columns, or translation after rotation after scale.
     static Pose transform_of(const GltfObject& node) {
         const std::vector<double> matrix = node.numbers("matrix", 16);
         Pose pose;
@@ -125,7 +127,8 @@ class Reader {
         return pose;
     }
 
-    /// By a quaternion of any length, so that one in float32 turns by right angles exactly.
+    /// Sets `pose` to the rotation of a quaternion of any length: even one rounded to float32 turns by right angles
+    /// exactly.
     static void rotate(Pose& pose, const std::vector<double>& q, const GltfObject& node) {
         const double x = q[0], y = q[1], z = q[2], w = q[3];
         const double length2 = (x * x + y * y) + (z * z + w * w);

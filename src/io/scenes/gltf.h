@@ -8,8 +8,8 @@
 
 namespace crumple::io {
 
-/// Bodies without a name have none yet, and names may repeat. `folder`: where files that it names lie; none for a
-/// stream.
+/// Reads the scene of a glTF file as bodies. Their names may repeat. `folder`: folder of the files that it names; none
+/// for a stream. Throws Error (format, file).
 WorldMesh read_gltf(const Source& source, std::optional<std::filesystem::path> folder, const ReadOptions& options,
                     Warnings& warnings);
 

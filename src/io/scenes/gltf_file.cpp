@@ -19,7 +19,7 @@ constexpr std::size_t header_bytes = 12, chunk_header_bytes = 8;
 
 std::uint32_t word_at(const char* p) { return load<std::uint32_t>(p, std::endian::little); }
 
-/// Of a component; 0 for types that glTF does not know.
+/// Returns the bytes of a component; 0 for types that glTF does not have.
 std::size_t bytes_of(std::int64_t component_type) {
     switch (component_type) {
         case gltf_int8:
@@ -36,7 +36,7 @@ std::size_t bytes_of(std::int64_t component_type) {
     }
 }
 
-/// Nothing if it is no base64. Padding may be missing.
+/// Decodes base64; returns nothing if the text is not base64. Padding may be missing.
 std::optional<std::string> decode_base64(std::string_view text) {
     while (!text.empty() && text.back() == '=') text.remove_suffix(1);
     std::string bytes;
@@ -58,7 +58,7 @@ std::optional<std::string> decode_base64(std::string_view text) {
     return bytes;
 }
 
-/// "%20" as a blank. What is no such code stays.
+/// Decodes percent-encoding: "%20" is a blank. Anything that is not such a code stays unchanged.
 std::string decode_percent(const std::string& text) {
     std::string result;
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -101,7 +101,7 @@ GltfFile::GltfFile(const Source& source, std::optional<fs::path> folder, Warning
     buffers_.resize(root_->size_of("buffers"));
 }
 
-/// The JSON of a .glb, whose binary chunk is kept in mind, or the whole text of a .gltf.
+/// Returns the JSON of a .glb, and sets `chunk_` to its binary chunk, or the whole text of a .gltf.
 std::string_view GltfFile::read_container(Warnings& warnings) {
     const std::string_view text = source_.text();
     if (!text.starts_with(magic)) return text.substr(static_cast<std::size_t>(source_.text_begin() - text.data()));
@@ -186,7 +186,7 @@ GltfElements GltfFile::elements_in_view(const GltfObject& from, std::int64_t cou
     return result;
 }
 
-/// Copies elements, zeros if they lie in no buffer, and replaces those that a sparse accessor lists.
+/// Copies the elements, which are zeros if they have no buffer, and replaces those that a sparse accessor lists.
 void GltfFile::replace_some(GltfElements& elements, const GltfObject& sparse, std::size_t size) {
     if (static_cast<std::uint64_t>(elements.count) > (most_expanded(bytes_read_) - replaced_bytes_) / size)
         sparse.fail("replaces elements that expand beyond measure: they are " + std::string(expansion_rule));

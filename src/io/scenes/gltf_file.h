@@ -1,10 +1,11 @@
 #pragma once
 
-// A glTF 2.0 file, .glb or .gltf, as far as geometry needs it: the description, and the bytes that accessors look at.
-// Whatever the description says is checked where it is used, and an error names the place, as "nodes[3].mesh".
+// Reader of glTF 2.0 files, .glb or .gltf, as far as geometry needs it: the description (JSON), and the bytes of
+// accessors. Each value of the description is checked where it is used, and an error names its place, such as
+// "nodes[3].mesh".
 //
-// tinygltf writes .glb files here, but does not read them: release 2.7 reads past the end of a .glb that is cut within
-// the header of its second chunk, takes 2^32 for 0, and passes over values of a wrong type in silence.
+// tinygltf is used to write .glb files, but not to read them: release 2.7 reads past the end of a .glb that is
+// truncated in the header of its second chunk, reads 2^32 as 0, and silently ignores values of a wrong type.
 
 #include <cstdint>
 #include <deque>
@@ -20,25 +21,25 @@
 
 namespace crumple::io {
 
-/// An object of the description, and where it stands there.
+/// Object of the description, with its place there.
 class GltfObject {
    public:
     GltfObject(const Source& source, const nlohmann::json& value, std::string place);
 
     const std::string& place() const { return place_; }
     bool has(const char* key) const { return value_->contains(key); }
-    /// Throw Error (format) if what is there is of another kind.
+    /// Return the member `key`. Throw Error (format) if its value is of another kind.
     std::optional<std::int64_t> integer(const char* key) const;  ///< 0 or more
     std::int64_t integer_or(const char* key, std::int64_t otherwise) const { return integer(key).value_or(otherwise); }
     std::int64_t required_integer(const char* key) const;
     bool flag(const char* key) const;
-    std::string text(const char* key) const;  ///< empty if there is none
+    std::string text(const char* key) const;  ///< empty if missing
     std::optional<GltfObject> object(const char* key) const;
-    std::size_t size_of(const char* key) const;                  ///< of a list; 0 if there is none
-    GltfObject object_of(const char* key, std::size_t i) const;  ///< of a list of objects
-    std::vector<std::int64_t> integers(const char* key) const;   ///< 0 or more each
+    std::size_t size_of(const char* key) const;                  ///< length of a list; 0 if missing
+    GltfObject object_of(const char* key, std::size_t i) const;  ///< item of a list of objects
+    std::vector<std::int64_t> integers(const char* key) const;   ///< each 0 or more
     std::vector<double> numbers(const char* key) const;
-    std::vector<double> numbers(const char* key, std::size_t count) const;  ///< so many, or none at all
+    std::vector<double> numbers(const char* key, std::size_t count) const;  ///< exactly `count`, or none if missing
     std::vector<std::string> texts(const char* key) const;
 
     /// Throws Error (format): "NAME: nodes[3].mesh WHAT", or without a key "NAME: nodes[3] WHAT".
@@ -75,22 +76,24 @@ struct GltfElements {
     bool has_indices() const {
         return component_type == gltf_uint8 || component_type == gltf_uint16 || component_type == gltf_uint32;
     }
-    /// The integer of one that has indices.
+    /// Returns an index. Requires has_indices().
     std::int64_t index_at(std::int64_t i) const;
 };
 
 class GltfFile {
    public:
-    /// `folder`: where files that it names lie; none for a stream. Throws Error (format).
+    /// `folder`: folder of the files that it names; none for a stream. Throws Error (format).
     GltfFile(const Source& source, std::optional<std::filesystem::path> folder, Warnings& warnings);
 
     const GltfObject& root() const { return *root_; }
     const std::string& name() const { return source_.name(); }
-    /// Item `index` of the description's list `list`, which `from`.`key` names.
+    /// Returns item `index` of the description's list `list`. The index was read from `from`.`key`, which is for
+    /// messages.
     GltfObject item(const char* list, std::int64_t index, const GltfObject& from, const char* key) const;
-    /// Of an accessor of type "SCALAR" or "VEC3". Throws Error (format; file for a file that it names).
+    /// Returns the elements of an accessor, which must be of this type, "SCALAR" or "VEC3". Throws Error (format; file
+    /// if a file that it names cannot be read).
     GltfElements elements(const GltfObject& accessor, std::string_view type);
-    /// Of the file and of the buffers read so far.
+    /// Returns the size of the file and of the buffer files read so far.
     std::size_t bytes_read() const { return bytes_read_; }
 
    private:
@@ -100,7 +103,7 @@ class GltfFile {
         std::string_view bytes;
     };
     std::string_view read_container(Warnings& warnings);
-    /// `count` elements of `size` bytes, which `from` places in a view of a buffer.
+    /// Returns `count` elements of `size` bytes, which lie in the buffer view that `from` names.
     GltfElements elements_in_view(const GltfObject& from, std::int64_t count, std::int64_t component_type,
                                   std::size_t size);
     void replace_some(GltfElements& elements, const GltfObject& sparse, std::size_t size);
@@ -110,7 +113,7 @@ class GltfFile {
 
     const Source& source_;
     std::optional<std::filesystem::path> folder_;
-    std::optional<std::string_view> chunk_;  ///< the binary one of a .glb
+    std::optional<std::string_view> chunk_;  ///< the binary chunk of a .glb
     nlohmann::json document_;
     std::optional<GltfObject> root_;
     std::vector<std::optional<Buffer>> buffers_;
@@ -119,7 +122,7 @@ class GltfFile {
     std::size_t bytes_read_;
 };
 
-/// Whether a file is glTF, by its content, or by its extension (lower case, with its dot).
+/// True if a file is glTF by its content or by its extension (lower case, with its dot).
 bool is_gltf(const Source& source, const std::string& extension);
 
 }  // namespace crumple::io

@@ -1,7 +1,7 @@
 #pragma once
 
-// The triangles of glTF meshes. Two meshes over the same accessors, as exporters write for one geometry in two colours,
-// are one shape.
+// Reader of the triangles of glTF meshes. Meshes with the same accessors, which exporters write for one geometry in
+// several colours, become one shape.
 
 #include <array>
 #include <cstdint>
@@ -18,11 +18,11 @@ class GltfMeshes {
    public:
     GltfMeshes(GltfFile& file, const ReadOptions& options) : file_(file), options_(options) {}
 
-    /// The shape of a mesh that `node` names. Throws Error (format, file).
+    /// Returns the shape of a mesh that `node` names, and reads it on first use. Throws Error (format, file).
     std::int32_t shape_of(std::int64_t mesh, const GltfObject& node);
     std::vector<TriangleMesh> take_shapes() { return std::move(shapes_); }
 
-    // What was left out: the place of the first of its kind, and how many there are.
+    // Objects of one kind that are not supported: the place of the first, and their number.
     struct Left {
         std::string first;
         std::int64_t count = 0;
@@ -40,7 +40,7 @@ class GltfMeshes {
     };
     struct Vertices {
         GltfElements elements;
-        std::int64_t first = 0;  ///< number of the first one among all of the mesh
+        std::int64_t first = 0;  ///< index of the first one among all vertices of the mesh
         std::string place;       ///< of the accessor
     };
 
@@ -51,7 +51,7 @@ class GltfMeshes {
 
     GltfFile& file_;
     const ReadOptions& options_;
-    std::vector<std::int32_t> of_mesh_;  ///< by mesh; -1: not read yet
+    std::vector<std::int32_t> of_mesh_;  ///< shape of each mesh; -1: not read yet
     std::map<std::vector<Primitive>, std::int32_t> known_;
     std::vector<TriangleMesh> shapes_;
     std::size_t corners_ = 0;  ///< of all shapes

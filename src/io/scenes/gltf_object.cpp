@@ -34,7 +34,7 @@ const json* GltfObject::find_list(const char* key) const {
 namespace {
 
 std::optional<std::int64_t> as_index(const json& value) {
-    if (!value.is_number_unsigned()) return std::nullopt;  // what the parser makes of integers without a sign
+    if (!value.is_number_unsigned()) return std::nullopt;  // the parser stores integers without a sign as unsigned
     const auto number = value.get<std::uint64_t>();
     return std::in_range<std::int64_t>(number) ? std::optional(static_cast<std::int64_t>(number)) : std::nullopt;
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Packages by the Open Packaging Conventions, as 3MF files are: a zip archive of parts, and relationships that tell
-// what each of them is for.
+// Reader of packages by the Open Packaging Conventions, such as 3MF files: a zip archive of parts, and relationships
+// that state the purpose of each part.
 
 #include <cstdint>
 #include <string>
@@ -15,17 +15,19 @@ namespace crumple::io {
 
 class Package {
    public:
-    /// `kind` is what messages call the archive. Refers to the source. Throws Error (format).
+    /// `kind` names the archive in messages. Refers to the source. Throws Error (format).
     Package(const Source& source, const std::string& kind);
 
-    /// "NAME, PART", for messages and for readers.
+    /// Returns "NAME, PART", for messages and for readers.
     std::string place(const std::string& part) const { return source_.name() + ", " + part; }
-    /// Reads a part, without a '/' before its name, whatever the case of its letters. Throws Error (format): there is
-    /// none, it is damaged, the archive expands beyond measure; and what the reader throws.
+    /// Reads a part. Its name has no leading '/', and its case does not matter. Throws Error (format) if the part is
+    /// missing or damaged, or the archive expands beyond the limit of io/bytes/expanded_size.h, and whatever the reader
+    /// throws.
     void read(const std::string& part, XmlReader& reader);
-    /// The one part that the package names for this, without a '/' before it.
+    /// Returns the name of the part with this relationship, without a leading '/'. Throws Error (format) unless there
+    /// is exactly one.
     std::string target_of(std::string_view relationship);
-    /// Bytes of the parts read so far.
+    /// Returns the total size of the parts read so far, in uncompressed bytes.
     std::uint64_t expanded() const { return expanded_; }
 
    private:
@@ -34,7 +36,7 @@ class Package {
     std::uint64_t expanded_ = 0, most_expanded_;
 };
 
-/// The name that a reference has in the archive.
+/// Returns the name in the archive of the part that is referred to.
 std::string part_named(std::string_view reference);
 
 }  // namespace crumple::io

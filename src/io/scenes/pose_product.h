@@ -1,6 +1,6 @@
 #pragma once
 
-// Poses of scenes, as their transforms are multiplied.
+// Products of poses, for the nested transforms of scenes.
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace crumple::io {
 
-/// `outer` after `inner`.
+/// Returns the pose that applies `inner`, then `outer`.
 inline Pose product(const Pose& outer, const Pose& inner) {
     const auto& a = outer.rows;
     const auto& b = inner.rows;

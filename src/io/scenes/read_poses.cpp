@@ -1,4 +1,4 @@
-// Poses of bodies, configuration after configuration, from text or from NumPy.
+// Reads poses of bodies, configuration by configuration, from text or from NumPy.
 
 #include <cmath>
 #include <optional>
@@ -15,12 +15,12 @@ namespace {
 
 constexpr std::size_t row_numbers = 12, square_numbers = 16;
 
-/// Poses as they come, row after row, each of the body whose turn it is.
+/// Collector of poses, row by row: one row for each body in turn, configuration by configuration.
 class Poses {
    public:
     Poses(const Source& source, std::span<const std::string> bodies) : source_(source), bodies_(bodies) {}
 
-    /// 12 numbers, or 16 that end with 0 0 0 1. `line`: where they stand in a text, else null.
+    /// Adds a pose of 12 numbers, or of 16 that end with 0 0 0 1. `line`: their place in a text, else null.
     void add(std::span<const double> numbers, const char* line) {
         if (numbers.size() != row_numbers && numbers.size() != square_numbers)
             fail(line, "a pose has 12 numbers (or 16), not " + std::to_string(numbers.size()));
@@ -60,7 +60,7 @@ class Poses {
     std::vector<Pose> poses_;
 };
 
-/// Numbers of a line, with commas or blanks between.
+/// Reads one pose per line, with commas or blanks between numbers. The first line may be a heading.
 std::vector<Pose> read_text(const Source& source, std::span<const std::string> bodies) {
     Poses poses(source, bodies);
     Scanner in(source, {.lines = true, .comments = true});
@@ -103,7 +103,7 @@ std::vector<Pose> poses_of(const std::string& bytes, std::size_t width, std::end
     throw Error(ErrorCode::format, source.name() + ": " + what);
 }
 
-/// (..., 12), (..., 3, 4), (..., 16) or (..., 4, 4), float32 or float64.
+/// Reads an array of shape (..., 12), (..., 3, 4), (..., 16) or (..., 4, 4), float32 or float64.
 std::vector<Pose> read_npy(const Source& source, std::span<const std::string> bodies) {
     NpyFile npy(source);
     const std::optional<NpyHeader> header = read_npy_header(npy);

@@ -1,4 +1,4 @@
-// What a world that was read is to a detector, and as one mesh.
+// Views, validation and posed meshes of a WorldMesh.
 
 #include <algorithm>
 #include <cmath>
@@ -98,7 +98,7 @@ void add_posed(const TriangleMesh& shape, const Pose& pose, std::vector<Scalar>&
         shape.vertices);
 }
 
-/// Tells a reflection, after which corners turn the other way.
+/// True if the pose is a reflection, which reverses the orientation of triangles.
 bool mirrors(const Pose& pose) {
     const Affine matrix{pose.rows};
     return dot(cross(matrix.column(0), matrix.column(1)), matrix.column(2)) < 0;

@@ -6,15 +6,15 @@
 
 namespace crumple::io {
 
-/// Throws Error (invalid_argument, index_out_of_range, not_finite) unless shapes are sound, every body has one of them,
+/// Throws Error (invalid_argument, index_out_of_range, not_finite) unless shapes are valid, every body has one of them,
 /// and poses are finite.
 void validate(const WorldMesh& world);
 
-/// The first float32 body that its pose takes more than 1024 times its size away from the origin, where float32 rounds
-/// its vertices by up to a 16,384th of its size; null if there is none.
+/// Returns the first float32 body that its pose moves away from the origin by more than 1024 times its size, or null.
+/// float32 rounds vertices there by up to 1/16,384 of the body's size.
 const NamedBody* find_far_body(const WorldMesh& world);
 
-/// One body in place.
+/// Returns a world of one body with the identity pose.
 WorldMesh world_of(const TriangleMesh& mesh, std::string name = "mesh");
 
 }  // namespace crumple::io

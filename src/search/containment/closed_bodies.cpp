@@ -41,7 +41,7 @@ void ClosedBodies::read_surfaces(BackendBase& backend, bool weld) {
 }
 
 Array<BodyPair> ClosedBodies::near_pairs(bool self) const {
-    std::map<std::int32_t, Bounds> boxes;  // of vertices
+    std::map<std::int32_t, Bounds> boxes;  // tight boxes of posed vertices
     const auto box_of_vertices = [&](std::int32_t body) {
         const auto known = boxes.find(body);
         if (known != boxes.end()) return known->second;

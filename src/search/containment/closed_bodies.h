@@ -1,10 +1,10 @@
 #pragma once
 
-// Bodies of worlds by their surfaces, which have to be closed where a winding number is needed: for queries about what
-// lies inside what.
+// Surfaces of the bodies of worlds, which must be closed if a winding number is needed: for queries about bodies inside
+// others.
 //
 //   shapes --> surfaces: closed?, components, boxes; cached
-//   bodies --boxes of surfaces under their poses--> wanted pairs whose boxes overlap
+//   bodies --boxes of surfaces under their poses--> selected pairs whose boxes overlap
 
 #include <cstdint>
 #include <memory>
@@ -27,30 +27,32 @@ class ClosedBodies {
    public:
     ClosedBodies(MemoryMeter& meter, Cancellation& cancellation);
 
-    /// Reads a world, whose bodies have to stay while this is used. `weld`: vertices of a shape at equal positions are
-    /// one. Throws Error (invalid_argument). Cost: O(triangles of the shapes).
+    /// Reads a world, whose arrays must outlive the use of this object. `weld`: merges vertices of a shape at equal
+    /// positions. Throws Error (invalid_argument). Cost: O(triangles of the shapes).
     void read(BackendBase& backend, const World& world, const PairFilter& filter, bool weld);
-    /// Gives all memory back.
+    /// Frees all memory.
     void release();
 
     const WorldOutline& outline() const { return outline_; }
-    /// Holds the vertices of a body; a little too large.
+    /// Returns a box of a body's vertices; slightly too large.
     const Bounds& box(std::int32_t body) const { return near_.box(body); }
     const ClosedSurface& surface(std::int32_t body) const { return surface_of(body).closed; }
     bool is_closed(std::int32_t body) const { return surface(body).closed(); }
-    /// Returns −1 if the pose of a body turns it inside out: its faces are meant to be reversed then.
+    /// Returns −1 if the pose of a body mirrors it, so that its faces have to be reversed, else 1.
     int orientation(std::int32_t body) const { return orientation_of(outline_.placement(body)) < 0 ? -1 : 1; }
 
-    /// Returns the wanted pairs of bodies whose boxes overlap, in order: of different bodies, and with `self` also of
-    /// bodies with themselves. Where a surface is not closed, the boxes are those of the vertices.
+    /// Returns the pairs of bodies that the filter selects and whose boxes overlap, sorted: of different bodies, and
+    /// with `self` also of bodies with themselves. If a surface is not closed, tight boxes of the posed vertices are
+    /// used.
     Array<BodyPair> near_pairs(bool self) const;
-    /// Returns the bodies of these pairs whose surfaces are not closed, ascending. Throws Error (invalid_argument)
-    /// about the first one for OpenSurfaces::error; `query` has the options that its message names.
+    /// Returns the bodies of these pairs whose surfaces are not closed, ascending. For OpenSurfaces::error throws Error
+    /// (invalid_argument) about the first one instead; `query`: the query whose options the message names.
     std::vector<std::int32_t> open_bodies(std::span<const BodyPair> pairs, OpenSurfaces open, const char* query) const;
 
-    /// The surface of a body under its pose, whose vertices are put into `points`. O(vertices).
+    /// Returns the surface of a body under its pose; `points` gets the posed vertices and must outlive the result.
+    /// O(vertices).
     PlacedSurface place(std::int32_t body, Array<Vec3d>& points) const;
-    /// An array for these, which the meter counts.
+    /// Returns a metered array for the points of place().
     Array<Vec3d> metered_points() const { return Array<Vec3d>(&meter_); }
 
    private:

@@ -16,16 +16,16 @@ bool before(const Vec3d& p, const Vec3d& q) { return std::tie(p.x, p.y, p.z) < s
 
 bool holds(const Bounds& box, const Vec3d& p) { return overlap(box, Bounds{p, p}); }
 
-/// True if `inner` lies in `outer`.
+/// True if `outer` contains `inner`.
 bool holds(const Bounds& outer, const Bounds& inner) { return holds(outer, inner.low) && holds(outer, inner.high); }
 
-/// The world of a pair as flags count them: the number of worlds for bodies that are in all.
+/// Returns the world index of a pair; the number of worlds for bodies that are in all worlds.
 std::int32_t world_of(const WorldOutline& outline, const BodyPair& pair) {
     const std::int32_t world = outline.body(pair.first).world;
     return world < 0 ? outline.worlds() : world;
 }
 
-/// Returns the flag that each pair decides: its own, that of its world, or the only one.
+/// Returns the index of the flag that each pair decides: its own, that of its world, or the only one.
 std::vector<std::size_t> slots_of(const WorldOutline& outline, std::span<const BodyPair> pairs, Output output) {
     std::vector<std::size_t> slots(pairs.size(), 0);
     for (std::size_t i = 0; i < pairs.size() && output != Output::any; ++i)
@@ -52,7 +52,7 @@ void ContainedBodies::add(ParallelFor& workers, std::span<const BodyPair> pairs,
     std::vector<std::atomic<bool>> is_decided(1 + *std::max_element(slot.begin(), slot.end()));
     std::vector<std::atomic<bool>> contained(pairs.size());
     Casts casts = casts_of(workers, pairs);
-    std::vector<std::size_t> first;  // of each body that rays are taken through
+    std::vector<std::size_t> first;  // first ray of each body that rays are cast through
     for (std::size_t i = 0; i < casts.size(); ++i)
         if (i == 0 || casts[i].through != casts[i - 1].through) first.push_back(i);
     first.push_back(casts.size());
@@ -79,7 +79,7 @@ void ContainedBodies::add(ParallelFor& workers, std::span<const BodyPair> pairs,
     if (output == Output::body_pairs) add_contained(rows.span(), result);
 }
 
-// Sorted by the bodies that rays are taken through.
+// Returns the rays of all pairs, sorted by the body that they are cast through.
 ContainedBodies::Casts ContainedBodies::casts_of(ParallelFor& workers, std::span<const BodyPair> pairs) const {
     std::vector<Casts> of_task;
     const std::size_t tasks = (pairs.size() + pairs_a_task - 1) / pairs_a_task;
@@ -98,7 +98,7 @@ ContainedBodies::Casts ContainedBodies::casts_of(ParallelFor& workers, std::span
     return all;
 }
 
-// A component with a vertex outside of the other's box is outside.
+// A component with a vertex outside of the other's box is outside: it needs no ray.
 void ContainedBodies::add_casts(std::int32_t of, std::int32_t through, std::size_t pair, Casts& casts) const {
     if (!bodies_.is_closed(through)) return;
     if (weld_ && add_casts_between_welded(of, through, pair, casts)) return;
@@ -116,7 +116,7 @@ void ContainedBodies::add_casts(std::int32_t of, std::int32_t through, std::size
     }
 }
 
-// Returns false, and adds none, if the bodies have no vertex in common.
+// Returns false, and adds no rays, if the bodies have no vertex in common.
 bool ContainedBodies::add_casts_between_welded(std::int32_t of, std::int32_t through, std::size_t pair,
                                                Casts& casts) const {
     const Array<Vec3d> own = vertices_in(of, bodies_.box(through)), others = vertices_in(through, bodies_.box(of));
@@ -127,7 +127,7 @@ bool ContainedBodies::add_casts_between_welded(std::int32_t of, std::int32_t thr
     return true;
 }
 
-/// Returns where triangles of a body have vertices in a box, in lexicographic order, each position once.
+/// Returns the positions of vertices of a body's triangles in a box, in lexicographic order, each once.
 Array<Vec3d> ContainedBodies::vertices_in(std::int32_t body, const Bounds& box) const {
     const ClosedSurface& surface = bodies_.surface(body);
     const VertexReader position = reader_of(bodies_.outline().shape(body));

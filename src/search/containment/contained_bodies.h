@@ -1,14 +1,14 @@
 #pragma once
 
-// Finds which of two bodies has a component inside the other, where their surfaces do not meet: by a ray from a vertex
-// of each component that lies in the other's box.
+// Finds pairs of bodies of which one has a component inside the other, if their surfaces do not meet: by a ray from a
+// vertex of each component that lies in the other's box.
 //
-//   pairs of bodies --components, boxes--> rays, by the body whose faces they are taken through
+//   pairs of bodies --components, boxes--> rays, by the body through whose faces they are cast
 //   each such body, on one worker: posed vertices, all its rays at once --> flags of pairs
 //
-// Winding numbers are constant on a component then, but for one case: with welding, surfaces that have nothing but
-// welded vertices, and edges and faces between such, in common do not meet either. These vertices part a component, so
-// that a ray starts from each of its other vertices.
+// Then winding numbers are constant on each component, with one exception: with welding, surfaces also do not meet if
+// they have only merged vertices, and edges and faces between these, in common. Such vertices may divide a component,
+// so a ray starts from each of its other vertices.
 
 #include <cstdint>
 #include <span>
@@ -21,21 +21,22 @@
 
 namespace crumple {
 
-/// Leaves the pairs that may change a result of intersections, which has so much output: `any`, `any_by_world` or
-/// `body_pairs`. The surfaces of these pairs do not meet.
+/// Removes pairs that cannot change a result of intersections with this output: `any`, `any_by_world` or `body_pairs`.
+/// The surfaces of the remaining pairs do not meet.
 void leave_undecided(const WorldOutline& outline, Output output, const Intersections& found, Array<BodyPair>& pairs);
 
 class ContainedBodies {
    public:
-    /// `weld`: vertices of different bodies at equal positions are one.
+    /// `weld`: vertices of different bodies at equal positions count as one.
     ContainedBodies(MemoryMeter& meter, Cancellation& cancellation, const ClosedBodies& bodies, bool weld)
         : meter_(meter), cancellation_(cancellation), bodies_(bodies), weld_(weld) {}
 
-    /// Adds those of the pairs, which leave_undecided() has left, of which one has a component inside the other.
+    /// Adds to the result those of the pairs, filtered by leave_undecided(), of which one body has a component inside
+    /// the other.
     void add(ParallelFor& workers, std::span<const BodyPair> pairs, Output output, Intersections& result) const;
 
    private:
-    /// A ray through the faces of body `through`.
+    /// Ray through the faces of body `through`.
     struct Cast {
         std::int32_t through;
         WindingRay ray;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Surface of a body where its pose puts it.
+// Surface of a body under its pose.
 
 #include <array>
 #include <cmath>
@@ -12,19 +12,19 @@
 
 namespace crumple {
 
-/// True if all coordinates are 0 or in the range of double words.
+/// True if all coordinates are 0 or in the range of double-double arithmetic.
 inline bool in_double_word_range(const Vec3d& p) {
     for (int axis = 0; axis < 3; ++axis)
         if (p[axis] != 0 && !(std::abs(p[axis]) >= 0x1p-150 && std::abs(p[axis]) <= 0x1p150)) return false;
     return true;
 }
 
-/// A body where it is.
+/// Posed surface; a view.
 struct PlacedSurface {
     const ClosedSurface* surface = nullptr;
-    const Vec3d* points = nullptr;  ///< by vertex
+    const Vec3d* points = nullptr;  ///< posed position of each vertex
     Bounds box = no_bounds;
-    bool in_range = true;  ///< of double words
+    bool in_range = true;  ///< true if all points are in the range of double-double arithmetic
 
     std::array<Vec3d, 3> corners(std::int32_t face) const {
         const std::int32_t* c = surface->corners(face);

@@ -8,7 +8,8 @@
 namespace crumple {
 namespace {
 
-/// Returns the share of a face in the winding number of its surface, which is shifted, at p: by filters and expansions.
+/// Returns the contribution of a face to the winding number at p of its surface, which is shifted: by filters and
+/// expansions.
 int quick_winding_along_ray(const Vec3d& p, const FaceCorners& face, Shift shift) {
     const int along = orient2d(face[0], face[1], face[2], 0);
     if (along == 0) return 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Winding numbers of a surface at points, by a ray from each along +x.
+// Winding numbers of a surface at points, by one ray along +x from each point.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,15 +12,15 @@
 
 namespace crumple {
 
-/// A ray along +x.
+/// Ray along +x.
 struct WindingRay {
     Vec3d from;
-    std::size_t of;        ///< what the ray is for, as the caller counts
-    std::int32_t winding;  ///< sum over the faces that were cast so far; initially 0
+    std::size_t of;        ///< the caller's index for this ray
+    std::int32_t winding;  ///< sum over the faces tested so far; initially 0
 };
 
-/// Adds the winding numbers of a surface, which is shifted, where rays start, and sorts the rays. Cost: a logarithm of
-/// the number of rays for each face, and what rays meet.
+/// Adds to each ray the winding number of a surface, which is shifted, at the ray's start, and reorders the rays. Cost:
+/// for each face the logarithm of the number of rays, plus the candidate rays.
 void cast(std::span<WindingRay> rays, const PlacedSurface& surface, Shift shift, Cancellation& cancellation);
 
 }  // namespace crumple
