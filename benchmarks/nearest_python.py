@@ -124,6 +124,48 @@ def robot(quick):
     return [Row(name, ours, {"Coal": theirs}, 1, compare, a_turn=len(given), less=loop(point, point))]
 
 
+def clearances(quick):
+    """The clearance of each configuration of a chain of 9 links among obstacles, in one call; Coal in a loop, which hands
+    the least distance so far to the next link as the bound of its search."""
+    links, length, count = 9, 1.5, 50 if quick else 500
+    mesh, room = scenes.link(12, 21, length, 0.2), scenes.obstacles(40_000)
+    free = np.random.default_rng(4).uniform(room.vertices.min(0), room.vertices.max(0), size=(count, 3))
+    poses = scenes.arm(count, links, length, free, 0.9).reshape(count, links, 3, 4)
+    shapes = [*(crumple.Shape(*mesh, name=f"clear link {k}") for k in range(links))]
+    shapes.append(crumple.Shape(room.vertices, room.faces, name="clear obstacles"))
+    world = crumple.World(shapes, worlds=[0] * links + [-1], self_collisions=False).configurations(poses)
+    allowed = crumple.PairFilter(excluded_bodies=[(a, b) for b in range(links) for a in range(b)])
+    link_tree, room_tree = tree(*mesh), tree(room.vertices, room.faces)
+    given, identity, asked = [transforms(p) for p in poses], coal.Transform3s.Identity(), distance_request()
+
+    def ours(detector):
+        return lambda _: detector.distances(world, output="nearest", filter=allowed)
+
+    def by_hand(_):
+        found = []
+        for places in given:
+            result = coal.DistanceResult()
+            for place in places:
+                coal.distance(link_tree, place, room_tree, identity, asked, result)
+            found.append(result.min_distance)
+        return found
+
+    def separately(_):
+        results = [[coal.DistanceResult() for _ in places] for places in given]
+        return [
+            min(coal.distance(link_tree, place, room_tree, identity, asked, result) for place, result in zip(*of))
+            for of in zip(given, results)
+        ]
+
+    def compare(_):
+        mine, peer = ours(crumple.Detector(threads=1))(0), np.maximum(by_hand(0), 0)
+        return f"{int(mine.touching.sum())} of {len(mine)} touch; distances differ by up to {np.abs(mine.distance - peer).max():.0e}"
+
+    theirs = {"Coal, bounded by the links before": by_hand, "Coal": separately}
+    name = f"clearance of {links} links of {len(mesh[1])} to obstacles of {len(room.faces):,}, {count} configurations"
+    return [Row(name, ours(crumple.Detector(threads=1)), theirs, 1, compare, a_turn=count)]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="small scenes and few rounds, to see that all is well")
@@ -132,7 +174,7 @@ def main():
     load = os.getloadavg()[0]
     print(f"crumple {crumple.__version__}, Coal {coal.__version__}, {os.cpu_count()} processors, load {load:.1f}")
     figures = []
-    for make in (pairs_of_bodies, robot):
+    for make in (pairs_of_bodies, robot, clearances):
         figures += [judge(row, 3 if arguments.quick else 11) for row in make(arguments.quick)]
     show(figures)
     if arguments.json:

@@ -16,6 +16,10 @@ struct Distances;
 struct DistanceQuery {
     using Result = Distances;
 
+    /// `pairs`: a row for each pair of bodies. `nearest`: a row for each world, with its nearest pair of bodies; costs
+    /// less, since a pair of bodies is left as soon as it is certainly not the nearest. Pairs among bodies that are in
+    /// all worlds belong to no world then and have no row.
+    Output output = Output::pairs;
     /// Reports only pairs of bodies whose distance is at most this: Euclidean, 0 or more, or infinite; in the units of
     /// the world. Exact as given.
     double radius = std::numeric_limits<double>::infinity();
@@ -25,8 +29,9 @@ struct DistanceQuery {
 
 /// Result of a DistanceQuery: one row for each pair of bodies that has a pair of triangles selected by the filter, at
 /// most `radius` apart. First body < second body; sorted by first body, then by second body, so worlds follow each
-/// other, and pairs among bodies that are in all worlds come last. The same bytes from every backend, thread count and
-/// instruction set. A plain value: copy it to keep it beyond the detector's next call.
+/// other, and pairs among bodies that are in all worlds come last; `nearest` keeps one row of each world. The same
+/// bytes from every backend, thread count and instruction set. A plain value: copy it to keep it beyond the detector's
+/// next call.
 struct Distances {
     bool any = false;        ///< true if there is a row
     std::int64_t count = 0;  ///< number of rows
@@ -41,6 +46,10 @@ struct Distances {
     /// nearest numbers. If the triangles intersect: the lexicographically smallest point of the intersection, twice. If
     /// several pairs of points are closest: those of the first features, in the order of docs/nearest.md.
     Array<std::array<std::array<double, 3>, 2>> points;
+
+    /// For `nearest`, per world: its row, or -1 if no pair of its bodies is within the radius. The nearest pair is the
+    /// one of least squared distance, the first of several.
+    Array<std::int64_t> world_rows;
 
     Statistics statistics;
 };

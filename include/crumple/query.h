@@ -15,6 +15,7 @@ enum class Output : std::uint8_t {
     body_pairs,    ///< pairs of bodies: intersections and overlaps only
     count,         ///< number of pairs of triangles, in total and per world: intersections only
     first,         ///< the first impact of each world: impacts only
+    nearest,       ///< the nearest pair of bodies of each world: distances only
     pairs,         ///< all pairs
     contacts,      ///< all pairs, and the points where each meets: intersections only
 };

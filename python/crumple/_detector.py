@@ -194,7 +194,7 @@ class Detector(_core.Detector):
             raise InvalidInput(f"{delivery} is not for {type(query).__name__}: docs/supported.md has the table")
         excluded = query.filter.excluded_bodies
         if excluded is not None:
-            excluded = excluded_in(scene, excluded)
+            excluded = excluded_in(scene, query.filter)
         try:
             return getattr(self, method)(scene, query, excluded, *more)
         except InvalidInput as error:

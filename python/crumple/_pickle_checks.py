@@ -217,6 +217,10 @@ class _CheckDistances(_Check):
         self._that((squared >= 0).all() and not squared[found.touching].any(), "squared_distance")
         self._that((found.triangles >= 0).all(), "triangles")
         self._that(np.isfinite(found.points).all(), "points")
+        rows = found.world_rows[found.world_rows != -1]
+        self._that(self._request.output in ("nearest", "pairs"), "output")
+        self._that(self._request.output == "nearest" or not len(found.world_rows), "world_rows")
+        self._that(self._request.output == "pairs" or np.array_equal(rows, np.arange(len(bodies))), "world_rows")
 
 
 class _CheckOverlaps(_Check):

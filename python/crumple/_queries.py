@@ -37,6 +37,28 @@ class PairFilter:
     excluded_bodies: Any = None
     excluded_groups: Any = None
 
+    _indices: ClassVar[Any] = None  # of an object: (columns of a world, excluded_bodies by its indices)
+
+    def __post_init__(self) -> None:
+        """Takes a constant copy of excluded pairs that are no array, so that their indices can be kept."""
+        pairs = self.excluded_bodies
+        if isinstance(pairs, Iterable) and not isinstance(pairs, (str, bytes)) and not hasattr(pairs, "dtype"):
+            object.__setattr__(self, "excluded_bodies", tuple(map(_constant, pairs)))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The members: pickles and copies have nothing else."""
+        return members_of(self)
+
+
+def _constant(pair: Any) -> Any:
+    if isinstance(pair, set):
+        return frozenset(pair)
+    return tuple(pair) if isinstance(pair, list) else pair
+
+
+def members_of(value: Any) -> dict[str, Any]:
+    return {field.name: getattr(value, field.name) for field in fields(value)}
+
 
 class Query:
     """Base of all queries."""
@@ -53,7 +75,7 @@ class Query:
 
     def __getstate__(self) -> dict[str, Any]:
         """The members: pickles and copies have nothing else."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        return members_of(self)
 
 
 _OF_PAIRS = frozenset({"find", "supports", "any", "stream", "partition", "launch"})
@@ -262,12 +284,15 @@ class DistanceQuery(Query):
     that are named are remembered; then a pair takes some microseconds to some ten.
 
     Args:
+        output: "pairs": a row for each pair of bodies; "nearest": a row for each world, with its nearest pair of bodies,
+            which costs less. Pairs among bodies that are in all worlds belong to no world then, and have no row.
         radius: only pairs of bodies at most so far apart are listed, exactly: 0 or more, or infinite.
         filter: which pairs of triangles count; those within a body never do.
 
     With the cpu and the reference backend. More: docs/nearest.md.
     """
 
+    output: Literal["nearest", "pairs"] = "pairs"
     radius: float = math.inf
     filter: PairFilter = PairFilter()
 

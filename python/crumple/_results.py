@@ -239,6 +239,13 @@ class Distances(Result):
         "one point of both, twice.",
         (2, 3),
     )
+    world_rows = int64(
+        '(w,) int64: the row of each world, or -1 if no pair of its bodies is within the radius; for output="nearest".'
+    )
+
+    def _check(self, name: str) -> None:
+        if name == "world_rows" and self._request.output != "nearest":
+            self._refuse(name, 'output="nearest"')
 
     @property
     def any(self) -> bool:

@@ -72,13 +72,19 @@ def kind_of(scene: Scene) -> str:
     return "mesh" if isinstance(scene, Mesh) else "meshes"
 
 
-def excluded_in(scene: Scene, excluded: Any) -> Any:
-    """Pairs of bodies that are excluded, by their indices."""
+def excluded_in(scene: Scene, pairs: PairFilter) -> Any:
+    """Pairs of bodies that are excluded, by their indices; kept for callers that ask about one world many times."""
     if not isinstance(scene, World):
         raise InvalidInput("excluded_bodies are bodies of a crumple.World")
+    kept = pairs._indices
+    if kept is not None and kept[0] is scene._columns:
+        return kept[1]
     from ._world_arrays import excluded_pairs
 
-    return excluded_pairs(excluded, scene.distinct, scene.index)
+    made = excluded_pairs(pairs.excluded_bodies, scene.distinct, scene.index)
+    if type(pairs.excluded_bodies) is tuple:
+        pairs.__dict__["_indices"] = scene._columns, made
+    return made
 
 
 def with_names(scene: Scene, error: InvalidInput) -> InvalidInput:

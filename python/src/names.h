@@ -49,6 +49,7 @@ inline constexpr Names<Held, 3> held_names{
     {{"worlds", Held::worlds}, {"bodies", Held::bodies}, {"vertices", Held::vertices}}};
 inline constexpr Names<Output, 3> proximity_output_names{
     {{"any", Output::any}, {"any_by_world", Output::any_by_world}, {"pairs", Output::pairs}}};
+inline constexpr Names<Output, 2> distance_output_names{{{"nearest", Output::nearest}, {"pairs", Output::pairs}}};
 inline constexpr Names<Output, 4> overlap_output_names{{{"any", Output::any},
                                                         {"any_by_world", Output::any_by_world},
                                                         {"body_pairs", Output::body_pairs},

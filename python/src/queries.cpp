@@ -88,6 +88,7 @@ void read(nb::handle given, CandidateQuery& query) {
 }
 
 void read(nb::handle given, DistanceQuery& query) {
+    query.output = output_of(given, distance_output_names);
     query.radius = real_of(given, "radius");
     query.filter = filter_of(given);
 }
@@ -118,6 +119,7 @@ bool is_frozen(nb::handle object) {
 bool is_constant(nb::handle value) {
     PyObject* const v = value.ptr();
     if (PyTuple_CheckExact(v)) return std::ranges::all_of(nb::borrow<nb::tuple>(value), is_constant);
+    if (PyFrozenSet_CheckExact(v)) return std::ranges::all_of(nb::tuple(value), is_constant);
     return value.is_none() || PyBool_Check(v) || PyUnicode_CheckExact(v) || PyLong_CheckExact(v) ||
            PyFloat_CheckExact(v);
 }

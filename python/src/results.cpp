@@ -229,6 +229,8 @@ void bind_distances(nb::module_& module) {
         "triangles", [](const R& r) -> auto& { return r.triangles; }, 2U);
     result.array<double>(
         "points", [](const R& r) -> auto& { return r.points; }, 2U, 3U);
+    result.array<std::int64_t>(
+        "world_rows", [](const R& r) -> auto& { return r.world_rows; });
 }
 
 void bind_overlaps(nb::module_& module) {

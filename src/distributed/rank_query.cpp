@@ -68,7 +68,8 @@ RankOutput output_of(const IntersectionQuery& question) {
             return RankOutput::body_pairs;
         case Output::count:
             return RankOutput::count;
-        case Output::first:  // of impacts
+        case Output::first:
+        case Output::nearest:
         case Output::pairs:
         case Output::contacts:
             break;

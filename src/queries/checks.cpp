@@ -89,7 +89,7 @@ void check_in_blocks(const ProximityQuery& q) {
 }
 
 void check_question(const IntersectionQuery& q) {
-    check(q.output <= Output::contacts && q.output != Output::first,
+    check(q.output <= Output::contacts && q.output != Output::first && q.output != Output::nearest,
           "output must be any, any_by_world, body_pairs, count, pairs or contacts");
     if (!q.containment) return;
     check(q.output <= Output::body_pairs,
@@ -135,6 +135,7 @@ void check_question(const CandidateQuery& q, bool) {
 }
 
 void check_question(const DistanceQuery& q) {
+    check(q.output == Output::nearest || q.output == Output::pairs, "output must be nearest or pairs");
     check(q.radius >= 0, "radius must be 0 or more, or infinite");
     check(q.filter.bodies != PairScope::within, "bodies must not be within: distances are between bodies");
 }

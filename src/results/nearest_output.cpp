@@ -5,6 +5,7 @@
 namespace crumple {
 namespace {
 
+/// Calls act(array) for each array that has an element for each row.
 template <class Act>
 void for_each_array(Distances& answer, Act act) {
     act(answer.bodies);
@@ -18,6 +19,7 @@ void for_each_array(Distances& answer, Act act) {
 
 Distances metered_nearest(MemoryMeter* meter) {
     Distances answer;
+    answer.world_rows = Array<std::int64_t>(meter);
     for_each_array(answer, [&]<class T>(Array<T>& array) { array = Array<T>(meter); });
     return answer;
 }
@@ -32,6 +34,7 @@ void hand_over(Distances& mine, Distances& theirs) {
     swap(mine.touching, theirs.touching);
     swap(mine.triangles, theirs.triangles);
     swap(mine.points, theirs.points);
+    swap(mine.world_rows, theirs.world_rows);
     theirs.any = std::exchange(mine.any, false);
     theirs.count = std::exchange(mine.count, 0);
     theirs.statistics = std::exchange(mine.statistics, {});
@@ -39,6 +42,7 @@ void hand_over(Distances& mine, Distances& theirs) {
 
 void clear(Distances& answer) {
     for_each_array(answer, [](auto& array) { array.clear(); });
+    answer.world_rows.clear();
     answer.any = false;
     answer.count = 0;
     answer.statistics = {};

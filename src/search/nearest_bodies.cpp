@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "results/nearest_output.h"
@@ -32,6 +33,10 @@ bool beyond(const Bounds& a, const Bounds& b, double radius) {
     return squared * (1 - 0x1p-48) > radius * radius + 0x1p-1000;
 }
 
+// A distance up to which pairs of bodies may have a squared distance that is rounded to the same number or a smaller
+// one.
+double with_equals(double distance) { return distance * (1 + 0x1p-50) + 0x1p-500; }
+
 }  // namespace
 
 NearestSearch::NearestSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named)
@@ -41,6 +46,7 @@ NearestSearch::NearestSearch(MemoryMeter& meter, Cancellation& cancellation, Sha
       outline_(&meter),
       rules_(&meter),
       box_(&meter),
+      first_row_(&meter),
       kept_(&meter) {}
 
 NearestSearch::~NearestSearch() = default;
@@ -52,6 +58,7 @@ void NearestSearch::release() {
     of_call_.clear();
     idle_.clear();
     box_.release();
+    first_row_.release();
     kept_.release();
 }
 
@@ -67,37 +74,97 @@ void NearestSearch::find(ParallelFor& workers, const World& world, const Distanc
     answer.statistics.simd = "scalar";
     read_shapes();
     read_bodies();
-    list_pairs(answer);
+    list_pairs(question, answer);
     make_rows(answer);
     const std::size_t rows = answer.bodies.size();
     kept_.assign(rows, 0);
+    const bool nearest = question.output == Output::nearest;
     std::atomic<std::int64_t> tests{0}, exact{0}, rational{0};
     const auto run = [&](std::size_t task) {
         auto owned = take_walk();
         NearestWalk& walk = *owned;
-        for (std::size_t i = task * body_pairs_of_task; i < std::min(rows, (task + 1) * body_pairs_of_task); ++i) {
-            cancellation_.check();
-            const auto [a, b] = answer.bodies[i];
-            const auto tree = [&](std::int32_t body) -> const ShapeTree& {
-                return *trees_[static_cast<std::size_t>(outline_.body(body).shape)];
-            };
-            NearestRow row;
-            kept_[i] = walk(a, tree(a), b, tree(b), radius_, row);
-            put_row(answer, i, row);
+        if (nearest) {
+            keep_nearest(walk, first_row_[task], first_row_[task + 1], answer);
+        } else {
+            for (std::size_t i = task * body_pairs_of_task; i < std::min(rows, (task + 1) * body_pairs_of_task); ++i)
+                kept_[i] = walk_row(walk, i, radius_, answer);
         }
         tests += walk.counts().tests, exact += walk.counts().exact, rational += walk.counts().rational;
         give_back(std::move(owned));
     };
-    const std::size_t tasks = (rows + body_pairs_of_task - 1) / body_pairs_of_task;
+    const std::size_t tasks =
+        nearest ? static_cast<std::size_t>(outline_.worlds()) : (rows + body_pairs_of_task - 1) / body_pairs_of_task;
     if (frugal || tasks <= 1)
         for (std::size_t task = 0; task < tasks; ++task) run(task);
     else
         workers.parallel_for(tasks, run);
+    if (nearest) number_rows(answer);
     keep_rows(answer, kept_);
     answer.statistics.box_overlaps = tests;
     answer.statistics.exact_tests = exact;
     answer.statistics.rational_tests = rational;
     of_call_.clear();
+}
+
+// Fills a row. Returns true if its bodies are at most `radius` apart.
+bool NearestSearch::walk_row(NearestWalk& walk, std::size_t row, double radius, Distances& answer) {
+    cancellation_.check();
+    const auto [a, b] = answer.bodies[row];
+    NearestRow nearest;
+    const bool is_near = walk(a, tree(a), b, tree(b), radius, nearest);
+    put_row(answer, row, nearest);
+    return is_near;
+}
+
+// Keeps the nearest of some rows, the first of several with the same squared distance. First bounds all distances from
+// above, then walks those with the least bounds first, so that the others end early.
+void NearestSearch::keep_nearest(NearestWalk& walk, std::size_t begin, std::size_t end, Distances& answer) {
+    struct BoundedRow {
+        double bound;
+        std::size_t row;
+        auto operator<=>(const BoundedRow&) const = default;
+    };
+    Array<BoundedRow> near(&meter_);
+    double most = radius_;
+    const auto certainly_farther = [&](std::size_t row) {
+        const auto [a, b] = answer.bodies[row];
+        return beyond(box_[a], box_[b], most);
+    };
+    for (std::size_t row = begin; row < end; ++row) {
+        cancellation_.check();
+        if (certainly_farther(row)) continue;
+        const auto [a, b] = answer.bodies[row];
+        const std::optional<double> bound = walk.upper_bound(a, tree(a), b, tree(b), most);
+        if (!bound) continue;
+        near.push_back({*bound, row});
+        most = std::min(most, with_equals(*bound));
+    }
+    std::sort(near.begin(), near.end());
+    std::optional<std::size_t> nearest;
+    for (const BoundedRow& next : near) {
+        const std::size_t row = next.row;
+        if (certainly_farther(row) || !walk_row(walk, row, most, answer)) continue;
+        const double squared = answer.squared_distance[row];
+        most = std::min(most, with_equals(std::sqrt(squared)));
+        const auto comes_before = [&](std::size_t other) {
+            return std::pair(squared, row) < std::pair(answer.squared_distance[other], other);
+        };
+        if (!nearest || comes_before(*nearest)) nearest = row;
+    }
+    if (nearest) kept_[*nearest] = 1;
+}
+
+// Numbers the rows that are kept, of each world one at most.
+void NearestSearch::number_rows(Distances& answer) const {
+    std::int64_t rows = 0;
+    for (std::int32_t w = 0; w < outline_.worlds(); ++w) {
+        const auto begin = kept_.begin() + first_row_[w], end = kept_.begin() + first_row_[w + 1];
+        answer.world_rows.push_back(std::find(begin, end, 1) != end ? rows++ : -1);
+    }
+}
+
+const ShapeTree& NearestSearch::tree(std::int32_t body) const {
+    return *trees_[static_cast<std::size_t>(outline_.body(body).shape)];
 }
 
 std::unique_ptr<NearestWalk> NearestSearch::take_walk() {
@@ -160,18 +227,22 @@ void NearestSearch::check_vertices(std::int32_t b) const {
     }
 }
 
-// Bodies are sorted by world, so ascending pairs are in the order of the result.
-void NearestSearch::list_pairs(Distances& answer) {
-    const std::int32_t worlds = outline_.worlds(), rest = outline_.first_body(worlds);
+// Bodies are in the order of their worlds, so ascending pairs are in the order of the result.
+void NearestSearch::list_pairs(const DistanceQuery& query, Distances& answer) {
+    const std::int32_t worlds = outline_.worlds(), shared = outline_.first_body(worlds);
+    first_row_.clear();
     for (std::int32_t w = 0; w < worlds; ++w) {
+        first_row_.push_back(answer.bodies.size());
         const std::int32_t end = outline_.first_body(w + 1);
         for (std::int32_t a = outline_.first_body(w); a < end; ++a) {
             cancellation_.check();
             add_pairs(a, a + 1, end, answer);
-            add_pairs(a, rest, outline_.bodies(), answer);
+            add_pairs(a, shared, outline_.bodies(), answer);
         }
     }
-    for (std::int32_t a = rest; a < outline_.bodies(); ++a) {
+    first_row_.push_back(answer.bodies.size());
+    if (query.output == Output::nearest) return;
+    for (std::int32_t a = shared; a < outline_.bodies(); ++a) {
         cancellation_.check();
         add_pairs(a, a + 1, outline_.bodies(), answer);
     }

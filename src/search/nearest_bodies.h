@@ -35,9 +35,13 @@ class NearestSearch {
     void give_back(std::unique_ptr<NearestWalk> walk);
     void read_shapes();
     void read_bodies();
+    const ShapeTree& tree(std::int32_t body) const;
     void check_vertices(std::int32_t b) const;
-    void list_pairs(Distances& answer);
+    void list_pairs(const DistanceQuery& query, Distances& answer);
     void add_pairs(std::int32_t a, std::int32_t begin, std::int32_t end, Distances& answer);
+    bool walk_row(NearestWalk& walk, std::size_t row, double radius, Distances& answer);
+    void keep_nearest(NearestWalk& walk, std::size_t begin, std::size_t end, Distances& answer);
+    void number_rows(Distances& answer) const;
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
@@ -50,6 +54,7 @@ class NearestSearch {
     std::vector<const ShapeTree*> trees_;              ///< by shape
     std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of shapes without a name
     Array<Bounds> box_;                                ///< per body; contains all posed vertices
+    Array<std::size_t> first_row_;  ///< world w has the rows [first_row_[w], first_row_[w + 1]) before any is dropped
     std::mutex mutex_;
     std::vector<std::unique_ptr<NearestWalk>> idle_;  ///< guarded by the mutex
     Array<std::uint8_t> kept_;                        ///< per row: 1 if its bodies are near enough

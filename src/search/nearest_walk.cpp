@@ -33,19 +33,8 @@ TrianglePoints PosedLeaf::triangle(std::size_t k) const {
 
 bool NearestWalk::operator()(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b,
                              double radius, NearestRow& row) {
-    if (tree_a.empty() || tree_b.empty()) return false;
-    begin(a_, a, tree_a);
-    begin(b_, b, tree_b);
-    found_ = touching_ = false;
-    direction_ = {};
-    candidates_.clear();
-    few_ = few_candidates;
-    upper_ = radius * (1 + 0x1p-50);
-    aim({});
-    const At root_a = at(a_, 0), root_b = at(b_, 0);
-    if (gap(root_a.reach, root_b.reach) > limit_) return false;
     // First descends once in each tree to get an upper bound, then visits everything that is not farther.
-    descend(root_a, root_b);
+    if (!begin(a, tree_a, b, tree_b, radius)) return false;
     if (found_ && !touching_) aim(direction_);
     candidates_.clear();
     walk(at(a_, 0), at(b_, 0));
@@ -63,6 +52,30 @@ bool NearestWalk::operator()(std::int32_t a, const ShapeTree& tree_a, std::int32
     row.triangles = least.triangles;
     row.points = least.points;
     return least.within;
+}
+
+std::optional<double> NearestWalk::upper_bound(std::int32_t a, const ShapeTree& tree_a, std::int32_t b,
+                                               const ShapeTree& tree_b, double radius) {
+    if (!begin(a, tree_a, b, tree_b, radius)) return std::nullopt;
+    return found_ ? upper_ : std::numeric_limits<double>::infinity();
+}
+
+/// Descends once in each tree. Returns false if the bodies are certainly farther apart than `radius`.
+bool NearestWalk::begin(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b,
+                        double radius) {
+    if (tree_a.empty() || tree_b.empty()) return false;
+    begin(a_, a, tree_a);
+    begin(b_, b, tree_b);
+    found_ = touching_ = false;
+    direction_ = {};
+    candidates_.clear();
+    few_ = few_candidates;
+    upper_ = radius * (1 + 0x1p-50);
+    aim({});
+    const At root_a = at(a_, 0), root_b = at(b_, 0);
+    if (gap(root_a.reach, root_b.reach) > limit_) return false;
+    descend(root_a, root_b);
+    return true;
 }
 
 void NearestWalk::begin(Side& side, std::int32_t body, const ShapeTree& tree) {

@@ -45,6 +45,11 @@ class NearestWalk {
     bool operator()(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, double radius,
                     NearestRow& row);
 
+    /// Returns an upper bound on the distance of the bodies, infinity where a single descent in both trees finds no
+    /// pair of triangles that the filter selects; nothing if the bodies are certainly farther apart than `radius`.
+    std::optional<double> upper_bound(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b,
+                                      double radius);
+
     const NearestCounts& counts() const { return counts_; }
     void clear_counts() { counts_ = {}; }
 
@@ -70,6 +75,7 @@ class NearestWalk {
         std::array<std::int32_t, leaves_kept> group{};  ///< the group in each entry of `leaves`; -1: none
     };
 
+    bool begin(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, double radius);
     void begin(Side& side, std::int32_t body, const ShapeTree& tree);
     void aim(const Vec3d& known);
     At at(const Side& side, std::int32_t node) const { return {node, (*side.boxes)(side.tree->node(node).box)}; }

@@ -13,6 +13,7 @@ inline testing::AssertionResult same_nearest(const Distances& found, const Dista
     if (same) same = same_bytes(found.squared_distance, expected.squared_distance, "squared distances");
     if (same) same = same_bytes(found.triangles, expected.triangles, "triangles");
     if (same) same = same_bytes(found.points, expected.points, "points");
+    if (same) same = same_bytes(found.world_rows, expected.world_rows, "rows of worlds");
     return same;
 }
 

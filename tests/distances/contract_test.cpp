@@ -69,6 +69,29 @@ TEST_P(NearestBodiesOf, several_worlds_in_the_order_of_their_bodies) {
     const std::vector<Pose> poses{{}, moved(3), moved(0, 5), moved(0, 0, 4), moved(0, 0, -1)};
     EXPECT_EQ(rows(find(bodies, poses)), (Rows{{0, 1}, {0, 3}, {0, 4}, {1, 3}, {1, 4}, {2, 3}, {2, 4}, {3, 4}}));
 }
+TEST_P(NearestBodiesOf, each_world_the_nearest_pair) {
+    const std::vector<Body> bodies{{.world = 0}, {.world = 0},  {.world = 0}, {.world = 2},
+                                   {.world = 3}, {.world = -1}, {.world = -1}};
+    const std::vector<Pose> poses{{}, moved(3), moved(-3), moved(0, 5), moved(40), moved(0, 0, 4), moved(0, 0, -1)};
+    DistanceQuery question{.output = Output::nearest};
+    const Distances& all = find(bodies, poses, question);
+    EXPECT_EQ(rows(all), (Rows{{0, 6}, {3, 6}, {4, 6}})) << "those that are in all worlds have no row";
+    EXPECT_EQ((std::vector<std::int64_t>(all.world_rows.begin(), all.world_rows.end())),
+              (std::vector<std::int64_t>{0, -1, 1, 2}));
+    EXPECT_EQ(all.squared_distance[0], 1);
+    question.radius = 20;
+    const Distances& near = find(bodies, poses, question);
+    EXPECT_EQ(rows(near), (Rows{{0, 6}, {3, 6}}));
+    EXPECT_EQ((std::vector<std::int64_t>(near.world_rows.begin(), near.world_rows.end())),
+              (std::vector<std::int64_t>{0, -1, 1, -1}));
+    question.filter.excluded_bodies = {{0, 6}, {1, 6}, {2, 6}};
+    EXPECT_EQ(rows(find(bodies, poses, question))[0], (std::array<std::int32_t, 2>{0, 1})) << "the first of two at 2";
+}
+TEST_P(NearestBodiesOf, each_world_the_first_of_pairs_that_touch) {
+    const std::vector<Body> bodies(4);
+    const std::vector<Pose> poses{moved(9), {}, moved(0.5), moved(0.5, 0.5)};
+    EXPECT_EQ(rows(find(bodies, poses, {.output = Output::nearest})), (Rows{{1, 2}}));
+}
 TEST_P(NearestBodiesOf, those_within_the_radius_which_counts) {
     const std::vector<Pose> poses{{}, moved(0, 0, 2), moved(0, 0, 5)};
     const std::vector<Body> bodies(3);
@@ -122,6 +145,7 @@ TEST_P(NearestBodiesOf, no_world_that_is_wrong) {
     };
     for (const double radius : {-1.0, std::numeric_limits<double>::quiet_NaN(), -infinity})
         EXPECT_EQ(refused([&] { find({{}}, {}, {.radius = radius}); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(refused([&] { find({{}}, {}, {.output = Output::any}); }).element, Element::option);
     DistanceQuery within;
     within.filter.bodies = PairScope::within;
     EXPECT_EQ(refused([&] { find({{}}, {}, within); }).element, Element::option);

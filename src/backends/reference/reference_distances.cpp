@@ -67,6 +67,25 @@ void add_bodies(const std::vector<PosedTriangle>& all_a, const std::vector<Posed
     put_row(answer, answer.bodies.size() - 1, {least->squared(), least->touching(), triangles, least->points()});
 }
 
+/// Keeps the row of the nearest pair of bodies of each world, the first of several, and numbers these rows.
+void keep_nearest(const World& world, std::int32_t worlds, Distances& answer) {
+    const std::size_t none = answer.bodies.size();
+    std::vector<std::size_t> nearest(static_cast<std::size_t>(worlds), none);
+    for (std::size_t row = 0; row < none; ++row) {
+        std::size_t& least =
+            nearest[static_cast<std::size_t>(world.bodies[static_cast<std::size_t>(answer.bodies[row].first)].world)];
+        if (least == none || answer.squared_distance[row] < answer.squared_distance[least]) least = row;
+    }
+    Array<std::uint8_t> kept;
+    kept.assign(none, 0);
+    std::int64_t rows = 0;
+    for (const std::size_t row : nearest) {
+        answer.world_rows.push_back(row == none ? -1 : rows++);
+        if (row != none) kept[row] = 1;
+    }
+    keep_rows(answer, kept);
+}
+
 }  // namespace
 
 void find_nearest_by_brute_force(const World& world, const DistanceQuery& question, MemoryMeter& meter,
@@ -79,16 +98,19 @@ void find_nearest_by_brute_force(const World& world, const DistanceQuery& questi
     answer.statistics.backend = "reference";
     answer.statistics.simd = "scalar";
     answer.statistics.triangles = outline.triangles();
+    const bool nearest = question.output == Output::nearest;
     std::vector<std::vector<PosedTriangle>> bodies;
     bodies.reserve(static_cast<std::size_t>(outline.bodies()));
     for (std::int32_t b = 0; b < outline.bodies(); ++b) bodies.push_back(triangles_of(outline, b));
     for (std::size_t a = 0; a < bodies.size(); ++a) {
         for (std::size_t b = a + 1; b < bodies.size(); ++b) {
             const std::int32_t world_a = world.bodies[a].world, world_b = world.bodies[b].world;
+            if (nearest && world_a == -1) continue;
             if (world_b == world_a || world_b == -1)
                 add_bodies(bodies[a], bodies[b], rules, question.radius, cancellation, answer);
         }
     }
+    if (nearest) keep_nearest(world, outline.worlds(), answer);
 }
 
 }  // namespace crumple
