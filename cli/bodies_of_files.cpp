@@ -29,19 +29,19 @@ io::WorldMesh read_one(const std::string& file, const io::ReadOptions& how) {
     return world;
 }
 
-/// Takes the word about a pair away that detect --containment writes behind two names.
+/// Removes the word that detect --containment writes after two names.
 void drop_inside(std::vector<std::string>& fields) {
     if (fields.size() == 3 && (fields[2] == "inside" || fields[2] == "1" || fields[2] == "0")) fields.pop_back();
 }
 
-/// Two names of a line; nothing if there are more or fewer.
+/// Splits a line into two names. Returns nothing if there are more or fewer.
 std::optional<std::pair<std::string, std::string>> split(std::string_view line) {
     const bool by_tab = line.find('\t') != line.npos;
     std::vector<std::string> words;
     while (true) {
         while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
         if (line.empty()) break;
-        if (line.front() == '"') {  // up to the next quote that no backslash is before
+        if (line.front() == '"') {  // up to the next quote that is not escaped
             std::size_t end = 1;
             while (end < line.size() && line[end] != '"') end += line[end] == '\\' ? 2 : 1;
             if (end >= line.size()) return std::nullopt;
@@ -63,8 +63,8 @@ std::optional<std::pair<std::string, std::string>> split(std::string_view line) 
     return std::pair(words[0], words[1]);
 }
 
-/// Calls take(fields, place) for each record of CSV: fields may stand in quotes, within which a quote is doubled and a
-/// line may end. Blank lines are skipped.
+/// Calls take(fields, place) for each record of CSV: fields may be quoted; quoted fields may contain doubled quotes and
+/// line breaks. Blank lines are skipped.
 template <class Take>
 void for_each_record(const io::Source& source, Take take) {
     const char* p = source.text_begin();

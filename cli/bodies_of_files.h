@@ -1,6 +1,6 @@
 #pragma once
 
-// Files as a world of bodies, and the names by which bodies are excluded.
+// Reads files as a world of bodies, and finds bodies by name.
 
 #include <string>
 #include <string_view>
@@ -14,23 +14,23 @@ namespace crumple::cli {
 /// Throws Error (invalid_argument).
 [[noreturn]] void refuse(const std::string& what);
 
-/// Reads files as worlds and puts them together, in order; prints what is odd about them. Names that two files have are
-/// made unique. `file_of_body`, which may be null, becomes the file of each body. Throws Error that names the file and
-/// the place.
+/// Reads files as worlds and joins them, in order; prints warnings. Names that occur in two files are made unique.
+/// `file_of_body`, if not null, receives the file of each body. Throws Error that names the file and the place.
 io::WorldMesh read_bodies(const std::vector<std::string>& files, const ReadingOptions& options,
                           std::vector<std::string>* file_of_body = nullptr);
 
-/// Bodies by name.
+/// Index of bodies by name.
 class BodyNames {
    public:
     explicit BodyNames(const std::vector<io::NamedBody>& bodies);
 
-    /// "A,B" as `--excluded-bodies` has it; commas in names are seen through. Throws Error (invalid_argument) that
-    /// suggests a name for one that is unknown.
+    /// Parses "A,B", the value of `--excluded-bodies`; names may contain commas. Throws Error (invalid_argument) that
+    /// suggests a name for an unknown one.
     BodyPair pair(const std::string& text) const;
-    /// A list that detect has written, .csv or .json by extension. Any other is text: two names a line, with a tab
-    /// between or, where no name has blanks, with blanks; quoted as `quoted` does. Blank lines and comments (#) are
-    /// skipped, and so is what detect --containment says behind a pair. Throws Error that names the line.
+    /// Reads pairs of names from a list that detect has written: .csv or .json by extension, otherwise text with two
+    /// names a line, separated by a tab, or by blanks if no name has any; quoted as by quoted_name(). Skips blank
+    /// lines, comments (#) and the word that detect --containment writes after a pair. Throws Error that names the
+    /// line.
     std::vector<BodyPair> read_pairs(const std::string& path) const;
 
     const std::vector<std::string>& list() const { return names_; }
@@ -43,8 +43,8 @@ class BodyNames {
     std::vector<std::int32_t> sorted_;
 };
 
-/// A name as a list has it: as it is, or as a JSON string if it has a tab, another control character, a quote, or `#`
-/// or a blank at its beginning or end.
+/// Returns a name as lists contain it: unchanged, or as a JSON string if it is empty, has a control character or a
+/// quote, begins with `#`, or begins or ends with a blank.
 std::string quoted_name(const std::string& name);
 
 }  // namespace crumple::cli

@@ -7,8 +7,8 @@
 namespace crumple::cli {
 namespace {
 
-/// How many letters have to be added, taken away, changed, or swapped with the next one to make one word of the other;
-/// that of another case costs nothing.
+/// Returns the number of letters to add, remove, change, or swap with the next one to turn one word into the other.
+/// Case is ignored.
 std::size_t distance(const std::string& a, const std::string& b) {
     const auto letter = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
     const std::size_t width = b.size() + 1;

@@ -35,7 +35,7 @@ PartOfMany parse_part(const std::string& text) {
     return part;
 }
 
-/// 2GiB, 500 MB, 1.5g or bytes; k, M, G and T are powers of 1000, with an i of 1024.
+/// Parses a size: 2GiB, 500 MB, 1.5g or bytes. k, M, G and T stand for powers of 1000, with an i for powers of 1024.
 std::int64_t parse_bytes(const std::string& text) {
     double value = 0;
     const char* const end = text.data() + text.size();
@@ -169,7 +169,7 @@ void QueryOptions::check() const {
 
 namespace {
 
-/// "fuzziness=1.5,stop=0.1".
+/// Parses settings such as "fuzziness=1.5".
 void parse_fuzzy_c_means(const std::vector<std::string>& settings, FuzzyCMeans& means) {
     for (const std::string& setting : settings) {
         const std::size_t equals = setting.find('=');
@@ -267,7 +267,7 @@ void check_outputs(const std::vector<std::string>& outputs, std::vector<std::str
     for (const std::string& output : written) {
         if (is_standard(output)) continue;
         for (const std::string& input : inputs) {
-            std::error_code missing;  // then they are not the same file
+            std::error_code missing;  // set if a file does not exist
             if (!std::filesystem::equivalent(output, input, missing)) continue;
             throw Error(ErrorCode::invalid_argument, fmt::format("-o {} would overwrite the input {}", output, input),
                         Element::option);

@@ -1,6 +1,6 @@
 #pragma once
 
-// The subcommands, and what the process tells by its exit status.
+// Subcommands and exit statuses.
 
 #include <functional>
 
@@ -12,15 +12,15 @@ enum Status : int {
     done = 0,
     collided = 1,       ///< --check: something collides, touches, is near or overlaps; verify: the list is wrong
     failed = 2,         ///< wrong use, bad input, a file that cannot be written
-    out_of_memory = 3,  ///< under --memory-limit the message tells how many bytes are needed
+    out_of_memory = 3,  ///< under --memory-limit the message states the bytes that are needed
     interrupted = 130   ///< Ctrl-C
 };
 
-/// A subcommand that was added to the command line: its `run` follows once the line is parsed.
+/// Subcommand that was added to the command line. run() is called after parsing.
 struct Command {
     CLI::App* app;
     std::function<int()> run;
-    bool on_ranks = false;  ///< several processes of MPI share its work (ranks.h)
+    bool on_ranks = false;  ///< MPI processes can share its work (ranks.h)
 };
 
 Command add_detect(CLI::App& app);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Files of different units in one command.
+// Conversion of files with different units in one command.
 
 #include <string>
 
@@ -8,14 +8,14 @@
 
 namespace crumple::cli {
 
-/// The unit of the first file that has one, to which others are converted.
+/// Unit of the first file that states one, to which the others are converted.
 class CommonUnit {
    public:
-    /// `strict`: what would be a warning is an error.
+    /// `strict`: warnings are errors.
     explicit CommonUnit(bool strict) : strict_(strict) {}
 
-    /// Converts what the file holds, in turn, and says so; warns of files that do not say their unit among files that
-    /// do. Throws Error (invalid_argument), also for coordinates that overflow.
+    /// Converts the contents of the next file, and prints a note. Warns if only some of the files state a unit. Throws
+    /// Error (invalid_argument), also for coordinates that overflow.
     void apply(const std::string& file, io::TriangleMesh& mesh);
     void apply(const std::string& file, io::WorldMesh& world);
 
@@ -25,8 +25,8 @@ class CommonUnit {
     void warn(const std::string& unknown, const std::string& known, io::Unit unit);
 
     bool strict_;
-    std::string file_;     ///< the first with a unit
-    std::string unknown_;  ///< the first without one
+    std::string file_;     ///< first file with a unit
+    std::string unknown_;  ///< first file without one
     io::Unit unit_ = io::Unit::unknown;
     bool warned_ = false;
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-// The frames of a sequence: files, or a scene made on the way.
+// Frames of a sequence: files, or a scene that is made frame by frame.
 
 #include <optional>
 #include <string>
@@ -14,13 +14,13 @@ namespace crumple::cli {
 
 class Frames {
    public:
-    /// Files, or, if `scene` is not empty, that scene. Throws Error (invalid_argument) for both or neither.
+    /// Takes files, or, if `scene` is not empty, that scene. Throws Error (invalid_argument) for both or neither.
     Frames(std::vector<std::string> files, const std::string& scene, const scenes::Parameters& parameters);
 
     std::size_t count() const { return files_.empty() ? scene_frames_ : files_.size(); }
-    /// The file, or the scene's frame as a number.
+    /// Returns the name of the file, or the number of the scene's frame.
     std::string name(std::size_t i) const { return files_.empty() ? std::to_string(i) : files_[i]; }
-    /// In ascending order. Throws Error that names the file and the place.
+    /// Loads a frame; must be called in ascending order. Throws Error that names the file and the place.
     Input load(std::size_t i, const QueryOptions& options);
 
    private:

@@ -16,7 +16,8 @@ struct Group {
     std::vector<std::string_view> options;
 };
 
-/// In the order in which help has them. What no group names belongs to the first one, after those that it names.
+/// Groups of options, in the order of help. Options that no group names belong to the first one, after those that it
+/// names.
 const std::vector<Group>& groups() {
     static const std::vector<Group> all{
         {"Options",

@@ -4,8 +4,8 @@
 
 namespace crumple::cli {
 
-/// Help in 80 columns, with the words of `type_name` for values and positional arguments and nothing else. Options
-/// stand in groups: first those that most people want.
+/// Formats help in 80 columns. Values and positional arguments are shown by their `type_name` alone. Options are
+/// grouped, most common ones first.
 class Help : public CLI::Formatter {
    public:
     std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;

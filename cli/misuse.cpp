@@ -1,5 +1,5 @@
-// Wrong use: the message is CLI11's; what is added is the command, and the option or command that was probably meant,
-// or what an option of an earlier version is called now.
+// Messages about wrong use: adds to CLI11's message the command, and the option or command that was probably meant, or
+// the new name of an option of an earlier version.
 
 #include "cli/misuse.h"
 
@@ -12,7 +12,7 @@
 namespace crumple::cli {
 namespace {
 
-/// How many letters have to be added, taken away or changed to make one word of the other.
+/// Returns the number of letters to add, remove or change to turn one word into the other.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
     std::vector<std::size_t> row(b.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});
@@ -26,7 +26,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
     return row.back();
 }
 
-/// The command's long options and its own commands.
+/// Returns the command's long options and its subcommands.
 std::vector<std::string> words_of(const CLI::App& command) {
     std::vector<std::string> words;
     for (const CLI::Option* const option : command.get_options()) {
@@ -37,7 +37,7 @@ std::vector<std::string> words_of(const CLI::App& command) {
     return words;
 }
 
-/// Options of version 0.2, and what they are called now.
+/// Options of version 0.2, and their present names.
 constexpr std::pair<std::string_view, std::string_view> renamed_options[] = {
     {"--any", "--any-by-world"},
     {"--earliest", "--first"},
@@ -51,14 +51,15 @@ constexpr std::pair<std::string_view, std::string_view> renamed_options[] = {
     {"--wanted", "--filter"},
 };
 
-/// "; did you mean --neighbours?" if the command knows nearly this word, "; it is --filter now" if it had it once.
+/// Returns "; did you mean --neighbours?" if the command has a similar word, "; it is --filter now" if it had this
+/// option in an earlier version; else nothing.
 std::string suggestion(const std::string& argument, const CLI::App& command) {
     const std::string word = argument.substr(0, argument.find('='));
     for (const auto& [old_name, name] : renamed_options)
         if (word == old_name && command.get_option_no_throw(std::string(name.substr(0, name.find(' ')))))
             return "; it is " + std::string(name) + " now";
     std::string nearest;
-    std::size_t least = word.size() / 3 + (word.size() > 8);  // below: a third of its letters, or one of a short word
+    std::size_t least = word.size() / 3 + (word.size() > 8);  // exclusive: a third of the letters, less in short words
     for (const std::string& known : words_of(command)) {
         const bool begins = known.starts_with(word) && word.size() > 3;
         const std::size_t distance = begins ? 0 : edit_distance(word, known);

@@ -9,7 +9,7 @@
 namespace crumple::cli {
 namespace {
 
-/// One number a line; blank lines and comments (#) are skipped. Throws Error (file, format) that names the line.
+/// Reads one radius a line; skips blank lines and comments (#). Throws Error (file, format) that names the line.
 std::vector<double> read_radii(const std::string& path, std::int64_t vertices) {
     const io::Source source(path);
     io::Scanner in(source, {.lines = true, .comments = true});

@@ -1,6 +1,6 @@
 #pragma once
 
-// Options of crumple near beside one radius: radii of vertices, neighbours along edges, a shape at rest.
+// Options of crumple near besides a single radius: radii of vertices, adjacency along edges, a rest shape.
 
 #include <string>
 #include <vector>
@@ -15,17 +15,17 @@ struct NearFilterOptions {
     double rest_radius = 0;
     std::int32_t rings = 0;
 
-    /// The files that are read.
+    /// Returns the files that are read; empty names for absent ones.
     std::vector<std::string> files() const;
 };
-/// `--radii`, `--rest`, `--rest-radius` and `--rings`.
+/// Adds `--radii`, `--rest`, `--rest-radius` and `--rings`.
 void add_near_filter_options(CLI::App& app, NearFilterOptions& options);
 
-/// Contents of the files of these options, which queries view.
+/// Contents of the files of these options, to which queries refer.
 class NearFilters {
    public:
-    /// Reads what is to be about this input, which is not changed. Throws Error that names the file and the place, or
-    /// the options.
+    /// Reads the files, which must match the input. The input is not changed. Throws Error that names the file and the
+    /// place, or the options.
     NearFilters(const NearFilterOptions& options, Input& input, const QueryOptions& query_options);
 
     void apply(ProximityQuery& query) const;

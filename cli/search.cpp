@@ -16,7 +16,7 @@
 namespace crumple::cli {
 namespace {
 
-/// One integer a line; blank lines and comments (#) are skipped. Throws Error (file, format) that names the line.
+/// Reads one group a line; skips blank lines and comments (#). Throws Error (file, format) that names the line.
 std::vector<std::int32_t> read_groups(const std::string& path) {
     const io::Source source(path);
     io::Scanner in(source, {.lines = true, .comments = true});
@@ -56,7 +56,7 @@ io::TriangleMesh read(const std::string& path, const io::ReadOptions& how) {
     return mesh;
 }
 
-/// A name that is no property of the mesh may have been meant as that of a file.
+/// Reads a mesh. If --groups is no property of the mesh, the error also says that there is no such file.
 io::TriangleMesh read_with_groups(const std::string& path, const io::ReadOptions& how) {
     try {
         return read(path, how);
@@ -139,7 +139,7 @@ Input made_input(const std::string& name, io::TriangleMesh mesh, const QueryOpti
 
 namespace {
 
-/// Throws Error (invalid_argument) that names the first difference, in these words.
+/// Throws Error (invalid_argument) that describes the first difference by `what`.
 [[noreturn]] void refuse_other_faces(const std::string& start_name, const std::string& end_name,
                                      const std::string& what) {
     const bool stl = extension_of(start_name) == ".stl" || extension_of(end_name) == ".stl";
@@ -242,7 +242,7 @@ void index_by_triangle(Intersections& found, std::int64_t triangles, std::int64_
 
 namespace {
 
-/// Calls work(); an Error names what it is about.
+/// Calls work(), and adds `name` to its errors.
 template <class Work>
 decltype(auto) named(const std::string& name, Work work) {
     try {
@@ -252,7 +252,7 @@ decltype(auto) named(const std::string& name, Work work) {
     }
 }
 
-/// A mesh with its lines and points, if it has any, beside edges and vertices of its faces.
+/// View of a mesh whose lines and points, if it has any, count as edges and points.
 class ListedView {
    public:
     explicit ListedView(const io::TriangleMesh& mesh) : view_(mesh.view()) {
@@ -268,7 +268,8 @@ class ListedView {
     MeshView view_;
 };
 
-/// Calls work(scene); an Error names the input. `end`: of one mesh, where it moves to, or null.
+/// Calls work(scene), and adds the name of the input to its errors. `end`: for one mesh, its vertices at the end of a
+/// step, or null.
 template <class Work>
 decltype(auto) on_scene(const Input& input, const io::TriangleMesh* end, Work work) {
     return named(input.name, [&]() -> decltype(auto) {
@@ -323,7 +324,7 @@ template Statistics Search::stream(const Input&, const CandidateQuery&, Function
 
 namespace {
 
-/// The message with members of queries as the options that they are here.
+/// Replaces members of queries in a message by the corresponding options.
 std::string in_words_of_options(std::string message) {
     constexpr std::pair<std::string_view, std::string_view> options[] = {
         {"open_edges lists", "info --open-edges lists"},
@@ -336,7 +337,7 @@ std::string in_words_of_options(std::string message) {
     return message;
 }
 
-/// The message with the files it is about. "body 7: ..." has the name of that body, its file, and the number of its
+/// Adds the files to a message. "body 7: ..." gets the name of that body, its file, and the number of its
 /// configuration.
 std::string with_origin(const std::string& message, const BodyOrigins& origins, std::int64_t first_configuration) {
     constexpr std::string_view title = "body ";

@@ -1,6 +1,6 @@
 #pragma once
 
-// Options, outputs and words that the commands share which search one mesh or two.
+// Options, outputs and words shared by the commands that search one mesh or two.
 
 #include <array>
 #include <cstdint>
@@ -27,32 +27,33 @@ void add_motion_options(CLI::App& app, MotionOptions& options);
 
 struct NearOptions {
     std::optional<double> radius;
-    bool below = false;  ///< the radius itself is too far
+    bool below = false;  ///< a distance equal to the radius is too far
 
     ProximityQuery query(const QueryOptions& query_options, Output output) const;
 };
-/// `--below`.
+/// Adds `--below`.
 void add_below_option(CLI::App& app, NearOptions& options);
 
-/// Throws Error (invalid_argument) for options of colliding triangles. `option_of_features`:
-/// "--impacts".
+/// Throws Error (invalid_argument) for options that apply to colliding triangles only. `option_of_features`: the option
+/// that they conflict with, such as "--impacts".
 void refuse_beside_features(const char* option_of_features, const QueryOptions& query_options);
 
-/// `--backend auto` is the cpu backend here: no other one that is fast has these queries.
+/// Returns the options with the cpu backend for `--backend auto`.
 Options feature_options(Options options);
 
-/// Outputs of a result: lists, and one mesh coloured.
+/// Outputs of a result: lists and coloured meshes.
 struct ListOutputs {
     std::vector<std::string> paths;
     std::string format;
 
-    /// Throws Error (invalid_argument) where a file is none of these. `what`: "impacts"; `coloured`: extensions of
-    /// coloured meshes.
+    /// Throws Error (invalid_argument) if an output is neither a list nor a coloured mesh. `what`: "impacts";
+    /// `coloured`: extensions of coloured meshes.
     void check(const std::string& what, const std::vector<std::string>& coloured = {".glb"}) const;
-    /// True if one of them is a file.
+    /// True if one of the outputs is a file.
     bool have_files() const;
 
-    /// list(to, format) and picture(to) write to a path or to a stream. Without outputs the list is printed.
+    /// Writes the outputs: list(to, format) and picture(to) write to a path or to a stream. Without outputs the list is
+    /// printed.
     template <class List, class Picture>
     void write(List list, Picture picture) const {
         const auto write_to = [&](const auto& path, auto&& to) {
@@ -68,9 +69,10 @@ struct ListOutputs {
         }
         if (paths.empty()) to_standard_output([&](std::ostream& out) { list(out, io::PairFormat::txt); });
     }
-    /// Throws Error (invalid_argument) unless there is one list, of a format that can be written while it is found.
+    /// Throws Error (invalid_argument) unless the only output is a list, in a format that can be written during the
+    /// search.
     void check_stream() const;
-    /// Writes that list: stream(writer) adds the blocks.
+    /// Writes the only list: stream(writer) adds the blocks.
     template <class Stream>
     void write_blocks(io::ListKind of, Stream stream) const {
         const auto write_to = [&](io::FeatureWriter writer) {
@@ -82,13 +84,13 @@ struct ListOutputs {
             paths.empty() ? io::PairFormat::txt : io::pair_format_of(extension_of(paths.front(), format));
         to_standard_output([&](std::ostream& out) { write_to(io::FeatureWriter(out, of, list_format)); });
     }
-    /// The same where check() has let no picture pass.
+    /// Writes the outputs if check() allows no coloured meshes.
     template <class List>
     void write(List list) const {
         write(list, [](auto&) { throw std::logic_error("no mesh is coloured by this result"); });
     }
 };
-/// `-o` and `--format`. `what`: "Impacts", `coloured`: "the start, coloured by time".
+/// Adds `-o` and `--format`. `what`: "Impacts", `coloured`: "the start, coloured by time".
 void add_output_options(CLI::App& app, ListOutputs& outputs, const std::string& what, const std::string& coloured);
 
 /// Words for what is listed.
@@ -102,7 +104,7 @@ inline constexpr ListWords words_of_pairs{"pair", "something collides", "nothing
     words_of_near{"near pair", "something is near", "nothing is near"},
     words_of_candidates{"candidate", "some candidates", "no candidates"};
 
-/// Options that these commands share, beside their files and queries.
+/// Options that these commands share, besides their files and queries.
 struct SearchCommand {
     ListOutputs outputs;
     QueryOptions query_options;
@@ -111,7 +113,7 @@ struct SearchCommand {
 
     /// Throws Error (invalid_argument) for options that do not go with `--stream`, if it is given.
     void check_stream() const;
-    /// Writes a result while it is found: find(take) delivers its blocks. Returns the status.
+    /// Writes a result during the search: find(take) delivers its blocks. Returns the status.
     template <class Block, class Find>
     int write_stream(io::ListKind of, const ListWords& words, Find find, std::int64_t triangles) const {
         Statistics statistics;
@@ -123,12 +125,13 @@ struct SearchCommand {
 
     /// True if nothing but the status is requested.
     bool only_status() const { return check && outputs.paths.empty(); }
-    /// The status, and the line that says so.
+    /// Prints the line for the status, and returns the status.
     static int report(bool any, const ListWords& words);
-    /// Returns the status once the result is written; prints the summary where that went to files.
+    /// Returns the status once the result is written. Without --stats, prints the summary if nothing was found or the
+    /// result was written to files.
     int finish(bool any, const std::string& summary) const;
 };
-/// `--check` with this help, `--stats`, and all that changes how files are read and what a result costs.
+/// Adds `--check` with this help, `--stream`, `--stats`, `--progress`, and the options about reading, groups and cost.
 void add_search_command_options(CLI::App& app, SearchCommand& command, const std::string& check);
 
 /// Size of a result, for its summary.
@@ -145,16 +148,16 @@ Tally tally_of(const Result& result) {
     return tally;
 }
 
-/// "27 vertex-face, 107 edge-edge"
+/// Returns "27 vertex-face, 107 edge-edge".
 std::string kinds_of(const Tally& tally);
-/// The same of those that are listed.
+/// Returns the same for the kinds that are listed.
 std::string kinds_of(const Candidates& candidates);
 
-/// "134 impacts (27 vertex-face, 107 edge-edge), 3.1 ms", or "nothing touches: 28 triangles, 3.1 ms". `kinds`: as
-/// kinds_of says them; `more`: what follows them.
+/// Returns "134 impacts (27 vertex-face, 107 edge-edge), 3.1 ms", or "nothing touches: 28 triangles, 3.1 ms". `kinds`:
+/// from kinds_of(); `more`: text that follows them.
 std::string summary_of(const Tally& tally, const std::string& kinds, const ListWords& words, std::int64_t triangles,
                        const std::string& more = {});
-/// "134 impacts (27 vertex-face, 107 edge-edge), the first at 0.045, 3.1 ms"
+/// Returns "134 impacts (27 vertex-face, 107 edge-edge), the first at 0.045, 3.1 ms".
 std::string summary_of_impacts(const Tally& tally, const FirstImpact& first, bool earliest, std::int64_t triangles);
 inline std::string summary_of_near(const Tally& tally, std::int64_t triangles) {
     return summary_of(tally, kinds_of(tally), words_of_near, triangles);
@@ -162,10 +165,10 @@ inline std::string summary_of_near(const Tally& tally, std::int64_t triangles) {
 
 /// Returns only the first impact of the lists.
 Impacts only_first(const Impacts& impacts);
-/// Remark of --stats on impacts where one is enough.
+/// Remark of --stats if only the first impact is searched for.
 inline constexpr const char* only_first_remark = "only the first was looked for";
 
-/// A row as a list of text has it: "vf 8481 17305 0.25", "vf 8481 17305".
+/// Returns a row as text lists contain it: "vf 8481 17305 0.25", "vf 8481 17305".
 std::string text_of(const io::FeatureRow& row, bool has_bodies);
 std::string text_of(const io::CandidateRow& row, bool has_bodies);
 

@@ -10,21 +10,21 @@
 
 namespace crumple::cli {
 
-/// Triangles that take part in some pair.
+/// Returns the number of triangles that are part of some pair.
 std::int64_t count_hits(const Intersections& collisions);
 
-/// The result in one line: "925 pairs, 941 of 54,928 triangles, 4.4 ms". `what`: triangles or polygons.
+/// Returns the result in one line: "925 pairs, 941 of 54,928 triangles, 4.4 ms". `what`: triangles or polygons.
 std::string summary_of_pairs(std::int64_t pairs, std::int64_t hits, std::int64_t all, const char* what,
                              double milliseconds);
 
-/// Prints times, each with its share in all of them, and a row of the table below them.
+/// Prints times, each with its share of the sum, and a row of the table below them.
 void print_times(std::string_view title, std::span<const double> milliseconds,
                  std::string_view (*name_of)(std::size_t));
 void print_row(std::string_view name, const std::string& value, const std::string& remark = {});
 
-/// Prints the table of --stats to standard error. `hits`: colliding triangles.
+/// Prints the table of --stats to standard error. `hits`: number of colliding triangles.
 void print_statistics(const Statistics& statistics, std::int64_t hits);
-/// The same with this remark on the pairs.
+/// Prints the table with this remark on the pairs.
 void print_statistics(const Statistics& statistics, const std::string& remark);
 
 /// Adds one call's counts and times to a sum; the peak memory is the larger one.

@@ -1,6 +1,6 @@
 #pragma once
 
-// --progress: what a command is at.
+// Progress of a command, step by step (--progress).
 
 #include <chrono>
 #include <string_view>
@@ -11,8 +11,8 @@ class App;
 
 namespace crumple::cli {
 
-/// Lines on standard error, one for each step as it begins, with the seconds that have gone by: "    12.31 s  search".
-/// Lines and no bar, for what mpirun hands on is no terminal.
+/// Prints a line to standard error as each step begins, with the seconds that have passed: "    12.31 s  search".
+/// Prints lines instead of a bar, since mpirun forwards output that is not a terminal.
 class Steps {
    public:
     explicit Steps(bool shown) : shown_(shown) {}
@@ -24,7 +24,7 @@ class Steps {
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-/// `--progress`.
+/// Adds `--progress`.
 void add_progress_option(CLI::App& app, bool& shown);
 
 }  // namespace crumple::cli

@@ -16,14 +16,14 @@
 
 namespace crumple::cli {
 
-/// Calls write(out) and checks that everything arrives. A reader that has left (`crumple ... | head`) is no error.
-/// Throws Error (file).
+/// Calls write(out) and checks that everything is written. A closed pipe (`crumple ... | head`) is no error. Throws
+/// Error (file).
 void to_standard_output(const std::function<void(std::ostream&)>& write);
 
-/// From now on nothing is printed, to standard output or standard error: somebody else does.
+/// Suppresses all output to standard output and standard error, for ranks other than the one that prints.
 void be_silent(bool silent = true);
 
-/// To standard error, as fmt::print; where it cannot be written, nothing happens.
+/// Prints to standard error, like fmt::print. Ignores errors of the write.
 void say(std::string_view text);
 template <class... Args>
 void say(fmt::format_string<Args...> format, Args&&... args) {
@@ -34,21 +34,21 @@ void say(fmt::text_style style, fmt::format_string<Args...> format, Args&&... ar
     say(std::string_view(fmt::format(style, fmt::string_view(format), std::forward<Args>(args)...)));
 }
 
-/// `crumple: message` in one line on standard error.
+/// Prints `crumple: message` in one line on standard error.
 void print_error(std::string_view message);
-/// `crumple: note: message` in one line on standard error.
+/// Prints `crumple: note: message` in one line on standard error.
 void print_note(std::string_view message);
-/// `crumple: warning: message` in one line on standard error.
+/// Prints `crumple: warning: message` in one line on standard error.
 void print_warning(std::string_view message);
 
-/// The style where the stream (1 or 2) is a terminal and NO_COLOR is not set, else none.
+/// Returns the style if the stream (1 or 2) is a terminal and NO_COLOR is not set, else none.
 fmt::text_style on_terminal(int stream, fmt::text_style style);
 
 using io::grouped;
-/// 12.3 MiB
+/// Returns a size as text: 12.3 MiB.
 std::string readable_bytes(std::int64_t bytes);
 
-/// A bar in the last line of a terminal; silent where standard error is none.
+/// Progress bar in the last line of a terminal; silent if standard error is not a terminal.
 class Progress {
    public:
     explicit Progress(std::size_t steps);

@@ -1,6 +1,7 @@
 #pragma once
 
-// The library never raises the number of threads that oneTBB allows in the process; that is for its user to do.
+// Sets the number of threads that oneTBB allows in the process. The library itself never raises it: that is left to its
+// users.
 
 #include <cstddef>
 
@@ -10,7 +11,7 @@
 
 namespace crumple::cli {
 
-/// While it lives, so many threads are allowed.
+/// Allows this number of threads during its lifetime.
 class AllowedThreads {
    public:
 #ifdef CRUMPLE_WITH_TBB

@@ -37,7 +37,7 @@ bool is_degenerate(const Triangle& triangle) {
         const int turn = orient2d_filtered(a, b, c, axis);
         if (turn == 1 || turn == -1) return false;
     }
-    // A triangle has itself in common with itself: an area, or less.
+    // The contact of a triangle with itself is the triangle: an area, unless it is degenerate.
     return contact(triangle, triangle).count < 3;
 }
 
@@ -45,7 +45,7 @@ bool is_degenerate(const Triangle& triangle) {
 
 namespace {
 
-/// Sets of vertices, each named by its lowest.
+/// Disjoint sets of vertices, each represented by its lowest vertex.
 class DisjointSets {
    public:
     explicit DisjointSets(std::int64_t count) : parents_(static_cast<std::size_t>(count)) {
@@ -95,7 +95,7 @@ struct Side {
     std::int32_t triangle;
 };
 
-/// Finds two triangles that run along an edge in the same direction; none if half of them run in each.
+/// Finds two triangles that run along an edge in the same direction; none if half of them run in each direction.
 std::optional<FlippedEdge> find_flipped(std::span<const Side> sides) {
     const auto up = std::count_if(sides.begin(), sides.end(), [](const Side& side) { return side.upwards; });
     if (2 * up == std::ssize(sides)) return std::nullopt;
@@ -155,7 +155,7 @@ double signed_volume(const io::TriangleMesh& mesh) {
     // Powers of two, so that no product of three overflows before the sum of them does.
     const int exponent = std::ilogb(max(max(half.x, half.y), max(half.z, 0x1p-1000)));
     const double scale = std::ldexp(1.0, -exponent);
-    double volume = 0, lost = 0;  // by Neumaier's sum
+    double volume = 0, lost = 0;  // Neumaier's compensated sum
     for_each([&](const auto& p) {
         const double part = dot(scale * (p[0] - middle), cross(scale * (p[1] - middle), scale * (p[2] - middle))) / 6,
                      sum = volume + part;

@@ -15,7 +15,7 @@ std::string as_json(const nlohmann::json& value) {
     return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// Clocks tell no more than microseconds.
+/// Rounds to microseconds, the resolution of clocks.
 std::string as_json_time(double milliseconds) { return as_json(std::round(milliseconds * 1000) / 1000); }
 
 const std::string& name(const std::vector<std::string>& names, std::int32_t b) {
@@ -26,7 +26,7 @@ std::string json_pair(const std::vector<std::string>& names, const BodyPair& pai
     return as_json({name(names, pair.first), name(names, pair.second)});
 }
 
-/// `begin`, `end`: of pairs.
+/// Returns the flags of pairs [begin, end).
 std::string json_inside(const std::vector<std::uint8_t>& inside, std::size_t begin, std::size_t end) {
     std::string text;
     for (std::size_t i = begin; i < end; ++i)

@@ -1,6 +1,6 @@
 #pragma once
 
-// Bodies that collide, and configurations in which bodies do, as text, CSV and JSON.
+// Lists of colliding bodies, and of configurations with colliding bodies, as text, CSV and JSON.
 
 #include <cstdint>
 #include <ostream>
@@ -18,35 +18,35 @@ enum class ListFormat { txt, csv, json };
 struct BodyList {
     const std::vector<std::string>& names;
     std::vector<BodyPair> pairs;
-    std::vector<std::uint8_t> inside = {};  ///< one a pair, if that was searched for: one body lies inside the other
+    std::vector<std::uint8_t> inside = {};  ///< 1 per pair, if searched for: one body lies inside the other
     bool has_inside = false;
     Statistics statistics = {};
 };
 
-/// The same for many configurations. Without pairs it is only known which of them collide.
+/// Colliding pairs of bodies in many configurations; without pairs, only which configurations collide.
 struct ConfigurationList {
     const std::vector<std::string>& names;
     bool has_pairs = true;
-    std::vector<std::uint8_t> collides = {};  ///< one a configuration
-    std::vector<std::size_t> ends = {};       ///< of its pairs, in `pairs`
+    std::vector<std::uint8_t> collides = {};  ///< 1 per configuration
+    std::vector<std::size_t> ends = {};       ///< end of each configuration's pairs
     std::vector<BodyPair> pairs = {};
     std::vector<std::uint8_t> inside = {};  ///< as in a BodyList
     bool has_inside = false;
     double milliseconds = 0;
-    const char* verb = "collides";  ///< what configurations do, for headings
+    const char* verb = "collides";  ///< for headings: "collides" or "overlaps"
 
     std::int64_t colliding() const;
 };
 
-/// txt: two names a line, with a tab between (quoted_name); csv: the same under `first,second`; json: an object of
-/// `bodies`, `pairs`, `milliseconds`. With `inside` such lines of txt end with a tab and "inside", csv has a column of
-/// 1 and 0, json a list of true and false.
+/// Writes a list. txt: two names a line, separated by a tab (quoted_name); csv: two columns `first,second`; json: an
+/// object with `bodies`, `pairs`, `milliseconds`. If the list has `inside`, txt ends lines of such pairs with a tab and
+/// "inside", csv has a column of 1 and 0, json a list of true and false.
 void write_list(std::ostream& out, const BodyList& list, ListFormat format);
 
-/// A row a configuration. txt: "0 yes 2", its number, whether anything collides, how many pairs of bodies do; csv: the
-/// same under `configuration,collides,pairs` with 1 and 0; json: an object of `bodies`, `configurations`,
-/// `milliseconds`. With `inside` txt and csv also have a column of how many pairs are such, json a list for each
-/// configuration.
+/// Writes one row per configuration. txt: "0 yes 2": number, yes or no for a collision, number of colliding pairs; csv:
+/// columns `configuration,collides,pairs` with 1 and 0; json: an object with `bodies`, `configurations`,
+/// `milliseconds`. If the list has `inside`, txt and csv also have a column with the number of such pairs, json a list
+/// for each configuration.
 void write_list(std::ostream& out, const ConfigurationList& list, ListFormat format);
 
 }  // namespace crumple::cli

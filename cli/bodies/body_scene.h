@@ -1,6 +1,6 @@
 #pragma once
 
-// Worlds of bodies that files hold: which pairs of bodies count, and in which configurations they are searched.
+// Worlds of bodies read from files, with excluded pairs, and searches in one or many configurations.
 
 #include <algorithm>
 #include <cstdint>
@@ -22,24 +22,24 @@ struct BodyOptions {
     std::string poses;                  ///< a file of poses; empty: those of the files
     bool any = false;                   ///< with poses: only which configurations have a result
 
-    /// Adds the files that these options name.
+    /// Adds the files that these options name to `files`.
     void add_files(std::vector<std::string>& files) const;
 };
 
-/// The help of an option that there is under a condition; without one it begins with a capital.
+/// Returns the help of an option that applies under a condition. Without a condition it begins with a capital.
 std::string help_under(const std::string& condition, std::string help);
 
 /// Words of a command for the help of these options.
 struct BodyOptionWords {
-    const char* condition;  ///< of all of them: "With --groups bodies: "; may be empty
-    const char* excluded;   ///< of pairs that are left out: "these two bodies may collide"
+    const char* condition;  ///< prefix of all helps: "With --groups bodies: "; may be empty
+    const char* excluded;   ///< effect of an excluded pair: "these two bodies may collide"
     const char* rows;       ///< sentence about the rows of a configuration
 };
-/// Adds all of them but --any-by-world, which is for commands that list configurations. Returns the options that were
-/// added.
+/// Adds these options, except --any-by-world, which is for commands that list configurations. Returns the added
+/// options.
 std::vector<const CLI::Option*> add_body_options(CLI::App& app, BodyOptions& options, const BodyOptionWords& words);
 
-/// World that was read from files, and queries of it.
+/// World that was read from files, and searches in it.
 class BodyScene {
    public:
     /// Throws Error.
@@ -49,25 +49,25 @@ class BodyScene {
     const BodyOrigins& origins() const { return origins_; }
     const std::vector<std::string>& names() const { return origins_.names; }
 
-    /// Bodies of `count` configurations, each a world, whose bodies follow those of the one before. `self`: they are
-    /// also searched for what they do with themselves, unless that is excluded.
+    /// Returns the bodies of `count` configurations, one after the other, each a world. `self`: bodies are also
+    /// searched for pairs with themselves, unless these are excluded.
     std::vector<Body> bodies(std::size_t count, bool self) const;
-    /// The pairs that are excluded, in `count` configurations.
+    /// Returns the excluded pairs in `count` configurations.
     std::vector<BodyPair> excluded(std::size_t count) const;
     /// Reads a file of poses: those of each body in turn, configuration after configuration. Throws Error.
     std::vector<Pose> read_poses(const std::string& path) const;
 
-    /// Tells which bodies are not closed, and what follows: "left out".
+    /// Prints which bodies are not closed, and the consequence, such as "left out".
     void print_skipped(const std::set<std::int32_t>& bodies, const char* consequence) const;
 
-    /// Searches the configurations with these poses, as many at once as take little memory beside the shapes.
-    /// query_of(count) returns the query of so many configurations; take(found, first, count) takes their result, and
-    /// returns whether to go on.
+    /// Searches the configurations with these poses in batches, whose size limits the memory that they need.
+    /// query_of(count) returns the query for a batch; take(found, first, count) consumes its result, and returns true
+    /// to continue.
     template <class QueryOf, class Take>
     void search_all(Search& search, const std::vector<Pose>& poses, bool self, QueryOf query_of, Take take) const;
 
    private:
-    BodyOrigins origins_;  // before the mesh, whose reader fills them
+    BodyOrigins origins_;  // before mesh_, whose initialisation fills them
     io::WorldMesh mesh_;
     std::vector<BodyPair> excluded_;
 };

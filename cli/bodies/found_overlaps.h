@@ -1,6 +1,6 @@
 #pragma once
 
-// Overlaps of the bodies that files hold: their search, and their words.
+// Search for overlaps of bodies read from files, and texts about them.
 
 #include <cstdint>
 #include <string>
@@ -11,14 +11,14 @@
 
 namespace crumple::cli {
 
-/// Options that change which overlaps there are.
+/// Options that change the result of an overlap query.
 struct OverlapOptions {
     double min_volume = 0;
     OpenSurfaces open = OpenSurfaces::error;
-    bool self = false;  ///< also of each body with itself; always of a body alone
+    bool self = false;  ///< also of each body with itself; always for a single body
     BodyOptions bodies;
 };
-/// `condition`: what the help of all of them begins with. Returns the options that were added.
+/// Adds the options. `condition`: prefix of all helps. Returns the added options.
 std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOptions& options,
                                                     const std::string& condition);
 
@@ -26,19 +26,19 @@ std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOption
 struct FoundOverlaps {
     bool any = false;
     io::OverlapList list;                    ///< from Output::body_pairs on
-    std::vector<std::uint8_t> has_overlaps;  ///< one a configuration; not for Output::any
+    std::vector<std::uint8_t> has_overlaps;  ///< 1 per configuration; not for Output::any
     Statistics statistics;                   ///< of all configurations
 };
-/// Throws Error, also where there is no body.
+/// Finds the overlaps. Throws Error, also if there is no body.
 FoundOverlaps find_overlaps(Search& search, const BodyScene& scene, const OverlapOptions& options, Output output);
 
 /// Writes a sentence for each row: "lid and pot overlap: volume 0.5 mm^3, mean depth 0.1 mm, normal (0 0 1)".
 void write_text(std::ostream& out, const io::OverlapList& list, const io::OverlapBodies& bodies);
 
-/// "2 pairs of bodies (1 touching, 1 overlapping), 3 of 5 bodies, 1.2 ms", or "nothing overlaps: 5 bodies, 1.2 ms". Of
-/// bodies with themselves "1 body overlaps itself", or "the body does not overlap itself".
+/// Returns "2 pairs of bodies (1 touching, 1 overlapping), 3 of 5 bodies, 1.2 ms", or "nothing overlaps: 5 bodies, 1.2
+/// ms"; for bodies with themselves "1 body overlaps itself", or "the body does not overlap itself".
 std::string summary_of(const FoundOverlaps& found, std::size_t bodies);
-/// "1 touching, 1 overlapping"
+/// Returns the counts by relation: "1 touching, 1 overlapping".
 std::string relations_of(const io::OverlapList& list);
 
 }  // namespace crumple::cli

@@ -1,4 +1,4 @@
-// crumple convert: a mesh, or the bodies of a scene where they are, as a file of another format.
+// crumple convert: writes a mesh, or the posed bodies of a scene, in another format.
 
 #include <iostream>
 #include <memory>
@@ -29,7 +29,7 @@ struct Convert {
         return world;
     }
 
-    /// The bodies of a scene are posed; what is one mesh keeps its polygons.
+    /// Joins the posed bodies of a scene; a single mesh in place keeps its polygons.
     static io::TriangleMesh one_mesh(io::WorldMesh world) {
         const bool in_place = world.bodies.size() == 1 && world.bodies[0].pose == Pose{};
         if (!in_place) {
@@ -76,13 +76,13 @@ struct Convert {
             to_standard_output([&](std::ostream& out) { io::write_world(out, world, format_of_bodies); });
         else
             io::write_world(output, world);
-        // glTF is in metres; the bodies of a known unit are scaled to them.
+        // glTF is in metres, to which bodies with a known unit are scaled.
         const bool in_metres = format_of_bodies == io::MeshFormat::glb && world.unit != io::Unit::unknown;
         tell(world.triangle_count(), world.bodies.size(), in_metres ? io::Unit::metre : world.unit);
     }
 
     void check_not_input() const {
-        std::error_code missing;  // then they are not the same file
+        std::error_code missing;  // set if a file does not exist
         if (is_standard(input) || is_standard(output) || !std::filesystem::equivalent(input, output, missing)) return;
         throw Error(ErrorCode::invalid_argument, output + " is the file that is read", Element::option);
     }

@@ -1,4 +1,4 @@
-// crumple detect: the pairs of one mesh against itself, or of two meshes against each other; or of a world's bodies.
+// crumple detect: finds colliding triangles in one mesh or between two, or colliding bodies of a world.
 
 #include <algorithm>
 #include <limits>
@@ -77,7 +77,7 @@ struct Detect : SearchCommand {
                                 found.statistics.milliseconds);
     }
 
-    /// Pairs go to the one output while they are found.
+    /// Writes pairs to the only output while they are found.
     int run_stream(const Steps& steps) const {
         const std::string path = outputs.paths.empty() ? "-" : outputs.paths.front();
         const auto list = outputs.paths.empty() ? io::PairFormat::txt : list_format(extension_of(path, outputs.format));
@@ -90,7 +90,7 @@ struct Detect : SearchCommand {
         steps.begin("read");
         const Input input = read_input(files, query_options);
         steps.begin("search and write");
-        Intersections all;  // of which only the flags are kept
+        Intersections all;  // only flags and statistics
         all.hit.assign(static_cast<std::size_t>(input.first.triangle_count()), 0);
         if (input.second) all.hit_second.assign(static_cast<std::size_t>(input.second->triangle_count()), 0);
         const auto write_to = [&](io::PairWriter writer) {

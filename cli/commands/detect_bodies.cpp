@@ -49,8 +49,8 @@ bool has_pictures(const BodyTask& task) {
                        [&](const std::string& path) { return !list_format(extension_of(path, task.format)); });
 }
 
-/// Query of `count` configurations. --filter says whether pairs within a body count, and --excluded-bodies A,A switches
-/// them off for one.
+/// Returns the query for `count` configurations. --filter determines whether pairs within a body count;
+/// --excluded-bodies A,A excludes those of one body.
 IntersectionQuery query_of(const BodyTask& task, Output output, const BodyScene& scene, std::size_t count) {
     const QueryOptions& query_options = task.query_options;
     IntersectionQuery query;
@@ -82,7 +82,7 @@ void print_skipped(const BodyScene& scene, const std::set<std::int32_t>& bodies)
     scene.print_skipped(bodies, "what lies inside does not count");
 }
 
-/// Each pair of bodies once, in order.
+/// Returns each pair of bodies once, in order.
 std::vector<BodyPair> distinct(const Array<BodyPair>& bodies) {
     std::vector<BodyPair> pairs(bodies.begin(), bodies.end());
     std::sort(pairs.begin(), pairs.end());
@@ -90,7 +90,7 @@ std::vector<BodyPair> distinct(const Array<BodyPair>& bodies) {
     return pairs;
 }
 
-/// Result in which all triangles of the bodies of these pairs are hit, for pictures.
+/// Returns a result in which all triangles of the bodies of these pairs are hit, for pictures.
 Intersections whole_bodies(const io::WorldMesh& mesh, const std::vector<BodyPair>& pairs) {
     Intersections result;
     result.first_triangle.push_back(0);
@@ -161,7 +161,7 @@ int find_once(const BodyTask& task, Search& search, const BodyScene& scene, cons
     return task.check && found.any ? collided : done;
 }
 
-/// Adds a batch of configurations. Bodies of the batch are those of the list, over and over.
+/// Adds a batch of configurations, each of which has all bodies of the list.
 void add(const Intersections& found, std::size_t count, ConfigurationList& list) {
     const auto n = static_cast<std::int32_t>(list.names.size());
     std::size_t i = 0;

@@ -1,4 +1,4 @@
-// crumple info: what a file holds.
+// crumple info: reports on the contents of a file.
 
 #include <algorithm>
 #include <array>
@@ -22,7 +22,7 @@
 namespace crumple::cli {
 namespace {
 
-/// "3 (5, 17, 40)": how many, and the first few.
+/// Returns the number of triangles, and the first few: "3 (5, 17, 40)".
 std::string some(const std::vector<std::int32_t>& triangles) {
     constexpr std::size_t most = 5;
     std::string text = grouped(static_cast<std::int64_t>(triangles.size()));
@@ -49,7 +49,7 @@ Point point_of(const io::TriangleMesh& mesh, std::int32_t vertex) {
         mesh.vertices);
 }
 
-/// Coordinates by the shortest decimals that give the mesh's numbers back.
+/// Returns coordinates as the shortest decimals that read back as the mesh's numbers.
 std::string text_of_point(const io::TriangleMesh& mesh, const Point& p) {
     if (mesh.precision() == ScalarType::float64) return fmt::format("{}", fmt::join(p, " "));
     return fmt::format("{} {} {}", static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]));
@@ -72,7 +72,7 @@ std::optional<Box> box_of(const io::TriangleMesh& mesh) {
     return box;
 }
 
-/// Reports on a body where it is posed.
+/// Report on a posed body.
 struct Report {
     Report(const io::TriangleMesh& mesh, bool lists_open_edges)
         : vertices(mesh.vertex_count()),
@@ -88,7 +88,7 @@ struct Report {
         if (lists_open_edges) listed = open_edges(mesh.view());
         if (triangles > 0 && edges.closed && !edges.flipped) volume = signed_volume(mesh);
     }
-    /// Tells whether it is the surface of a solid: closed, consistently oriented, with an area everywhere.
+    /// True if it is the surface of a solid: closed, consistently oriented, with an area everywhere.
     bool is_sound() const { return triangles > 0 && edges.closed && !edges.flipped && degenerate.empty(); }
 
     std::int64_t vertices, unused, triangles;
@@ -98,12 +98,12 @@ struct Report {
     EdgeReport edges;
     std::optional<Array<OpenEdge>> listed;
     std::int32_t components = 0;
-    std::optional<double> volume;  ///< of a closed mesh with one orientation
+    std::optional<double> volume;  ///< set for a closed mesh with consistent orientation
 };
 
-constexpr std::size_t most_edges = 3;  // that are shown
+constexpr std::size_t most_edges = 3;  // open edges that are shown
 
-/// "3-5, from (0 0 0) to (1 0 0)", by the numbers of vertices in the file.
+/// Returns "3-5, from (0 0 0) to (1 0 0)", with the numbers of vertices in the file.
 std::string describe(const io::TriangleMesh& mesh, const Edge& edge) {
     return fmt::format("{}-{}, from ({}) to ({})", edge.a, edge.b, text_of_point(mesh, point_of(mesh, edge.a)),
                        text_of_point(mesh, point_of(mesh, edge.b)));
@@ -244,13 +244,14 @@ struct Info {
     }
 
    private:
-    /// By its name, for a scene may have one body.
+    /// Decides by file name, since a scene may have a single body.
     bool is_scene() const {
         const std::string extension = extension_of(file);
         return extension == ".glb" || extension == ".gltf" || extension == ".3mf";
     }
 
-    /// How many bodies there are; they follow in their order, which is that of --poses.
+    /// Prints the numbers of bodies, shapes and triangles, and the unit. Bodies follow in their order, which is that of
+    /// --poses.
     static void print_bodies(Printer& printer, const io::WorldMesh& world) {
         printer.row("bodies", grouped(std::ssize(world.bodies)));
         printer.row("shapes", grouped(std::ssize(world.shapes)));
@@ -266,7 +267,7 @@ struct Info {
     }
 };
 
-/// A line for each device, or the reason why there is none.
+/// Returns a line for each device, or the reason why there is none.
 std::string describe_devices() {
     const DeviceList list = list_devices();
     if (list.devices.empty()) return "none: " + list.reason;
@@ -298,7 +299,7 @@ Command add_info(CLI::App& app) {
                      "List all edges of a body that its triangles name more often in one direction than in the other, "
                      "with the lowest of these triangles. crumple overlap needs bodies without any. Edges of two "
                      "triangles that run along them in the same direction are among them");
-    // Like --version, which CLI11 has this for: no file is needed, the text is printed, and that is all.
+    // Uses CLI11's version flag: requires no file, prints the text and exits.
     command.set_version_flag("--devices", describe_devices,
                              "List the devices of the cuda backend, or why there is none, and exit");
     command.footer(

@@ -10,12 +10,12 @@
 namespace crumple::cli {
 
 struct CandidateOptions {
-    std::vector<CandidateKind> kinds;  ///< empty: those of CCD
+    std::vector<CandidateKind> kinds;  ///< empty: vertex_face and edge_edge
     double inflation = 0;
 
     CandidateQuery query(const QueryOptions& query_options) const;
 };
-/// `--inflation` and `--kinds`. `with`: the option that they go with.
+/// Adds `--inflation` and `--kinds`. `with`: the option that they require.
 std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOptions& options,
                                                       const std::string& with);
 

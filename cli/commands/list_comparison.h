@@ -20,8 +20,8 @@ struct RowComparison {
     bool right() const { return missed.empty() && false_ones.empty() && repeated.empty(); }
 };
 
-/// Compares rows in any order. key_of(row) says what a row is about; meet(listed, exact) is called for each row that is
-/// in both lists, once.
+/// Compares rows in any order. key_of(row) identifies a row; meet(listed, exact) is called once for each row that is in
+/// both lists.
 template <class Row, class KeyOf, class Meet>
 RowComparison<Row> compare_rows(std::vector<Row> list, std::vector<Row> right, KeyOf key_of, Meet meet) {
     const auto before = [&](const Row& a, const Row& b) { return key_of(a) < key_of(b); };
@@ -43,7 +43,7 @@ RowComparison<Row> compare_rows(std::vector<Row> list, std::vector<Row> right, K
     return result;
 }
 
-/// "right" or "wrong", in colour on a terminal.
+/// Returns "right" or "wrong", in colour on a terminal.
 inline std::string verdict(bool right) {
     const auto colour = fmt::fg(right ? fmt::terminal_color::green : fmt::terminal_color::red);
     return fmt::format(on_terminal(1, colour | fmt::emphasis::bold), right ? "right" : "wrong");

@@ -1,4 +1,4 @@
-// crumple overlap: how much the bodies of a world overlap, where, and which way out.
+// crumple overlap: finds how much the bodies of a world overlap, where, and in which direction they separate fastest.
 
 #include <memory>
 #include <type_traits>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr ListWords words_of_overlaps{"overlap", "something overlaps", "nothing overlaps"};
 
-/// Calls write(stream) for a path, whose file then appears whole, or for a stream.
+/// Calls write(stream) for a stream, or for a path, where the file appears only when it is complete.
 template <class To, class Write>
 void write_whole(To& to, Write write) {
     if constexpr (std::is_base_of_v<std::ostream, To>) {

@@ -1,7 +1,8 @@
-// crumple sequence: the frames of an animation, one after another, by one detector that stays warm.
+// crumple sequence: searches the frames of an animation one after another, with one warm-started detector.
 //
-// Every frame is a row, or every step from one to the next; coloured frames are a file each, or one animation. After
-// Ctrl-C tables and animations are those of the frames so far; after an error they stay as they were.
+// Tables have a row for each frame, or for each step from one frame to the next; coloured frames are one file each, or
+// one animation. After Ctrl-C, tables and animations have the frames so far; after an error, existing files are
+// unchanged.
 
 #include <algorithm>
 #include <csignal>
@@ -27,7 +28,7 @@
 namespace crumple::cli {
 namespace {
 
-volatile std::sig_atomic_t stop = 0;  // after the frame at hand
+volatile std::sig_atomic_t stop = 0;  // stop after the current frame
 
 struct Sequence {
     std::vector<std::string> files, outputs;
@@ -49,7 +50,7 @@ struct Sequence {
         if (!outputs.empty() || !format.empty()) check_format(outputs, format);
         std::vector<Table> tables;
         std::vector<std::string> pictures;
-        std::string standard = outputs.empty() ? (json ? ".json" : ".csv") : "";  // what standard output is given
+        std::string standard = outputs.empty() ? (json ? ".json" : ".csv") : "";  // extension for standard output
         for (const std::string& path : outputs) {
             const std::string extension = extension_of(path, format);
             const bool table = extension == ".csv" || extension == ".json";
@@ -86,7 +87,7 @@ struct Sequence {
         throw Error(ErrorCode::invalid_argument, what, Element::option);
     }
 
-    /// The outputs, and the numbered ones of them that are there already.
+    /// Returns the outputs, and those of their numbered files that exist already.
     std::vector<std::string> files_written(const std::vector<std::string>& pictures, std::size_t count) const {
         std::vector<std::string> written = outputs;
         for (const std::string& path : pictures) {
@@ -98,7 +99,7 @@ struct Sequence {
         return written;
     }
 
-    /// From `start` to a frame, which is the next start.
+    /// Finds the impacts from `start` to `end`, which becomes the next start.
     const Impacts& find_step(Search& search, Input& start, Input&& end) const {
         check_same_faces(start, end.name, end.first);
         start.name += " to " + end.name;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Outputs of a sequence: a table with a row a frame, and coloured frames.
+// Outputs of a sequence: tables with one row per frame or step, and coloured frames.
 
 #include <cstddef>
 #include <memory>
@@ -16,21 +16,21 @@
 
 namespace crumple::cli {
 
-/// Rows of a table, as CSV or JSON, each written out at once. A file appears when it is finished, and only then.
+/// Table as CSV or JSON, whose rows are flushed one by one. A file appears only when it is finished.
 class Table {
    public:
-    /// A file. `impacts`: rows are of steps from one frame to the next.
+    /// Writes to a file. `impacts`: rows are steps from one frame to the next.
     Table(const std::string& path, bool json, bool impacts) : path_(path), json_(json), impacts_(impacts) {}
-    /// A stream, which must outlive the table.
+    /// Writes to a stream, which must outlive the table.
     Table(std::ostream& out, bool json, bool impacts) : out_(&out), json_(json), impacts_(impacts) {}
 
-    /// `first`: of a step, else ignored. Throws Error (file) if the file cannot be made.
+    /// Adds a row. `first`: first impact of a step; ignored for frames. Throws Error (file) if the file cannot be made.
     void add(const std::string& frame, const Statistics& statistics, const FirstImpact& first = {});
     /// True if everything could be written so far.
     bool well() const { return !out_ || *out_; }
-    /// Throws Error (file) if the file could not be written. A table without rows is none.
+    /// Completes the table; a table without rows is not written. Throws Error (file) if the file could not be written.
     void finish();
-    /// After a failure: what a stream was given becomes a table, and a file stays as it was.
+    /// Ends the table after a failure: completes the rows on a stream, and leaves a file unchanged.
     void give_up();
 
    private:
@@ -47,11 +47,11 @@ class Table {
 /// the end. Throws as io::write_coloured and io::ColouredAnimation do.
 class Pictures {
    public:
-    /// Files, and an animation to a stream, which may be null and must outlive the pictures.
+    /// `outputs`: files. `stream`: receives an animation; may be null, and must outlive the pictures.
     Pictures(const std::vector<std::string>& outputs, std::ostream* stream, std::size_t frames);
 
     void add(const Input& input, const Intersections& found);
-    /// Writes what has been added, unless that is nothing.
+    /// Writes the animations, unless no frame was added.
     void finish();
 
    private:

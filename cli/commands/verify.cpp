@@ -1,4 +1,4 @@
-// crumple verify: is a list of pairs right?
+// crumple verify: checks a list of pairs.
 
 #include <algorithm>
 #include <iostream>
@@ -27,7 +27,7 @@ struct Comparison {
     bool right() const { return missing.empty() && extra.empty() && repeated.empty(); }
 };
 
-/// `list` in any order; of one mesh (i, j) is the pair (j, i) too.
+/// Compares a list, in any order, with the right one. For one mesh, (i, j) and (j, i) are the same pair.
 Comparison compare(std::vector<Pair> list, const Array<Pair>& right, bool one_mesh) {
     if (one_mesh) {
         for (Pair& pair : list) pair = {std::min(pair.a, pair.b), std::max(pair.a, pair.b)};

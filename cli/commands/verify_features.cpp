@@ -20,7 +20,7 @@ using io::FeatureRow;
 
 constexpr auto features_of = [](const auto& row) { return std::tie(row.kind, row.bodies, row.ids); };
 
-/// Orders values: a touch at the start comes before a later one in the same float64.
+/// Key of values: contact at the start comes before a later one with the same float64 value.
 auto value_of(const FeatureRow& row) { return std::tuple(row.value, !row.flag); }
 
 /// A row of the list with a wrong value, and the right one.
@@ -31,7 +31,7 @@ struct Wrong {
 /// Words for what is listed.
 struct Words {
     const char *what, *larger, *smaller;
-    bool flags;  ///< lists of text have them
+    bool flags;  ///< lists of text have flags
 };
 constexpr Words of_impacts{"impacts", "late", "early", true},
     of_triangle_pairs{"pairs of triangles", "late", "early", true}, of_near{"near pairs", "far", "close", false};
@@ -51,7 +51,7 @@ int print_verdict(const io::FeatureList& list, const io::FeatureList& right_list
                            larger.size(), words.larger, smaller.size(), words.smaller, comparison.repeated.size());
         const auto text = [&](const FeatureRow& row) { return text_of(row, has_bodies); };
         const auto with_right = [&](const Wrong& row) {
-            const bool same = row.listed.value == row.right.value;  // then it is the flag that is wrong
+            const bool same = row.listed.value == row.right.value;  // then the flag is wrong
             return text(row.listed) + fmt::format(", it is {}", row.right.value) +
                    (!same            ? ""
                     : row.right.flag ? " at the start"
@@ -81,7 +81,7 @@ int print_verdict(const io::CandidateRows& list, const io::CandidateRows& right_
     return right ? done : collided;
 }
 
-/// read_file(path), or read_stream(in, name) for standard input.
+/// Reads a list by read_file(path), or by read_stream(in, name) for standard input.
 template <class ReadFile, class ReadStream>
 auto read_list(const std::string& path, const std::string& format, bool two_files, ReadFile read_file,
                ReadStream read_stream) {
@@ -100,7 +100,7 @@ int verify_impacts(const FeatureCheck& check, const std::vector<std::string>& fi
         files.back(), format, false, [](const auto& path) { return io::read_impacts(path); },
         [](auto& in, const auto& name) { return io::read_impacts(in, name); });
     const MovingInput input = read_moving_input(files[0], files[1], query_options);
-    // Lists are of features, of pairs of triangles, or of both.
+    // A list has features, pairs of triangles, or both.
     const auto is_of_triangles = [](const FeatureRow& row) { return row.kind == CandidateKind::face_face; };
     const bool of_triangles = std::any_of(list.rows.begin(), list.rows.end(), is_of_triangles);
     const bool of_features = !of_triangles || !std::all_of(list.rows.begin(), list.rows.end(), is_of_triangles);

@@ -1,6 +1,6 @@
 #pragma once
 
-// crumple verify --impacts, --candidates and --radius: is a list of impacts, candidates or near pairs right?
+// crumple verify --impacts, --candidates and --radius: checks a list of impacts, candidates or near pairs.
 
 #include <string>
 #include <vector>
@@ -18,8 +18,8 @@ struct FeatureCheck {
     std::vector<const CLI::Option*> of_candidates;  ///< options that need --candidates
 
     bool any() const { return impacts || candidates || near.radius; }
-    /// True if it is a list of impacts, candidates or near pairs that is to be checked. Throws Error (invalid_argument)
-    /// for options that do not go together.
+    /// True if a list of impacts, candidates or near pairs is to be checked. Throws Error (invalid_argument) for
+    /// options that do not go together.
     bool is_requested(const QueryOptions& query_options) const;
 };
 void add_feature_check_options(CLI::App& app, FeatureCheck& check);

@@ -22,10 +22,10 @@ struct WrongOverlap {
     OverlapListRow listed, right;
 };
 
-/// True if both numbers have the same bits, but for the sign of 0, which JSON does not keep.
+/// True if both numbers are equal, or both are NaN. Ignores the sign of 0, which JSON does not keep.
 bool is_same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-/// "volume 0.5, it is 0.25": the first quantity that differs; empty if none does.
+/// Describes the first quantity that differs: "volume 0.5, it is 0.25"; empty if none does.
 std::string difference(const WrongOverlap& row) {
     std::size_t place = 0;
     for (const io::OverlapQuantity& quantity : io::overlap_quantities) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// crumple verify --overlaps: is a list of overlaps right?
+// crumple verify --overlaps: checks a list of overlaps.
 
 #include <string>
 #include <vector>
@@ -15,8 +15,8 @@ struct OverlapCheck {
     OverlapOptions options;
     std::vector<const CLI::Option*> of_overlaps;  ///< options that need --overlaps
 
-    /// True if it is a list of overlaps that is to be checked. Throws Error (invalid_argument) for options that do not
-    /// go together.
+    /// True if a list of overlaps is to be checked. Throws Error (invalid_argument) for options that do not go
+    /// together.
     bool is_requested(const FeatureCheck& features, const QueryOptions& query_options) const;
 };
 void add_overlap_check_options(CLI::App& app, OverlapCheck& check);

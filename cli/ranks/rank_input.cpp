@@ -15,13 +15,13 @@
 namespace crumple::cli {
 namespace {
 
-/// Mesh of which ranks have blocks, and where its vertices are at the end of a step.
+/// Mesh of which each rank has a block, and its positions at the end of a step, if any.
 struct SharedMesh : io::MeshSlice {
     std::optional<io::TriangleMesh> end;
 };
 
-/// Reads the blocks of all ranks, or none: a file that some rank cannot read by slices has another format, is a pipe,
-/// or lies where not all ranks see it. Throws Error for what is wrong in a block.
+/// Reads one block on each rank. Returns nothing on all ranks if some rank cannot read the file in slices, because it
+/// has another format, is a pipe, or is not accessible from all ranks. Throws Error for errors in a block.
 std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file, const QueryOptions& query_options,
                                         bool for_features) {
     std::optional<io::MeshSlice> slice;
@@ -44,7 +44,7 @@ std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file,
     return slice;
 }
 
-/// Reads all files by slices, or none. Files of a step that do not fit together are left to rank 0, which says why.
+/// Reads all files in slices, or none. Files of a step that do not match are left to rank 0, which reports why.
 std::optional<SharedMesh> read_slices(RankLink& link, const std::vector<std::string>& files, QueryOptions query_options,
                                       bool for_features) {
     std::optional<io::MeshSlice> slice = read_slice(link, files[0], query_options, for_features);
@@ -58,7 +58,7 @@ std::optional<SharedMesh> read_slices(RankLink& link, const std::vector<std::str
     return SharedMesh{std::move(*slice), std::move(end->mesh)};
 }
 
-/// Reads all on rank 0, which hands blocks of triangles out, and has all vertices.
+/// Reads all files on rank 0, which distributes blocks of triangles and keeps all vertices.
 SharedMesh read_by_first(RankLink& link, const std::vector<std::string>& files, const QueryOptions& query_options,
                          const QueryOptions& reading) {
     const bool moves = files.size() > 1;
@@ -86,8 +86,8 @@ SharedMesh read_by_first(RankLink& link, const std::vector<std::string>& files, 
     return mesh;
 }
 
-/// Numbers of the vertices that a rank is to have, ascending: those of a block, so that none is left out, and those
-/// that its triangles name.
+/// Returns the numbers of the vertices of a rank, ascending: those of its block, so that every vertex is on some rank,
+/// and those of its triangles.
 std::vector<std::int64_t> numbers_of_vertices(std::span<const std::int32_t> corners, std::int64_t begin,
                                               std::int64_t end) {
     std::vector<std::int64_t> named, block(static_cast<std::size_t>(end - begin)), all;
@@ -104,8 +104,8 @@ struct VertexRequest {
     std::int32_t vertex, rank;
 };
 
-/// Replaces the coordinates that a rank has read by those of the vertices that it has requested. `first`: number of the
-/// first that it has read.
+/// Replaces the coordinates that a rank has read by those of the vertices that it has requested. `requests`: received
+/// requests for its own. `first`: number of the first vertex that it has read.
 void fetch(RankLink& link, const std::vector<VertexRequest>& requests, std::int64_t first, io::TriangleMesh& mesh) {
     const bool doubles = link.largest(std::holds_alternative<std::vector<double>>(mesh.vertices));
     if (doubles && mesh.vertex_count() == 0) mesh.vertices.emplace<std::vector<double>>();
@@ -124,7 +124,7 @@ void fetch(RankLink& link, const std::vector<VertexRequest>& requests, std::int6
         mesh.vertices);
 }
 
-/// Fetches the vertices that a rank needs, and lets corners count in them.
+/// Fetches the vertices that a rank needs, and converts corners to indices of these.
 RankInput with_vertices(RankLink& link, SharedMesh mesh) {
     io::Blocks blocks = mesh.vertices;
     blocks.readers = link.ranks();

@@ -7,7 +7,8 @@ namespace {
 
 constexpr std::int64_t bytes_at_a_time = std::int64_t{1} << 26;
 
-/// Is left to MPI_Finalize: after an error no rank may wait for the others to free it.
+/// Returns a duplicate of MPI_COMM_WORLD. It is left to MPI_Finalize, since freeing it is collective, and after an
+/// error no rank may wait for the others.
 MPI_Comm duplicate_of_world() {
     MPI_Comm own = MPI_COMM_NULL;
     distribute::check_mpi(MPI_Comm_dup(MPI_COMM_WORLD, &own), "MPI_Comm_dup");

@@ -1,6 +1,7 @@
 #pragma once
 
-// Communication of the command line's ranks: over a communicator of their own, by the transport of the search.
+// Communication between the ranks of the command line: over a communicator of their own, by the transport of the
+// search.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +17,7 @@
 
 namespace crumple::cli {
 
-/// All calls but the first four are collective.
+/// All calls are collective, except rank(), ranks(), is_first() and rounds().
 class RankLink {
    public:
     RankLink();
@@ -28,8 +29,8 @@ class RankLink {
     bool is_first() const { return rank() == 0; }
     distribute::Rounds& rounds() { return rounds_; }
 
-    /// Runs work() on each rank, and returns where it has returned on all; otherwise throws the same Error on all. Work
-    /// that may fail on one rank is run so, or the others would wait for it.
+    /// Collective error check: runs work() on each rank. Returns if it has returned on all, otherwise throws the same
+    /// Error on all. Required for work that may fail on one rank, for which the others would wait.
     template <class Work>
     void agree(Work work) {
         agreement_(Phase::input, std::move(work));
@@ -42,8 +43,8 @@ class RankLink {
     /// Returns the text that rank 0 has.
     std::string text_of_first(std::string text);
 
-    /// Sends rows to the ranks that rank_of(row's number) names, and returns those that come: from rank 0 first, each
-    /// rank's in their order. A row is `width` values.
+    /// Sends row i to rank rank_of(i). Returns the received rows, those from rank 0 first, each rank's in their order.
+    /// A row is `width` values.
     template <class Values, class RankOf>
     auto redistribute(const Values& values, RankOf rank_of, std::size_t width = 1) {
         using Value = std::decay_t<decltype(values[std::size_t{0}])>;
@@ -63,7 +64,7 @@ class RankLink {
             rounds_, traffic, [&](std::size_t rank) -> auto& { return leaving[rank]; }, coming);
         return coming;
     }
-    /// Returns the values of all ranks on rank 0, one rank's behind the other's; the others get none.
+    /// Returns the values of all ranks, rank by rank, on rank 0, and none on the other ranks.
     template <class Values>
     auto gather(const Values& values) {
         return redistribute(values, [](std::size_t) { return 0; });

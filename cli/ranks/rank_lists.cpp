@@ -22,14 +22,14 @@ void assign(Array<Value>& array, const std::vector<Value>& values) {
     std::copy(values.begin(), values.end(), array.resize_discard(values.size()));
 }
 
-/// Row of one kind of features, on its way.
+/// Row of one kind of features, as it is sent.
 struct TravellingRow {
     Pair pair;           ///< of features by their numbers over all ranks
     io::FeatureRow row;  ///< as it is written, edges by their vertices
 };
 using RowsByKind = std::array<std::vector<TravellingRow>, feature_kinds>;
 
-/// Rows that a rank has found. `value`, `flag`: members of the list.
+/// Returns the rows that a rank has found. `value`, `flag`: members of the list.
 template <auto value, auto flag, class Found>
 std::vector<TravellingRow> rows_of(const Found& found, std::size_t kind) {
     const auto ends_of = [ids = found.edge_ids.span(), &found](std::int32_t edge) {
@@ -51,8 +51,8 @@ std::vector<TravellingRow> rows_of(const Found& found, std::size_t kind) {
     return rows;
 }
 
-/// Collective. Ranks have the rows of vertices and edges that their triangles own, whatever numbers these have; lists
-/// are in the order of these numbers. So rows change hands, and each rank gets a range of first features.
+/// Collective. Sorts the rows over all ranks. A rank has found the rows whose first feature its triangles own, but
+/// lists are in the order of feature numbers, so rows are redistributed: each rank gets a range of first features.
 template <auto value, auto flag, class Found>
 RowsByKind rows_in_order(RankLink& link, const Found& found) {
     RowsByKind by_kind;
@@ -119,7 +119,7 @@ RankList<Result> list_of_features(RankLink& link, const RankInput& input, const 
 
 /// Collective. Returns the contacts of all ranks on rank 0.
 Contacts collect(RankLink& link, const Contacts& mine) {
-    std::vector<std::int64_t> counts;  // of the points of each pair
+    std::vector<std::int64_t> counts;  // number of points of each pair
     link.agree([&] {
         for (std::size_t i = 0; i < mine.kinds.size(); ++i) counts.push_back(mine.offsets[i + 1] - mine.offsets[i]);
     });

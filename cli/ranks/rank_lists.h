@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists that ranks have found together.
+// Lists of results of all ranks together.
 
 #include <cstdint>
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace crumple::cli {
 
-/// A rank's rows of a result, in the order of the whole list. Views the input and what was found.
+/// A rank's rows of a result, in the order of the whole list. Refers to the input and the result.
 template <class Result>
 struct RankList {
     io::RowTable table;
@@ -29,7 +29,7 @@ RankList<Impacts> list_of(RankLink& link, const RankInput& input, const ImpactQu
 RankList<Proximities> list_of(RankLink& link, const RankInput& input, const ProximityQuery& query,
                               const DistributedProximities& found);
 
-/// Collective. Returns how many triangles of all ranks are in some pair.
+/// Collective. Returns the number of triangles of all ranks that are in some pair.
 std::int64_t count_hits(RankLink& link, const DistributedIntersections& found, io::Blocks triangles);
 
 }  // namespace crumple::cli

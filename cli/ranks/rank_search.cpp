@@ -28,7 +28,7 @@
 namespace crumple::cli {
 namespace {
 
-/// Throws Error (invalid_argument) for what ranks do not share, and for options that do not go together.
+/// Throws Error (invalid_argument) for options that are not supported on ranks, or do not go together.
 void check_options(const SearchCommand& command) {
     if (command.query_options.of_bodies()) refuse_on_ranks("--groups bodies");
     if (command.query_options.groups == "components") refuse_on_ranks("--groups components");
@@ -44,8 +44,8 @@ void check_options(const SearchCommand& command) {
     check_cost_options(command.options);
 }
 
-/// Returns the error of all ranks, without the rank where that does not matter: a file is bad whoever reads it, and
-/// what rank 0 does is what one process would do.
+/// Returns the error without its rank where the rank does not matter: a file is invalid on any rank, and rank 0 does
+/// what a single process would do.
 Error as_of_one_process(const Error& error) {
     const std::string who = "rank " + std::to_string(error.rank) + ": ", message = error.what();
     if (!message.starts_with(who) || (error.rank > 0 && error.code != ErrorCode::format)) return error;
@@ -55,7 +55,7 @@ Error as_of_one_process(const Error& error) {
     return plain;
 }
 
-/// Ends all ranks because of an error that only this one knows of.
+/// Aborts all ranks because of an error that was thrown on this rank only.
 [[noreturn]] void abort_all_ranks(const char* message, int status) {
     be_silent(false);
     print_error(message);
@@ -63,12 +63,12 @@ Error as_of_one_process(const Error& error) {
     std::exit(status);
 }
 
-/// Has the phases of the detector's calls printed as steps, which must outlive them.
+/// Makes the detector print the phases of its calls as steps. `steps` must outlive these calls.
 void print_phases(mpi::Detector& detector, const Steps& steps) {
     using Clock = std::chrono::steady_clock;
     detector.set_progress([&steps, last = Clock::time_point()](const DistributedProgress& progress) mutable {
         const bool begins = progress.parts_done == 0;
-        // A part may take minutes, or no time.
+        // Prints at most once a second: a part may take minutes, or no time.
         if (!begins && Clock::now() - last < std::chrono::seconds(1)) return;
         last = Clock::now();
         steps.begin(begins ? std::string(phase_name(progress.phase))
@@ -89,7 +89,7 @@ Description description_of(RankLink& link, const IntersectionQuery&, const Distr
             summary_of_pairs(found.count, hits, triangles.rows, "triangles", milliseconds)};
 }
 
-/// The same of impacts and of near pairs.
+/// Describes impacts or near pairs.
 template <class Query>
 Description description_of(RankLink& link, const Query& query, const typename Query::DistributedResult& found,
                            io::Blocks triangles, double milliseconds) {
@@ -105,8 +105,8 @@ Description description_of(RankLink& link, const Query& query, const typename Qu
     }
 }
 
-/// Writes a list to all outputs, or prints it where there are none. Text is written by all ranks, other formats by rank
-/// 0, and so is a list that rank 0 has to `complete`.
+/// Writes a list to all outputs, or prints it if there are none. Text is written by all ranks. Other formats, and text
+/// if `by_first`, are written by rank 0 from the collected result, after complete() has filled in the rest.
 template <class Result>
 void write(RankLink& link, const ListOutputs& outputs, const RankList<Result>& list, bool by_first,
            const std::function<void(Result&)>& complete) {
@@ -194,7 +194,7 @@ int search_on_ranks(const SearchCommand& command, const std::vector<std::string>
         RankLink link;
         return search(link, command, files, query);
     } catch (const Error& error) {
-        if (error.rank >= 0) throw as_of_one_process(error);  // all have it
+        if (error.rank >= 0) throw as_of_one_process(error);  // thrown on all ranks
         abort_all_ranks(error.what(), failed);
     } catch (const std::bad_alloc&) {
         abort_all_ranks("the machine does not have enough memory", out_of_memory);

@@ -13,7 +13,7 @@
 namespace crumple::cli {
 namespace {
 
-/// Reduces times as integers, which ranks add and compare in any order.
+/// Reduces times as integers, so that the order of the ranks does not matter.
 void reduce_times(RankLink& link, std::span<double> milliseconds, distribute::Reduction how) {
     constexpr double per_millisecond = 1e6;
     std::vector<std::int64_t> times;

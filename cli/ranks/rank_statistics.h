@@ -10,7 +10,8 @@
 
 namespace crumple::cli {
 
-/// Collective. Returns sums over all ranks, but the largest of wall-clock times. `mine.search.threads`: of this rank.
+/// Collective. Returns sums over all ranks, and maxima of wall-clock times and peak memory. `mine.search.threads`:
+/// threads of this rank.
 DistributedStatistics total(RankLink& link, DistributedStatistics mine);
 
 /// Prints the table of --stats to standard error of rank 0, with this remark on the pairs.

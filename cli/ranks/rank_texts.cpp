@@ -20,7 +20,7 @@
 namespace crumple::cli {
 namespace {
 
-/// Texts of all ranks, and their places behind each other.
+/// Texts of this rank, and the positions of the texts of all ranks in the file.
 class RankTexts {
    public:
     RankTexts(RankLink& link, const io::RowTable& table, const RankSections& sections, bool csv) : link_(link) {
@@ -42,7 +42,7 @@ class RankTexts {
         std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
     }
 
-    /// Collective. Hands them to rank 0, one after the other, which writes them. Only writing may fail.
+    /// Collective. Sends all texts, one after the other, to rank 0, which writes them. Only writing may fail.
     void write_by_first(std::ostream& out) const {
         for (std::size_t section = 0; section < texts_.size(); ++section)
             for (int rank = 0; rank < link_.ranks(); ++rank) {
@@ -80,7 +80,7 @@ class RankTexts {
 
     RankLink& link_;
     std::vector<std::string> texts_;
-    std::vector<std::int64_t> begins_;  ///< of each rank's text, section by section, and the end
+    std::vector<std::int64_t> begins_;  ///< position of each rank's text, section by section; then the end
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists as text, which ranks write together.
+// Lists as text, written by all ranks together.
 
 #include <functional>
 #include <string>
@@ -11,12 +11,13 @@
 
 namespace crumple::cli {
 
-/// This rank's rows of each section of a list. The list is section by section, each of them rank by rank.
+/// Functions that write this rank's rows of each section of a list. In the list, each section has its rows rank by
+/// rank.
 using RankSections = std::vector<std::function<void(io::RowWriter&)>>;
 
-/// Collective. Writes a list as .csv or .txt, to standard output, or to a file that appears whole or stays as it was.
-/// Each rank writes its rows at their place in the file. Where not all ranks see it, or where it is a pipe, rank 0
-/// writes them all.
+/// Collective. Writes a list as .csv or .txt, to standard output, or to a file that appears whole or stays unchanged.
+/// Each rank writes its rows at their place in the file. If not all ranks can open the file, or it is a pipe, rank 0
+/// writes all rows.
 void write_text(RankLink& link, const std::string& path, const io::RowTable& table, const RankSections& sections,
                 bool csv);
 

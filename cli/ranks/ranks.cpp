@@ -11,8 +11,8 @@ namespace {
 
 int rank_count = 1;
 
-/// Looks for the marks that launchers leave in the environment of the processes that they start. MPI is not initialised
-/// without one: that takes its time, and needs what a machine on which nobody launches anything may not have.
+/// True if the environment shows that an MPI launcher has started this process. Otherwise MPI is not initialised, which
+/// takes time, and may fail on a machine that is not set up for it.
 bool was_launched() {
     const char* const setting = std::getenv("CRUMPLE_MPI");
     if (setting && std::string_view(setting) == "0") return false;

@@ -1,13 +1,13 @@
 #pragma once
 
-// The processes of MPI that a launcher has started: they search together. A build without CRUMPLE_MPI (ranks_none.cpp),
-// and a process that no launcher has started, is alone.
+// MPI processes that a launcher has started, which search together. A build without CRUMPLE_MPI (ranks_none.cpp), or a
+// process that no launcher has started, runs alone.
 
 #include <string>
 
 namespace crumple::cli {
 
-/// Joins the others, from the beginning of the program to its end. All but rank 0 are silent.
+/// Initialises MPI at the beginning of the program, and finalises it at the end. All ranks but rank 0 print nothing.
 class Ranks {
    public:
     Ranks(int& argument_count, char**& arguments);

@@ -1,4 +1,4 @@
-// A build without MPI: nobody else is there.
+// Stubs for a build without MPI, where each process runs alone.
 
 #include "cli/ranks/rank_search.h"
 #include "cli/ranks/ranks.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-// The seam that a backend fills in. The detector checks the input, prepares the scene, and asks.
+// Interface of a backend. The detector checks the input, prepares the scene, and sends requests to the backend.
 
 #include <memory>
 #include <span>
@@ -21,87 +21,96 @@
 
 namespace crumple {
 
-/// What a backend remembers of one scene, for who asks about several in turn, over and over.
+/// Per-scene cache, for callers that cycle through several scenes.
 struct SceneMemory {
     virtual ~SceneMemory() = default;
 };
 
-/// Pairs are wanted by the query's rules, or by those of the world that the scene is made of (PreparedScene::bodies).
-/// A backend with threads lends them by overriding parallel_for(). Its calls check the cancellation they are given.
+/// Base class of all backends. The query's pair filter decides which pairs count, or that of the world that the scene
+/// is made of (PreparedScene::bodies). A backend with threads provides them by overriding parallel_for(). Its calls
+/// check the Cancellation that it was made with.
 class BackendBase : public ParallelFor {
    public:
-    /// Fills `result.pairs` (sorted, unique), offsets, hit flags, contacts if asked for, and the statistics' counts and
-    /// stage times. `part`: what the scene is made of, so that its levels tell which pairs it owns; null: all. Throws
-    /// MemoryMeter::Exceeded if not even work in chunks fits the limit, with what is needed at least.
+    /// Fills `result.pairs` (sorted, unique), offsets, hit flags, contacts if requested, and the statistics' counts and
+    /// stage times. `part`: the part that the scene is made of, whose levels decide which pairs it owns; null: the
+    /// scene owns all. Throws MemoryMeter::Exceeded, with a lower bound on the bytes needed, if even a search in chunks
+    /// does not fit the limit.
     virtual void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
                       Intersections& result) = 0;
 
-    /// True if this backend is what others are compared with: searches leave nothing out for it.
+    /// True for the reference that other backends are compared with: searches then leave nothing out beforehand.
     virtual bool by_brute_force() const { return false; }
 
-    /// Whether there is any pair. Stops at the first, or soon after it.
+    /// Returns true if there is any pair. Stops at the first one, or soon after it.
     virtual bool any(const PreparedScene& scene, const IntersectionQuery& query) = 0;
 
-    /// How many worlds a scene may have side by side (PreparedScene::worlds) in find(), any() and any_by_world(). Those
-    /// do not work in chunks if there are several: they throw MemoryMeter::Exceeded where memory does not suffice.
+    /// Maximum number of worlds side by side in a scene (PreparedScene::worlds) for find(), any() and any_by_world().
+    /// These do not search several worlds in chunks: they throw MemoryMeter::Exceeded if memory does not suffice.
     virtual int worlds_at_once() const { return 1; }
 
-    /// Sets the flag of each world in which there is a pair; the others are 0 and stay so. Whoever takes several worlds
-    /// counts what it did.
+    /// Sets the flag of each world that has a pair; all flags are 0 before. Overrides for several worlds fill in the
+    /// statistics, this one for a single world does not.
     virtual void any_by_world(const PreparedScene& scene, const IntersectionQuery& query, std::span<std::uint8_t> flags,
                               Statistics&) {
         flags[0] = any(scene, query);
     }
 
-    /// Gives all pairs, as `find` names them, to a stream (Detector::stream). A call that throws may have given some.
+    /// Delivers all pairs, numbered as by `find`, to a stream (Detector::stream). If it throws, some may have been
+    /// delivered.
     virtual void stream(const PreparedScene& scene, const IntersectionQuery& query, PairStream& to,
                         Statistics& statistics);
 
-    /// All pairs, in any order, some at a time from any thread, or all at once: for work that goes on with them.
+    /// Passes all pairs, in any order, to `take` for further processing: in several arrays, from any thread but one at
+    /// a time, or in a single one.
     virtual void visit(const PreparedScene& scene, const IntersectionQuery& query,
                        FunctionRef<void(const Array<Pair>& some)> take, Statistics& statistics);
 
-    /// Pairs of features of a scene of one mesh. Fills rows, counts and stage times.
+    /// Finds pairs of features of a scene of one mesh. Fills rows, counts and stage times.
     virtual void find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) = 0;
 
-    /// The same, as a stream.
+    /// Delivers the same rows to a stream.
     virtual void stream(const PreparedScene& scene, const FeatureRequest& request, FeatureStream& to,
                         Statistics& statistics);
 
-    /// The same for meshes in device memory (b null: one), which the backend checks itself. Only cuda can.
+    /// Calls for meshes in device memory (b null: one mesh), which the backend checks itself. Throw Error
+    /// (invalid_argument) for all backends but cuda.
     virtual void find(const MeshView& a, const MeshView* b, const IntersectionQuery& query, Intersections& result);
     virtual bool any(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
     virtual std::vector<Part> partition(const MeshView& a, const MeshView* b, int count);
-    /// Detector::launch, and wait and download of its ticket; of worlds, too.
+    /// Implement Detector::launch, LaunchTicket::wait and LaunchTicket::download. wait() serves launches of worlds,
+    /// too.
     virtual LaunchNumber launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
     virtual const DeviceIntersections& wait(LaunchNumber launch);
     virtual void download(LaunchNumber launch, Intersections& result);
-    /// The same for questions about features.
+    /// Returns the calls for feature queries on meshes in device memory.
     virtual DeviceFeatureCalls& features_there();
-    /// The same for worlds whose poses lie in device memory. find: false if it cannot take all worlds at once; it
-    /// throws MemoryMeter::Exceeded if memory does not hold them. Then the host asks about what poses_of() gives.
+    /// Calls for worlds whose poses lie in device memory. find() returns false if one scene cannot hold all worlds, and
+    /// throws MemoryMeter::Exceeded if memory cannot. The caller then downloads the poses by poses_of() and searches
+    /// the world as one on the host.
     virtual bool find(const World& world, const IntersectionQuery& question, Intersections& result);
     virtual std::vector<Pose> poses_of(const DevicePoses& poses);
     virtual LaunchNumber launch(const World& world, const IntersectionQuery& question);
-    /// Whether what is kept between calls outlives the error that one of these has thrown: a caller's graph needs it.
+    /// True if cached data must outlive an error that a launch or a wait has thrown, because a caller's graph or a
+    /// launch in flight needs it.
     virtual bool keeps_after(const Error&) const { return false; }
 
-    /// Kernels for sums over overlaps, or null: then these are made without.
+    /// Returns the kernels for sums over overlaps, or null if the backend has none.
     virtual const OverlapKernels* overlap_kernels() const { return nullptr; }
 
-    /// Exchanges what is remembered of the scene of the call before for what `memory` holds of another, or null.
+    /// Swaps the cache of the previous call's scene with `memory`, which holds that of another scene or is null.
     virtual void swap_memory(std::unique_ptr<SceneMemory>&) {}
 
-    /// Drops what is kept between calls, memory and centres alike.
+    /// Frees all that is kept between calls: memory and warm-start centres.
     virtual void release() = 0;
 };
 
 std::unique_ptr<BackendBase> make_reference_backend(const Options& options, MemoryMeter& meter,
                                                     Cancellation& cancellation);
-/// Whether this build has more of the cuda backend than what stands in for it.
+/// Returns true if this build has the cuda backend, not only its stand-in.
 bool has_cuda_backend();
 std::unique_ptr<BackendBase> make_cuda_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation);
-/// One on each of Options::devices, of which there is one at least.
+/// Makes a backend that divides the work among the cuda devices of Options::devices, of which there must be at least
+/// one.
 std::unique_ptr<BackendBase> make_devices_backend(const Options& options, MemoryMeter& meter,
                                                   Cancellation& cancellation);
 std::unique_ptr<BackendBase> make_cpu_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation);

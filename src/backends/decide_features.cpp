@@ -17,7 +17,8 @@ FeatureDecision separated_impact(FeatureKind kind, const FeaturePoints& p, const
     return {impact.meets, impact.toi, impact.start};
 }
 
-// Of vertices with edges and vertices next to none touch, and to tell how far they stay apart is quick.
+// Vertices rarely touch edges or other vertices, and a lower bound on their distance is cheap: such pairs take the
+// decision with a minimum distance even for contact.
 FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, const FeatureRequest& query, FeatureCounts& counts) {
     const Separation separation{query.distance, query.share, query.approaching_only};
     if (!separation.contact_only() || kind == FeatureKind::vertex_edge || kind == FeatureKind::vertex_vertex)
@@ -26,11 +27,11 @@ FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, const FeatureRe
     const auto decide = kind == FeatureKind::vertex_face ? vertex_face_impact : edge_edge_impact;
     const Impact impact = decide(p[0], p[1], p[2], p[3], by, Filtered::yes);
     counts.rational += by.exact;
-    if (impact.start && query.approaching_only) return {};  // nothing is closer
+    if (impact.start && query.approaching_only) return {};  // touching features cannot approach
     return {impact.meets, impact.toi, impact.start};
 }
 
-// How many of the four vertices are the first feature's.
+// Returns how many of the four vertices belong to the first feature.
 std::size_t split_of(FeatureKind kind) { return kind == FeatureKind::edge_edge ? 2 : 1; }
 
 Reach reach_of(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query) {
@@ -47,7 +48,7 @@ bool close_at_rest(FeatureKind kind, const std::int32_t (&vertex)[4], const Rest
     return close_at_rest(kind, points, rest.radius, by);
 }
 
-/// A pair of features at rest, of which it is asked whether they are near, and then how near.
+/// Decision of a proximity: first whether two features are near, then their distance.
 class Nearness {
    public:
     Nearness(FeatureKind kind, const FeaturePoints& p) : features_(at_start(kind, p)), distance_(features_, by_) {}

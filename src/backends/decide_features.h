@@ -1,6 +1,6 @@
 #pragma once
 
-// Whether two features are an answer, decided exactly: what comes after all filters.
+// Exact decision of one pair of features, the last step after all filters.
 
 #include <cstdint>
 #include <optional>
@@ -18,30 +18,31 @@ struct FeatureDecision {
     bool flag = false;  ///< start, or touching
 };
 
-/// How pairs were decided.
+/// Counts of decisions.
 struct FeatureCounts {
     std::int64_t tests = 0;     ///< all
-    std::int64_t rational = 0;  ///< by rational arithmetic
+    std::int64_t rational = 0;  ///< those made in rational arithmetic
 };
 
-/// `vertex`: of the two features, in the order of FeaturePoints.
+/// Decides a pair by the request's criterion. `vertex`: vertices of the two features, in the order of FeaturePoints.
 FeatureDecision decide(FeatureKind kind, const PreparedScene& scene, const std::int32_t (&vertex)[4],
                        const FeatureRequest& query, FeatureCounts& counts);
 
-/// True if an impact of two features would certainly have a later time than this, as rounded.
+/// Returns true if an impact of two features would certainly have a later rounded time than `time`.
 bool surely_later(FeatureKind kind, const PreparedScene& scene, const std::int32_t (&vertex)[4],
                   const FeatureRequest& query, double time);
 
-/// The same of a pair that a device has packed.
+/// Decides a pair that a device has packed.
 FeatureDecision decide(const PackedFeatures& pair, const FeatureRequest& query, FeatureCounts& counts);
 
-/// The same where nearness is asked for and lanes can measure distances: if the features are near, but how near is
-/// quickly said, they are added to the batch, which has room, and there is no decision yet.
+/// Decides a proximity as above, but leaves the distance of near features to SIMD lanes: unless the decision took
+/// rational arithmetic, adds such a pair to `batch`, which must not be full, and returns nothing.
 std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const PreparedScene& scene,
                                              const std::int32_t (&vertex)[4], const FeatureRequest& query,
                                              FeatureCounts& counts, cpu::GuessBatch& batch);
 
-/// Whether the features are neighbours, though they have no vertex in common.
+/// Returns true if the features are adjacent without a common vertex: `query.rings`, which must not be null, joins a
+/// vertex of one to a vertex of the other.
 bool are_neighbours(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query);
 
 }  // namespace crumple

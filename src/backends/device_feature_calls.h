@@ -1,10 +1,10 @@
 #pragma once
 
-// The part of the seam that is about features of meshes in device memory. Only the cuda backend has it.
+// Part of the backend interface: feature queries on meshes in device memory. Only the cuda backend has it.
 //
-// What edges there are, and which triangle owns what, the host makes of the mesh's triangles, and of edges and points
-// that are listed. A query brings the features of the mesh as it was when it was seen last, with counts that fit; a
-// call that meets other contents says so, and is made again with new ones.
+// The host derives edges, and the triangle that owns each feature, from a copy of the mesh's triangles and listed edges
+// and points. A request brings the features of the last copy, whose counts must match the mesh. A call that finds other
+// contents reports that, and the caller repeats it with new features.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,34 +16,34 @@
 
 namespace crumple {
 
-/// Number of a launch of a detector, of any query: 1, 2, ... What was refused has none.
+/// Number of a launch of a detector, counted over all queries: 1, 2, ... A refused launch has none.
 using LaunchNumber = std::uint64_t;
 
-/// Launches that may be in flight. Their numbers are consecutive, so they differ modulo this.
+/// Maximum number of launches in flight. Their numbers are consecutive, so they differ modulo this.
 inline constexpr std::size_t most_in_flight = 2;
 
-/// Throws Error: a launch in a capture finds nothing that earlier ones have made, `of_worlds` or of meshes.
+/// Throws the Error for a launch in a capture without the calls that have to precede it. `of_worlds`: false for meshes.
 [[noreturn]] void fail_unprepared_capture(bool of_worlds);
 
 class DeviceFeatureCalls {
    public:
     virtual ~DeviceFeatureCalls() = default;
 
-    /// Waits for the stream of the mesh.
+    /// Copies a mesh to the host. Waits for the mesh's stream.
     virtual void copy_to_host(const DeviceShape& mesh, Copied what, HostShape& host) = 0;
 
-    /// Leaves the result on the host; false where the features are others.
+    /// Finds the result and copies it to the host. Returns false if the mesh has other features than the request.
     virtual bool find(const DeviceShape& mesh, const FeatureRequest& request, FeatureResult& result) = 0;
 
-    /// Whether the mesh's stream is being captured, so that nobody may wait for it.
+    /// Returns true if the mesh's stream is being captured, so that it must not be waited for.
     virtual bool is_captured(const DeviceShape& mesh) = 0;
 
-    /// Detector::launch for queries about features.
+    /// Implements Detector::launch for feature queries.
     virtual LaunchNumber launch(const DeviceShape& mesh, const FeatureRequest& request) = 0;
-    /// Waits for a launch, or looks at what its last replay has left. Returns nothing if the result has to be found
-    /// again.
+    /// Waits for a launch, or reads the result of its last replay. Returns nothing if find_again() has to find the
+    /// result.
     virtual std::optional<DeviceAnswer> wait(LaunchNumber launch) = 0;
-    /// Finds the result of that launch again; nothing where the features are others.
+    /// Finds the result of that launch again. Returns nothing if the mesh has other features than the request.
     virtual std::optional<DeviceAnswer> find_again(LaunchNumber launch, const DeviceShape& mesh,
                                                    const FeatureRequest& request) = 0;
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-// A mesh in device memory that is asked about its features, and a copy of one on the host.
+// Mesh in device memory for feature queries, and its copy on the host.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,19 +11,19 @@
 
 namespace crumple {
 
-/// All arrays of the shape lie on the device, where they are ready on the stream.
+/// Shape whose arrays all lie on the device, ready on `stream`.
 struct DeviceShape {
     Shape shape;
     void* stream = nullptr;
 };
 
-/// What a copy of a shape has.
+/// Contents of a copy of a shape.
 enum class Copied : std::uint8_t {
-    topology,  ///< triangles, and edges and points that are listed; vertices are all at the origin
+    topology,  ///< triangles, listed edges and points; all vertices at the origin
     all,
 };
 
-/// A copy, and the shape that views it. Filled by a backend.
+/// Copy of a shape, filled by a backend: its arrays, and `shape`, which views them.
 struct HostShape {
     HostShape() = default;
     HostShape(const HostShape&) = delete;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A backend that has all done by another one. Whoever does some of it otherwise overrides that.
+// Decorator: forwards every call to another backend. Subclasses override what they change.
 
 #include <memory>
 #include <span>

@@ -1,7 +1,7 @@
 #pragma once
 
-// Kernels for the sums over an overlap, which a backend may have: what search/overlap_sums.h hands them, block by
-// block, and what they hand back. Terms are those of exact/overlap/pair_terms.h, in double words
+// Interface of the kernels for sums over an overlap, which a backend may have: blocks that search/overlap_sums.h passes
+// to them, and the sums they return. Terms are those of exact/overlap/pair_terms.h, in double words
 // (geometry/double_word.h).
 
 #include <array>
@@ -11,11 +11,11 @@
 
 namespace crumple {
 
-/// Sum of terms, in parts that are to be added up without rounding.
+/// Sum of terms, in a high and a low part for each lane. The parts must be added without rounding.
 struct WordSum {
     static constexpr int most_lanes = 8;
     double high[most_lanes], low[most_lanes];
-    double error = 0;  ///< the sum is at most so far from what was to be added
+    double error = 0;  ///< bound on |exact sum of the parts − sum of the terms|
 };
 
 /// Sums over a block; entries from `lanes` on are undefined.
@@ -24,8 +24,8 @@ struct BlockSums {
     WordSum volume, moment[3], area[3], torque[3];
 };
 
-/// Faces, by coordinate. Those from `count` to the next multiple of WordSum::most_lanes have a factor of 0 and a corner
-/// of some face.
+/// Faces, in one array per coordinate. Arrays are padded from `count` to a multiple of WordSum::most_lanes by copies of
+/// a face that count 0 times.
 struct FaceBlock {
     static constexpr int size = 64;
     int count = 0;
@@ -33,27 +33,27 @@ struct FaceBlock {
     double times[size];                     ///< how often a face counts
 };
 
-/// Segments in which faces a and b cross, by coordinate, padded likewise.
+/// Segments in which a face of a crosses a face of b, in one array per coordinate, padded likewise.
 struct SegmentBlock {
     static constexpr int size = 64;
     int count = 0;
-    // By end, start first:
-    alignas(64) double from[2][3][size], to[2][3][size];  ///< edge that crosses a face
+    // By end of the segment, start first:
+    alignas(64) double from[2][3][size], to[2][3][size];  ///< ends of the edge that crosses a face
     double face[2][3][3][size];                           ///< corners of that face
-    double share[2][size];                                ///< of the edge's way: 0 or 1 where that is known, else −1
-    double of_b[2][size];                                 ///< 1: an edge of b; 0: of a
-    double jump[2][size];                                 ///< of the winding number, if the edge is 12; else 0
+    double share[2][size];                                ///< parameter along that edge: 0 or 1, else −1 (unknown)
+    double of_b[2][size];                                 ///< 1: the edge belongs to b; 0: to a
+    double jump[2][size];                                 ///< jump of the winding number on an edge 12, else 0
     // By face:
-    double first[2][3][size];  ///< first corners of a and b
-    double in_volume[size];    ///< 1 or 0
-    double times[size];        ///< how often the segment counts in curves: 0, 1 or 2
+    double first[2][3][size];  ///< first corners of the faces of a and b
+    double in_volume[size];    ///< 1 if the segment counts in the volume, else 0
+    double times[size];        ///< how often the segment counts in curve sums: 0, 1 or 2
 };
 
 struct OverlapKernels {
-    /// Sums of faces: volume, and with `numbers` moment.
+    /// Sums over faces: the volume and, if `numbers`, the moment.
     void (*add_faces)(const FaceBlock& block, const Vec3d& origin, bool numbers, BlockSums& sums);
-    /// Sums of segments: volume, and with `numbers` the others. Returns the segments, by bit, whose ends are too
-    /// uncertain, which are left out.
+    /// Sums over segments: the volume and, if `numbers`, all others. Leaves out segments whose ends are too uncertain,
+    /// and returns these, a bit each.
     std::uint64_t (*add_segments)(const SegmentBlock& block, const Vec3d& origin, bool numbers, BlockSums& sums);
 };
 

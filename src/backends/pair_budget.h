@@ -11,7 +11,7 @@
 
 namespace crumple {
 
-/// Not even the result fits the limit, however it is found: no other way need be tried.
+/// Thrown if the result alone exceeds the limit, so that no other way of finding it need be tried.
 struct ResultExceeds : MemoryMeter::Exceeded {};
 
 class PairBudget {
@@ -23,19 +23,19 @@ class PairBudget {
             room_ = std::max<std::int64_t>((meter.limit - none) / (result_bytes(scene, query, 1) - none), 0);
     }
 
-    /// Counts pairs, each found for the first time. Thread-safe. Throws ResultExceeds with the bytes of a result of
-    /// those found so far, if they are more than the limit.
+    /// Counts newly found pairs. Thread-safe. Throws ResultExceeds, with the bytes that a result of the pairs so far
+    /// takes, if these exceed the limit.
     void add(std::int64_t pairs) {
         const std::int64_t found = found_.fetch_add(pairs, std::memory_order_relaxed) + pairs;
         if (found > room_) throw ResultExceeds{{result_bytes(scene_, query_, std::min(found, most))}};
     }
 
    private:
-    static constexpr std::int64_t most = std::int64_t{1} << 54;  // more would overflow, and is no use
+    static constexpr std::int64_t most = std::int64_t{1} << 54;  // cap for the reported bytes, which might overflow
 
     const PreparedScene& scene_;
     const IntersectionQuery& query_;
-    std::int64_t room_ = std::numeric_limits<std::int64_t>::max();  ///< pairs that the limit has room for
+    std::int64_t room_ = std::numeric_limits<std::int64_t>::max();  ///< number of pairs that fit the limit
     std::atomic<std::int64_t> found_{0};
 };
 

@@ -16,7 +16,7 @@
 namespace crumple {
 namespace {
 
-constexpr std::int64_t most_triangles = 1 << 24;  // of several worlds; a larger one is cut into chunks by itself
+constexpr std::int64_t most_triangles = 1 << 24;  // for several worlds; a larger one is searched in chunks if need be
 
 bool same_pairs(const auto& a, const auto& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -37,8 +37,8 @@ bool same_size(const Shape& a, const Shape& b) {
            a.triangles.rows == b.triangles.rows;
 }
 
-// Everything that a name says nothing of, word by word, as long as take() returns true: of a shape without one all,
-// else groups.
+// Passes the contents that a shape's name does not identify to take(), word by word, as long as that returns true:
+// groups, and all else if the shape has no name.
 template <class Take>
 bool for_each_word(const Shape& shape, Take take) {
     const bool named = shape.name != 0;
@@ -60,7 +60,7 @@ bool for_each_word(const Shape& shape, Take take) {
 
 }  // namespace
 
-/// What is needed while all is read; the outline stays, for answers.
+/// State while the world is read; the outline is kept to make results.
 struct RestingWorlds::Read {
     explicit Read(MemoryMeter* meter) : outline(meter), scene(std::in_place, meter) {}
     WorldOutline outline;
@@ -98,7 +98,8 @@ std::unique_ptr<RestingWorlds> RestingWorlds::make(const World& world, const Pai
 
 std::int32_t RestingWorlds::worlds() const { return read_->outline.worlds(); }
 
-// Passes in which a pair may be found; false if they are more than one scene holds.
+// Collects the indices of worlds in which a pair is possible; worlds() stands for pairs among bodies that are in all
+// worlds. Returns false if one scene cannot hold them.
 bool RestingWorlds::choose_passes(int worlds_at_once) {
     const WorldOutline& outline = read_->outline;
     const std::int32_t worlds = outline.worlds(), rest = outline.first_body(worlds);
@@ -157,7 +158,7 @@ void RestingWorlds::add_shapes() {
     }
 }
 
-// The scene with all bodies where their shapes are.
+// Builds the scene, with all bodies unposed.
 void RestingWorlds::add_bodies(ParallelFor& workers) {
     const WorldOutline& outline = read_->outline;
     WorldScene& scene = *read_->scene;

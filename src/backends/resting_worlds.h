@@ -1,11 +1,11 @@
 #pragma once
 
-// All bodies of all worlds as one scene in which nobody is posed yet, for a device that has the poses and keeps the
-// rest from call to call. Worlds lie side by side in the order of the answer (world_scene.h); each shape's vertices are
-// there once, whoever has that shape.
+// One unposed scene of all bodies of all worlds, for a device that has the poses and caches the scene between calls.
+// Worlds lie side by side in the order of the result (world_scene.h). The vertices of each shape are stored once,
+// however many bodies have it.
 //
-//     triangles   | world 0: its bodies, those in all worlds | world 1: ... | ... | those in all worlds, among
-//     themselves vertices    | body | body | ...     each a copy of its shape's, under its pose
+//     triangles   | world 0: its bodies, those in all worlds | world 1: ... | ... | those in all worlds by themselves
+//     vertices    | body | body | ...     each a copy of its shape's, under its pose
 
 #include <cstddef>
 #include <cstdint>
@@ -22,52 +22,54 @@
 
 namespace crumple {
 
-/// A body, as often as the scene has it.
+/// Occurrence of a body in the scene: one that is in all worlds occurs in each.
 struct alignas(16) RestingBody {
     std::uint32_t first_vertex = 0;  ///< in the scene
-    std::uint32_t shape_vertex = 0;  ///< first of its shape, among those of all shapes
+    std::uint32_t shape_vertex = 0;  ///< first vertex of its shape, among those of all shapes
     std::int32_t body = 0;
-    std::uint32_t float32 = 1;  ///< whether its posed vertices are rounded to float32
+    std::uint32_t float32 = 1;  ///< 1 if its posed vertices are rounded to float32
 };
 
 class RestingWorlds {
    public:
-    /// Reads all. Null if one scene cannot hold so many worlds, or so many triangles. Throws Error as
-    /// Detector::find(World) does.
+    /// Reads shapes and bodies. Returns null if one scene cannot hold so many worlds, or so many triangles. Throws
+    /// Error as Detector::find does for worlds.
     static std::unique_ptr<RestingWorlds> make(const World& world, const PairFilter& rules, int worlds_at_once,
                                                ParallelFor& workers, MemoryMeter& meter);
     ~RestingWorlds();
 
-    /// Whether these are the world's bodies, whatever their poses, under the same rules. Reads the contents of shapes
-    /// without a name, and groups. Throws Error (invalid_argument) for a known name with another size.
+    /// Returns true if the world has the same bodies, whatever their poses, and the same pair filter. Compares groups,
+    /// and the contents of unnamed shapes. Throws Error (invalid_argument) if a shape has the name of a cached one, but
+    /// another size or precision.
     bool is_of(const World& world, const PairFilter& rules) const;
 
-    /// The scene, without vertices. Its corners and groups are there until drop_lists().
+    /// The scene, without vertices. Its corners and groups are valid until drop_lists().
     const PreparedScene& scene() const { return scene_; }
-    /// Vertices of all shapes, one behind the other, in the scene's precision.
+    /// Vertices of all shapes, concatenated, in the scene's precision.
     const std::byte* shape_vertices() const { return shape_vertices_.data(); }
     std::size_t shape_bytes() const { return shape_vertices_.size(); }
     std::span<const RestingBody> bodies() const { return bodies_.span(); }
-    /// There are no two triangles that could meet.
+    /// True if no two triangles could meet.
     bool empty() const { return passes_.empty(); }
     const BodyRules& rules() const { return rules_; }
-    /// By class: the first triangle, in the scene, of its body.
+    /// First triangle in the scene of the body of each class (BodyRules).
     std::span<const std::int32_t> first_of_class() const { return first_of_class_.span(); }
-    /// How many worlds the caller has, and by world the first triangle, in the scene; in the end where bodies that are
-    /// in all worlds lie among themselves.
+    /// Number of the caller's worlds, and the first triangle in the scene of each; the last entry is the first triangle
+    /// of the section in which bodies that are in all worlds meet each other.
     std::int32_t worlds() const;
     std::span<const std::int64_t> first_of_world() const { return first_of_world_.span(); }
 
-    /// Forgets what is needed once, to bring it to a device.
+    /// Frees the lists that are needed only for the upload to a device.
     void drop_lists();
 
-    /// Throws the Error about a posed vertex of the scene that is not finite; `poses`: of all bodies.
+    /// Throws the Error for a posed vertex of the scene that is not finite. `poses`: those of all bodies.
     [[noreturn]] void fail_not_finite(std::int64_t vertex, std::span<const Pose> poses) const;
 
-    /// The answer of the host, from the scene's: by flags, one a world of the scene, or by all pairs.
+    /// Translate what was found in the scene to a result about the caller's worlds and bodies: flags, one for each
+    /// world of the scene, or all pairs.
     void tell_flags(std::span<const std::uint8_t> flags, Intersections& result) const;
     void tell_pairs(const Intersections& found, const IntersectionQuery& question, Intersections& result) const;
-    /// What an answer begins and ends with.
+    /// Clears the result before, and completes it after.
     void begin(const IntersectionQuery& question, Intersections& result) const;
     void finish(const IntersectionQuery& question, Intersections& result) const;
 
@@ -81,21 +83,21 @@ class RestingWorlds {
     std::size_t added_of_triangle(std::int64_t t) const;
 
     MemoryMeter& meter_;
-    std::vector<Shape> shapes_;  ///< their arrays may be gone
+    std::vector<Shape> shapes_;  ///< their arrays may no longer exist
     Array<Body> all_;
     PairFilter given_;
-    std::vector<Array<std::uint64_t>> contents_;  ///< of shapes, what a name says nothing of
+    std::vector<Array<std::uint64_t>> contents_;  ///< by shape: words that its name does not identify
     BodyRules rules_;
     std::unique_ptr<Read> read_;
     PreparedScene scene_;
     Array<std::byte> shape_vertices_;
     std::vector<std::uint32_t> shape_first_;
     Array<RestingBody> bodies_;
-    Array<std::int64_t> first_of_added_;  ///< triangles of `bodies_`, and of all
+    Array<std::int64_t> first_of_added_;  ///< first triangle of each of `bodies_`; and the end
     Array<std::int32_t> first_of_class_;
-    Array<std::int64_t> first_of_world_;   ///< of the caller
-    Array<std::int64_t> first_of_joined_;  ///< of the scene
-    Array<std::int32_t> passes_;           ///< by world of the scene
+    Array<std::int64_t> first_of_world_;   ///< by world of the caller; and its last section
+    Array<std::int64_t> first_of_joined_;  ///< by world of the scene; and the end
+    Array<std::int32_t> passes_;           ///< world index of each world of the scene; worlds(): the last section
 };
 
 }  // namespace crumple

@@ -1,6 +1,6 @@
 #pragma once
 
-// How a running call is asked to end before its answer is there.
+// Cancellation of a running call before its result is complete.
 
 #include <chrono>
 #include <functional>
@@ -12,20 +12,21 @@
 
 namespace crumple {
 
-/// One detector's. Backends call check() between pieces of work of a few milliseconds at most, from any thread.
+/// Cancellation state of one detector. Backends call check() between pieces of work of a few milliseconds at most, from
+/// any thread.
 class Cancellation {
    public:
     void set_poll(std::function<void()> poll) { poll_ = std::move(poll); }
 
-    /// A call of this thread begins, which `stop` may end.
+    /// Begins a call of this thread, which `stop` may cancel.
     void begin(std::stop_token stop) {
         stop_ = std::move(stop);
         caller_ = std::this_thread::get_id();
         polled_ = Clock::now();
     }
 
-    /// Throws Error (cancelled) after a stop was requested. In the caller's thread also polls, and lets through what
-    /// poll throws.
+    /// Throws Error (cancelled) after a stop was requested. In the caller's thread also calls the poll function, at
+    /// most every 20 ms, and lets its exceptions through.
     void check() {
         if (poll_ && std::this_thread::get_id() == caller_ && Clock::now() - polled_ >= interval) {
             poll_();

@@ -1,12 +1,12 @@
 #pragma once
 
-// The mode of floating-point arithmetic while an object lives: round-to-nearest, whatever the caller had.
+// Floating-point mode for the lifetime of an object: round-to-nearest, whatever mode the caller had.
 //
-// FloatEnvironment keeps subnormal numbers. Every public call and every task holds one: the exact decision needs that
-// mode, and oneTBB's workers keep the mode in force when their arena was made.
+// FloatEnvironment keeps subnormal numbers. Every public call and every task holds one: exact decisions need that mode,
+// and oneTBB's workers keep the mode that was in force when their arena was made.
 //
-// FlushToZero takes them for zero, as operands and as results. The filters hold one: an operation on a subnormal number
-// may take 150 cycles, and cloth at rest is full of them. The filters' bounds allow for it (docs/narrow.md).
+// FlushToZero treats subnormal operands and results as zero. Filters hold one: an operation on a subnormal number may
+// take 150 cycles, and static cloth is full of them. The bounds of the filters allow for it (docs/narrow.md).
 
 #include <cstdint>
 
@@ -55,7 +55,7 @@ class FloatMode {
 
 #else
 
-// Nothing portable flushes, nor is it needed.
+// There is no portable way to flush, and none is needed.
 template <bool>
 class FloatMode {
    public:

@@ -1,6 +1,6 @@
 #pragma once
 
-// Memory that is counted by a meter as long as an object lives, for containers that do not count themselves.
+// Memory that a meter counts for the lifetime of an object, for containers that do not count themselves.
 
 #include <atomic>
 #include <cstdint>
@@ -22,7 +22,7 @@ class MemoryClaim {
     MemoryClaim(const MemoryClaim&) = delete;
     MemoryClaim& operator=(const MemoryClaim&) = delete;
 
-    /// Throws MemoryMeter::Exceeded. Safe from several threads.
+    /// Adds to the claim. Throws MemoryMeter::Exceeded if that exceeds the limit. Thread-safe.
     void add(std::size_t bytes) {
         meter_.add(static_cast<std::int64_t>(bytes));
         bytes_ += static_cast<std::int64_t>(bytes);

@@ -1,6 +1,6 @@
 #pragma once
 
-// How what comes before a backend borrows its threads.
+// Parallel loop that lends a backend's threads to code outside the backend.
 
 #include <cstddef>
 
@@ -10,8 +10,8 @@ namespace crumple {
 
 using Task = FunctionRef<void(std::size_t)>;
 
-/// Something that runs task(i) for i in [0, n), in any order and perhaps several at once. If one throws, so
-/// does the loop.
+/// Runs task(i) for i in [0, n), in any order and perhaps several at once; throws if a task does. This base class runs
+/// them one after the other.
 class ParallelFor {
    public:
     virtual ~ParallelFor() = default;

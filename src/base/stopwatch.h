@@ -4,7 +4,7 @@
 
 namespace crumple {
 
-/// Milliseconds since it was made or last asked.
+/// Stopwatch: lap() returns the milliseconds since the last lap(), or since construction.
 class Stopwatch {
    public:
     double lap() {

@@ -1,6 +1,6 @@
-// The front door, where queries, scenes and deliveries meet: finds what a scene is, and has the call on that made.
-// Calls on the triangles of meshes are in mesh_calls.cpp, those on worlds in world_calls.cpp, on features in
-// feature_calls.cpp.
+// Entry point of all calls: dispatches each by query, type of scene and delivery (find, any, stream, partition,
+// launch). Calls on the triangles of meshes are in mesh_calls.cpp, calls on worlds in world_calls.cpp, calls on
+// features in feature_calls.cpp.
 
 #include "crumple/detector.h"
 
@@ -31,7 +31,8 @@ struct Detector::Implementation : MeshCalls {
     using MeshCalls::any, MeshCalls::find, MeshCalls::launch, MeshCalls::MeshCalls, MeshCalls::partition,
         MeshCalls::stream, MeshCalls::wait;
 
-    /// Why a query cannot be asked of this scene with this backend, in one sentence; else empty.
+    /// Returns why this query is not supported for this scene with this backend, as one clause; empty if it is
+    /// supported.
     template <class Query>
     const char* refusal(const Scene& scene, const Query& query) const {
         constexpr bool intersections = std::same_as<Query, IntersectionQuery>;
@@ -62,7 +63,7 @@ struct Detector::Implementation : MeshCalls {
         if (const char* why = refusal(scene, query); *why) refuse(why);
     }
 
-    // Queries about a step of one scene:
+    // Queries about a step, made of impact queries:
 
     const FirstImpact& find(const Scene& scene, const FirstImpactQuery& query, std::stop_token stop) {
         ImpactQuery impacts_of = query;
@@ -93,7 +94,7 @@ struct Detector::Implementation : MeshCalls {
         return of(on_host);
     }
 
-    /// The world without its end, where queries of this type read it as it is at the start.
+    /// Returns the world as queries of this type read it: without end poses, unless the type reads them.
     template <class Query>
     static World as_read(const World& world) {
         World read = world;
@@ -103,7 +104,7 @@ struct Detector::Implementation : MeshCalls {
         return read;
     }
 
-    // Sources of a query:
+    // Dispatch by type of scene:
 
     template <class Query>
     const typename Query::Result& find(const Scene& scene, const Query& query, std::stop_token stop) {
@@ -278,7 +279,7 @@ const Intersections& LaunchTicket<Query>::download() const requires std::same_as
     return detector_->download(number_);
 }
 
-// Which query has which delivery:
+// Deliveries of each query, explicitly instantiated:
 #define CRUMPLE_FIND(Query)                                                                                \
     template CRUMPLE_API const Query::Result& Detector::find(const Scene&, const Query&, std::stop_token); \
     template CRUMPLE_API bool Detector::supports(const Scene&, const Query&) const;

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a detector keeps from call to call, and how its calls are guarded: by the memory limit, by cancellation, by the
-// floating-point environment.
+// State that a detector keeps between calls, and the guards of its calls: memory limit, cancellation, floating-point
+// environment.
 
 #include <algorithm>
 #include <memory>
@@ -44,12 +44,12 @@ struct DetectorState {
     ClosedBodies closed_bodies{meter, cancellation};
     OverlapSearch overlap_search{meter, cancellation, closed_bodies};
     FeatureSearch features{meter, cancellation, named};
-    Backend working = Backend::cpu;  ///< what `backend` is
+    Backend working = Backend::cpu;  ///< type of `backend`
     std::unique_ptr<BackendBase> backend;
     std::string fallback;
-    std::int64_t kept_before_launch = 0;  ///< bytes that earlier calls have left
+    std::int64_t kept_before_launch = 0;  ///< bytes in use when the last launch began
 
-    // Where the result of a query is made:
+    // Storage of the result of each query:
     Intersections& result_of(const IntersectionQuery&) { return result; }
     Impacts& result_of(const ImpactQuery&) { return impacts; }
     Proximities& result_of(const ProximityQuery&) { return nearby; }
@@ -112,10 +112,10 @@ struct DetectorState {
                      Element::option, -1, least);
     }
 
-    /// Guards one call: floating-point environment, cancellation, memory limit. Runs attempt(), and once more with
-    /// nothing kept if it exceeds the limit and again(least) is true: perhaps earlier calls have left too much. `least`
-    /// is the number of bytes that the attempt alone needed at least. A call that throws leaves an empty result and no
-    /// kept memory.
+    /// Guards one call: floating-point environment, cancellation, memory limit. Runs attempt(). If it exceeds the limit
+    /// and again(least) returns true, frees everything that earlier calls have cached and runs it once more. `least` is
+    /// a lower bound of the bytes that the attempt itself needs. A call that throws leaves an empty result and nothing
+    /// cached.
     template <class Attempt, class Again>
     void run(std::stop_token stop, Attempt attempt, Again again) {
         cancellation.begin(std::move(stop));
@@ -123,7 +123,7 @@ struct DetectorState {
         run_above(meter.used, attempt, again, [](const Error&) { return false; });
     }
 
-    /// Guards a launch, and the wait for one.
+    /// Guards a launch, or the wait for its result.
     template <class Work>
     LaunchNumber run_launch(Work work) {
         LaunchNumber launched = 0;
@@ -140,7 +140,8 @@ struct DetectorState {
             work();
         });
     }
-    /// Guards a call about a launch. Keeps what a caller's graph works on.
+    /// Guards a call about a launch. After an error, keeps cached memory if a graph captured by the caller uses it
+    /// (BackendBase::keeps_after).
     template <class Work>
     void run_launched(Work work) {
         run_above(

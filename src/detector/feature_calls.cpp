@@ -1,4 +1,4 @@
-// A detector's calls about the features of one mesh, on the host or in device memory, and of parts.
+// Detector calls about the features of one mesh, in host or device memory, and of parts.
 
 #include <utility>
 

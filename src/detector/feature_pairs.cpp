@@ -1,4 +1,4 @@
-// Pairs of features that the caller brings, decided one by one, some hundred to a task.
+// Exact decisions about pairs of features that the caller lists, `pairs_of_task` pairs per task.
 
 #include "crumple/feature_pairs.h"
 
@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::size_t pairs_of_task = 256;
 
-// The points of pairs, where the caller has them.
+// Points of the pairs, read from the caller's array.
 class PairPoints {
    public:
     PairPoints(FeatureKinds kinds, const VertexView& view, const char* name)
@@ -97,7 +97,7 @@ Impact decide_impact(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, co
     ImpactCounts counts;
     const Impact impact = vertex_face ? vertex_face_impact(p[0], p[1], p[2], p[3], counts)
                                       : edge_edge_impact(p[0], p[1], p[2], p[3], counts);
-    return impact.start && separation.approaching_only ? Impact{} : impact;  // nothing is closer
+    return impact.start && separation.approaching_only ? Impact{} : impact;  // at distance 0 they cannot approach
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace crumple {
 namespace {
 
-/// Vertices of a scene at the start and the end of a step, as searches see them, and the scene with others at the end.
+/// Posed vertices of a scene at the start and the end of a step, and the scene with other end positions.
 class Step {
    public:
     explicit Step(const Scene& scene) {
@@ -41,20 +41,20 @@ class Step {
     const std::vector<std::int64_t>& first_vertex() const { return first_vertex_; }
     std::size_t bodies() const { return bodies_.size(); }
     std::int32_t world_of(std::size_t body) const { return bodies_[body].world; }
-    /// Worlds are numbered from 0.
+    /// Returns the number of worlds, which are numbered from 0.
     std::size_t worlds() const { return worlds_; }
 
-    /// Writes vertex v where it is after a share of the way, rounded to the precision of its body.
+    /// Writes the position of vertex v after a share of its trajectory, rounded to the precision of its body.
     void go(std::int64_t v, std::size_t body, double share, Array<double>& positions) const {
         for (int axis = 0; axis < 3; ++axis) {
             const double a = start_[3 * v + axis], b = end_[3 * v + axis];
-            // At the ends exact; between them a product that may not overflow.
+            // Exact at both ends. In between, a form that cannot overflow.
             const double x = share == 0 ? a : share == 1 ? b : (1 - share) * a + share * b;
             positions[3 * v + axis] = float32_[body] ? static_cast<double>(static_cast<float>(x)) : x;
         }
     }
 
-    /// The scene on its way to these positions; valid until the next call.
+    /// Returns the scene with these end positions; valid until the next call.
     Scene moving_to(const Array<double>& positions) {
         if (lone_mesh_) return lone_mesh_->moving_to(rows(positions, 0));
         for (std::size_t b = 0; b < shapes_.size(); ++b) shapes_[b].end = rows(positions, b);
@@ -103,7 +103,7 @@ class Step {
             }
             float32_.push_back(shape.vertices.type == ScalarType::float32 &&
                                (!shape.end.data || shape.end.type == ScalarType::float32));
-            Shape own = shape;  // of one body, for each has its own vertices
+            Shape own = shape;  // of this body alone, since each has its own posed vertices
             own.name = 0;
             own.vertices = rows(start_, static_cast<std::size_t>(b));
             shapes.push_back(own);
@@ -123,16 +123,16 @@ class Step {
     std::vector<Shape> shapes_;
     std::vector<Body> bodies_;
     std::size_t worlds_ = 0;
-    std::vector<std::int64_t> first_vertex_;  ///< of each body, and the number of vertices
+    std::vector<std::int64_t> first_vertex_;  ///< 1 per body, then the number of vertices
     std::vector<bool> float32_;               ///< by body
     Array<double> start_, end_;
 };
 
-/// Units of what is held back together, worlds, bodies or vertices, with the share of the step that each goes.
+/// Units that are held back together (worlds, bodies or vertices), with the share of the step that each takes.
 class Units {
    public:
     Units(const Step& step, Held held) : step_(step), held_(held) {
-        // A body that is in all worlds is none's.
+        // A body that is in all worlds is a unit of its own.
         const std::size_t count = held == Held::vertices ? static_cast<std::size_t>(step.vertices())
                                   : held == Held::bodies ? step.bodies()
                                                          : step.worlds() + step.bodies();
@@ -144,7 +144,8 @@ class Units {
 
     double share(std::size_t body, std::int64_t vertex) const { return share_[unit(body, vertex)]; }
 
-    /// Notes the impacts that the next cut is to keep clear of. False if there are none, but of worlds that are held.
+    /// Records the impacts that the next cut has to avoid. Returns false if there are none, except in worlds that are
+    /// held.
     bool note(const Impacts& found) {
         bool any = false;
         if (found.count == 0 && held_ == Held::worlds) {
@@ -161,9 +162,9 @@ class Units {
         return any;
     }
 
-    /// Cuts the steps of units that take part in what was noted.
+    /// Shortens the steps of the units that take part in recorded impacts.
     void cut() {
-        // Bits by which a cut is shorter than the time of contact, one cut after the other; then it is half of that.
+        // The n-th cut of a unit goes to 1 - 2^-bits[n] times the time of contact, later cuts to half of it.
         constexpr std::array<int, 4> bits{16, 8, 4, 2};
         constexpr std::size_t most_cuts = 40;
         constexpr double least_share = 0x1p-40;
@@ -176,8 +177,8 @@ class Units {
         }
     }
 
-    /// Holds the world of two bodies where it is at the start, with bodies that are in all worlds; all worlds if both
-    /// are.
+    /// Holds the world of two bodies at the start of the step, together with bodies that are in all worlds. Holds all
+    /// worlds if both bodies are in all worlds.
     void hold_worlds_of(const BodyPair& bodies) {
         const auto first = static_cast<std::size_t>(bodies.first), second = static_cast<std::size_t>(bodies.second);
         if (stuck_[first] || stuck_[second]) return;
@@ -216,7 +217,7 @@ class Units {
             cut(unit(first, 0));
             cut(unit(second, 0));
         }
-        if (!goes) hold_worlds_of(impact.bodies);  // they touch where they rest
+        if (!goes) hold_worlds_of(impact.bodies);  // they touch at the start
         return true;
     }
 
@@ -224,11 +225,11 @@ class Units {
     Held held_;
     std::vector<double> share_, earliest_;
     std::vector<std::size_t> cuts_;
-    std::vector<std::uint8_t> stuck_;  ///< by body: its world is held
+    std::vector<std::uint8_t> stuck_;  ///< 1 per body: its world is held
 };
 
-/// True if bodies that are in all worlds have pairs among them: these are no world's, and may be hidden by the first
-/// impact of one, so that only lists tell them.
+/// True if bodies that are in all worlds can have impacts among themselves. Such an impact belongs to no world, and the
+/// first impact of a world may hide it, so that only lists contain it.
 bool needs_lists(const Scene& scene) {
     const auto* world = std::get_if<World>(&scene.source());
     if (!world) return false;
@@ -237,8 +238,8 @@ bool needs_lists(const Scene& scene) {
     return in_all > 1;
 }
 
-/// Holds worlds in which triangles intersect at the start: these do so at every share of the step. False if there are
-/// none.
+/// Holds worlds in which triangles intersect at the start, since no share of the step avoids that. Returns false if
+/// there are none.
 template <class Find>
 bool hold_what_intersects(Step& step, ImpactQuery query, Find find, Units& units, FreeStep& result) {
     query.triangle_pairs = true;
@@ -264,7 +265,7 @@ void find_free_step(const Scene& scene, const FreeStepQuery& query,
     ImpactQuery impacts = query;
     impacts.output = query.held == Held::worlds && !needs_lists(scene) ? Output::first : Output::pairs;
     impacts.index = impacts.triangle_pairs = false;
-    const Impacts& whole = find(scene, impacts);  // which checks the scene, too
+    const Impacts& whole = find(scene, impacts);  // checks the scene, too
     const FloatEnvironment environment;
     Step step(scene);
     Units units(step, query.held);

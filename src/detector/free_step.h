@@ -1,6 +1,6 @@
 #pragma once
 
-// A step that is cut short before anything touches: tried, cut, and verified as it is rounded.
+// Shortens a step so that nothing touches: tries it, cuts it, and verifies the rounded positions.
 
 #include "crumple/function_ref.h"
 #include "crumple/impacts.h"

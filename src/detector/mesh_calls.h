@@ -1,7 +1,7 @@
 #pragma once
 
-// A detector's calls on the triangles of one mesh or two, which it checks and hands to a backend; and launches of
-// intersections.
+// Detector calls on the triangles of one mesh or two: checks them and forwards them to a backend. Includes launches of
+// intersection queries.
 
 #include <stop_token>
 #include <vector>
@@ -10,14 +10,14 @@
 
 namespace crumple {
 
-/// `b` is null for one mesh.
+/// Intersection queries on mesh `a`, or on two meshes; `b` is null for one mesh.
 struct MeshCalls : WorldCalls {
     using WorldCalls::find, WorldCalls::launch, WorldCalls::partition, WorldCalls::stream, WorldCalls::wait,
         WorldCalls::WorldCalls;
 
     const Intersections& find(const MeshView& a, const MeshView* b, const IntersectionQuery& query,
                               std::stop_token stop);
-    /// Finds pairs of one mesh or two, or those that a part owns.
+    /// Finds the pairs of one mesh or two, or if `part` is not null, those that the part owns.
     const Intersections& find_pairs(const MeshView& a, const MeshView* b, const Part* part,
                                     const IntersectionQuery& query, std::stop_token stop);
     bool any(const MeshView& a, const MeshView* b, const IntersectionQuery& query, std::stop_token stop);
@@ -42,7 +42,7 @@ struct MeshCalls : WorldCalls {
     }
 
    private:
-    /// Runs `work` on the prepared scene, or on_device() where the meshes lie on a device.
+    /// Runs work(prepared scene) for meshes in host memory, or on_device() for meshes in device memory.
     template <class Work, class OnDevice>
     void run_on_meshes(const MeshView& a, const MeshView* b, const Part* part, const IntersectionQuery& query,
                        std::stop_token stop, Work work, OnDevice on_device);

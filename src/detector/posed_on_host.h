@@ -9,7 +9,7 @@
 
 namespace crumple {
 
-/// A world as the host can read it: where poses lie on a device, with copies of them.
+/// World with poses in host memory: downloads poses that are in device memory.
 class PosedOnHost {
    public:
     PosedOnHost(BackendBase& backend, const World& world) : world_(world) {

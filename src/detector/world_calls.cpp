@@ -51,7 +51,7 @@ void WorldCalls::search(const World& world, const IntersectionQuery& query, cons
         worlds.find(*backend, there.world(), query, result, blocks);
 }
 
-// All worlds at once, or, where that is too much, not at all.
+// Finds all worlds at once. Returns false if the backend cannot do so, or memory does not suffice.
 bool WorldCalls::found_on_device(const World& world, const IntersectionQuery& query) {
     check_device_poses(world);
     try {
@@ -117,7 +117,8 @@ const typename Query::Result& WorldCalls::find_features(const World& world, cons
     });
 }
 
-// Under a limit from the start as with nothing kept, for a call that has delivered blocks cannot begin again.
+// A call that has delivered blocks cannot be retried. Under a limit it therefore frees all cached memory first, and
+// uses as little as possible.
 template <class Query>
 Statistics WorldCalls::stream_features(const World& world, const Query& query, bool bodies,
                                        const FeatureBlocks<typename Query::Result>& blocks, std::stop_token stop) {

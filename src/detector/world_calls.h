@@ -1,6 +1,6 @@
 #pragma once
 
-// A detector's calls on worlds of bodies, and on features. A mesh whose features are searched is a world of one body.
+// Detector calls on worlds of bodies, and on features. For queries about features, a mesh is a world of one body.
 
 #include <concepts>
 #include <stop_token>
@@ -42,7 +42,7 @@ struct WorldCalls : DetectorState {
         return stream_features(world, query, true, {block_rows, take}, std::move(stop));
     }
 
-    // Calls on one mesh, wherever it lies:
+    // Calls on the features of one mesh:
     template <FeatureQuery Query>
     const typename Query::Result& find(const MeshView& mesh, const Query& query, std::stop_token stop);
     template <FeatureQuery Query>
@@ -59,24 +59,24 @@ struct WorldCalls : DetectorState {
     template <FeatureQuery Query>
     const typename Query::Result& find(const Part& part, const Query& query, std::stop_token stop);
 
-    /// An Error (invalid_argument), after which nothing is kept.
+    /// Frees all cached memory, then throws Error (invalid_argument).
     [[noreturn]] void refuse(const char* message);
 
-    /// An Error, unless the mesh lies in host memory.
+    /// Throws Error unless the mesh is in host memory.
     void require_host(const MeshView& mesh);
 
    private:
     void search(const World& world, const IntersectionQuery& query, const WorldBlocks* blocks);
     bool found_on_device(const World& world, const IntersectionQuery& query);
-    /// `bodies`: whether the result names bodies.
+    /// `bodies`: true if the result names bodies; false for a single mesh.
     template <class Query>
     const typename Query::Result& find_features(const World& world, const Query& query, bool bodies,
                                                 std::stop_token stop);
     template <class Query>
     Statistics stream_features(const World& world, const Query& query, bool bodies,
                                const FeatureBlocks<typename Query::Result>& blocks, std::stop_token stop);
-    /// Has search(frugal) make the result, under the limit. What several workers need depends on who does what, so it
-    /// cannot be promised: the second try is frugal.
+    /// Runs search(frugal) under the memory limit and returns the result. The memory that several workers need depends
+    /// on scheduling, so the first attempt may exceed the limit; the second one is frugal (FeatureRequest::frugal).
     template <class Result, class Search>
     const Result& answered(Result& result, std::stop_token stop, Search search) {
         Stopwatch watch;
@@ -91,13 +91,13 @@ struct WorldCalls : DetectorState {
     const typename Query::Result& find_there(const DeviceShape& mesh, const Query& query, std::stop_token stop);
     void copy_to_host(const DeviceShape& mesh, HostShape& copy);
 
-    /// A mesh with all that a query reads of it. An Error, if a query about motion has no end, or there are too many
-    /// vertices.
+    /// Returns the mesh as a shape with everything that the query reads. Throws Error if an impact query lacks end
+    /// positions, or a moving mesh has too many vertices.
     Shape shape_of(const MeshView& mesh, const ImpactQuery& query);
     Shape shape_of(const MeshView& mesh, const ProximityQuery& query);
     Shape shape_of(const MeshView& mesh, const CandidateQuery& query);
 
-    /// Results of the last launches, by number.
+    /// Results of the last launches, by launch number modulo most_in_flight.
     std::tuple<DeviceImpacts, DeviceProximities, DeviceCandidates> launched_[most_in_flight];
 };
 

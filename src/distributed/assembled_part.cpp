@@ -71,7 +71,7 @@ std::int32_t AssembledPart::vertex(int rank, std::int32_t listed) const {
     return copy == copy_.end() ? place : copy->second;
 }
 
-// Two ascending lists become one.
+// Merges the triangles with the added ones, both by ascending id, and drops the removed ones.
 void AssembledPart::merge(std::span<const PartNews> news) {
     struct New {
         std::int32_t id;

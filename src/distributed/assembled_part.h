@@ -1,11 +1,12 @@
 #pragma once
 
-// A part on its owner: what the ranks have told of it (members.h), as the engines take it.
+// A part on the rank that owns it, assembled from the deltas of all ranks (members.h) in the form that searches read:
 //
 //     vertices    run | run | run ...      a run is what one rank added to its list in one call
-//     triangles   by ascending id, from all ranks; each knows the rank that brought it
+//     triangles   by ascending id, from all ranks, each with the rank that provided it
 //
-// Copies of a vertex lie in several runs; triangles name the one that was there first, so they are neighbours.
+// A ghost vertex is in several runs. Triangles refer to its first copy, so that triangles of different ranks are
+// adjacent.
 
 #include <array>
 #include <cstdint>
@@ -20,7 +21,7 @@
 
 namespace crumple::distribute {
 
-/// What one rank has told, ready to be taken over.
+/// Delta of one rank, ready to be merged.
 struct PartNews {
     int rank = 0;
     PartDelta delta;
@@ -28,9 +29,9 @@ struct PartNews {
 
 class AssembledPart {
    public:
-    /// `levels`: where the part lies; no masks yet.
+    /// `levels`: location of the part, still without masks.
     AssembledPart(std::int32_t index, int count, std::vector<PartLevel> levels, bool float32, bool groups);
-    /// For questions about features: vertices keep their ids, and have ends where they move.
+    /// Prepares the part for queries about features: vertices get ids, and if `moving`, end positions.
     void know_features(bool moving) {
         features_ = true;
         moving_ = moving;
@@ -39,18 +40,19 @@ class AssembledPart {
 
     std::int32_t index() const { return part_.index; }
     const Part& part() const { return part_; }
-    /// What engines remember of it.
+    /// Per-scene cache of the backend for this part.
     std::unique_ptr<SceneMemory>& memory() { return memory_; }
     std::int64_t size() const { return part_.mesh.size(); }
-    /// What its lists take, about.
+    /// Returns the approximate bytes of the lists.
     std::int64_t bytes() const;
-    /// The rank that has brought a triangle, by its place in the part.
+    /// Returns the rank that provided a triangle, given by index in the part.
     int rank_of(std::int32_t triangle) const { return rank_[static_cast<std::size_t>(triangle)]; }
 
-    /// Takes over what is new. Their coordinates are still to come.
+    /// Merges deltas. Coordinates of new vertices are received later.
     void take(std::span<const PartNews> news);
 
-    /// Where coordinates [first, first + n) of a rank's list lie: visit(place of the first, first of the n, how many).
+    /// Maps rows [first, first + n) of a rank's list of vertices to the part's vertices: calls visit(first index in the
+    /// part, first of the n rows, count) for each contiguous piece.
     template <class Visit>
     void visit_coordinates(int rank, std::int64_t first, std::size_t n, Visit visit) const {
         const auto end = first + static_cast<std::int64_t>(n);
@@ -67,15 +69,15 @@ class AssembledPart {
         return reinterpret_cast<std::array<Scalar, 3>*>(std::get<std::vector<Scalar>>(xyz).data());
     }
     const std::variant<std::vector<float>, std::vector<double>>& end() const { return end_; }
-    /// Of questions about features: the id of each vertex, and what each triangle owns.
+    /// For queries about features: id of each vertex, and features that each triangle owns.
     std::span<const std::int32_t> vertex_ids() const { return vertex_id_; }
     const OwnedFeatures& owned(std::size_t triangle) const { return owned_[triangle]; }
-    /// Another number whenever anything but coordinates has changed.
+    /// Returns a number that changes whenever anything but coordinates changes.
     std::int64_t revision() const { return revision_; }
 
    private:
     struct Run {
-        std::int64_t first, place, count;  ///< in the rank's list, in the part's vertices
+        std::int64_t first, place, count;  ///< start in the rank's list, start in the part's vertices, size
     };
     void add_vertices(const PartNews& news);
     std::int32_t vertex(int rank, std::int32_t listed) const;
@@ -87,13 +89,13 @@ class AssembledPart {
     bool groups_, features_ = false, moving_ = false;
     std::variant<std::vector<float>, std::vector<double>> end_;
     std::vector<std::int32_t> vertex_id_;
-    std::vector<OwnedFeatures> owned_;  ///< by each triangle
+    std::vector<OwnedFeatures> owned_;  ///< 1 per triangle
     std::int64_t revision_ = 0;
-    std::vector<std::int32_t> rank_;      ///< of each triangle
+    std::vector<std::int32_t> rank_;      ///< 1 per triangle: the rank that provided it
     std::vector<std::vector<Run>> runs_;  ///< by rank
     std::int64_t vertex_count_ = 0;
-    std::unordered_map<std::int32_t, std::int32_t> first_;  ///< by id of a vertex with copies: where it was first
-    std::unordered_map<std::int32_t, std::int32_t> copy_;   ///< other places of such: where it was first
+    std::unordered_map<std::int32_t, std::int32_t> first_;  ///< by id of a ghost vertex: index of its first copy
+    std::unordered_map<std::int32_t, std::int32_t> copy_;   ///< by index of any further copy: index of the first
 };
 
 }  // namespace crumple::distribute

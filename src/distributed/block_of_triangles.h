@@ -1,10 +1,10 @@
 #pragma once
 
-// A block of a scene's triangles as the share of one rank, for ranks that are threads of the process that has all of
-// it.
+// A block of a scene's triangles as the local mesh of a rank, for ranks that are threads of the process that has the
+// scene.
 //
 //     triangles   [r m / ranks, (r + 1) m / ranks) of m
-//     vertices    those that these name, and the r-th block of all vertices, so that every vertex is there on some rank
+//     vertices    those of these triangles, and the r-th block of all vertices, so that every vertex is on some rank
 
 #include <cstdint>
 #include <span>
@@ -20,10 +20,10 @@ class Block {
    public:
     Block(int rank, int ranks) : rank_(rank), ranks_(ranks) {}
 
-    /// Takes coordinates, and numbers vertices anew where triangles have changed. The share is valid until the next
-    /// call.
+    /// Returns the local mesh; valid until the next call. Copies coordinates, and renumbers vertices if triangles have
+    /// changed.
     MeshShare take(const PreparedScene& scene);
-    /// Where the share's vertices are at the end, if the scene moves.
+    /// Returns the end positions of the local mesh, if the scene moves.
     VertexView end() const { return view_of(end_); }
 
    private:
@@ -44,8 +44,8 @@ class Block {
 
     int rank_, ranks_;
     Range triangles_{0, 0}, vertices_{0, 0};
-    std::vector<std::int32_t> corners_;  ///< 3 a triangle, in the list of vertices
-    std::vector<std::int64_t> ids_;      ///< of the list's vertices in the scene; the block of all comes first
+    std::vector<std::int32_t> corners_;  ///< 3 per triangle, indices into ids_
+    std::vector<std::int64_t> ids_;      ///< index in the scene of each local vertex; this rank's block comes first
     Coordinates start_, end_;
 };
 

@@ -1,5 +1,5 @@
-// What a rank does for questions about bodies: their triangles are a share as any other, and what is found in it gets
-// the names that bodies give.
+// Queries about bodies on a rank: searches their triangles as a local mesh, then converts triangles and features of the
+// result to bodies and indices within them.
 
 #include <algorithm>
 #include <utility>
@@ -68,7 +68,7 @@ void RankDetector::name_bodies_of_rows() {
     result_ = {};
 }
 
-// Of each part, which bodies collide there; each pair once goes to the rank of its first body.
+// Finds the pairs of bodies that collide in each part, and sends each pair once to the rank of its first body.
 void RankDetector::search_body_pairs(const IntersectionQuery& query) {
     std::vector<BodyPair> colliding;
     const auto each = [&](AssembledPart& part) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Rows that ranks have for each other, rank by rank and part by part: where those of each begin.
+// Offsets of rows that are exchanged between ranks, ordered by rank, then by part.
 
 #include <algorithm>
 #include <cstdint>
@@ -14,7 +14,8 @@ class ByPart {
     void add(std::int64_t rows) { first_.push_back(first_.back() + rows); }
     std::int64_t rows() const { return first_.back(); }
 
-    /// Rows [begin, begin + n) as what they are of each part: visit(part, first row of the part, first of the n, rows).
+    /// Splits rows [begin, begin + n) by part: calls visit(number of the add() call, first row of that part, first of
+    /// the n rows, count) for each piece.
     template <class Visit>
     void visit(std::int64_t begin, std::size_t n, Visit visit) const {
         std::int64_t at = begin;

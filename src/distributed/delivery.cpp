@@ -48,7 +48,8 @@ void Delivery::run(const What& what, FunctionRef<void(std::int64_t bytes)> room)
     for (int group = 0; group < groups; ++group) run_group(group, groups, room);
 }
 
-// One, unless some rank has more to tell than may be on its way at a time: then one for each part that a rank has.
+// Returns 1, unless the deltas of some rank exceed the size of a message batch: then the largest number of parts that a
+// rank owns.
 int Delivery::choose_groups() {
     std::int64_t most = 0;
     agree_(Phase::members, [&] { most = members_.bytes_of_changes(); });
@@ -106,7 +107,7 @@ void Delivery::exchange_counts() {
         coming_.reserve(all(traffic.in));
     });
     const auto first = first_of_each(traffic.out);
-    // Each round appends rows of rank after rank, so those of one rank may lie apart.
+    // Each message batch appends rows of all ranks, so those of one rank are not contiguous until sorted below.
     rounds_.exchange<CountsRow>(
         traffic,
         [&](int rank, std::int64_t begin, std::span<CountsRow> rows) {
@@ -124,7 +125,8 @@ void Delivery::exchange_counts() {
     std::stable_sort(coming_.begin(), coming_.end(), [](const Coming& a, const Coming& b) { return a.rank < b.rank; });
 }
 
-// An id, a group, three corners and a rank a triangle, its masks, and a vertex; merging has the old and the new lists.
+// Per triangle: id, group, three corners, rank, masks, owned features. Per vertex: coordinates. Does not count that a
+// merge has the old and the new lists at once.
 std::int64_t Delivery::bytes_coming() const {
     std::int64_t bytes = 0;
     for (const Coming& some : coming_)

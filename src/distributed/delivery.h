@@ -1,8 +1,7 @@
 #pragma once
 
-// Brings parts on their owners up to date: what is new travels first, then the coordinates, straight to where the
-// engines read them. Where much is new, some parts of each rank at a time, so that what is on its way is never all of
-// it.
+// Updates parts on their owners: sends deltas first, then coordinates, which are received directly into the arrays that
+// searches read. Large deltas are sent in groups of parts, so that they are never all in memory at once.
 
 #include <cstdint>
 #include <span>
@@ -21,32 +20,33 @@ namespace crumple::distribute {
 
 class Delivery {
    public:
-    /// `mine`: the parts of this rank, ascending.
+    /// `mine`: the parts that this rank owns, ascending.
     Delivery(Rounds& rounds, Agreement& agree, const Owners& owners, Members& members, const Share& share,
              const SharedVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth);
 
-    /// What travels. `features`: what triangles own is told, too. `moving`: so are vertices at their ends.
+    /// Contents of a delivery. `features`: includes features that triangles own. `moving`: includes end positions.
     struct What {
         bool float32 = true, features = false, moving = false;
     };
-    /// `room(bytes)` is told, before they are taken, what the parts of this rank will need more.
+    /// Updates all parts. Collective. Calls room(bytes) with the additional bytes that this rank's parts need before
+    /// they are allocated.
     void run(const What& what, FunctionRef<void(std::int64_t bytes)> room);
 
    private:
-    /// What this rank has for a part of another, or of its own. Ranks that have nothing for a part do not speak of it.
+    /// Counts of the rows that this rank sends for a part, possibly one of its own. Parts without rows have no entry.
     struct Leaving {
-        int rank;  ///< the owner
+        int rank;  ///< owner of the part
         std::int32_t part;
         DeltaCounts counts;
     };
-    /// What another rank, or this one, has for a part of this.
+    /// Counts of the rows that a rank, possibly this one, sends for a part of this rank.
     struct Coming {
         int rank;
         std::size_t mine;
         DeltaCounts counts;
-        PartNews* news;  ///< null: coordinates alone
+        PartNews* news;  ///< null: only coordinates are sent
     };
-    /// As it travels.
+    /// Message row: a part and its counts.
     struct CountsRow {
         std::int64_t part;
         DeltaCounts counts;
@@ -62,10 +62,11 @@ class Delivery {
     template <class Scalar>
     void exchange_coordinates(const VertexReader& reader, bool at_end);
 
-    /// Of each part `count(counts)` rows: pack(what leaves, first, rows), unpack(what comes, first, rows).
+    /// Exchanges count(counts) rows of each part. pack(leaving, first, rows) writes rows to send, unpack(coming, first,
+    /// rows) reads received rows.
     template <class Row, class Count, class Pack, class Unpack>
     void stream(Count count, Pack pack, Unpack unpack);
-    /// A list of each delta: `list(delta)`, with `each` elements for each of `count(counts)`.
+    /// Exchanges the list list(delta) of each delta, which has `each` elements for each of count(counts).
     template <class Element, class Count, class List>
     void stream_list(Count count, std::int64_t each, List list);
 
@@ -79,15 +80,15 @@ class Delivery {
     std::int64_t depth_;
     What what_;
     int ranks_;
-    std::vector<std::int32_t> place_;  ///< of each part among those of its owner
-    int most_parts_ = 1;               ///< that a rank owns
+    std::vector<std::int32_t> place_;  ///< 1 per part: its position among the parts of its owner
+    int most_parts_ = 1;               ///< largest number of parts that a rank owns
 
-    // Of the group that is on its way:
-    std::vector<std::int32_t> parts_;  ///< that this rank has something for, or had
+    // Current group of parts:
+    std::vector<std::int32_t> parts_;  ///< parts with members of this rank, now or before
     std::vector<AssembledPart*> mine_;
     std::vector<Leaving> leaving_;             ///< by owner, then part
     std::vector<Coming> coming_;               ///< by rank, then part
-    std::vector<std::vector<PartNews>> news_;  ///< of each of my parts, by rank
+    std::vector<std::vector<PartNews>> news_;  ///< 1 list per part of this rank, by sending rank
 };
 
 }  // namespace crumple::distribute

@@ -23,7 +23,7 @@ Options of_one_device(const Options& options, std::size_t which) {
     return own;
 }
 
-/// What several ranks throw is one Error; that it came from a rank concerns nobody but who gave the devices.
+/// Returns the error without its rank, which is an internal detail. Device errors name the device instead.
 Error without_rank(const Error& error, const std::vector<int>& devices) {
     std::string message = error.what();
     if (error.code == ErrorCode::device && error.rank >= 0)
@@ -31,7 +31,7 @@ Error without_rank(const Error& error, const std::vector<int>& devices) {
     return Error(error.code, message, error.element, error.index, error.bytes_needed, error.system_error);
 }
 
-/// Of those who have thrown, the first that has not only seen another one end.
+/// Rethrows the first error that is not merely a consequence of another rank's failure (ErrorCode::communication).
 [[noreturn]] void rethrow_cause(const std::vector<std::exception_ptr>& failed, const std::vector<int>& devices) {
     std::optional<Error> left_alone;
     for (const std::exception_ptr& one : failed) {
@@ -53,7 +53,7 @@ void append(Array<T>& all, const Array<T>& some) {
     std::copy(some.begin(), some.end(), all.begin() + before);
 }
 
-// Blocks follow each other in the order of the ranks, so their rows do.
+// Blocks of triangles are in the order of the ranks, so their rows are, too.
 void append(Intersections& all, const DistributedIntersections& rows, bool contacts) {
     append(all.pairs, rows.pairs);
     add_pass(rows.statistics.search, all.statistics);
@@ -98,7 +98,7 @@ const Array<double>& values_of(const ProximityList& list) { return list.squared_
 const Array<std::uint8_t>& flags_of(const ImpactList& list) { return list.start; }
 const Array<std::uint8_t>& flags_of(const ProximityList& list) { return list.touching; }
 
-// Rows of the lists of a kind, those of one rank behind those of another.
+// Merges the lists of one kind from all ranks into sorted rows.
 template <class Found>
 void merge(const std::vector<const Found*>& of_ranks, std::size_t kind, FeatureRows& rows) {
     std::vector<FeatureHit> hits;
@@ -134,8 +134,8 @@ void Devices::release() {
     ForwardingBackend::release();
 }
 
-// One mesh, all of which is asked about; under a memory limit, which holds for all that the detector owns, one device
-// does with less.
+// True for a query about all of a single mesh without a memory limit. A limit applies to everything that the detector
+// owns, and a single device needs less.
 bool Devices::is_for_all(const PreparedScene& scene) const {
     return options_.memory_limit == 0 && !scene.between && !scene.bodies && !scene.first_of_world;
 }
@@ -151,7 +151,7 @@ void Devices::make_ranks() {
     const std::size_t n = options_.devices.size();
     hub_ = std::make_shared<Hub>(static_cast<int>(n));
     ranks_.resize(n);
-    // It takes all of them to make one: they agree on their options.
+    // Constructing a RankDetector is collective, since ranks check their options together.
     on_each({});
 }
 
@@ -189,7 +189,7 @@ void Devices::find(const PreparedScene& scene, const IntersectionQuery& query, c
                    Intersections& result) {
     if (part || !is_for_all(scene)) return ForwardingBackend::find(scene, query, part, result);
     IntersectionQuery question = query;
-    question.weld = false;  // corners are welded
+    question.weld = false;  // the corners of the scene are welded already
     std::vector<const DistributedIntersections*> rows(options_.devices.size());
     on_each([&](Rank& rank) {
         rows[static_cast<std::size_t>(rank.transport.rank())] = &rank.detector.find(rank.block.take(scene), question);
@@ -216,7 +216,7 @@ bool Devices::any(const PreparedScene& scene, const IntersectionQuery& query) {
     return found;
 }
 
-// find(rank, share) asks one rank. Returns what the first of them has found.
+// Runs find(rank, share) on each rank and merges the results. Returns the result of rank 0.
 template <class Find>
 const auto& Devices::ask_features(const PreparedScene& scene, FeatureResult& result, bool listed, Find find) {
     using Found = std::remove_cvref_t<std::invoke_result_t<Find, Rank&, const MeshShare&>>;

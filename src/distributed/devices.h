@@ -1,7 +1,7 @@
 #pragma once
 
-// Several devices of one process (Options::devices): each is a rank, a thread with a cuda backend of its own, and has a
-// block of the scene's triangles. What ranks do not answer, the first device does alone.
+// Backend for several devices of one process (Options::devices). Each device is a rank: a thread with a cuda backend of
+// its own and a block of the scene's triangles. Queries that ranks do not support are left to the first device.
 
 #include <cstdint>
 #include <functional>
@@ -17,7 +17,7 @@ namespace crumple::distribute {
 
 class Devices final : public ForwardingBackend {
    public:
-    /// Throws Error (backend_unavailable) if one of the devices is not there.
+    /// Throws Error (backend_unavailable) if one of the devices is not available.
     Devices(const Options& options, MemoryMeter& meter, Cancellation& cancellation);
 
     void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
@@ -26,7 +26,7 @@ class Devices final : public ForwardingBackend {
     void find(const PreparedScene& scene, const FeatureRequest& query, FeatureResult& result) override;
     void release() override;
 
-    // Meshes and worlds that lie on a device are the first one's.
+    // Meshes and worlds in device memory are left to the first device.
     using ForwardingBackend::any, ForwardingBackend::find;
 
    private:
@@ -42,8 +42,8 @@ class Devices final : public ForwardingBackend {
     bool is_for_all(const PreparedScene& scene) const;
     bool is_for_all(const PreparedScene& scene, const FeatureRequest& query) const;
     void make_ranks();
-    /// Runs work(rank) for each on a thread of its own, the first on the caller's; throws what one has thrown. After a
-    /// failure all begin anew.
+    /// Runs work(rank) for each rank on a thread of its own, for rank 0 on the caller's. Rethrows the error that caused
+    /// a failure; then all ranks are made anew by the next call.
     void on_each(const std::function<void(Rank&)>& work);
     template <class Find>
     const auto& ask_features(const PreparedScene& scene, FeatureResult& result, bool listed, Find find);
@@ -51,7 +51,7 @@ class Devices final : public ForwardingBackend {
     Options options_;
     Cancellation& cancellation_;
     std::shared_ptr<Hub> hub_;
-    std::vector<std::unique_ptr<Rank>> ranks_;  ///< none: to be made
+    std::vector<std::unique_ptr<Rank>> ranks_;  ///< empty: not made yet
 };
 
 }  // namespace crumple::distribute

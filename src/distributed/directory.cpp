@@ -24,7 +24,7 @@ Traffic traffic_of(Rounds& rounds, const ByKeeper& elements) {
     return traffic;
 }
 
-// All ids that ranks tell this one, those of rank 0 first.
+// Sends ids to their directory ranks. `told` receives the ids that all ranks send to this one, those of rank 0 first.
 void exchange_ids(Rounds& rounds, const ByKeeper& elements, const Ids& ids, const Traffic& traffic,
                   const std::vector<std::int64_t>& from, std::vector<std::int32_t>& told) {
     rounds.exchange<std::int32_t>(
@@ -39,7 +39,7 @@ void exchange_ids(Rounds& rounds, const ByKeeper& elements, const Ids& ids, cons
         });
 }
 
-// -0 and +0 are told apart.
+// Distinguishes -0 from +0.
 template <class Scalar>
 auto bits_of(const std::array<Scalar, 3>& position) {
     using Bits = std::conditional_t<sizeof(Scalar) == 4, std::uint32_t, std::uint64_t>;
@@ -66,7 +66,7 @@ ByKeeper::ByKeeper(const Ids& ids, std::int64_t count, const std::vector<std::ui
         if (is_chosen(i)) element[static_cast<std::size_t>(next[keeper(i)]++)] = static_cast<std::int32_t>(i);
 }
 
-// As many ids as there are triangles, all in range: if none is there twice, none is missing.
+// There are as many ids as triangles, all in range: if none occurs twice, none is missing.
 void check_each_once(Rounds& rounds, Agreement& agree, const Ids& ids, std::int64_t count) {
     const int ranks = rounds.transport().size();
     ByKeeper elements;

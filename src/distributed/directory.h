@@ -1,7 +1,8 @@
 #pragma once
 
-// Who else has an element: ids are cut into blocks, one a rank, and each rank keeps the book of its block. What ranks
-// say of their elements goes to the book keepers, who compare.
+// Distributed directory: finds which ranks have the same element. Ids are cut into blocks, one per rank; the rank of
+// the block that contains an id is the directory rank of that element. Ranks send data about their elements to the
+// directory ranks, which compare them.
 
 #include <cstdint>
 #include <vector>
@@ -13,30 +14,32 @@
 
 namespace crumple::distribute {
 
-/// Elements of this rank in the order of the ranks that keep the books about them.
+/// Elements of this rank, grouped by directory rank.
 struct ByKeeper {
     ByKeeper() = default;
-    /// Of all elements whose flag is set; null: of all.
+    /// Groups the elements whose flag in `chosen` is set; null: all elements.
     ByKeeper(const Ids& ids, std::int64_t count, const std::vector<std::uint8_t>* chosen, int ranks);
     static std::int64_t block(std::int64_t all, int ranks) { return (all + ranks - 1) / ranks; }
 
     std::vector<std::int32_t> element;
-    std::vector<std::int64_t> first;  ///< of each rank, and the end
+    std::vector<std::int64_t> first;  ///< element[first[r]] is the first of directory rank r
 };
 
-/// Throws the same Error on all ranks unless each triangle is there once. Of ids that are in range.
+/// Throws the same Error on all ranks unless each triangle id occurs exactly once. All ids must be in range.
+/// Collective.
 void check_each_once(Rounds& rounds, Agreement& agree, const Ids& ids, std::int64_t count);
 
-/// Vertices of which several ranks have copies.
+/// Ghost vertices: those that occur more than once over all ranks.
 class SharedVertices {
    public:
-    /// Where no ids are given, there are none. Throws the same Error on all ranks if a vertex is missing.
+    /// Finds the ghost vertices; without given ids there are none. Throws the same Error on all ranks if no rank has
+    /// some vertex. Collective.
     void learn(Rounds& rounds, Agreement& agree, const Ids& ids, std::int64_t count);
-    bool any() const { return any_; }  ///< on some rank
+    bool any() const { return any_; }  ///< true if any rank has ghost vertices
     bool shared(std::int32_t v) const { return any_ && shared_[static_cast<std::size_t>(v)]; }
 
-    /// Throws the same Error on all ranks unless all copies are equal, bit by bit. Only those that are shared travel.
-    /// `when` follows the vertex in the message.
+    /// Throws the same Error on all ranks unless all copies of each ghost vertex are equal bit by bit. Only ghost
+    /// vertices are sent. `when` follows the vertex in the message. Collective.
     void check(Rounds& rounds, Agreement& agree, const VertexReader& reader, bool float32, const char* when) const;
 
    private:
@@ -44,10 +47,10 @@ class SharedVertices {
     void check_copies(Rounds& rounds, Agreement& agree, const VertexReader& reader, const char* when) const;
 
     bool any_ = false;
-    std::vector<std::uint8_t> shared_;  ///< by vertex of this rank
-    ByKeeper told_;                     ///< the shared ones
-    Traffic traffic_{0};                ///< of them
-    std::vector<std::int32_t> kept_;    ///< by row that comes in: which of this rank's block
+    std::vector<std::uint8_t> shared_;  ///< 1 per local vertex: it is a ghost vertex
+    ByKeeper told_;                     ///< local ghost vertices
+    Traffic traffic_{0};                ///< traffic of ghost vertices
+    std::vector<std::int32_t> kept_;    ///< 1 per received row: index of the vertex in this rank's block
     std::vector<std::int64_t> first_from_;
     std::int64_t block_begin_ = 0, block_size_ = 0, all_ = 0;
 };

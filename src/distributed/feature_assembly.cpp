@@ -123,7 +123,7 @@ void FeatureAssembly::take_coordinates(const AssembledPart& from) {
     if (part_.features->moving) part_.features->end = gathered(from.end(), place_);
 }
 
-// Names tell apart what the part has; what others call the same does not matter.
+// Representative vertices only have to be consistent within the part; other parts may choose others.
 void FeatureAssembly::name_vertices() {
     PartFeatures& features = *part_.features;
     PreparedScene scene;

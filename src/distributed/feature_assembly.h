@@ -1,7 +1,7 @@
 #pragma once
 
-// An assembled part as questions about features take it: vertices by ascending id, each once, with the features that
-// its triangles own (PartFeatures).
+// Converts an assembled part to the form for queries about features (PartFeatures): vertices by ascending id, each
+// once, with the features that its triangles own.
 
 #include <cstdint>
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace crumple::distribute {
 
-/// What a part is made for.
+/// Parameters of a query about features that a part is made for.
 struct FeatureDemand {
     bool moving = false;
     double distance = 0, share = 0;
@@ -21,13 +21,13 @@ struct FeatureDemand {
 
 class FeatureAssembly {
    public:
-    /// Takes over what has changed, and all coordinates.
+    /// Updates what has changed since the previous call, and all coordinates.
     const Part& update(const AssembledPart& from, const FeatureDemand& demand);
 
-    /// The rank of the triangle that owns a vertex or an edge of the part, by its id.
+    /// Returns the rank of the triangle that owns a vertex or an edge of the part, given by id.
     int rank_of_vertex(std::int32_t id) const;
     int rank_of_edge(std::int32_t id) const;
-    /// The ids of an edge's vertices.
+    /// Returns the ids of an edge's vertices.
     Edge ends_of_edge(std::int32_t id) const;
 
    private:
@@ -39,7 +39,7 @@ class FeatureAssembly {
 
     Part part_;
     std::int64_t revision_ = -1;
-    std::vector<std::int32_t> place_;  ///< of each vertex, where it lies in the assembled part
+    std::vector<std::int32_t> place_;  ///< 1 per vertex: its index in the assembled part
     std::vector<std::int32_t> vertex_rank_, edge_rank_;
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int32_t nobody = std::numeric_limits<std::int32_t>::max();
 
-/// A side of a triangle, from its lower vertex to the other.
+/// Side of a triangle, from its lower vertex to the higher one.
 struct Side {
     std::int32_t low, high, triangle, side;
     auto key() const { return std::tuple(low, high, triangle, side); }
@@ -19,8 +19,8 @@ struct Numbered {
     std::int32_t edge, owned;
 };
 
-// Sends one row for each of some elements to their keepers, has answer() look at all that have come, and brings one
-// reply for each back. row(element), reply(row number of those that came), take(element, reply).
+// Sends row(element) for each element to its directory rank, calls answer(rows) there with all received rows, and sends
+// reply(index of the received row) back, which take(element, reply) consumes. Collective.
 template <class Row, class Reply, class MakeRow, class Answer, class MakeReply, class Take>
 void ask_keepers(Rounds& rounds, Agreement& agree, const std::vector<std::int64_t>& first,
                  const std::vector<std::int32_t>& elements, MakeRow row, Answer answer, MakeReply reply, Take take) {
@@ -70,7 +70,8 @@ void FeatureOwners::learn(Rounds& rounds, Agreement& agree, const Share& share, 
     known_ = true;
 }
 
-// Of a vertex without copies this rank has all triangles.
+// Finds the lowest triangle at each vertex. Only ghost vertices need the directory: all triangles at another vertex are
+// local.
 void FeatureOwners::own_vertices(Rounds& rounds, Agreement& agree, const Share& share, const SharedVertices& copies) {
     struct Least {
         std::int32_t vertex, triangle;
@@ -117,7 +118,7 @@ void FeatureOwners::own_vertices(Rounds& rounds, Agreement& agree, const Share& 
     for (std::int64_t t = 0; t < m; ++t)
         for (int k = 0; k < 3; ++k) {
             const std::int32_t* c = scene.corners + 3 * t;
-            // By id, for a rank may list a vertex twice.
+            // Compares ids, since a rank may list a vertex twice.
             const auto id = [&](int corner) { return share.vertices()(c[corner]); };
             const bool again = (k > 0 && id(k) == id(0)) || (k > 1 && id(k) == id(1));
             if (!again && least[static_cast<std::size_t>(c[k])] == share.triangles()(t))

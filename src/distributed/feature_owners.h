@@ -1,8 +1,8 @@
 #pragma once
 
-// Vertices and edges over all ranks: which triangle owns each, and the edges' numbers. As on one machine
-// (scene/scene_features.h) the lowest triangle that names a feature owns it, and edges are numbered in lexicographic
-// order. The rank that keeps the book of an edge's lower vertex sees all triangles that name the edge.
+// Finds the owners of vertices and edges over all ranks, and numbers the edges. As on a single machine
+// (scene/scene_features.h) the lowest triangle that has a feature owns it, and edges are numbered in lexicographic
+// order. The directory rank of an edge's lower vertex receives all triangles that have the edge.
 
 #include <array>
 #include <cstdint>
@@ -15,7 +15,8 @@
 
 namespace crumple::distribute {
 
-/// What a triangle owns: bit k, the vertex at corner k; bit 3 + k, the edge from there, whose number is edges[k].
+/// Features that a triangle owns. Bit k of `owned`: the vertex at corner k; bit 3 + k: the edge that starts there,
+/// whose number is edges[k].
 struct OwnedFeatures {
     std::array<std::int32_t, 3> edges{-1, -1, -1};
     std::int32_t owned = 0;
@@ -33,7 +34,7 @@ class FeatureOwners {
     void own_edges(Rounds& rounds, Agreement& agree, const Share& share);
 
     bool known_ = false;
-    std::vector<OwnedFeatures> of_;  ///< by triangle of this rank
+    std::vector<OwnedFeatures> of_;  ///< 1 per local triangle
 };
 
 }  // namespace crumple::distribute

@@ -1,7 +1,6 @@
 #pragma once
 
-// Impacts and near pairs on their way from the rank that found them to the rank whose triangle owns their first
-// feature.
+// Sends impacts and proximities from the rank that found them to the rank whose triangle owns their first feature.
 
 #include <array>
 #include <cstdint>
@@ -18,22 +17,22 @@ class FoundFeatures {
    public:
     explicit FoundFeatures(int ranks) : for_rank_(static_cast<std::size_t>(ranks)) {}
 
-    /// What has been found in a part.
+    /// Adds the rows found in a part.
     void add(const FeatureAssembly& part, const Impacts& found);
     void add(const FeatureAssembly& part, const Proximities& found);
 
-    /// All of this rank's rows, in order.
+    /// Exchanges all rows. `result` receives this rank's rows, sorted. Collective.
     void exchange(Rounds& rounds, Agreement& agree, DistributedImpacts& result);
     void exchange(Rounds& rounds, Agreement& agree, DistributedProximities& result);
 
    private:
-    // Faces own themselves, and every vertex and edge is a triangle's: the other two kinds do not occur.
+    // On ranks every vertex and edge belongs to a triangle, so the other two kinds do not occur.
     static constexpr std::size_t kinds = 2;
     struct Row {
         Pair pair;
-        std::array<Edge, 2> ends;  ///< of edges, the ids of their vertices
-        double value;              ///< time, or squared distance
-        std::array<double, 2> at;  ///< where they are closest
+        std::array<Edge, 2> ends;  ///< for edges: ids of their vertices
+        double value;              ///< toi, or squared distance
+        std::array<double, 2> at;  ///< parameters of the closest points
         std::uint8_t flag, type;
     };
     using Rows = std::array<std::vector<Row>, kinds>;

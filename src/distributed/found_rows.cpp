@@ -59,7 +59,7 @@ void FoundRows::order_contacts(Rows& coming, DistributedIntersections& result) {
     struct Place {
         Pair pair;
         std::uint32_t row;
-        std::int64_t point;  ///< the first
+        std::int64_t point;  ///< index of the first point
     };
     const std::size_t n = coming.pairs.size();
     std::vector<Place> order(n);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Rows of the answer on their way from the rank that found them to the rank that brought their first triangle.
+// Sends intersections from the rank that found them to the rank that provided their first triangle.
 
 #include <array>
 #include <cstdint>
@@ -17,10 +17,10 @@ class FoundRows {
    public:
     explicit FoundRows(int ranks) : for_rank_(static_cast<std::size_t>(ranks)) {}
 
-    /// What has been found in a part, by place in it.
+    /// Adds the pairs found in a part, given by index in the part.
     void add(const AssembledPart& part, const Intersections& found);
 
-    /// All of this rank's rows, in order.
+    /// Exchanges all rows. `result` receives this rank's rows, sorted. Collective.
     void exchange(Rounds& rounds, Agreement& agree, bool contacts, DistributedIntersections& result);
 
    private:
@@ -30,7 +30,7 @@ class FoundRows {
     };
     struct Rows {
         std::vector<Pair> pairs;
-        std::vector<Points> contacts;  ///< of each
+        std::vector<Points> contacts;  ///< 1 per pair
         std::vector<std::array<double, 3>> points;
     };
     static void order_pairs(Rows& coming, DistributedIntersections& result);

@@ -10,11 +10,12 @@ namespace {
 
 constexpr std::size_t vertices_at_once = 8192;
 
-// Rounded down by more than one product or difference of float32 may round up.
+// Factor that lowers a value by more than a product and a difference in float32 can round it up.
 constexpr float rounded_down = 1 - 1.0f / (1 << 22);
 
-// How far each vertex is from where it was `before`, which becomes where it is: the longest of this and what `step`
-// holds. Normalised before it is squared, so that nothing that matters underflows; not less than the truth.
+// Raises step[v] to the distance between the positions of vertex v in `reader` and in `before`, and updates `before`.
+// Distances are normalised before they are squared, so that no relevant square underflows, and are never less than the
+// exact ones.
 template <class Scalar>
 void follow(const VertexReader& reader, const Normaliser& normalise, std::vector<Scalar>& before,
             std::vector<float>& step, std::size_t begin, std::size_t end) {
@@ -74,7 +75,7 @@ void Members::update(const Share& share, const Placement& placement, ParallelFor
     if (entries_at_first_ == 0) entries_at_first_ = part_.size();
 }
 
-// In normalised coordinates, as slack is.
+// Measures steps in normalised coordinates, like slack.
 void Members::measure_steps(const Share& share, const Placement& placement, ParallelFor& workers) {
     const PreparedScene& scene = share.scene();
     step_.assign(static_cast<std::size_t>(scene.vertex_count()), 0);
@@ -82,7 +83,7 @@ void Members::measure_steps(const Share& share, const Placement& placement, Para
     if (scene.moving) measure_steps(scene.end, placement.normaliser(), before_at_end_, workers);
 }
 
-// From `before`, if that is known, which becomes what is now.
+// Measures steps from `before` if it has as many vertices, and updates `before`.
 void Members::measure_steps(const VertexReader& reader, const Normaliser& normalise, Coordinates& before,
                             ParallelFor& workers) {
     const std::size_t n = step_.size();
@@ -134,7 +135,7 @@ Members::Found Members::look(const Share& share, const Placement& placement, std
     return found;
 }
 
-// Old and new parts ascend.
+// Records how the parts of a triangle have changed. Old and new parts are ascending.
 void Members::take(std::int32_t triangle, std::span<const std::int32_t> parts, std::span<const std::uint64_t> masks) {
     Entries& known = entries_[static_cast<std::size_t>(triangle)];
     bool same = static_cast<std::size_t>(known.count) == parts.size();
@@ -210,7 +211,7 @@ void Members::make_rows(std::span<const std::int32_t> parts, const Share& share,
     }
 }
 
-// Of parts that are told anew.
+// Lists all members of parts with a new owner as added.
 void Members::tell_all_of_some() {
     if (std::find(anew_.begin(), anew_.end(), 1) == anew_.end()) return;
     for (std::size_t k = 0; k < anew_.size(); ++k)

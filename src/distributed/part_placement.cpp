@@ -9,13 +9,13 @@
 namespace crumple::distribute {
 namespace {
 
-/// A sampled triangle's centroid, and its number among the sample.
+/// Centroid of a sampled triangle, and its index in the sample.
 struct SampleRow {
     std::int32_t number;
     Vec3f centroid;
 };
 
-// By a quarter of its extent on each side; finite.
+// Returns the box enlarged by a quarter of its extent on each side; finite.
 Box widened(const Box& box) {
     constexpr double most = std::numeric_limits<double>::max();
     Box reach = box;

@@ -1,11 +1,11 @@
 #pragma once
 
-// Where the parts lie, and whose they are: the same on all ranks, bit by bit, for ranks whose centres differ lose
+// Locations and owners of the parts. Both are equal bit by bit on all ranks: ranks with different centres would lose
 // pairs.
 //
-// One rank gathers a sample of the triangles, the same that one machine takes, has fuzzy C-means find the centres
-// ([MZ] sec. 4), and tells all. They serve for frame after frame, as long as the scene stays in a box somewhat larger
-// than that which they were made in: any centres give the same answer, and good ones an even share of the work.
+// One rank gathers a sample of the triangles (the same as on a single machine), finds the centres by fuzzy C-means
+// ([MZ] sec. 4), and broadcasts them. Centres are reused in later frames as long as the scene stays in a box somewhat
+// larger than the one they were made for. Any centres give the same result; good ones balance the work.
 
 #include <cstdint>
 #include <optional>
@@ -28,17 +28,18 @@ struct Box {
 
 class Placement {
    public:
-    /// Centres of so many parts of the scene, which lies in `box`.
+    /// Makes the centres of this number of parts of the scene, which lies in `box`. Collective.
     void make(Rounds& rounds, Agreement& agree, const Share& share, int parts, const Box& box, ParallelFor& workers);
     void forget() { centres_.reset(); }
 
-    /// Whether there are centres of so many parts, which do for a scene in this box.
+    /// True if there are centres of this number of parts that can be reused for a scene in this box.
     bool serves(int parts, const Box& box) const;
 
     int parts() const { return parts_; }
     PartTree tree() const { return centres_->tree(); }
     std::vector<PartLevel> path(std::int32_t part) const { return centres_->path(part); }
-    /// By which balls triangles are members: null for intersections.
+    /// Sets the balls by which triangles are members of parts: those for a query about features, or if null, those for
+    /// intersections.
     void widen(const FeaturePartQuestion* question) {
         balls_.reset();
         if (question) balls_.emplace(*question, normalise_);
@@ -57,21 +58,21 @@ class Placement {
     std::optional<FeatureBalls> balls_;
 };
 
-/// Which rank owns each part. Integers alone decide, so all ranks come to the same.
+/// Owners (ranks) of the parts. Computed from integers alone, so that all ranks get the same.
 class Owners {
    public:
     bool known() const { return !owner_.empty(); }
     void forget() { owner_.clear(); }
     int of(std::int32_t part) const { return owner_[static_cast<std::size_t>(part)]; }
     std::span<const int> all() const { return owner_; }
-    /// The parts of a rank, ascending.
+    /// Returns the parts of a rank, ascending.
     std::vector<std::int32_t> parts_of(int rank) const;
 
-    /// Gives out parts by the work that each is, heaviest first, each to the first of the ranks that are near to it
-    /// that has room for it; if none has, to the rank that has least.
+    /// Assigns parts to ranks by their work, heaviest first. Each goes to the first rank of near(part) whose load stays
+    /// fair; if there is none, to the rank with the least load.
     using Near = FunctionRef<std::span<const int>(std::size_t part)>;
     void give_out(std::span<const std::int64_t> work, int ranks, Near near);
-    /// What the heaviest rank has to do, over what each has in the mean.
+    /// Returns the largest work of a rank, divided by the mean.
     double balance(std::span<const std::int64_t> work, int ranks) const;
 
    private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// One rank's engine: answers about one part after another, under the rank's memory limit.
+// Search engine of a rank: searches one part after another, under the rank's memory limit.
 
 #include <cstdint>
 #include <functional>
@@ -17,24 +17,25 @@ class PartSearch : private DetectorState {
    public:
     explicit PartSearch(const Options& options) : DetectorState(options) {}
 
-    /// The pairs that the part owns, by place in it. Valid until the next call. `memory`: the part's own.
+    /// Finds the pairs that the part owns, by index in the part. Valid until the next call. `memory`: per-scene cache
+    /// of the part.
     const Intersections& find(const Part& part, const IntersectionQuery& query, std::unique_ptr<SceneMemory>& memory,
                               std::stop_token stop);
-    /// Whether there is a pair among the part's triangles.
+    /// True if there is a pair among the part's triangles.
     bool any(const Part& part, const IntersectionQuery& query, std::unique_ptr<SceneMemory>& memory,
              std::stop_token stop);
 
-    /// What the part owns of questions about features, by its ids. Valid until the next call.
+    /// Finds the pairs of features that the part owns, by id. Valid until the next call.
     const Impacts& find(const Part& part, const ImpactQuery& question, std::unique_ptr<SceneMemory>& memory,
                         std::stop_token stop);
     const Proximities& find(const Part& part, const ProximityQuery& question, std::unique_ptr<SceneMemory>& memory,
                             std::stop_token stop);
 
-    /// Called as Detector::set_poll's is.
+    /// See Detector::set_poll.
     void set_poll(std::function<void()> poll) { cancellation.set_poll(std::move(poll)); }
 
     ParallelFor& workers() { return *backend; }
-    /// Throws Error where the backend is not cuda.
+    /// Downloads a mesh. Throws Error unless the backend is cuda.
     void copy_to_host(const DeviceShape& there, HostShape& here) {
         backend->features_there().copy_to_host(there, Copied::all, here);
     }

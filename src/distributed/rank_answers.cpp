@@ -1,4 +1,4 @@
-// What a rank does for each question once parts are up to date: the last three phases.
+// The last three phases of each query on a rank, which search, exchange rows and make the result.
 
 #include <array>
 #include <bit>
@@ -14,7 +14,7 @@
 namespace crumple::distribute {
 namespace {
 
-// Impacts in order; times are not negative.
+// Key that sorts impacts. Times are not negative, so their bits sort like the times.
 std::array<std::int64_t, 5> key_of(const FirstImpact& impact) {
     return {std::bit_cast<std::int64_t>(impact.toi), static_cast<std::int64_t>(impact.kind), impact.pair.a,
             impact.pair.b, !impact.start};
@@ -34,7 +34,7 @@ std::int64_t RankDetector::add_up(std::int64_t found, bool cut_short) {
     statistics_.largest_work = 1e-6 * static_cast<double>(largest);
     statistics_.mean_work = 1e-6 * sum / transport_.size();
     if (cut_short) return all;
-    // What is expected of the next call is a mean of calls before, for times jitter.
+    // The expected work of the next call is a running mean, since times jitter.
     if (expected_work_.size() != work_.size()) expected_work_ = work_;
     for (std::size_t k = 0; k < work_.size(); ++k) expected_work_[k] = (expected_work_[k] + work_[k]) / 2;
     return all;
@@ -70,8 +70,8 @@ void RankDetector::search_rows(const IntersectionQuery& query, RankOutput wants)
     result_.any = result_.count > 0;
 }
 
-// each(part, part as the engine takes it) returns what is found in a part. `listed`: rows are wanted; `cut_short`: a
-// first one is enough.
+// each(part, part in the form for features) returns the result of a part. `listed`: rows are requested; `cut_short`:
+// the first hit suffices.
 template <class Each, class Result>
 void RankDetector::search_features(Each each, bool listed, bool cut_short, Result& result) {
     FoundFeatures rows(transport_.size());
@@ -133,7 +133,8 @@ void RankDetector::search_near(const ProximityQuery& question) {
     search_features(each, listed, !listed, nearby_);
 }
 
-// The least in time, then in the order of the lists: number by number, and whoever falls back is out.
+// Returns the first impact of all ranks: least in time, then in the order of the lists. Compares keys number by number;
+// a rank with a larger number drops out.
 FirstImpact RankDetector::first_of_all(const FirstImpact& here) {
     constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
     const std::array<std::int64_t, 5> key = key_of(here);

@@ -42,7 +42,7 @@ VertexView view_of(const Coordinates& coordinates) {
         coordinates);
 }
 
-// Whether all are finite.
+// Writes posed positions of a body. Returns true if all are finite.
 template <class Coordinates>
 bool put(const VertexReader& position, const crumple::Placement& place, std::int64_t first, std::int64_t rows,
          Coordinates& coordinates, ParallelFor& workers) {
@@ -92,7 +92,7 @@ void Bodies::outline(const WorldShare& share, const PairFilter& rules, bool movi
 }
 
 void Bodies::look_at(const WorldShare& share, const PairFilter& rules, bool moving) {
-    // What is about one rank's numbers; excluded bodies have those of all ranks.
+    // The outline gets only rules that refer to local bodies; excluded bodies have numbers over all ranks.
     check(!lies_on_device(share.world), "poses of ranks lie in host memory");
     PairFilter known;
     known.bodies = rules.bodies, known.groups = rules.groups;
@@ -142,7 +142,7 @@ void Bodies::number(Transport& transport, Agreement& agree) {
     });
 }
 
-// Whether the table is that of the call before.
+// Checks ids of bodies. Returns true if the table of the previous call is still valid.
 bool Bodies::settle_ids(Transport& transport, Agreement& agree) {
     std::vector<std::int64_t> bodies(static_cast<std::size_t>(transport.size()) + 2, 0);
     const auto rank = static_cast<std::size_t>(transport.rank());
@@ -211,7 +211,7 @@ void Bodies::tabulate(Transport& transport, Agreement& agree) {
     });
 }
 
-// Bodies without pairs of their own are excluded with themselves.
+// Converts the pair filter to rules about groups of the local mesh. A body without self pairs is excluded with itself.
 void Bodies::settle_rules() {
     const auto n = static_cast<std::int64_t>(table_.size());
     for (const BodyPair& pair : rules_.excluded_bodies)

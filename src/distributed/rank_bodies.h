@@ -1,12 +1,12 @@
 #pragma once
 
-// The bodies that one rank brings, as a share of triangles: whole bodies, one after the other, posed by the engine's
-// own function. Every rank has a table of all bodies, which are few.
+// Local bodies of a rank as a local mesh: whole bodies, one after the other, posed by the same function as on a single
+// machine. Every rank has a table of all bodies, which are few.
 //
-//     triangles over all ranks   body 0 | body 1 | ...    so their order is that of a world's answer
-//     vertices and edges         the same
+//     triangles over all ranks   body 0 | body 1 | ...    the order of a world's result
+//     vertices and edges         in the same order
 //
-// A share knows one kind of group. These are the bodies, unless rules speak of the triangles' groups.
+// A local mesh has one type of groups. These are the bodies, unless the pair filter refers to groups of triangles.
 
 #include <cstdint>
 #include <span>
@@ -26,34 +26,35 @@ namespace crumple::distribute {
 
 class Bodies {
    public:
-    /// Looks at all but coordinates, and makes a share of the right size. `moving`: with vertices at the end. Throws
-    /// Error for what makes no sense, or is not for ranks; about a body by its id, if ids are given.
+    /// Checks everything but coordinates, and resizes the local mesh. `moving`: with end positions. Throws Error if the
+    /// input is invalid or not supported on ranks; errors name a body by its id, if ids are given.
     void outline(const WorldShare& share, const PairFilter& rules, bool moving);
-    /// Collective: each body once. Numbers and groups of the share follow. Throws the same Error on all ranks.
+    /// Checks that each body occurs once, and sets ids and groups of the local mesh. Collective. Throws the same Error
+    /// on all ranks.
     void number(Transport& transport, Agreement& agree);
-    /// Puts vertices at their places. Throws Error (Element::body, by its id).
+    /// Writes corners and posed vertices to the local mesh. Throws Error (Element::body, by its id).
     void pose(ParallelFor& workers);
-    /// Collective, once edges are known: how many each body has.
+    /// Counts the edges of each body. Requires the owners of edges. Collective.
     void count_edges(Transport& transport, Agreement& agree, const FeatureOwners& features);
     void forget_edges() { first_edge_.clear(); }
     void forget();
 
-    /// Views that follow; they stay where they are.
+    /// Local mesh and its end positions: views of arrays that number() and pose() fill in.
     const MeshShare& share() const { return share_; }
     const VertexView& end() const { return end_view_; }
-    /// What the rules of the world say of the share's groups.
+    /// Returns the pair filter of the world, as rules about the local mesh's groups.
     const PairFilter& rules() const { return group_rules_; }
-    /// The rank that has brought a body.
+    /// Returns the rank that provided a body.
     int rank_of(std::int32_t body) const { return static_cast<int>(table_[static_cast<std::size_t>(body)].rank); }
 
-    /// A number over all ranks as a body, and a number within it.
+    /// Body, and index within it, of a number over all ranks.
     struct Within {
         std::int32_t body, number;
     };
     Within triangle(std::int32_t id) const { return within(first_triangle_, id); }
     Within vertex(std::int32_t id) const { return within(first_vertex_, id); }
     Within edge(std::int32_t id) const { return within(first_edge_, id); }
-    /// Both features of a pair. Ranks have no pairs of other kinds than vertex and face, and edge and edge.
+    /// Returns both features of a pair. Ranks have only vertex-face and edge-edge pairs.
     std::pair<Within, Within> features(FeatureKind kind, Pair pair) const {
         if (kind == FeatureKind::edge_edge) return {edge(pair.a), edge(pair.b)};
         return {vertex(pair.a), triangle(pair.b)};
@@ -61,7 +62,7 @@ class Bodies {
 
    private:
     using Coordinates = std::variant<std::vector<float>, std::vector<double>>;
-    /// Summed over the ranks, of which one has the body.
+    /// Row of the table, summed over the ranks, of which one has the body.
     struct Row {
         std::int64_t brought = 0, rank = 0, triangles = 0, vertices = 0, self = 0;
         friend bool operator==(const Row&, const Row&) = default;
@@ -84,12 +85,12 @@ class Bodies {
     WorldOutline outline_{nullptr};
     std::span<const std::int64_t> given_;
     PairFilter rules_, group_rules_;
-    bool by_groups_ = false;       ///< rules speak of the triangles' groups
-    std::int64_t first_body_ = 0;  ///< of this rank, where no ids are given
+    bool by_groups_ = false;       ///< the pair filter refers to groups of triangles
+    std::int64_t first_body_ = 0;  ///< number of this rank's first body, if no ids are given
 
     std::vector<Row> table_;                                                ///< by body, over all ranks
-    std::vector<std::int64_t> first_triangle_, first_vertex_, first_edge_;  ///< of each body, and the end
-    std::vector<std::pair<std::int64_t, Row>> kept_;                        ///< this rank's rows, by id
+    std::vector<std::int64_t> first_triangle_, first_vertex_, first_edge_;  ///< 1 per body, then the end
+    std::vector<std::pair<std::int64_t, Row>> kept_;                        ///< this rank's rows, each with its body id
 
     MeshShare share_;
     VertexView end_view_;

@@ -16,7 +16,7 @@
 namespace crumple::distribute {
 namespace {
 
-// Integers in the order of the numbers. -0 is +0.
+// Converts a number to an integer, so that integers sort like the numbers. -0 becomes +0.
 std::int64_t ordered(double x) {
     const auto bits = std::bit_cast<std::int64_t>(x + 0.0);
     return bits >= 0 ? bits : std::numeric_limits<std::int64_t>::min() - bits;
@@ -58,7 +58,8 @@ RankDetector::~RankDetector() = default;
 
 void RankDetector::set_poll(std::function<void()> poll) { engine_->set_poll(std::move(poll)); }
 
-// A phase has many agreements, and where lists travel in rounds, members and room take turns.
+// Shows each phase once: a phase has many collective error checks, and if deltas are sent in groups, members and room
+// alternate.
 void RankDetector::show_phase(Phase phase) {
     if (shown_ && phase <= *shown_) return;
     shown_ = phase;
@@ -98,12 +99,13 @@ void RankDetector::answer(const MeshShare& share, const VertexView* end, Functio
     statistics_.messages = rounds_.messages();
 }
 
-// One reduction for all that ranks have to agree upon, or to know of each other.
+// One reduction compares what must be equal on all ranks (minima of x and -x) and combines flags; another one exchanges
+// counts.
 void RankDetector::settle_question(const MeshShare& share, const VertexView* end) {
     std::vector<std::int64_t> told = asked_.told;
     told.push_back(options_.parts);
     told.push_back(options_.round_bytes);
-    // Of different questions there may be different numbers of numbers.
+    // Different queries may have different numbers of values.
     constexpr std::size_t n = 20;
     if (told.size() > n) throw std::logic_error("RankDetector: a query has more numbers than ranks compare");
     told.resize(n, 0);
@@ -112,7 +114,7 @@ void RankDetector::settle_question(const MeshShare& share, const VertexView* end
     told.push_back(-std::int64_t{!share.triangle_ids.empty()});
     told.push_back(-std::int64_t{!share.vertex_ids.empty()});
     told.push_back(-std::int64_t{!share.mesh.groups.empty()});
-    // What has no vertices has no precision.
+    // A mesh without vertices has no precision.
     told.push_back(-std::int64_t{is_float64(share.mesh.vertices) || (end && is_float64(*end))});
     reduce(told, Reduction::min);
     triangle_ids_ = told[2 * n] != 0, vertex_ids_ = told[2 * n + 1] != 0, groups_ = told[2 * n + 2] != 0;
@@ -165,7 +167,7 @@ void RankDetector::read(const MeshShare& share, const VertexView* end) {
     least[7] = same;
     reduce(least, Reduction::min);
     if (vertex_ids_) {
-        // Before anybody makes room for as many.
+        // Checks this before any rank allocates arrays of that size.
         agree_(Phase::input, [&] {
             std::int64_t brought = 0;
             for (std::size_t r = 1; r < counts_.size(); r += 2) brought += counts_[r];
@@ -227,7 +229,8 @@ void RankDetector::list_members() {
     agree_(Phase::members, [&] { own_parts(); });
 }
 
-// By members for a start, each part to a rank that has many of them; by measured work where that is far from even.
+// Assigns parts by number of members at first, each to a rank that has many of them; later by measured work, if it is
+// unbalanced.
 void RankDetector::give_out() {
     if (owners_.known()) return give_out_anew();
     std::vector<std::int64_t> all(members_.counts().begin(), members_.counts().end());
@@ -236,14 +239,15 @@ void RankDetector::give_out() {
     owners_.give_out(all, transport_.size(), [&](std::size_t part) { return std::span<const int>(near[part]); });
 }
 
-// Of each part the ranks that have most of its members, up to four. A table of all ranks would be too large for many.
+// Returns up to four ranks for each part, those with most of its members. With many ranks, a table of all would be too
+// large.
 std::vector<std::vector<int>> RankDetector::ranks_near_parts() {
     const std::span<const std::int64_t> mine = members_.counts();
     const std::int64_t ranks = transport_.size(), rank = transport_.rank();
     std::vector<std::vector<int>> near(mine.size());
     std::vector<std::int64_t> next(mine.size());
     for (int round = 0; round < std::min<std::int64_t>(4, ranks); ++round) {
-        // A count and a rank in one number, so that one reduction finds the rank that has most.
+        // Packs count and rank into one number, so that one reduction finds the rank that has most.
         for (std::size_t k = 0; k < mine.size(); ++k) {
             const bool is_told = std::find(near[k].begin(), near[k].end(), rank) != near[k].end();
             next[k] = is_told || mine[k] == 0 ? -1 : (mine[k] << 32) + (ranks - 1 - rank);
@@ -255,7 +259,7 @@ std::vector<std::vector<int>> RankDetector::ranks_near_parts() {
     return near;
 }
 
-// Parts that change hands begin anew, so few should.
+// A part must be sent as a whole to a new owner, so few parts should change owners.
 void RankDetector::give_out_anew() {
     if (transport_.size() == 1 || expected_work_.empty()) return;
     const double balance = owners_.balance(expected_work_, transport_.size());
@@ -270,7 +274,7 @@ void RankDetector::give_out_anew() {
     same_ = false;
 }
 
-// Those that this rank owned before go on; others begin empty.
+// Keeps parts that this rank owned before; others begin empty.
 void RankDetector::own_parts() {
     std::vector<AssembledPart> mine;
     for (const std::int32_t k : owners_.parts_of(transport_.rank())) {
@@ -298,7 +302,7 @@ void RankDetector::deliver() {
                  memory.add(bytes);
                  reserved_ += bytes;
              });
-    // What has left, and parts that have gone to others, are given back.
+    // Releases what was reserved for triangles that have left and for parts that have moved to other ranks.
     std::int64_t kept = 0;
     for (const AssembledPart& part : mine_) kept += part.bytes();
     if (kept < reserved_) engine_->memory().add(kept - std::exchange(reserved_, kept));
@@ -346,8 +350,8 @@ void RankDetector::drop_parts() {
     if (reserved_ > 0) engine_->memory().add(-std::exchange(reserved_, 0));
 }
 
-// Two ranks share evenly as it is. More get several parts each, which even out, as long as these are of some thousand
-// triangles: more of them overlap more (benchmark study "ranks").
+// Two ranks are balanced with one part each. More ranks get several parts each, whose work averages out, as long as
+// parts have some thousand triangles: more parts overlap more (benchmark study "ranks").
 int RankDetector::parts_wanted() const {
     if (options_.parts > 0) return options_.parts;
     const int ranks = transport_.size();

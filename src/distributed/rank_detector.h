@@ -1,13 +1,13 @@
 #pragma once
 
-// The detector of one rank, over any transport: it knows the order of the phases.
+// Detector of one rank, over any transport. Determines the order of the phases:
 //
-//     question   ranks ask the same                     search  each rank searches the parts that it owns
-//     input      each checks what it brings             rows    rows go to who brought their first triangle
-//     ids        each element once, copies equal        output  each puts its rows in order
-//     place      centres, if those at hand do not serve
-//     members    each finds parts of its triangles
-//     room       owners make room, and are told what is new
+//     question   compare queries and options            search  search the parts that the rank owns
+//     input      check the local mesh                   rows    send rows to the rank of their first triangle
+//     ids        check ids and ghost vertices           output  sort the rows
+//     place      make centres, unless reused
+//     members    find the parts of local triangles
+//     room       owners allocate memory, receive deltas
 
 #include <cstdint>
 #include <functional>
@@ -38,14 +38,14 @@
 
 namespace crumple::distribute {
 
-/// Shown by a shared library, for crumple::mpi is another one.
+/// Exported, since crumple::mpi is another shared library.
 class CRUMPLE_API RankDetector {
    public:
     /// Collective. The transport must outlive this.
     RankDetector(Transport& transport, const DistributedOptions& options);
     ~RankDetector();
 
-    // As mpi::Detector::find:
+    // See mpi::Detector::find:
     const DistributedIntersections& find(const MeshShare& share, const IntersectionQuery& query = {},
                                          std::stop_token stop = {});
     const DistributedImpacts& find(const MeshShare& share, const ImpactQuery& query, std::stop_token stop = {});
@@ -57,18 +57,19 @@ class CRUMPLE_API RankDetector {
 
     const DistributedOptions& options() const { return options_; }
     const DistributedStatistics& statistics() const { return statistics_; }
-    /// What tells how long a search took, in milliseconds; by default the time of day.
+    /// Sets the clock that measures searches, in milliseconds; by default std::chrono::steady_clock.
     void set_clock(double (*clock)()) { clock_ = clock; }
-    /// Called at the beginning of each phase, where what it throws is settled.
+    /// Sets a function that is called at the beginning of each collective error check: if it throws, the call ends on
+    /// all ranks.
     void set_hook(std::function<void(Phase)> hook) { hook_ = std::move(hook); }
-    /// Called every now and then within searches, as Detector::set_poll's is.
+    /// Sets a function that is called regularly within searches, see Detector::set_poll.
     void set_poll(std::function<void()> poll);
-    /// As mpi::Detector::set_progress.
+    /// See mpi::Detector::set_progress.
     void set_progress(std::function<void(const DistributedProgress&)> show) { show_ = std::move(show); }
 
    private:
-    /// All phases. ask() makes the question, and may throw; prepare(), which may communicate, is called once it is
-    /// settled; work() does the last three phases.
+    /// Runs all phases. ask() returns the query as ranks compare it, and may throw. prepare() is called after the
+    /// comparison, and may communicate. work() runs the last three phases.
     void answer(const MeshShare& share, const VertexView* end, FunctionRef<Asked()> ask, FunctionRef<void()> prepare,
                 std::stop_token stop, FunctionRef<void()> work);
     void answer(const WorldShare& share, const PairFilter& rules, bool moving, FunctionRef<Asked()> ask,
@@ -93,9 +94,11 @@ class CRUMPLE_API RankDetector {
     void give_out_anew();
     void own_parts();
     void deliver();
-    /// each(part) searches a part and adds up what is found here; until done() says that this is enough.
+    /// Calls each(part), which searches a part and accumulates the result of this rank, for each part until done()
+    /// returns true.
     void search(FunctionRef<void(AssembledPart&)> each, FunctionRef<bool()> done);
-    /// Adds up over all ranks: what is found, and the work.
+    /// Sums results and work over all ranks, and returns the number of results. `cut_short`: does not use the work to
+    /// balance later calls.
     std::int64_t add_up(std::int64_t found, bool cut_short);
     FirstImpact first_of_all(const FirstImpact& here);
     void show_phase(Phase phase);
@@ -116,20 +119,20 @@ class CRUMPLE_API RankDetector {
     double (*clock_)();
     Stopwatch watch_;
     Phase phase_ = Phase::question;
-    std::optional<Phase> shown_;  ///< the latest phase of this call that show_ knows of
+    std::optional<Phase> shown_;  ///< latest phase of this call reported to show_
 
-    // Of this call:
+    // Per call:
     Asked asked_;
     bool float32_ = true, groups_ = false, triangle_ids_ = false, vertex_ids_ = false;
-    bool same_ = false;  ///< triangles, groups and ids are those of the call before; later: so are parts
+    bool same_ = false;  ///< triangles, groups and ids are those of the previous call; after place() also parts
     std::vector<std::int64_t> counts_;
     Box box_;
     std::vector<std::int64_t> work_;  ///< nanoseconds of each part
     DistributedStatistics statistics_;
 
-    // From call to call:
+    // Cached between calls:
     std::optional<PartSearch> engine_;
-    HostShape staged_;  ///< a share that lies on a device
+    HostShape staged_;  ///< host copy of a local mesh in device memory
     Share share_;
     Bodies bodies_;
     SharedVertices copies_;
@@ -137,11 +140,11 @@ class CRUMPLE_API RankDetector {
     Owners owners_;
     Members members_;
     std::vector<AssembledPart> mine_;
-    std::vector<std::int64_t> expected_work_;  ///< nanoseconds of each part; empty: not known
-    std::int64_t reserved_ = 0;                ///< bytes of parts, as the meter has them
-    std::optional<FeatureDemand> demand_;      ///< that parts are made for
+    std::vector<std::int64_t> expected_work_;  ///< nanoseconds of each part; empty: unknown
+    std::int64_t reserved_ = 0;                ///< bytes of parts that the meter counts
+    std::optional<FeatureDemand> demand_;      ///< parameters that parts are made for; empty: intersections
     FeatureOwners features_;
-    std::map<std::int32_t, FeatureAssembly> assemblies_;  ///< of this rank's parts, of questions about features
+    std::map<std::int32_t, FeatureAssembly> assemblies_;  ///< by part of this rank, for queries about features
     DistributedIntersections result_;
     DistributedIntersections world_result_;
     DistributedImpacts impacts_;

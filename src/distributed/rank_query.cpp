@@ -9,17 +9,17 @@
 namespace crumple::distribute {
 namespace {
 
-// Kinds of questions, which are told apart by the first number.
+// Kind of a query: the first of the numbers that ranks compare.
 enum class Kind : std::uint8_t { intersections, motion, nearness, of_bodies };
 
-// All bits, in two numbers whose negatives are numbers, too.
+// Appends all bits of x as two numbers that can be negated.
 void tell(double x, std::vector<std::int64_t>& told) {
     const auto bits = std::bit_cast<std::uint64_t>(x);
     told.push_back(static_cast<std::int64_t>(bits >> 32));
     told.push_back(static_cast<std::int64_t>(bits & 0xffffffffu));
 }
 
-// A word that differs, all but surely, where the lists do.
+// Returns a hash of the list.
 template <class Pairs>
 std::int64_t word_of(const Pairs& pairs) {
     std::uint64_t word = 0x9e3779b97f4a7c15ull;
@@ -62,7 +62,7 @@ Asked asked_by(const IntersectionQuery& query, RankOutput output) {
 RankOutput output_of(const IntersectionQuery& question) {
     switch (question.output) {
         case Output::any:
-        case Output::any_by_world:  // of one world
+        case Output::any_by_world:  // all ranks share one world
             return RankOutput::any;
         case Output::body_pairs:
             return RankOutput::body_pairs;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A question as ranks compare it: what all of them have to ask alike, and what the phases need to know of it.
+// Query as ranks compare it: values that must be equal on all ranks, and what the phases need to know.
 
 #include <cstdint>
 #include <optional>
@@ -13,21 +13,21 @@
 
 namespace crumple::distribute {
 
-/// How much of the intersections is made; contacts are rows.
+/// Output of a query about intersections; contacts are part of the pairs' rows.
 enum class RankOutput : std::uint8_t { any, count, pairs, body_pairs };
 
 struct Asked {
-    std::vector<std::int64_t> told;         ///< numbers that have to be the same on all ranks
-    std::optional<FeatureDemand> features;  ///< of questions about features
-    bool between_groups = false;            ///< pairs within a group are not wanted, and groups are needed
+    std::vector<std::int64_t> told;         ///< values that must be equal on all ranks
+    std::optional<FeatureDemand> features;  ///< set for queries about features
+    bool between_groups = false;            ///< only pairs between groups are requested, so groups are required
 };
 
-/// Throws Error (invalid_argument) for what makes no sense, or is not for ranks.
+/// Converts a query. Throws Error (invalid_argument) if it is invalid, or not supported on ranks.
 Asked asked_by(const IntersectionQuery& query, RankOutput output);
-/// `world`: asked of bodies, of which rules may speak.
+/// `world`: true for a query about bodies, whose pair filter may name them.
 Asked asked_by(const ImpactQuery& question, bool world);
 Asked asked_by(const ProximityQuery& question, bool world);
-/// The same for bodies.
+/// Converts a query about bodies.
 Asked asked_by(const IntersectionQuery& question);
 RankOutput output_of(const IntersectionQuery& question);
 

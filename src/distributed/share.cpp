@@ -20,7 +20,7 @@ void check_count(std::span<const std::int64_t> ids, std::int64_t rows, const cha
         refuse("there are " + std::to_string(ids.size()) + " " + what + " ids for " + std::to_string(rows));
 }
 
-// The least id of those that are bad.
+// Returns the least bad id, and its place; the largest int64 if there is none.
 template <class Bad>
 std::int64_t least_bad(const Ids& ids, std::int64_t count, Bad bad, std::int64_t& place) {
     std::int64_t least = std::numeric_limits<std::int64_t>::max();
@@ -45,7 +45,8 @@ void check_range(const Ids& ids, std::int64_t count, std::int64_t end, const cha
            element, std::max<std::int64_t>(id, 0));
 }
 
-// Two independent chains over words of eight bytes, each of which a multiplication and a rotation spread over all bits.
+// 128-bit hash of arrays: two independent chains over words of eight bytes, each mixed by a multiplication and a
+// rotation.
 class Fingerprint {
    public:
     void add(std::span<const std::byte> bytes) {
@@ -55,7 +56,7 @@ class Fingerprint {
             std::memcpy(&word, bytes.data() + i, sizeof word);
             mix(word);
         }
-        word = bytes.size();  // arrays that end elsewhere differ
+        word = bytes.size();  // distinguishes arrays of different lengths
         if (i < bytes.size()) std::memcpy(&word, bytes.data() + i, bytes.size() - i);
         mix(word);
         mix(bytes.size());
@@ -85,7 +86,7 @@ void Share::number(const MeshShare& share, bool triangle_ids, bool vertex_ids, s
         if (static_cast<int>(r) < rank) triangles_.first += counts[2 * r], vertices_.first += counts[2 * r + 1];
         triangles_.all += counts[2 * r], vertices_.all += counts[2 * r + 1];
     }
-    static constexpr std::int64_t none = 0;  // given, and of no elements
+    static constexpr std::int64_t none = 0;  // not null: ids that are given, of no elements
     const auto take = [](std::span<const std::int64_t> given) {
         return given.empty() ? std::span<const std::int64_t>(&none, 0) : given;
     };

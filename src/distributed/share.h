@@ -1,6 +1,6 @@
 #pragma once
 
-// What one rank brings, checked, and the numbers that its triangles and vertices have over all ranks.
+// Checked local mesh of a rank, and the numbers of its triangles and vertices over all ranks.
 
 #include <array>
 #include <cstdint>
@@ -16,10 +16,10 @@ namespace crumple::distribute {
 
 inline constexpr std::int64_t most_ids = std::numeric_limits<std::int32_t>::max();  ///< over all ranks
 
-/// Numbers over all ranks: those that the caller has given, or the ranks' own behind each other.
+/// Numbers over all ranks: given by the caller, or consecutive, rank by rank.
 struct Ids {
     std::span<const std::int64_t> given;
-    std::int64_t first = 0;  ///< of this rank, where none are given
+    std::int64_t first = 0;  ///< first number of this rank, if none are given
     std::int64_t all = 0;    ///< over all ranks
 
     bool are_given() const { return given.data() != nullptr; }
@@ -32,40 +32,39 @@ class Share {
    public:
     explicit Share(MemoryMeter* meter) : buffers_(meter) {}
 
-    /// The shapes of the arrays, for a start. Throws Error (invalid_argument).
+    /// Checks the shapes of the arrays. Throws Error (invalid_argument).
     static void check_shape(const MeshShare& share);
 
-    /// `counts`: triangles and vertices of each rank, two numbers a rank. Throws Error (invalid_argument) where all
-    /// together are too many.
+    /// Numbers triangles and vertices over all ranks. `counts`: numbers of triangles and vertices, 2 per rank. Throws
+    /// Error (invalid_argument) if there are too many over all ranks, or ids are given on other ranks only.
     void number(const MeshShare& share, bool triangle_ids, bool vertex_ids, std::span<const std::int64_t> counts,
                 int rank);
-    /// Checks vertices, triangles and ids on the threads of `workers`. Throws Error with the index over all ranks of
-    /// the first that is bad in this rank's order.
+    /// Checks vertices, triangles and ids on the threads of `workers`. Throws Error with the number over all ranks of
+    /// the first bad element in local order, or the least bad id.
     void read(const MeshShare& share, ParallelFor& workers);
-    /// The same of where the vertices are at the end of a step. After read().
+    /// Reads and checks the end positions of a step. Call after read().
     void read_end(const VertexView& end, ParallelFor& workers);
-    /// Over all ranks there are so many vertices, where ids are given.
+    /// Sets the number of vertices over all ranks, if ids are given.
     void set_vertices(std::int64_t all) { vertices_.all = all; }
 
     const PreparedScene& scene() const { return scene_; }
     const Ids& triangles() const { return triangles_; }
     const Ids& vertices() const { return vertices_; }
 
-    /// Whether triangles, groups and ids are those of the call before; these are compared with in the next. By 128
-    /// bits: that others pass for the same is less likely than that the memory errs.
+    /// True if triangles, groups and ids are those of the previous call, according to a 128-bit hash: a collision is
+    /// less likely than a memory error. Stores the hash for the next call.
     bool is_same_as_before();
     void forget();
 
    private:
-    /// Has read() do what throws an Error about this rank's elements, and throws it about those of all ranks.
+    /// Runs read(), and converts local indices in its errors to numbers over all ranks.
     template <class Read>
     void with_global_index(Read read) const;
 
     SceneBuffers buffers_;
     PreparedScene scene_;
     Ids triangles_, vertices_;
-    /// Of the call before: counts, and a fingerprint of the arrays in place of copies, which would be a third of what a
-    /// rank keeps.
+    /// Input of the previous call: counts, and a hash of the arrays. Copies would be a third of a rank's memory.
     struct Kept {
         std::array<std::uint64_t, 2> fingerprint{};
         std::int64_t first_triangle = 0, first_vertex = 0, triangles = -1, vertices = 0;

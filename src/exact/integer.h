@@ -1,7 +1,7 @@
 #pragma once
 
-// Integers of any width, and float64 numbers as such: every finite one is an integer times a power of two, so once the
-// power is common to all coordinates of a question, it is decided in integers. Host only.
+// Integers of any width, and conversion of float64 numbers to them. Every finite float64 is an integer times a power of
+// two, so with one power for all coordinates of a query, integers decide it. Host only.
 
 #include <algorithm>
 #include <bit>
@@ -24,7 +24,7 @@ using Integer =
     mp::number<mp::cpp_int_backend<512, 0, mp::signed_magnitude, mp::unchecked, std::allocator<mp::limb_type>>,
                mp::et_off>;
 
-/// x = mantissa · 2^exponent, the mantissa odd; 0 has no exponent.
+/// The number mantissa · 2^exponent with an odd mantissa; for 0 both are 0.
 struct Binary {
     std::int64_t mantissa = 0;
     int exponent = 0;
@@ -38,7 +38,7 @@ struct Binary {
     }
 };
 
-/// The largest power of two that every coordinate is a multiple of; 0 if all are zero.
+/// Returns the exponent of the largest power of two of which every coordinate is a multiple; 0 if all are zero.
 inline int common_exponent(std::span<const Vec3d> points) {
     int exponent = INT_MAX;
     for (const Vec3d& p : points) {
@@ -49,7 +49,7 @@ inline int common_exponent(std::span<const Vec3d> points) {
     return exponent == INT_MAX ? 0 : exponent;
 }
 
-/// x in units of 2^exponent, of which it is a multiple.
+/// Returns x in units of 2^exponent, of which x must be a multiple.
 inline Integer scaled(double x, int exponent) {
     const Binary binary(x);
     return binary.mantissa == 0 ? Integer(0) : Integer(binary.mantissa) << (binary.exponent - exponent);

@@ -1,7 +1,8 @@
 #pragma once
 
-// How to turn a frame about its first axis so that edges lie along the other two: boxes of long triangles, whose edges
-// a designed part has in few directions, are then slim (docs/align.md). Compiled for host and device.
+// Rotation of a frame about its first axis so that edges lie along its other axes. This makes the boxes of long
+// triangles slim, because the edges of a designed part have few directions (docs/align.md). Compiled for host and
+// device.
 
 #include <cmath>
 
@@ -9,13 +10,14 @@
 
 namespace crumple {
 
-/// Sum of l^2 exp(4 i phi) over edges, l long and at the angle phi across the first axis.
+/// Sum of l^2 exp(4 i phi) over edges in projection along the first axis, where they have the length l and the angle
+/// phi.
 struct EdgeMoment {
     double re = 0, im = 0;
 
     CRUMPLE_HD void add_edge(const Vec3d& edge, const PrincipalAxes& axes) {
         const double y = dot(edge, axes.axis[1]), z = dot(edge, axes.axis[2]);
-        const double l2 = y * y + z * z, cosine = y * y - z * z, sine = 2 * y * z;  // l^2 times those of 2 phi
+        const double l2 = y * y + z * z, cosine = y * y - z * z, sine = 2 * y * z;  // l^2 cos(2 phi), l^2 sin(2 phi)
         if (!(l2 > 0)) return;
         re += (cosine * cosine - sine * sine) / l2;
         im += 2 * cosine * sine / l2;
@@ -27,7 +29,7 @@ struct EdgeMoment {
     }
 };
 
-/// Turns the second and third axis by the angle of the moment, a quarter of it: at most 45 degrees.
+/// Rotates the second and third axis by a quarter of the moment's angle: by at most 45 degrees.
 CRUMPLE_HD inline void turn_to_edges(PrincipalAxes& axes, const EdgeMoment& moment) {
     const double angle = std::atan2(moment.im, moment.re) / 4, c = std::cos(angle), s = std::sin(angle);
     const Vec3d y = axes.axis[1], z = axes.axis[2];

@@ -1,8 +1,8 @@
 #pragma once
 
-// Sums of float64 numbers that are exact: an expansion is the sum of its terms, which grow in magnitude, do not overlap
-// and are not zero. Its sign is that of the last term. Compiled for host and device; nothing is allocated, since the
-// type bounds the number of terms.
+// Exact sums of float64 numbers: an expansion is the sum of its terms, which increase in magnitude, do not overlap and
+// are nonzero. Its sign is that of the last term. Compiled for host and device; nothing is allocated, because the type
+// bounds the number of terms.
 //
 // Error-free transformations after Knuth and Dekker; sums and products after J. R. Shewchuk, "Adaptive Precision
 // Floating-Point Arithmetic and Fast Robust Geometric Predicates" (1997), theorems 13 and 19. They need
@@ -13,26 +13,26 @@
 
 namespace crumple {
 
-/// The unevaluated sum high + low.
+/// Unevaluated sum high + low.
 struct TwoTerms {
     double high, low;
 };
 
-/// a + b, exactly.
+/// Returns a + b, exactly.
 CRUMPLE_HD inline TwoTerms two_sum(double a, double b) {
     const double sum = a + b;
     const double b_part = sum - a, a_part = sum - b_part;
     return {sum, (a - a_part) + (b - b_part)};
 }
 
-/// a + b, exactly, if a = 0 or |a| ≥ |b|.
+/// Returns a + b, exactly, if a = 0 or |a| ≥ |b|.
 CRUMPLE_HD inline TwoTerms fast_two_sum(double a, double b) {
     const double sum = a + b;
     return {sum, b - (sum - a)};
 }
 
-/// a · b, exactly. Where the processor has a fused multiply-add this is the best use for it; where it has none the
-/// compiler has nothing to contract Dekker's splitting into.
+/// Returns a · b, exactly: by a fused multiply-add if the processor has one. If it has none, the compiler cannot
+/// contract Dekker's splitting, which contraction would break.
 CRUMPLE_HD inline TwoTerms two_product(double a, double b) {
     const double product = a * b;
 #if defined(__FMA__) || defined(__aarch64__) || defined(__CUDA_ARCH__)
@@ -53,8 +53,8 @@ struct Expansion {
     double term[Capacity];
 
     CRUMPLE_HD Expansion() {}
-    // Copies the terms that there are. The implicit copy takes all of the array, and where it is inlined nvcc 13.0
-    // takes the size of the copy for 0 (docs/nvcc_13_0.md).
+    // Copies only the terms in use. The implicit copy takes all of the array, and if it is inlined, nvcc 13.0 takes the
+    // size of the copy for 0 (docs/nvcc_13_0.md).
     CRUMPLE_HD Expansion(const Expansion& other) : size(other.size) {
         for (int i = 0; i < size; ++i) term[i] = other.term[i];
     }
@@ -80,10 +80,10 @@ struct Expansion {
     }
 };
 
-/// a − b, exactly.
+/// Returns a − b, exactly.
 CRUMPLE_HD inline Expansion<2> exact_difference(double a, double b) { return Expansion<2>(two_sum(a, -b)); }
 
-/// Merges the terms by magnitude and sums them up from the smallest (Shewchuk's fast expansion sum).
+/// Merges the terms by magnitude and adds them from the smallest on (Shewchuk's fast expansion sum).
 template <int M, int N>
 CRUMPLE_HD Expansion<M + N> operator+(const Expansion<M>& e, const Expansion<N>& f) {
     Expansion<M + N> result;
@@ -108,7 +108,7 @@ CRUMPLE_HD Expansion<M + N> operator-(const Expansion<M>& e, const Expansion<N>&
     return e + -f;
 }
 
-/// Shewchuk's scale expansion.
+/// Returns e · factor, exactly (Shewchuk's scale expansion).
 template <int N>
 CRUMPLE_HD Expansion<2 * N> operator*(const Expansion<N>& e, double factor) {
     Expansion<2 * N> result;
@@ -141,7 +141,7 @@ CRUMPLE_HD Expansion<2 * M * N> operator*(const Expansion<M>& e, const Expansion
     return result;
 }
 
-/// The same with a difference: without a loop, and with less scratch.
+/// Returns e · f for f of two terms, such as a difference: without a loop, and with less scratch memory.
 template <int M>
 CRUMPLE_HD Expansion<4 * M> operator*(const Expansion<M>& e, const Expansion<2>& f) {
     if (f.size == 0) return {};

@@ -1,7 +1,8 @@
 #pragma once
 
-// By how much a primitive's ball and box are widened for a question that asks for less than contact, in normalised
-// coordinates: two primitives that may be an answer have balls, and boxes, that overlap. Compiled for host and device.
+// Inflation of a primitive's ball and box, in normalised coordinates, for queries that ask for less than contact: if
+// two primitives may be part of the result, their balls overlap, and so do their inflated boxes. Compiled for host
+// and device.
 
 #include <cstdint>
 
@@ -9,32 +10,34 @@
 
 namespace crumple {
 
-/// What no two points of normalised coordinates exceed.
+/// Upper bound on the distance of two points in normalised coordinates.
 inline constexpr float farthest = 4;
 
-/// A length of the scene in normalised coordinates, rounded once, and at most what holds everything.
+/// Returns a length of the scene in normalised coordinates, rounded once and limited to `farthest`.
 CRUMPLE_HD inline float normalised_length(double length, const Normaliser& normaliser) {
     return static_cast<float>(min(double{farthest}, length * normaliser.pre * normaliser.post));
 }
 
-/// What the length of a way may lose where its squares are too small for float32: three of up to 2^-126 each.
+/// Bound on what the length of a trajectory loses if its squares underflow in float32: three squares of up to 2^-126
+/// each.
 inline constexpr float lost_way = 2e-19f;
 
-/// Half the distance that is asked for; and, for a share s of a pair's own distance at the start, s / (1 - s) times how
-/// far the primitive moves at most: features that come to s d from d have moved by (1 - s) d together
-/// (docs/features.md). Where each vertex has a radius, not half a distance but the largest radius of its own vertices.
+/// Parameters of an inflation: half the requested distance, plus, for a share s of a pair's own distance at the start,
+/// s / (1 - s) times the longest way of the primitive's corners. Features that approach from distance d to s d have
+/// moved by (1 - s) d together (docs/features.md). If vertices have radii, the largest radius of the primitive's
+/// vertices replaces half the distance.
 struct Inflation {
     float half = 0, of_way = 0;
-    bool of_box = false;  ///< what is widened is the box of a primitive's points, along the axes of the coordinates
-    const float* radius = nullptr;  ///< one a primitive, instead of `half`, the largest of them; or null
+    bool of_box = false;            ///< true if the axis-aligned box of the primitive's points is inflated
+    const float* radius = nullptr;  ///< 1 per primitive, used instead of `half`, which is the largest of them; or null
 
     CRUMPLE_HD bool none() const { return half == 0 && of_way == 0 && !of_box; }
-    /// That of one primitive.
+    /// Returns the inflation of one primitive.
     CRUMPLE_HD Inflation of(std::int64_t primitive) const {
         return {radius ? radius[primitive] : half, of_way, of_box, nullptr};
     }
-    /// Of a primitive whose corners move by so much. Rounded up; coordinates are at most 1, so no more than `farthest`
-    /// matters.
+    /// Returns the inflation of a primitive whose corners move by at most `way`, rounded up and limited to `farthest`,
+    /// which suffices because coordinates are at most 1.
     CRUMPLE_HD float operator()(float way) const {
         return min(farthest, (half + of_way * (way + lost_way)) * 1.000002f);
     }

@@ -1,13 +1,13 @@
 #pragma once
 
-// The frame in which a leaf is swept, and what `align` makes of any primitive there: its box (docs/align.md). A
-// primitive is the hull of a few corners; what else a record keeps of it depends on the kind of query. Compiled
-// for host and device.
+// Frame in which a leaf is swept, and the box that `align` computes in it for any primitive (docs/align.md). A
+// primitive is the hull of a few corners; the rest of its record depends on the kind of query. Compiled for host and
+// device.
 //
-// Corners are taken relative to the leaf's origin and rounded to float32; a computed coordinate of a box errs by less
-// than box_margin(reach). Members far larger than their leaf ("big"), two ground triangles under fine cloth, say, would
-// ruin the leaf's range of quantisation and its error bound for everybody. So they do not count in either, and their
-// boxes carry a margin of their own ([MZ] 5.1; measured in docs/unequal_sizes.md).
+// Corners are taken relative to the leaf's origin and rounded to float32; a computed coordinate of a box is off by less
+// than box_margin(reach). Members far larger than their leaf ("big"), for example two ground triangles under fine
+// cloth, would spoil the leaf's quantisation range and error bound for all members. So they count in neither, and their
+// boxes have margins of their own ([MZ] 5.1; measured in docs/unequal_sizes.md).
 
 #include "geometry/vec.h"
 
@@ -15,38 +15,39 @@ namespace crumple {
 
 inline constexpr float unit_roundoff = 0x1p-24f;  ///< u
 
-/// The frame in which a leaf is swept: sweep direction first.
+/// Frame in which a leaf is swept: the sweep direction is the first axis.
 struct LeafFrame {
     Vec3f origin;
     Vec3f axis[3];
-    float big = 0;  ///< members that reach further than this from the origin, in any coordinate, are big
+    float big = 0;  ///< members with a coordinate relative to the origin above this in magnitude are big
 };
 
-/// What a box's start is moved down by and its end up; `reach`: the largest |coordinate| of the leaf's corners.
+/// Returns the margin by which a box is widened on each side; `reach`: the largest |coordinate| of the leaf's corners.
 CRUMPLE_HD inline float box_margin(float reach) { return 12 * unit_roundoff * reach + 1e-30f; }
 
-/// Big members count in their leaf's reach by this share, so that what float64 makes of them stays within its errors.
+/// Share of a big member's reach that counts in its leaf's reach, so that the leaf's margin covers float64 errors of
+/// the member.
 inline constexpr float big_share = 0x1p-28f;
 
 CRUMPLE_HD inline Vec3f to_float(const Vec3d& p) {
     return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
 }
 
-/// Widens the box of a member that reaches `reach` > LeafFrame::big from the origin.
+/// Widens the box of a big member; `reach`: the largest |coordinate| of its corners.
 template <class Corner>
 CRUMPLE_HD void widen_big(float reach, Corner& low, Corner& high) {
-    // A box's error grows with its own coordinates: 8 u each side would do, see docs/align.md.
+    // A box's error grows with its coordinates: 8 u on each side would suffice, see docs/align.md.
     const float margin = 16 * unit_roundoff * reach;
     low.x -= margin, low.y -= margin, low.z -= margin;
     high.x += margin, high.y += margin, high.z += margin;
 }
 
-/// A primitive of so many corners in a leaf's frame.
+/// Primitive with `corners` corners in a leaf's frame.
 template <int corners>
 struct InFrame {
-    Vec3d relative[corners];  ///< to the origin, along the scene's axes
-    Vec3f corner[corners];    ///< the same, rounded
-    Vec3f low, high;          ///< the box, along the frame's axes
+    Vec3d relative[corners];  ///< corners minus the origin, along the scene's axes
+    Vec3f corner[corners];    ///< `relative`, rounded to float32
+    Vec3f low, high;          ///< box, along the frame's axes
     float reach;              ///< largest |coordinate| of a corner
     bool big;
 
@@ -65,7 +66,7 @@ struct InFrame {
         if (big) widen_big(reach, low, high);
     }
 
-    /// What the leaf's reach is at least.
+    /// Returns the lower bound that this member sets on the leaf's reach.
     CRUMPLE_HD float counted_reach() const { return big ? big_share * reach : reach; }
 };
 

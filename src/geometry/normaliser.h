@@ -1,11 +1,13 @@
 #pragma once
 
-// Coordinates shifted and scaled by powers of two to at most 1, for the stages that only need approximations.
+// Normalised coordinates: shifted, and scaled by powers of two to at most 1 in magnitude, for stages that only need
+// approximations.
 //
-// An axis is shifted only where its interval lies on one side of 0 within a factor of two; then by its end nearest to
-// 0, which makes the difference exact (Sterbenz). Scaling by powers of two is exact but for underflow. So y = (x pre -
-// shift) post differs from the true value by at most 2^-1000, and y is a float32 number if x and the box's corners are.
-// `pre` keeps differences of the largest and of subnormal numbers representable. Compiled for host and device.
+// An axis is shifted only if its interval lies on one side of 0 within a factor of two. The shift is then the end
+// nearest to 0, which makes the difference exact (Sterbenz). Scaling by powers of two is exact except for underflow. So
+// y = (x pre - shift) post differs from the true value by at most 2^-1000, and y is a float32 number if x and the box's
+// corners are. `pre` keeps differences of the largest and of subnormal numbers representable. Compiled for host and
+// device.
 
 #include <math.h>  // ilogb and ldexp, for host and device
 
@@ -37,8 +39,8 @@ struct Normaliser {
     CRUMPLE_HD Vec3d operator()(Vec3d x) const {
         return {(x.x * pre - shift.x) * post, (x.y * pre - shift.y) * post, (x.z * pre - shift.z) * post};
     }
-    /// Back to the scene's coordinates, rounded, and finite: 1 in float32 may stand for less in float64, and be beyond
-    /// the largest number.
+    /// Returns the point in the scene's coordinates, rounded, and limited to finite numbers: a y that was rounded up to
+    /// 1 in float32 may lie beyond the largest float64.
     Vec3d inverse(Vec3d y) const {
         constexpr double most = std::numeric_limits<double>::max();
         Vec3d x;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The normalised vertices, as stages after `bounds` read them: rows of four, the last element 0. Compiled for host and
-// device.
+// Normalised vertices for the stages after `bounds`: rows of four numbers, the last of which is 0. Compiled for host
+// and device.
 
 #include <cstdint>
 
@@ -9,18 +9,18 @@
 
 namespace crumple {
 
-/// A row of normalised coordinates, exact in the scene's precision: one load on a device.
+/// Row of normalised coordinates, exact in the scene's precision and aligned, so that a device loads it at once.
 template <class T>
 struct alignas(4 * sizeof(T)) Row {
     T x, y, z, unused;
 };
 
-/// float32 rows where those are exact, else float64 ones: one pointer is null.
+/// Rows in float32 if those are exact, otherwise in float64; the other pointer is null.
 struct PointRows {
-    const float* f = nullptr;  ///< on a device at the place of a Row
+    const float* f = nullptr;  ///< on a device aligned as a Row
     const double* d = nullptr;
 
-    /// A vertex, without loss.
+    /// Returns a vertex, exactly.
     CRUMPLE_HD Vec3d operator[](std::int32_t vertex) const {
         if (f) {
             const Vec3f p = in_float(vertex);
@@ -28,17 +28,17 @@ struct PointRows {
         }
         return row(d, vertex);
     }
-    /// The same where rows are of float32.
+    /// Returns a vertex from float32 rows, which must exist.
     CRUMPLE_HD Vec3f in_float(std::int32_t vertex) const { return row(f, vertex); }
 
-    /// Of a vertex that is wanted soon.
+    /// Prefetches the row of a vertex.
     void prefetch(std::int32_t vertex) const {
         const std::int64_t i = 4 * static_cast<std::int64_t>(vertex);
         __builtin_prefetch(f ? static_cast<const void*>(f + i) : d + i);
     }
 
    private:
-    /// On a device in one load, for which rows have to be aligned there.
+    /// Reads a row; on a device in one load, which requires that rows are aligned there.
     template <class T>
     static CRUMPLE_HD Vec3<T> row(const T* rows, std::int32_t vertex) {
 #ifdef __CUDA_ARCH__

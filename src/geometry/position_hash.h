@@ -1,7 +1,7 @@
 #pragma once
 
-// Hashes with a random seed, so that no mesh can be made to be slow: of positions for welding, and of integers. No
-// answer depends on them. Compiled for host and device, but for the seed.
+// Hashes with a random seed, so that no mesh can be crafted to be slow: of positions for welding, and of integers. No
+// result depends on them. Compiled for host and device, except for the seed.
 
 #include <atomic>
 #include <bit>
@@ -12,11 +12,11 @@
 
 namespace crumple {
 
-/// Of a sequence of integers: seed(), and each one added in turn.
+/// Hash of a sequence of integers: begins with seed(), and continues with add() for each integer.
 class SeededHash {
    public:
-    /// Asks for a random number once a process, which takes 10 us where a virtual machine is asked; each seed is
-    /// another one nevertheless.
+    /// Draws a random number only once per process, because that takes 10 us on a virtual machine. Each seed is
+    /// different nevertheless.
     SeededHash() {
         static std::atomic<std::uint64_t> last = [] {
             std::random_device random;
@@ -26,7 +26,8 @@ class SeededHash {
     }
     CRUMPLE_HD std::uint64_t seed() const { return seed_; }
 
-    /// Finaliser of MurmurHash3: every bit of the result depends on every bit of the argument.
+    /// Returns the hash h, continued by a value. Finaliser of MurmurHash3: every bit of the result depends on every bit
+    /// of the argument.
     CRUMPLE_HD static std::uint64_t add(std::uint64_t h, std::uint64_t value) {
         h ^= value;
         h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdull;

@@ -1,14 +1,14 @@
 #pragma once
 
-// On which side does a point lie? Signs of determinants of differences, in steps: float64 with a bound on its error,
-// then, on the host, whole numbers of 128 bits where all differences are exact and fit in 41 bits of one power of two,
-// then expansions. Compiled for host and device.
+// Orientation predicates: signs of determinants of differences, in steps. First float64 with an error bound; then, on
+// the host, 128-bit integers, if all differences are exact and fit in 41 bits at a common power of two; then
+// expansions. Compiled for host and device.
 //
-// Filters are right for every finite input: they answer `undecided` rather than wrongly, also where products over- or
-// underflow. They cost a few nanoseconds. Expansions are exact for coordinates that are 0 or between 2^-300 and 2^300
-// in magnitude, among them every float32 number: such coordinates are multiples of 2^-352, so products of three
-// differences are multiples of 2^-1056, and sums of six below 2^906. No rounding error is then too small for float64,
-// and no term, even split after Dekker, too large. Beyond that range rational_intersection.h decides.
+// Filters are correct for every finite input, also if products overflow or underflow: they return `undecided` rather
+// than a wrong sign. They cost a few nanoseconds. Expansions are exact for coordinates that are 0 or between 2^-300 and
+// 2^300 in magnitude, which includes every float32 number: such coordinates are multiples of 2^-352, so products of
+// three differences are multiples of 2^-1056, and sums of six are below 2^906. So no rounding error is too small for
+// float64, and no term, even if split after Dekker, is too large. Beyond that range rational_intersection.h decides.
 //
 // The bounds: let ε = 2^-53. Each monomial of a determinant passes k roundings, those of the differences included, so
 // the result is off by at most ((1 + ε)^k − 1) P, where P is the sum of the monomials' magnitudes; computing P the same
@@ -25,7 +25,7 @@
 
 namespace crumple {
 
-inline constexpr int undecided = 2;  ///< where a sign is −1, 0 or 1
+inline constexpr int undecided = 2;  ///< value of a sign that is otherwise −1, 0 or 1
 
 namespace detail {
 inline constexpr double epsilon = 0x1p-53, slack = 0x1p-1022;
@@ -35,7 +35,7 @@ CRUMPLE_HD inline int certain_sign(double value, double bound) {
 }
 }  // namespace detail
 
-/// Whether expansions hold all products that the predicates make of such coordinates.
+/// True if expansions represent all products exactly that the predicates form of such coordinates.
 CRUMPLE_HD inline bool in_expansion_range(double x) {
     const double magnitude = std::abs(x);
     return magnitude == 0 || (magnitude >= 0x1p-300 && magnitude <= 0x1p300);
@@ -44,7 +44,7 @@ CRUMPLE_HD inline bool in_expansion_range(const Vec3d& p) {
     return in_expansion_range(p.x) && in_expansion_range(p.y) && in_expansion_range(p.z);
 }
 
-/// The oriented plane of a triangle in float64: the side to which (p1 − p0) × (p2 − p0) points is positive.
+/// Oriented plane of a triangle in float64: the side to which (p1 − p0) × (p2 − p0) points is positive.
 class FilteredPlane {
    public:
     CRUMPLE_HD explicit FilteredPlane(const std::array<Vec3d, 3>& p) : origin_(p[0]) {
@@ -54,14 +54,15 @@ class FilteredPlane {
         magnitude_ = abs(plus) + abs(minus);
     }
 
-    /// Side of a point. Eight roundings: three differences, two products, a difference, two sums.
+    /// Returns the side of a point, 1 or −1, or `undecided`. Eight roundings: three differences, two products, a
+    /// difference, two sums.
     CRUMPLE_HD int side(const Vec3d& p) const {
         const Vec3d d = p - origin_, size = abs(d);
         return detail::certain_sign(dot(normal_, d), 9 * detail::epsilon * dot(magnitude_, size) +
                                                          detail::slack * (size.x + size.y + size.z + 1));
     }
 
-    /// The axis along which the projection is largest; any axis if the triangle is very small.
+    /// Returns the axis along which the triangle's projection is largest; any axis if the triangle is very small.
     CRUMPLE_HD int dominant_axis() const {
         const Vec3d n = abs(normal_);
         return n.x > n.y ? (n.x > n.z ? 0 : 2) : (n.y > n.z ? 1 : 2);
@@ -71,18 +72,20 @@ class FilteredPlane {
     Vec3d origin_, normal_, magnitude_;
 };
 
-/// The remaining axes in the order that makes a counter-clockwise turn positive about the dropped one.
+/// Return the remaining axes in the order that makes a counter-clockwise turn positive about the dropped one.
 CRUMPLE_HD constexpr int first_axis(int dropped) { return dropped == 2 ? 0 : dropped + 1; }
 CRUMPLE_HD constexpr int second_axis(int dropped) { return dropped == 0 ? 2 : dropped - 1; }
 
-/// Sign of component `dropped` of (b − a) × (c − a): the turn a, b, c seen along that axis. Four roundings.
+/// Returns the sign of component `dropped` of (b − a) × (c − a), the turn a, b, c seen along that axis, or `undecided`.
+/// Four roundings.
 CRUMPLE_HD inline int orient2d_filtered(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     const int x = first_axis(dropped), y = second_axis(dropped);
     const double plus = (b[x] - a[x]) * (c[y] - a[y]), minus = (b[y] - a[y]) * (c[x] - a[x]);
     return detail::certain_sign(plus - minus, 5 * detail::epsilon * (std::abs(plus) + std::abs(minus)) + detail::slack);
 }
 
-/// Sign of (b − a) × (c − a) · (d − a): positive if d is where a, b, c turn counter-clockwise.
+/// Returns the sign of (b − a) × (c − a) · (d − a), positive if a, b, c turn counter-clockwise seen from d, or
+/// `undecided`.
 CRUMPLE_HD inline int orient3d_filtered(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
     return FilteredPlane({a, b, c}).side(d);
 }
@@ -92,7 +95,7 @@ namespace detail {
 
 __extension__ using WideInteger = __int128;
 
-/// Differences of numbers in the range of expansions, as whole numbers of one power of two.
+/// Differences of numbers in the range of expansions, as integers times a common power of two.
 template <std::size_t size>
 class WholeDifferences {
    public:
@@ -101,13 +104,14 @@ class WholeDifferences {
         exact_ = exact_ && difference.low == 0;
         value_[count_++] = difference.high;
     }
-    /// Scales all of them; false if some are not below 2^41, or not whole.
+    /// Scales all differences so that the largest is below 2^41. Returns false if some are not exact, or not integers
+    /// then.
     bool make_whole() {
         double most = 0;
         for (const double x : value_) most = max(most, std::abs(x));
         if (!exact_) return false;
         if (most == 0) return true;
-        // The power of two that takes `most` to between 2^40 and 2^41.
+        // The power of two that scales `most` to between 2^40 and 2^41.
         const auto exponent = std::bit_cast<std::uint64_t>(most) >> 52;
         const auto scale = std::bit_cast<double>((std::uint64_t{1023 + 1023 + 40} - exponent) << 52);
         for (std::size_t i = 0; i < size; ++i) {
@@ -128,14 +132,16 @@ class WholeDifferences {
 
 inline int sign_of(WideInteger x) { return (x > 0) - (x < 0); }
 
-/// The sign of (b − a) × (c − a) without one axis, if whole numbers hold it.
+/// Returns the sign of (b − a) × (c − a) in the plane of axes x and y, or `undecided` if 128-bit integers do not
+/// suffice.
 inline int orient2d_whole(const Vec3d& a, const Vec3d& b, const Vec3d& c, int x, int y) {
     WholeDifferences<4> d;
     for (const Vec3d* const p : {&b, &c})
         for (const int axis : {x, y}) d.add((*p)[axis], a[axis]);
     return d.make_whole() ? sign_of(d[0] * d[3] - d[1] * d[2]) : undecided;
 }
-/// The sign of (b − a) × (c − a) · (d − a), if whole numbers hold it: six products below 2^123.
+/// Returns the sign of (b − a) × (c − a) · (d − a), or `undecided` if 128-bit integers do not suffice. Six products
+/// below 2^123.
 inline int orient3d_whole(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
     WholeDifferences<9> w;
     for (const Vec3d* const p : {&b, &c, &d})
@@ -145,7 +151,7 @@ inline int orient3d_whole(const Vec3d& a, const Vec3d& b, const Vec3d& c, const 
     return sign_of(minor(1, 2) * w[6] + minor(2, 0) * w[7] + minor(0, 1) * w[8]);
 }
 
-/// True if all of them have the same coordinate on some axis.
+/// True if all four points have the same coordinate on some axis.
 inline bool in_axis_plane(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
     const auto same = [&](int axis) { return a[axis] == b[axis] && a[axis] == c[axis] && a[axis] == d[axis]; };
     return same(0) || same(1) || same(2);
@@ -154,7 +160,7 @@ inline bool in_axis_plane(const Vec3d& a, const Vec3d& b, const Vec3d& c, const 
 }  // namespace detail
 #endif
 
-/// The exact sign of orient2d(), by expansions. Up to 1 us; some kilobytes of stack.
+/// Returns the exact sign of orient2d(), by expansions. Takes up to 1 us, and some kilobytes of stack.
 CRUMPLE_HD_COLD inline int orient2d_expansion(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     const int x = first_axis(dropped), y = second_axis(dropped);
     return (exact_difference(b[x], a[x]) * exact_difference(c[y], a[y]) -
@@ -162,8 +168,9 @@ CRUMPLE_HD_COLD inline int orient2d_expansion(const Vec3d& a, const Vec3d& b, co
         .sign();
 }
 
-/// ((b - a) x (c - a)) (d - a) along one axis; y and z are the other two. A function of its own, so that the three
-/// terms of a determinant share the stack that their intermediate expansions take: threads of a device have little.
+/// Computes the term of axis x of ((b - a) x (c - a)) (d - a); y and z are the other two axes. A separate function, so
+/// that the three terms of a determinant share the stack of their intermediate expansions: threads of a device have
+/// little.
 CRUMPLE_HD_COLD inline void orient3d_term(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, int x, int y,
                                           int z, Expansion<64>& term) {
     const auto uy = exact_difference(b[y], a[y]), uz = exact_difference(b[z], a[z]);
@@ -179,7 +186,7 @@ CRUMPLE_HD_COLD inline int orient3d_expansion(const Vec3d& a, const Vec3d& b, co
     return (x + y + z).sign();
 }
 
-/// The exact signs, for coordinates in the range of expansions.
+/// Return exact signs, for coordinates in the range of expansions.
 CRUMPLE_HD inline int orient2d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
 #ifndef __CUDA_ARCH__
     const int sign = detail::orient2d_whole(a, b, c, first_axis(dropped), second_axis(dropped));
@@ -195,7 +202,7 @@ CRUMPLE_HD inline int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d
     return orient3d_expansion(a, b, c, d);
 }
 
-/// The exact signs, by the filter where that decides, which takes about 10 ns.
+/// Return exact signs, by the filter if that decides, which takes about 10 ns.
 CRUMPLE_HD inline int orient2d(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     const int sign = orient2d_filtered(a, b, c, dropped);
     return sign != undecided ? sign : orient2d_exact(a, b, c, dropped);

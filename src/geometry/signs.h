@@ -1,13 +1,12 @@
 #pragma once
 
-// Where a decision takes the signs of its predicates from: two classes with the same functions. Compiled for host and
-// device.
+// Sources of signs for a decision: two classes with the same functions. Compiled for host and device.
 
 #include "geometry/predicates.h"
 
 namespace crumple {
 
-/// Filters in float64 alone, for any finite coordinates. What they leave open reads as 0, and is noted.
+/// Signs by float64 filters alone, for any finite coordinates. A sign that they do not decide is 0, and sets open().
 class FilteredSigns {
    public:
     static constexpr bool exact = false;
@@ -28,18 +27,18 @@ class FilteredSigns {
     bool open_ = false;
 };
 
-/// Filters, and expansions where these leave a sign open: exact for coordinates in the range of expansions.
+/// Signs by filters, and by expansions where these do not decide: exact for coordinates in the range of expansions.
 class ExactSigns {
    public:
     static constexpr bool exact = true;
-    /// Whether some sign took expansions.
+    /// True if filters did not decide some sign.
     CRUMPLE_HD bool expanded() const { return expanded_; }
 
     CRUMPLE_HD int orient(const Vec3d& p, const Vec3d& q, const Vec3d& r, const Vec3d& s) {
         const int sign = orient3d_filtered(p, q, r, s);
         return sign != undecided ? sign : orient_exactly(p, q, r, s);
     }
-    /// The same where the filter is known to fail.
+    /// Returns the sign of orient() without trying the filter, which is known to fail.
     CRUMPLE_HD int orient_exactly(const Vec3d& p, const Vec3d& q, const Vec3d& r, const Vec3d& s) {
         expanded_ = true;
         return orient3d_exact(p, q, r, s);

@@ -7,8 +7,8 @@
 
 namespace crumple {
 
-/// The exact input of a decision: three points in float64 (float32 input converts without loss) and the ids of the
-/// vertices they came from. Equal ids are the same vertex; [a, a, b] names two.
+/// Exact input of a decision: three points in float64 (float32 input converts without loss), and the ids of their
+/// vertices. Equal ids are the same vertex; [a, a, b] has two vertices.
 struct Triangle {
     std::array<Vec3d, 3> point;
     std::array<std::int32_t, 3> vertex;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Two float64 numbers at a time, by the vector extension of GCC and clang: every machine that the library is built for
-// has registers of 16 bytes, so no instruction set has to be chosen. The same operations and roundings as for one.
+// Lanes of two float64 numbers, by the vector extension of GCC and clang. Every machine that the library is built for
+// has 16-byte registers, so no instruction set has to be chosen. Operations and roundings are those of single numbers.
 
 #include <cstdint>
 #include <cstring>
@@ -9,7 +9,7 @@
 namespace crumple {
 
 using Two = double __attribute__((vector_size(16)));
-/// What comparing makes of two numbers: all bits, or none.
+/// Result of a comparison: for each lane all bits set, or none.
 using TwoMasks = decltype(Two{} < Two{});
 
 inline Two load_two(const double* from) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Three numbers and their arithmetic. Compiled for host and device.
+// Vectors of three numbers, and their arithmetic. Compiled for host and device.
 
 #include <cmath>
 #include <cstdint>
@@ -11,7 +11,7 @@
 #else
 #define CRUMPLE_HD
 #endif
-/// For long code that is rarely run: a device compiler would copy it to each place that calls it.
+/// Marks long code that is rarely run, which a device compiler would otherwise copy to each call.
 #define CRUMPLE_HD_COLD CRUMPLE_HD __attribute__((noinline))
 
 namespace crumple {
@@ -20,7 +20,8 @@ template <class T>
 struct Vec3 {
     T x{}, y{}, z{};
 
-    /// Passes numbers of up to 16 bytes by value. Integers of hundreds of bits take too long to copy.
+    /// True if numbers and vectors are passed by value: numbers of up to 16 bytes. Integers of hundreds of bits take
+    /// too long to copy.
     static constexpr bool by_value = sizeof(T) <= 16;
     using Number = std::conditional_t<by_value, T, const T&>;
     using Argument = std::conditional_t<by_value, Vec3, const Vec3&>;
@@ -63,7 +64,7 @@ template <class T>
 CRUMPLE_HD constexpr Vec3<T> max(Vec3<T> a, Vec3<T> b) {
     return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
 }
-/// std::swap, for the device too.
+/// Swaps two values: std::swap for host and device.
 template <class T>
 CRUMPLE_HD constexpr void swap_values(T& a, T& b) {
     const T c = a;

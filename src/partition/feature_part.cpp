@@ -13,14 +13,14 @@
 namespace crumple {
 namespace {
 
-// Of a neighbour that is not in the part: no vertex of the part is it.
+// Stands for a vertex outside the part in `joined`: no vertex of the part has this index.
 constexpr std::int32_t elsewhere = std::numeric_limits<std::int32_t>::max();
 
 void sort_and_unique(std::vector<std::int32_t>& ids) {
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
-// The position of an id in an ascending list, or -1.
+// Returns the position of an id in an ascending list, or -1.
 std::int32_t position_of(const std::vector<std::int32_t>& ids, std::int32_t id) {
     const auto at = std::lower_bound(ids.begin(), ids.end(), id);
     return at != ids.end() && *at == id ? static_cast<std::int32_t>(at - ids.begin()) : -1;
@@ -150,7 +150,8 @@ class FeatureCopy {
         }
     }
 
-    // By the name of each vertex of the part, ascending: the first vertex of that name. It is the name within the part.
+    // For each representative vertex of the part's vertices, ascending: the first vertex of the part that has it. This
+    // is the representative vertex within the part.
     using FirstByName = std::vector<std::pair<std::int32_t, std::int32_t>>;
     FirstByName first_by_name(const PartFeatures& out) const {
         FirstByName first;
@@ -183,7 +184,7 @@ void check_ids(const std::vector<T>& ids, const char* message, Element element) 
     T before = -1;
     for (std::size_t i = 0; i < ids.size(); before = ids[i++]) check_that(ids[i] > before, message, element, i);
 }
-// Each entry of each row is a position in a list of `size`, or -1.
+// Checks that each entry of each row is a position in a list of `size` entries, or -1.
 void check_rows(const std::vector<std::array<std::int32_t, 3>>& rows, std::size_t size, const char* message) {
     const auto most = static_cast<std::int64_t>(size);
     for (std::size_t i = 0; i < rows.size(); ++i)
@@ -192,7 +193,8 @@ void check_rows(const std::vector<std::array<std::int32_t, 3>>& rows, std::size_
 
 }  // namespace
 
-// Rounded up; no more than what holds everything matters, or is finite.
+// Returns a length in normalised coordinates, rounded up. The limit keeps it finite; longer lengths have no further
+// effect.
 double FeatureBalls::length(double x) const {
     return min(double{farthest}, x * normalise_.pre * normalise_.post) * 1.0000001 + 1e-30;
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Public parts of a scene that is asked about its features (crumple/part.h): each part takes along who owns which
-// vertex and edge, for the triangle that owns one may be in another part (docs/subdivide.md).
+// Public parts of a scene (crumple/part.h) for queries about features. Each part records which vertices and edges its
+// triangles own, because the owner of a feature may be in another part (docs/subdivide.md).
 
 #include <cstdint>
 #include <span>
@@ -18,23 +18,25 @@
 
 namespace crumple {
 
-/// What a question says of the scene beside where its vertices are.
+/// Contents of a query that parts need, except for vertex positions.
 struct FeaturePartQuestion {
     bool moving = false;
     double distance = 0, share = 0;
     bool weld = false;
-    std::span<const double> radii = {};         ///< of each vertex, or empty
-    const VertexReader* rest = nullptr;         ///< or null
-    const VertexRings* rings = nullptr;         ///< or null
-    std::span<const std::int32_t> groups = {};  ///< of each triangle that is no carrier, or empty
+    std::span<const double> radii = {};         ///< 1 per vertex, or empty
+    const VertexReader* rest = nullptr;         ///< not owned; may be null
+    const VertexRings* rings = nullptr;         ///< not owned; may be null
+    std::span<const std::int32_t> groups = {};  ///< 1 per triangle that is no proxy triangle, or empty
 };
 
-/// By which balls triangles belong to parts: their whole way, widened by as much as the question asks for.
+/// Balls that determine to which parts triangles belong: each contains the triangle's swept volume, widened for the
+/// distances of the query.
 class FeatureBalls {
    public:
     FeatureBalls(const FeaturePartQuestion& question, const Normaliser& normalise);
     PartBall operator()(const PreparedScene& scene, std::int64_t triangle) const;
-    /// So many times what its corners may move suffices for a ball that reaches nothing further (PartTree::mask).
+    /// Returns the factor, at most 1, by which the slack of PartTree::mask() has to be multiplied, because a ball also
+    /// grows with the longest way of a corner.
     double slack_of_way() const { return 3 / (3 + 2 * of_way_); }
 
    private:
@@ -45,18 +47,18 @@ class FeatureBalls {
     double half_ = 0, of_way_ = 0;
 };
 
-/// Cuts a scene, carriers among its triangles, into `count` parts; depends only on the arguments.
+/// Splits a scene, including its proxy triangles, into `count` parts. The result depends on the arguments only.
 std::vector<Part> make_feature_parts(const PreparedScene& scene, const SceneFeatures& features,
                                      const FeaturePartQuestion& question, int count, ParallelFor& parallel);
 
-/// Throws Error (invalid_argument, index_out_of_range) if the part has no features, or none that make_feature_parts()
-/// could have made, as far as that shows without a look at where its vertices are. Checks what check_part() does, too.
+/// Throws Error (invalid_argument) if the part has no features, or if make_feature_parts() could not have made it. Does
+/// not look at vertex positions. Includes check_part().
 void check_feature_part(const Part& part);
 
-/// Where a part's vertices are at the end of a step; empty for a part at rest.
+/// Returns the vertex positions of a part at the end of a step; empty for a static part.
 VertexView end_of(const PartFeatures& features);
 
-/// From positions in the part's lists to ids in the mesh.
+/// Converts positions in the part's lists to ids in the mesh.
 void name_globally(const Part& part, FeatureKind kind, Pair& pair);
 
 }  // namespace crumple

@@ -3,13 +3,13 @@
 // Fuzzy C-means on a sample of points ([MZ] sec. 4, eqs. 2 to 4).
 //
 // One iteration computes the membership of each point in each cluster (eq. 3) and moves each centre to the mean of the
-// points weighted by membership^t (eq. 4). For t = 2, the usual choice, both exponents are integers:
-// u_k = d_k^-2 / sum_j d_j^-2. A point on a centre (d = 0) counts as one at a distance of 1e-15, a valid limit of
-// eq. 3. Iteration ends when no centre moved further than `stop`, or at the cap. Any centres give the right collisions;
-// they decide only speed, so the sample and the cap may be small ([MZ] sec. 4, end).
+// points weighted by membership^t (eq. 4). For t = 2, the usual choice, both exponents are integers: u_k = d_k^-2 /
+// sum_j d_j^-2. A point on a centre (d = 0) counts as one at a distance of 1e-15, a valid limit of eq. 3. Iteration
+// ends when no centre moved further than `stop`, or at the cap. Any centres give correct collisions and affect only
+// speed, so the sample and the cap may be small ([MZ] sec. 4, end).
 //
-// Points and centres are normalised (at most about 1). Inner loops run over clusters, in lanes that no order of
-// summation links, so that every compiler and machine gives the same centres.
+// Points and centres are normalised (at most about 1). Inner loops run over clusters, whose sums are independent, so
+// that every compiler and machine gives the same centres.
 
 #include <array>
 #include <cmath>
@@ -21,9 +21,9 @@
 
 namespace crumple {
 
-inline constexpr int max_clusters = 64;  ///< of one level: bits of a mask
+inline constexpr int max_clusters = 64;  ///< per level: bits of a mask
 
-/// Cluster centres of one subdivision; what is kept from frame to frame.
+/// Cluster centres of one subdivision, cached from frame to frame for warm starts.
 struct Centres {
     int count = 0;
     std::array<float, max_clusters> x{}, y{}, z{};
@@ -32,8 +32,9 @@ struct Centres {
     void set(std::integral auto k, Vec3f p) { x.data()[k] = p.x, y.data()[k] = p.y, z.data()[k] = p.z; }
 };
 
-/// Splitting `clusters` ways pays while each triangle joins fewer than about clusters^(1/3) of them: a sweep costs
-/// members^2 times the mean interval over the extent, and the extent of a k-th of the scene is k^(1/3) times smaller.
+/// True if splitting into `clusters` clusters pays, which it does while each triangle joins fewer than about
+/// clusters^(1/3) of them: a sweep costs members^2 times the mean interval over the extent, and the extent of a k-th of
+/// the scene is k^(1/3) times smaller.
 inline bool splitting_pays(double memberships, double members, int clusters) {
     return memberships <= 1.1 * std::cbrt(clusters) * members;
 }
@@ -52,7 +53,7 @@ void start_centres(int count, std::size_t samples, Point&& point, Centres& centr
     for (std::size_t k = 0; k < n; ++k) centres.set(k, point((2 * k + 1) * samples / (2 * n)));
 }
 
-/// Improves `centres` on the points point(0) ... point(samples - 1), Vec3f each. Returns the iterations done.
+/// Improves `centres` on the points point(0) ... point(samples - 1), Vec3f each. Returns the number of iterations.
 template <class Point>
 int fuzzy_c_means(std::size_t samples, Point&& point, const FuzzyOptions& options, Centres& centres) {
     const auto count = static_cast<std::size_t>(centres.count);

@@ -1,11 +1,10 @@
 #pragma once
 
-// Levels of subdivision above an engine's own: where a scene is one cluster of a larger one.
+// Levels of subdivision above an engine's own, for a scene that is one cluster of a larger scene.
 //
-// A cluster handles a pair iff it is the lowest one of its level that both triangles belong to, at every level
-// (docs/subdivide.md), so each level brings one mask for each triangle. What a triangle is given as a label (a world, a
-// body, a rank) is a level, too, but one whose clusters do not overlap: being a member decides, and nothing is left to
-// ask. Such a level needs no entry here.
+// A cluster owns a pair iff, at every level, it is the lowest cluster that both triangles belong to
+// (docs/subdivide.md). So each level has one mask for each triangle. A label of triangles (world, body, rank) is a
+// level, too, but its clusters do not overlap: membership alone decides, so such a level needs no entry here.
 
 #include <array>
 #include <bit>
@@ -19,15 +18,15 @@ namespace crumple {
 inline constexpr std::size_t max_levels = 4;
 
 struct Level {
-    const std::uint64_t* masks = nullptr;  ///< by triangle of the scene: bit k, it belongs to cluster k
-    int cluster = 0;                       ///< the one that the scene is
+    const std::uint64_t* masks = nullptr;  ///< 1 per triangle of the scene: bit k is set if it belongs to cluster k
+    int cluster = 0;                       ///< cluster that the scene is
 };
 
-/// A short list, from the top; empty for a scene that is no part of another.
+/// Short list of levels, from the top; empty for a scene that is not part of another.
 class Levels {
    public:
     Levels() = default;
-    /// Those of a part, which must outlive this; none for null.
+    /// Constructs the levels of a part, which must outlive this object; none for null.
     explicit Levels(const Part* part) {
         if (!part) return;
         for (const PartLevel& level : part->levels) level_[count_++] = {level.masks.data(), level.cluster};
@@ -36,7 +35,7 @@ class Levels {
     const Level* begin() const { return level_.data(); }
     const Level* end() const { return level_.data() + count_; }
 
-    /// Whether the scene is the lowest cluster that both triangles belong to, on all levels.
+    /// True if the scene is the lowest cluster that both triangles belong to, on all levels.
     bool own(std::int64_t a, std::int64_t b) const {
         for (const Level& level : *this)
             if (std::countr_zero(level.masks[a] & level.masks[b]) != level.cluster) return false;

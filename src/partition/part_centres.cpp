@@ -8,11 +8,11 @@
 namespace crumple {
 namespace {
 
-/// A cluster on its way to be split.
+/// Cluster that is yet to be split.
 struct Node {
-    int parts = 1;                      ///< it becomes so many
-    Vec3f centre;                       ///< its own
-    std::vector<std::uint32_t> points;  ///< nearest to it
+    int parts = 1;                      ///< number of parts that it becomes
+    Vec3f centre;                       ///< centre of this cluster
+    std::vector<std::uint32_t> points;  ///< sample points that are nearest to it
 };
 
 int depth_for(int parts) {
@@ -27,14 +27,15 @@ std::int64_t power(std::int64_t base, int exponent) {
     return result;
 }
 
-// How many children begin `depth` levels of about equal width.
+// Returns how many children a node needs if `depth` levels of about equal width follow.
 int width_for(int parts, int depth) {
     int width = 1;
     while (power(width, depth) < parts) ++width;
     return width;
 }
 
-// A cold start with the usual fuzziness 2: no call of pow(), whose last bit may differ from machine to machine.
+// Computes a node's centres by a cold start with the usual fuzziness 2: without pow(), whose last bit may differ from
+// machine to machine.
 void place(const Node& node, std::span<const Vec3f> points, int count, Centres& centres) {
     constexpr std::size_t most_points = 4096;
     const std::size_t all = node.points.size(), n = std::min(all, most_points);
@@ -70,7 +71,7 @@ int nearest(const Centres& centres, Vec3f p) {
     return best;
 }
 
-// Its clusters, with the points and the parts that each of them gets; each has room for `most` parts.
+// Splits a node into clusters, and assigns each of them its points and its number of parts, at most `most`.
 std::vector<Node> split(const Node& node, std::span<const Vec3f> points, const Centres& centres, int most) {
     std::vector<Node> children(static_cast<std::size_t>(centres.count));
     for (std::size_t k = 0; k < children.size(); ++k) children[k].centre = centres[k];
@@ -91,7 +92,7 @@ Vec3f PartSample::centroid(const Triangle& t, const Normaliser& normalise) {
     return {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)};
 }
 
-// The next part goes to the cluster with the fewest parts for its points: integers alone decide.
+// The next part goes to the cluster with the fewest parts per point, decided by integers alone.
 std::vector<int> share_out(int parts, int most, std::span<const std::int64_t> points) {
     std::vector<int> shares(points.size(), 1);
     for (int left = parts - static_cast<int>(points.size()); left > 0; --left) {

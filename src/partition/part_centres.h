@@ -1,10 +1,11 @@
 #pragma once
 
-// Where the parts of a scene lie: a tree of fuzzy C-means centres ([MZ] sec. 4), placed by a sample of its triangles.
+// Location of the parts of a scene: a tree of fuzzy C-means centres ([MZ] sec. 4), computed from a sample of its
+// triangles.
 //
-// Up to 64 parts are one level, up to 64^2 two, and so on, each level about as wide as the others. A cluster of a level
-// gets as many of the parts as suit its share of the sample. The centres depend on the sample and the count alone, on
-// no order of threads and no machine.
+// Up to 64 parts have one level, up to 64^2 two, and so on; all levels are about equally wide. A cluster gets a number
+// of parts in proportion to its share of the sample. The centres depend on the sample and the count only, not on
+// threads or the machine.
 
 #include <algorithm>
 #include <cstddef>
@@ -20,7 +21,8 @@ namespace crumple {
 
 inline constexpr int max_parts = max_clusters * max_clusters * max_clusters;
 
-/// The triangles that place the centres of `parts` parts: at most 4,096, or 32 a part, evenly spread over the order.
+/// Sample of triangles from which the centres of `parts` parts are computed, evenly spread over the triangles' order:
+/// all of them, but at most 4,096 or 32 per part, whichever is more.
 class PartSample {
    public:
     PartSample(std::int64_t triangles, int parts)
@@ -40,18 +42,18 @@ class PartSample {
 
 class PartCentres {
    public:
-    /// Of 1 to max_parts parts, around normalised points.
+    /// Computes the centres of 1 to max_parts parts from normalised points.
     PartCentres(int parts, std::span<const Vec3f> points, const Normaliser& normalise, ParallelFor& parallel);
 
-    /// Those that bytes() has told of, elsewhere.
+    /// Reads centres from what bytes() has written, possibly on another machine.
     PartCentres(std::span<const std::byte> bytes, const Normaliser& normalise);
 
-    /// Valid while this lives and does not move.
+    /// Returns a view, valid while this object lives and is not moved.
     PartTree tree() const;
-    /// All there is to know but the normaliser.
+    /// Serializes everything except the normaliser.
     std::vector<std::byte> bytes() const;
 
-    /// Where a part lies: its cluster on each level, from the top; no masks yet.
+    /// Returns the cluster of a part on each level, from the top; without masks.
     std::vector<PartLevel> path(std::int32_t part) const;
 
    private:
@@ -64,11 +66,10 @@ class PartCentres {
     std::vector<Level> levels_;
 };
 
-/// The centres of so many parts of a scene.
+/// Computes the centres of `parts` parts of a scene.
 PartCentres place_parts(const PreparedScene& scene, int parts, ParallelFor& parallel);
 
-/// Shares out `parts` to clusters with so many points each: at least one and at most `most` to each, otherwise in
-/// proportion.
+/// Distributes `parts` over clusters in proportion to their points: at least one and at most `most` to each.
 std::vector<int> share_out(int parts, int most, std::span<const std::int64_t> points);
 
 }  // namespace crumple

@@ -1,12 +1,12 @@
 #pragma once
 
-// Which parts of a scene a triangle belongs to ([MZ] sec. 1.1; rule and proof in docs/subdivide.md).
+// Membership of triangles in the parts of a scene ([MZ] sec. 1.1; rule and proof in docs/subdivide.md).
 //
 // The parts are the leaves of a tree: centres of the first level split the scene, and those of a further level split
-// each cluster of the level above. A triangle is followed down the tree, so all that is needed are its own coordinates,
-// the scene's box and the centres: a machine that holds a slice of the triangles finds their parts alone.
+// each cluster of the level above. Following a triangle down the tree takes only its own coordinates, the scene's box
+// and the centres, so a machine with a slice of the triangles finds their parts alone.
 //
-// Machines that answer different parts must agree on every bit of every mask, so this is plain float64 arithmetic
+// Machines that search different parts must agree on every bit of every mask, so this is plain float64 arithmetic
 // without contraction, the same on every processor. Compiled for host and device.
 //
 // Layout: the nodes of a level are the children of the nodes of the level above, in order; those of the last level are
@@ -23,7 +23,7 @@
 
 namespace crumple {
 
-/// A triangle as membership knows it: the ball around its centroid that holds it, in normalised coordinates.
+/// Ball that determines a triangle's membership: around its centroid, containing it, in normalised coordinates.
 struct PartBall {
     Vec3d centre;
     double radius;
@@ -36,8 +36,8 @@ struct PartBall {
         radius = std::sqrt(r2);
     }
 
-    /// The same all the way from the start to the end of a step, widened by `half`, and by `of_way` times the longest
-    /// way of a corner (inflation.h); at most what holds everything.
+    /// Constructs the ball of a triangle's swept volume from the start to the end of a step, widened by `half`, and by
+    /// `of_way` times the longest way of a corner (inflation.h). The radius is at most `farthest`.
     CRUMPLE_HD PartBall(const Triangle& start, const Vec3d (&end)[3], double half, double of_way,
                         const Normaliser& normalise) {
         const Vec3d p[6] = {normalise(start.point[0]), normalise(start.point[1]), normalise(start.point[2]),
@@ -50,26 +50,27 @@ struct PartBall {
     }
 };
 
-/// The children of a node: their centres, normalised float32 numbers.
+/// Centres of a node's children, normalised float32 numbers.
 struct PartSiblings {
     double x[max_clusters], y[max_clusters], z[max_clusters];
 
     CRUMPLE_HD Vec3d centre(int k) const { return {x[k], y[k], z[k]}; }
 };
 
-/// A view; PartCentres (part_centres.h) owns the arrays.
+/// View of a tree; PartCentres (part_centres.h) owns the arrays.
 struct PartTree {
     struct Level {
-        const std::int32_t* first;    ///< of the children of node i: [first[i], first[i + 1])
-        const PartSiblings* centres;  ///< of each node's children
-        const double* apart;          ///< row of max_clusters for each child: its distance from each of its siblings
+        const std::int32_t* first;    ///< children of node i: [first[i], first[i + 1])
+        const PartSiblings* centres;  ///< 1 per node: centres of its children
+        const double* apart;          ///< max_clusters per child: its distance from each of its siblings
     };
     Normaliser normalise;
     int depth = 0;
     Level level[max_levels];
 
-    /// Bit k: the ball may hold a point that is nearest to the k-th child of `node`. `slack`, if not null, is made no
-    /// more than what the triangle's corners may move, each by so much at most, until it may reach a further child.
+    /// Returns a mask of which bit k is set if the ball may contain a point that is nearest to the k-th child of
+    /// `node`. Lowers `slack`, if not null, to at most the distance that each corner of the triangle may move before
+    /// the ball may reach a further child.
     CRUMPLE_HD std::uint64_t mask(const PartBall& ball, int l, std::int32_t node, double* slack = nullptr) const {
         const std::int32_t first = level[l].first[node], count = level[l].first[node + 1] - first;
         const PartSiblings& centres = level[l].centres[node];
@@ -83,9 +84,10 @@ struct PartTree {
         double least = INFINITY;
         for (std::int32_t k = 0; k < count; ++k)
             if (distance2[k] < least) nearest = k, least = distance2[k];
-        // The looser rule, for it needs one comparison, and the bisector rule for the few that pass. Sides of the
-        // latter are some ten roundings from the truth, and no number exceeds 12 (1 + d2); those of the former twice as
-        // many, and none exceeds 50. Of centres at one place the lowest takes all.
+        // The looser rule comes first, because it needs one comparison, then the bisector rule for the few that pass.
+        // Both sides of the latter are about ten roundings from the truth, and no number exceeds 12 (1 + d2); those of
+        // the former have twice as many, and none exceeds 50. Of centres at equal positions, the lowest takes all
+        // members.
         const double* apart = level[l].apart + static_cast<std::int64_t>(first + nearest) * max_clusters;
         const double reach = std::sqrt(least) + 2 * ball.radius;
         const double farthest = reach * reach + 1e-12;
@@ -94,8 +96,8 @@ struct PartTree {
             const double d2 = distance2[k];
             if (k > nearest && apart[k] == 0) continue;
             if (d2 > farthest || d2 - least > 2 * ball.radius * apart[k] + 1e-13 * (1 + d2)) {
-                // The ball's distance from the bisector, of which the centroid's way takes one part and what the radius
-                // grows two.
+                // Distance of the ball from the bisector. If corners move, the centroid uses up one third of it at
+                // most, and the growth of the radius two thirds.
                 if (slack) {
                     const double gap = (d2 - least - 1e-12 * (1 + d2)) / (2 * apart[k]) - ball.radius;
                     *slack = min(*slack, gap / 3);
@@ -107,12 +109,12 @@ struct PartTree {
         return mask;
     }
 
-    /// Calls visit(part, masks) for each part that the triangle belongs to, by ascending part, with one mask a level.
-    /// `slack`: see mask().
+    /// Calls visit(part, masks) for each part that the triangle belongs to, in ascending order, with one mask per
+    /// level. `slack`: see mask().
     template <class Visit>
     CRUMPLE_HD void for_each_part(const PartBall& ball, Visit visit, double* slack = nullptr) const {
         std::uint64_t masks[max_levels];
-        std::int32_t node[max_levels] = {}, next[max_levels] = {};  // the next child to look at
+        std::int32_t node[max_levels] = {}, next[max_levels] = {};  // next child to visit
         int l = 0;
         masks[0] = mask(ball, 0, 0, slack);
         while (l >= 0) {

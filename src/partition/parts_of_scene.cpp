@@ -12,7 +12,8 @@
 namespace crumple {
 namespace {
 
-// Numbers the vertices of a part by their first use: open addressing, linear probing, half full at most.
+// Numbers the vertices of a part in the order of first use: a hash table with open addressing and linear probing, at
+// most half full.
 class LocalNumbers {
    public:
     LocalNumbers(std::size_t most, const SeededHash& hash)
@@ -37,7 +38,7 @@ class LocalNumbers {
     std::int32_t count_ = 0;
 };
 
-// Copies the triangles `ids` (of the joint numbering) of one side, their vertices as Scalar.
+// Copies the triangles `ids` (in the joint numbering) of one of the meshes, with their vertices as Scalar.
 template <class Scalar>
 PartMesh copy_mesh(const PreparedScene& scene, std::size_t side, std::span<const std::int32_t> ids,
                    const SeededHash& hash) {
@@ -70,7 +71,8 @@ PartMesh copy_mesh(const PreparedScene& scene, std::size_t side, std::span<const
                                       : copy_mesh<double>(scene, side, ids, hash);
 }
 
-// `slices`: the members among the scene's triangles, in order. Returns the ids of those of part k.
+// Returns the ids of the triangles in part k, and appends their masks to the part's levels. `slices`: members of all
+// parts among the scene's triangles, in order.
 std::vector<std::int32_t> join_members(std::span<const PartMembers> slices, std::size_t k, Part& part) {
     const std::size_t depth = part.levels.size();
     std::size_t size = 0;
@@ -124,7 +126,7 @@ PartMembers list_members(const PartTree& tree, int parts, BallOfTriangle ball, s
     return members;
 }
 
-// No slice is so small that its table of parts is larger than what it holds.
+// Slices are large enough that their tables of parts are not larger than their contents.
 std::vector<PartMembers> list_members(const PartTree& tree, int parts, BallOfTriangle ball, std::int64_t count,
                                       ParallelFor& parallel) {
     const std::int64_t least = std::max<std::int64_t>(4096, parts);

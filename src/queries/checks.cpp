@@ -52,7 +52,7 @@ void check_device_poses(const World& world) {
     check(given(world.device_poses) || !given(world.device_end_poses),
           "poses at the end lie in device memory, and those at the start do not");
     for (const DevicePoses* poses : {&world.device_poses, &world.device_end_poses}) {
-        if (poses == &world.device_end_poses && !given(*poses)) continue;  // as at the start
+        if (poses == &world.device_end_poses && !given(*poses)) continue;  // the same as at the start
         if (poses->count != static_cast<std::int64_t>(world.bodies.size()))
             throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(poses->count) + " poses for " +
                                                          std::to_string(world.bodies.size()) + " bodies");
@@ -156,7 +156,8 @@ void check_query(const MeshView& a, const MeshView* b, const IntersectionQuery& 
     check(q.filter.groups == PairScope::both || q.filter.groups == PairScope::between ||
               q.filter.groups == PairScope::within,
           "filter.groups must be both, between or within");
-    // An empty mesh may have groups without anybody seeing it, and where one mesh has them, the other is in group 0.
+    // An empty mesh passes, since it cannot show whether it has groups. If one of two meshes has groups, the other one
+    // is in group 0.
     const auto lacks_groups = [](const MeshView& mesh) { return mesh.triangles.rows > 0 && mesh.groups.empty(); };
     if (!lacks_groups(a) || (b && !lacks_groups(*b))) return;
     check(q.filter.excluded_groups.empty(),

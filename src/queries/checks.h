@@ -1,6 +1,6 @@
 #pragma once
 
-// What a detector's options and questions must be; each function throws Error (invalid_argument) if they are not.
+// Checks of options and queries. Each check throws Error (invalid_argument) if a requirement is violated.
 
 #include "crumple/candidates.h"
 #include "crumple/distances.h"
@@ -19,7 +19,7 @@ void check(bool holds, const char* message);
 void check_options(const Options& options);
 /// `b`: null for one mesh.
 void check_query(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
-/// `world`: asked of a world, else of a single mesh.
+/// `world`: true for a query about a world, false for a single mesh.
 void check_question(const IntersectionQuery& question);
 /// Checks a query with containment about a world.
 void check_containment(const IntersectionQuery& query, const World& world);
@@ -28,16 +28,16 @@ void check_question(const ProximityQuery& question, bool world);
 void check_question(const CandidateQuery& question, bool world);
 void check_question(const DistanceQuery& question);
 void check_question(const OverlapQuery& query, const World& world);
-/// Of a single mesh, with so many triangles.
+/// Checks the rules about groups for a single mesh with this number of triangles.
 void check_groups(const PairFilter& rules, std::int64_t triangles, bool has_groups);
-/// Whether a world's poses do.
+/// True if poses in device memory are given.
 inline bool given(const DevicePoses& poses) { return poses.data || poses.count > 0; }
 inline bool lies_on_device(const World& world) { return given(world.device_poses) || given(world.device_end_poses); }
 void check_device_poses(const World& world);
-/// What cannot be answered there.
+/// Rejects queries that launches of worlds do not support.
 void check_on_device(const IntersectionQuery& question);
 void check_blocks(std::int64_t block_rows);
-/// What cannot be answered in blocks.
+/// Rejects queries whose results cannot be delivered in blocks.
 void check_in_blocks(const ImpactQuery& question);
 void check_in_blocks(const ProximityQuery& question);
 void check_in_blocks(const IntersectionQuery& query);

@@ -1,6 +1,6 @@
 #pragma once
 
-// A result about features that lies on the device, as a backend reports it.
+// Result of a query about features in device memory, as a backend reports it.
 
 #include <array>
 #include <cstdint>
@@ -14,8 +14,8 @@ namespace crumple {
 struct DeviceRows {
     std::int64_t count = 0;
     const Pair* pairs = nullptr;
-    const double* value = nullptr;       ///< toi, or squared distance; null of candidates
-    const std::uint8_t* flag = nullptr;  ///< start, or touching; null of candidates
+    const double* value = nullptr;       ///< toi, or squared distance; null for candidates
+    const std::uint8_t* flag = nullptr;  ///< start, or touching; null for candidates
 };
 
 struct DeviceAnswer : DeviceFeatures {

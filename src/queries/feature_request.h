@@ -1,7 +1,7 @@
 #pragma once
 
-// Request to a backend about the features of one scene, and its result. Impacts, proximities and candidates are one
-// search for pairs of features, each with another criterion.
+// Request to a backend about the features of one scene, and its result. Impacts, proximities and candidates are the
+// same search for pairs of features with different criteria.
 
 #include <array>
 #include <cstdint>
@@ -23,14 +23,15 @@
 
 namespace crumple {
 
-/// Condition that a pair of features is listed by: they touch on their way, are within a distance, or have inflated
-/// boxes that overlap.
+/// Condition for listing a pair of features: they touch during the step, are within a distance, or have inflated boxes
+/// that overlap.
 enum class Criterion : std::uint8_t { impact, proximity, candidate };
 
-/// How much of the result is made.
+/// Output of a request: only a flag for any pair, the first impact, or all pairs.
 enum class Extent : std::uint8_t { any, first, all };
 
-/// True for each kind of pairs that is listed, by CandidateKind: it has the kinds of FeatureKind, too, in their order.
+/// Flags by CandidateKind, true for each kind of pairs that is listed. CandidateKind includes the kinds of FeatureKind,
+/// in the same order.
 using ListedKinds = std::array<bool, candidate_kinds>;
 
 CRUMPLE_HD constexpr CandidateKind candidate_kind(FeatureKind kind) {
@@ -41,20 +42,20 @@ CRUMPLE_HD constexpr CandidateKind candidate_kind(FeatureKind kind) {
 
 struct FeatureRequest {
     Criterion criterion = Criterion::proximity;
-    Extent extent = Extent::all;  ///< all, of candidates
+    Extent extent = Extent::all;  ///< always `all` for candidates
     ListedKinds kinds{};
     double distance = 0;            ///< the minimum distance, the radius, or the inflation
     double share = 0;               ///< ImpactQuery::min_distance_share
     bool approaching_only = false;  ///< ImpactQuery::approaching_only
     bool strict = false;            ///< ProximityQuery::strict
-    bool frugal = false;            ///< with as little memory as can be, and always as much
+    bool frugal = false;            ///< use as little memory as possible, in an amount that does not depend on threads
     const SceneFeatures& features;
     const GroupRule& rule;
-    // Not of candidates:
-    std::span<const double> radii = {};  ///< ProximityQuery::radii of the scene's vertices; empty: `distance` counts
-    const VertexRings* rings = nullptr;  ///< neighbours that have no vertex in common; null: there are none
-    const RestShape* rest = nullptr;     ///< null: there is none
-    const Part* part = nullptr;          ///< what the scene is made of, whose pairs are requested; null: all
+    // Unused for candidates:
+    std::span<const double> radii = {};  ///< ProximityQuery::radii of the scene's vertices; empty: `distance` applies
+    const VertexRings* rings = nullptr;  ///< pairs to leave out beyond those with a common vertex; null: none
+    const RestShape* rest = nullptr;     ///< rest shape; null: none
+    const Part* part = nullptr;          ///< part that the scene was made from; requests its own pairs; null: all pairs
 
     bool lists(CandidateKind kind) const { return kinds[static_cast<std::size_t>(kind)]; }
 };
@@ -72,7 +73,7 @@ CRUMPLE_HD constexpr FeatureTypes types_of(CandidateKind kind) {
 }
 CRUMPLE_HD constexpr FeatureTypes types_of(FeatureKind kind) { return types_of(candidate_kind(kind)); }
 
-/// How many features there are of a type.
+/// Returns the number of features of a type.
 inline std::int64_t count_of(const SceneFeatures& features, FeatureType type) {
     switch (type) {
         case FeatureType::vertex:
@@ -95,7 +96,7 @@ struct FeatureHit {
 struct FeatureRows {
     explicit FeatureRows(MemoryMeter* m) : pairs(m), value(m), flag(m) {}
     Array<Pair> pairs;
-    // Empty of candidates:
+    // Empty for candidates:
     Array<double> value;       ///< toi, or squared distance
     Array<std::uint8_t> flag;  ///< start, or touching
 
@@ -149,11 +150,11 @@ using FeatureStream = RowStream<RowLists>;
 struct FeatureResult {
     explicit FeatureResult(MemoryMeter* m) : rows(m) {}
     bool any = false;
-    FirstImpact first;  ///< of impacts, from Extent::first on; without bodies
+    FirstImpact first;  ///< for impacts, from Extent::first on; without bodies
     RowLists rows;      ///< for Extent::all; sorted, unique
     Statistics statistics;
 
-    /// Forgets all, keeps its memory.
+    /// Empties the result, but keeps its memory.
     void clear() {
         any = false;
         first = {};

@@ -1,6 +1,6 @@
 #pragma once
 
-// From a query about features to the request to a backend about one scene.
+// Converts queries about features to requests to a backend about one scene.
 
 #include <type_traits>
 
@@ -18,7 +18,7 @@ constexpr bool is_near = std::is_same_v<Query, ProximityQuery>;
 template <class Query>
 constexpr bool is_candidates = std::is_same_v<Query, CandidateQuery>;
 
-/// Kind of a list of the query's result.
+/// Type of the index of the lists in the query's result.
 template <class Query>
 using KindOf = std::conditional_t<is_candidates<Query>, CandidateKind, FeatureKind>;
 
@@ -29,7 +29,8 @@ inline Extent extent(const ImpactQuery& query) {
 inline Extent extent(const ProximityQuery& query) { return query.output == Output::pairs ? Extent::all : Extent::any; }
 inline Extent extent(const CandidateQuery&) { return Extent::all; }
 
-/// Kinds of which the features have pairs: edges of triangles, and their vertices, touch nothing that faces do not.
+/// Returns the kinds of pairs to list. If all features belong to triangles, vertex-edge and vertex-vertex pairs are
+/// redundant: whatever these touch, faces touch, too.
 inline ListedKinds listed_kinds(const SceneFeatures& features) {
     const bool others = !features.plain();
     return {true, true, false, false, others, others};

@@ -10,7 +10,7 @@
 namespace crumple {
 namespace {
 
-/// "shape 2: ", or nothing for a single mesh.
+/// Error prefix: "shape 2: " for worlds, empty for a single mesh.
 std::string name_of(std::size_t shape, bool bodies) { return bodies ? "shape " + std::to_string(shape) + ": " : ""; }
 
 void check_count(const std::string& which, const char* what, std::int64_t given, std::int64_t vertices) {

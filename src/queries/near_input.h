@@ -1,7 +1,7 @@
 #pragma once
 
-// What questions about nearness are given of each vertex beside where it is: a radius, and where it is at rest. Shapes
-// have it; a scene of several bodies gets it one body after the other.
+// Input of proximity queries for each vertex: its radius, and its position in the rest shape. Shapes hold this input;
+// for a scene of several bodies it is concatenated, body after body.
 
 #include <span>
 #include <string>
@@ -18,37 +18,39 @@
 
 namespace crumple {
 
-/// Throws Error (invalid_argument) that names the first radius, after `which`, that is none.
+/// Throws Error (invalid_argument) that names the first radius that is negative or not finite. `which`: prefix of the
+/// message.
 void check_radii(const std::string& which, std::span<const double> radii);
 
 class NearInput {
    public:
     explicit NearInput(MemoryMeter* meter) : given_radii_(meter), points_(meter), body_(meter), rings_(meter) {}
 
-    /// Reads and checks what the question and its shapes say. `bodies`: see FeatureSearch. `here`: arrays lie on the
-    /// host; else their contents are not looked at. Throws Error
-    /// (invalid_argument, not_finite) that names shape and vertex.
+    /// Reads and checks the input of the query and the shapes. `bodies`: see FeatureSearch. `here`: true if the arrays
+    /// are in host memory; otherwise their contents are not read. Throws Error (invalid_argument, not_finite) that
+    /// names shape and vertex.
     void begin(const WorldOutline& outline, const ProximityQuery& question, bool bodies, bool here,
                ParallelFor& workers, SceneBuffers& buffers);
 
-    /// For a scene that is the only body, where the caller has it; or for one of several.
+    /// Sets the scene: the only body, read in place, or a scene of several bodies.
     void place(const Shape& only);
     void place(const WorldOutline& outline, const WorldScene& scene);
 
-    /// Tells the query of all that, of a scene of so many vertices and with these features. It stays where it is.
+    /// Adds radii, rest shape and rings to a request, which refers to memory of this object. Makes the rings from the
+    /// request's features. `vertices`: number of vertices of the scene.
     void tell(std::int64_t vertices, ParallelFor& workers, Cancellation& cancellation, FeatureRequest& query);
 
-    /// Gives all memory back.
+    /// Frees all memory.
     void release();
 
    private:
-    // Of the call:
+    // Per call:
     bool any_radii_ = false, any_rest_ = false;
     std::int32_t ring_count_ = 0;
-    // Of the scene:
+    // Per scene:
     std::span<const double> radii_;
     RestShape rest_;
-    Array<double> given_radii_, points_;  ///< where several bodies' are put together: one and three a vertex
+    Array<double> given_radii_, points_;  ///< concatenated over bodies: 1 and 3 per vertex
     Array<std::int32_t> body_;            ///< see RestShape
     VertexRings rings_;
 };

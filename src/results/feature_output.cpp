@@ -62,7 +62,8 @@ void swap_arrays(Answer& mine, Answer& theirs) {
     theirs.statistics = mine.statistics;
 }
 
-// Pairs are sorted by their first feature, so counting them gives the offsets; a stable counting sort the other order.
+// Pairs are sorted by first feature, so counting them gives its offsets. A stable counting sort gives the order by
+// second feature.
 template <class List>
 void index_list(List& list, std::int64_t firsts, std::int64_t seconds) {
     list.offsets.assign(static_cast<std::size_t>(firsts) + 1, 0);

@@ -1,6 +1,7 @@
 #pragma once
 
-// From the rows of one scene to the public results: impacts, proximities and candidates differ in names alone.
+// Converts the rows of one scene to public results. Impacts, proximities and candidates differ only in the names of
+// arrays.
 
 #include <concepts>
 
@@ -11,7 +12,7 @@
 
 namespace crumple {
 
-/// Empty answers whose arrays the meter counts.
+/// Returns an empty result whose arrays are counted by the meter.
 Impacts metered_impacts(MemoryMeter* meter);
 Proximities metered_nearby(MemoryMeter* meter);
 Candidates metered_candidates(MemoryMeter* meter);
@@ -19,12 +20,12 @@ Candidates metered_candidates(MemoryMeter* meter);
 template <class Answer>
 Answer metered_answer(MemoryMeter* meter);
 
-/// Swaps the contents of two answers, and clears `mine`.
+/// Moves the result `mine` to `theirs`. `mine` keeps the memory of `theirs`, emptied.
 void hand_over(Impacts& mine, Impacts& theirs);
 void hand_over(Proximities& mine, Proximities& theirs);
 void hand_over(Candidates& mine, Candidates& theirs);
 
-/// Forgets what an answer says, keeps its memory.
+/// Empties a result or a list, but keeps its memory.
 void clear(Impacts& answer);
 void clear(Proximities& answer);
 void clear(Candidates& answer);
@@ -36,13 +37,13 @@ void clear(CandidateList& list);
 template <class List>
 constexpr bool has_values = !std::same_as<List, CandidateList>;
 
-// The arrays of a list, by what they are in both results.
+// Arrays of a list, by their common meaning in impacts and proximities.
 inline Array<double>& values(ImpactList& list) { return list.toi; }
 inline Array<double>& values(ProximityList& list) { return list.squared_distance; }
 inline Array<std::uint8_t>& flags(ImpactList& list) { return list.start; }
 inline Array<std::uint8_t>& flags(ProximityList& list) { return list.touching; }
 
-/// Swaps the rows of a list, which has no others.
+/// Swaps all rows of a list with `rows`.
 template <class List>
 void swap_rows(List& list, FeatureRows& rows) {
     list.pairs.swap_elements(rows.pairs);
@@ -52,7 +53,7 @@ void swap_rows(List& list, FeatureRows& rows) {
     }
 }
 
-/// Offsets by first and by second feature, of which there are so many.
+/// Makes the offsets by first and by second feature. `firsts`, `seconds`: numbers of these features.
 void make_index(ImpactList& list, std::int64_t firsts, std::int64_t seconds);
 void make_index(ProximityList& list, std::int64_t firsts, std::int64_t seconds);
 

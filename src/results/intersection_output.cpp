@@ -25,7 +25,7 @@ void release(Intersections& result) {
 
 void hand_over(Intersections& result, Intersections& other) {
     const auto swap_all = [&](auto&... mine) {
-        // Throws under a limit only, and then there is nothing to count.
+        // Throws only under a limit, and then `other` has no memory to count.
         std::apply([&](auto&... theirs) { (mine.swap_elements(theirs), ...); }, arrays(other));
     };
     std::apply(swap_all, arrays(result));

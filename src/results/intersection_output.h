@@ -1,6 +1,6 @@
 #pragma once
 
-// What follows from the sorted pairs: offsets, hit flags, contacts.
+// Makes the rest of a result from its sorted pairs: offsets, hit flags, contacts.
 
 #include <atomic>
 #include <tuple>
@@ -12,45 +12,48 @@
 
 namespace crumple {
 
-/// An empty result whose arrays the meter counts.
+/// Returns an empty result whose arrays are counted by the meter.
 Intersections metered(MemoryMeter* meter);
 
-/// Adds counts and times; says nothing of who did the work.
+/// Adds counts and stage times, but not the number of threads, the backend or the instruction set.
 void add(const Statistics& some, Statistics& sum);
 
-/// The same, and takes over who did it.
+/// Adds counts and stage times, and copies the number of threads, the backend and the instruction set.
 void add_pass(const Statistics& pass, Statistics& sum);
 
-/// All arrays of a result.
+/// Returns references to all arrays of a result.
 inline auto arrays(Intersections& r) {
     return std::tie(r.world_hit, r.world_counts, r.bodies, r.inside, r.skipped, r.pairs, r.contacts.kinds,
                     r.contacts.offsets, r.contacts.points, r.offsets, r.hit_second, r.hit, r.world_offsets,
                     r.body_offsets, r.first_triangle);
 }
 
-/// Empties a result, keeps its memory.
+/// Empties a result, but keeps its memory.
 void clear(Intersections& result);
 
-/// Gives the memory of all arrays back.
+/// Frees the memory of all arrays.
 void release(Intersections& result);
 
-/// Gives `other` the result, and keeps the storage of `other`, emptied. Where a limit counts memory, `other` owns none.
+/// Moves `result` to `other`. `result` keeps the memory of `other`, emptied. Under a memory limit, `other` must own no
+/// memory.
 void hand_over(Intersections& result, Intersections& other);
 
-/// Offsets by first triangle and hit flags, from result.pairs (sorted).
+/// Makes offsets by first triangle and hit flags from result.pairs, which are sorted.
 void index_pairs(const PreparedScene& scene, Intersections& result);
 
-/// Leaves only the pairs that a part owns of all those of its triangles; contacts are still to come.
+/// Drops pairs of the part's triangles that the part does not own, and makes offsets and flags. Call before contacts
+/// are made.
 void keep_owned(const PreparedScene& scene, const Levels& levels, Intersections& result);
 
-/// Bytes of a result with so many pairs. Contacts take room for six points a pair until they are packed.
+/// Returns the bytes of a result with this number of pairs. Contacts have capacity for six points per pair until they
+/// are packed.
 inline std::int64_t result_bytes(const PreparedScene& scene, const IntersectionQuery& query, std::int64_t pairs) {
     const std::int64_t contacts = pairs * (6 * 24 + 1 + 8) + 8;
     return pairs * 8 + (scene.triangles[0] + 1) * 8 + scene.triangle_count() + (query.contacts() ? contacts : 0);
 }
 
-/// The exact contacts of result.pairs. `for_each(n, task)` calls task(i) for i in [0, n), in any order or in parallel.
-/// Returns how many took rational arithmetic.
+/// Makes the exact contacts of result.pairs. `for_each(n, task)` calls task(i) for i in [0, n), in any order or in
+/// parallel. Returns the number of contacts that needed rational arithmetic.
 template <class ForEach>
 std::int64_t contacts_of_pairs(const PreparedScene& scene, Intersections& result, ForEach for_each) {
     const std::size_t n = result.pairs.size();
@@ -69,7 +72,7 @@ std::int64_t contacts_of_pairs(const PreparedScene& scene, Intersections& result
         for (std::size_t k = 0; k < static_cast<std::size_t>(c.count); ++k)
             contacts.points[6 * i + k] = {c.points[k].x, c.points[k].y, c.points[k].z};
     });
-    // Counts become offsets, and points move together; they only ever move to the front.
+    // Converts counts to offsets and packs the points in place, since points only move to the front.
     contacts.offsets[0] = 0;
     for (std::size_t i = 0; i < n; ++i) {
         const std::int64_t begin = contacts.offsets[i], count = contacts.offsets[i + 1];

@@ -11,14 +11,14 @@ namespace {
 
 using FaceReader = std::function<FaceOfSurface(std::size_t side, std::int32_t face)>;
 
-/// An end of a segment, where the edge between two vertices crosses a face.
+/// End of a segment, where the edge between two vertices crosses a face.
 struct CurveEnd {
-    std::size_t side;  ///< of the edge
+    std::size_t side;  ///< surface of the edge: 0 or 1
     std::int32_t low, high, crossed;
     std::int32_t segment;
     std::int32_t face;  ///< the face with that edge
     bool is_start;
-    bool upward;  ///< that face runs along its edge from the lower to the higher vertex
+    bool upward;  ///< true if that face traverses its edge from the lower to the higher vertex
 
     auto crossing() const { return std::tie(side, low, high, crossed); }
 };
@@ -32,7 +32,7 @@ CurveEnd end_of(const Segment& segment, std::size_t index, bool is_start, const 
             own,      is_start,           from < to};
 }
 
-/// The order of faces around an edge, counter-clockwise about the direction from its lower to its higher vertex.
+/// Order of faces around an edge, counter-clockwise about the direction from its lower to its higher vertex.
 class FacesAroundEdge {
    public:
     FacesAroundEdge(std::span<const CurveEnd> ends, const FaceReader& face) {
@@ -53,13 +53,13 @@ class FacesAroundEdge {
         const int exponent = common_exponent(points);
         const Vec3<Integer> origin = scaled(low_, exponent), axis = scaled(high_, exponent) - origin;
         for (std::size_t i = 0; i < ends.size(); ++i)
-            normals_.push_back(cross(axis, scaled(points[i], exponent) - origin));  // of the half-plane of the face
+            normals_.push_back(cross(axis, scaled(points[i], exponent) - origin));  // of the face's half-plane
         axis_ = axis;
         const auto proper = std::find_if(normals_.begin(), normals_.end(), [](const auto& n) { return !is_zero(n); });
         if (proper != normals_.end()) first_ = *proper;
     }
 
-    /// Indices of the ends in that order; faces without a direction are last.
+    /// Returns the indices of the ends in that order; degenerate faces, which have no direction, are last.
     std::vector<std::size_t> order() const {
         std::vector<std::size_t> order(normals_.size());
         for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -86,7 +86,7 @@ class FacesAroundEdge {
     std::vector<Vec3<Integer>> normals_;
 };
 
-/// The segment after each one, and the one before it; −1: none.
+/// Next and previous segment of each segment; −1: none.
 struct Chains {
     std::vector<std::int32_t> next, previous;
 
@@ -97,8 +97,8 @@ struct Chains {
     }
 };
 
-// Around the edge, a solid begins at a face that runs downward along it, and ends at one that runs upward: pairs are
-// found like those of brackets, on a circle.
+// Going around the edge, a solid begins at a face that traverses the edge downward and ends at one that traverses it
+// upward. Matches these like brackets on a circle.
 void join_at(std::span<const CurveEnd> ends, const FaceReader& face, Chains& chains) {
     if (ends.size() == 2) {
         if (ends[0].is_start != ends[1].is_start) chains.join(ends[0], ends[1]);

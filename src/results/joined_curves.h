@@ -1,10 +1,10 @@
 #pragma once
 
-// Joins the segments in which two surfaces cross to curves. Host only.
+// Joins the segments in which two surfaces cross into curves. Host only.
 //
 // Segments end where an edge of one surface crosses a face of the other. At an ordinary edge two faces meet, so that
-// the segment on one of them ends where that on the other one starts. At an edge of more faces, segments of faces are
-// joined between which a solid would lie: so curves touch there instead of crossing each other.
+// the segment on one of them ends where the segment on the other one starts. At an edge with more faces, two segments
+// are joined if a solid would lie between their faces, so that curves touch there instead of crossing each other.
 
 #include <cstdint>
 #include <functional>
@@ -15,7 +15,7 @@
 
 namespace crumple {
 
-/// The corners of a face of the first or the second surface: its vertices, and where they are.
+/// Corners of a face of the first or the second surface: vertices and positions.
 struct FaceOfSurface {
     std::array<std::int32_t, 3> vertex;
     FaceCorners corner;
@@ -26,10 +26,10 @@ struct JoinedCurve {
     bool closed = false;                 ///< the last segment ends where the first one starts
 };
 
-/// `segments`: those of one shift. The segments from index `links` on belong to degenerate faces, whose edges lie on
-/// each other and cross the same face: they have no length, join curves, and are left out of these. Curves are in the
-/// order of their lowest segments; closed ones start with it. A curve is open where an edge belongs to one face alone,
-/// or to faces that are not oriented alike. O(n log n).
+/// Joins the segments of one shift into curves. Segments from index `links` on belong to degenerate faces, whose edges
+/// coincide and cross the same face: they have no length, and connect curves without being listed in them. Curves are
+/// in the order of their lowest segments; closed ones start with it. A curve is open where an edge belongs to one face
+/// alone, or to faces that are not oriented alike. O(n log n).
 std::vector<JoinedCurve> join_segments(std::span<const Segment> segments, std::size_t links,
                                        const std::function<FaceOfSurface(std::size_t side, std::int32_t face)>& face);
 

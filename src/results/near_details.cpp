@@ -36,7 +36,7 @@ Features at_rest(const PreparedScene& scene, const SceneFeatures& features, Feat
     return of({v, w, w, w});
 }
 
-// The least of the values of each feature's pairs.
+// Lowers the value of each feature to the least value of its pairs.
 void lower(const Array<Pair>& pairs, const Array<double>& value, Array<double>& of_first, Array<double>& of_second) {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         of_first[pairs[i].a] = std::min(of_first[pairs[i].a], value[i]);
@@ -65,8 +65,8 @@ void append_closest(const PreparedScene& scene, const SceneFeatures& features, F
         find(0, pairs.size());
 }
 
-// Rounding keeps the order: the least distance of a feature is that of a pair whose rounded square is least, and only
-// such pairs are asked for their distance.
+// Rounding is monotonic: the least distance of a feature is that of a pair whose rounded squared distance is least.
+// Only the distances of such pairs are computed.
 void tell_least(const PreparedScene& scene, const SceneFeatures& features, ParallelFor& workers, Proximities& answer) {
     constexpr double none = std::numeric_limits<double>::infinity();
     const auto of = [&](FeatureKind kind, Array<double>& firsts, Array<double>& seconds) {

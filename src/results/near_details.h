@@ -1,7 +1,7 @@
 #pragma once
 
-// Details of near pairs that a query may have, once the list is there: where they are closest, and how close each
-// feature comes to any other.
+// Optional details of proximities, made from complete lists: closest points of each pair, and least distance of each
+// feature.
 
 #include "base/parallel_for.h"
 #include "crumple/array.h"
@@ -12,15 +12,16 @@
 
 namespace crumple {
 
-/// Appends type and parameters of `pairs`, which are the scene's, to those of the list. `workers`: null in one of their
-/// own tasks.
+/// Appends type and parameters of the closest points of `pairs`, which have indices of the scene, to those of the list.
+/// `workers`: null if called within one of their tasks.
 void append_closest(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind,
                     const Array<Pair>& pairs, ParallelFor* workers, ProximityList& list);
 
-/// Least distances of the features of a single mesh, from its complete lists.
+/// Makes the least distances of the features of a single mesh from its complete lists.
 void tell_least(const PreparedScene& scene, const SceneFeatures& features, ParallelFor& workers, Proximities& answer);
 
-/// Least distances of a result while its lists are searched once more: take() swaps them with the result's.
+/// Holds the least distances of a result while another search makes its lists: take() swaps them with those of the
+/// result.
 struct LeastDistances {
     Array<double> of_vertices, of_faces, of_edges;
 
@@ -31,7 +32,7 @@ struct LeastDistances {
     }
 };
 
-/// Adds what the query has of these to a result whose pairs are the scene's.
+/// Adds the requested details to a result whose pairs have indices of the scene.
 void add_details(const PreparedScene& scene, const SceneFeatures& features, const ProximityQuery& query,
                  ParallelFor& workers, Proximities& result);
 

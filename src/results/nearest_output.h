@@ -1,6 +1,6 @@
 #pragma once
 
-// The answer about nearest bodies, as it is put together.
+// Assembles results of distance queries.
 
 #include <optional>
 
@@ -9,7 +9,7 @@
 
 namespace crumple {
 
-/// What is told of one pair of bodies.
+/// Result for one pair of bodies.
 struct NearestRow {
     double squared = 0;
     bool touching = false;
@@ -17,16 +17,16 @@ struct NearestRow {
     Witnesses points;
 };
 
-/// Empty, with arrays that are all counted by `meter`.
+/// Returns an empty result whose arrays are counted by the meter.
 Distances metered_nearest(MemoryMeter* meter);
-/// Gives `theirs` the answer, and keeps the storage of `theirs`, emptied.
+/// Moves the result `mine` to `theirs`. `mine` keeps the memory of `theirs`, emptied.
 void hand_over(Distances& mine, Distances& theirs);
 void clear(Distances& answer);
 
-/// Makes place for rows of these bodies, as many as `answer.bodies` has.
+/// Resizes all arrays to the number of rows in `answer.bodies`.
 void make_rows(Distances& answer);
 void put_row(Distances& answer, std::size_t i, const NearestRow& row);
-/// Drops the rows that `kept` has 0 for; the order stays.
+/// Drops the rows whose flag in `kept` is 0; the order is preserved.
 void keep_rows(Distances& answer, const Array<std::uint8_t>& kept);
 
 }  // namespace crumple

@@ -1,15 +1,15 @@
 #pragma once
 
-// Blocks of a result, filled in the order of the units of work that its rows come from, whoever is done first.
+// Blocks of a result, filled in the order of the units of work that produce its rows, whichever unit finishes first.
 //
 //     unit 0   finished
 //     unit 1   piece, piece, ...   <-- its turn: its pieces go into the block at once
-//     unit 2   piece, piece        kept until it is its turn; where too many rows are kept, its worker waits
+//     unit 2   piece, piece        queued until its turn; while too many rows are queued, its worker waits
 //     unit 3   not begun
 //
-// A unit is a leaf, or a tile of a large one (backends/cpu/order.h). Units are begun in ascending order, so that the
-// one whose turn it is has a worker that does not wait, and all goes on. Pieces depend on their unit alone, and so
-// blocks do not depend on threads.
+// A unit is a leaf, or a tile of a large one (backends/cpu/order.h). Units are begun in ascending order, so the unit
+// whose turn it is has a worker that does not wait: there is no deadlock. Pieces depend on their unit alone, so blocks
+// do not depend on threads.
 
 #include <algorithm>
 #include <chrono>
@@ -30,27 +30,28 @@ namespace crumple {
 template <class Block>
 class OrderedBlocks {
    public:
-    /// Operations on blocks. All but `make` and `size` are called by one thread at a time, whichever.
+    /// Operations on blocks. All but `make` and `size` are called by one thread at a time, but not always the same.
     struct Work {
-        std::function<std::unique_ptr<Block>()> make;  ///< an empty one
+        std::function<std::unique_ptr<Block>()> make;  ///< returns an empty block
         std::function<std::size_t(const Block&)> size;
         /// Appends rows [begin, end) of a piece.
         std::function<void(Block& to, Block& piece, std::size_t begin, std::size_t end)> append;
-        std::function<void(Block&)> take;  ///< a full one, and the last; what it throws ends all
+        std::function<void(Block&)> take;  ///< consumes a full block, or the last; if it throws, delivery ends
         std::function<void(Block&)> clear;
     };
 
-    /// `most`: rows of a block, and rows that are kept for later units.
+    /// `most`: rows per block, and limit of the rows that are queued for later units.
     OrderedBlocks(std::int64_t most, Cancellation& cancellation, Work work)
         : most_(static_cast<std::size_t>(most)),
           cancellation_(cancellation),
           work_(std::move(work)),
           filling_(work_.make()) {}
 
-    /// An empty piece.
+    /// Returns an empty piece.
     std::unique_ptr<Block> make() const { return work_.make(); }
 
-    /// Takes a piece of a unit that is not finished, by the one worker of that unit. Waits where too much is kept.
+    /// Consumes a piece of an unfinished unit; called by the worker of that unit only. Waits while too many rows are
+    /// queued.
     void add(std::int64_t unit, std::unique_ptr<Block> piece) {
         const std::size_t rows = work_.size(*piece);
         if (rows == 0) return;
@@ -63,13 +64,13 @@ class OrderedBlocks {
         kept_ += rows;
     }
 
-    /// The unit has no further piece.
+    /// Ends a unit: it has no further pieces.
     void finish(std::int64_t unit) {
         std::unique_lock lock(mutex_);
         unit += first_;
         units_[unit].finished = true;
-        wait(lock, [&] { return unit != turn_ || !busy_; });  // until nobody delivers what was kept of this unit
-        if (unit != turn_) return;                            // or will be finished by whoever does
+        wait(lock, [&] { return unit != turn_ || !busy_; });  // until no thread delivers queued pieces of this unit
+        if (unit != turn_) return;                            // the thread whose turn it is finishes this unit
         while (!failed_ && units_.contains(turn_)) {
             Unit& of_turn = units_[turn_];
             for (auto& piece : std::exchange(of_turn.pieces, {})) {
@@ -83,17 +84,17 @@ class OrderedBlocks {
         changed_.notify_all();
     }
 
-    /// After an error: nobody waits any longer, and nothing is delivered.
+    /// Ends delivery after an error: no thread waits any longer, and nothing is delivered.
     void fail() {
         const std::lock_guard lock(mutex_);
         failed_ = true;
         changed_.notify_all();
     }
 
-    /// Units of the next scene are counted from 0 again; those of the one before are all finished.
+    /// Begins the next scene, whose units are numbered from 0 again. All units of the previous scene must be finished.
     void next_scene() { first_ = turn_; }
 
-    /// Delivers the last block, if there is anything in it.
+    /// Delivers the last block, unless it is empty.
     void finish() {
         if (work_.size(*filling_) == 0) return;
         cancellation_.check();
@@ -106,7 +107,7 @@ class OrderedBlocks {
         bool finished = false;
     };
 
-    // Waits until ready() or an error, and checks now and then that the call was not cancelled.
+    // Waits until ready() or an error, and checks regularly for cancellation.
     template <class Ready>
     void wait(std::unique_lock<std::mutex>& lock, Ready ready) {
         while (!failed_ && !ready()) {
@@ -117,7 +118,7 @@ class OrderedBlocks {
         }
     }
 
-    // Meanwhile others may keep what they have found.
+    // Delivers a piece without the lock, so that other threads can queue pieces meanwhile.
     void deliver(std::unique_lock<std::mutex>& lock, Block& piece) {
         busy_ = true;
         lock.unlock();
@@ -152,11 +153,11 @@ class OrderedBlocks {
     Cancellation& cancellation_;
     const Work work_;
     std::mutex mutex_;
-    std::condition_variable changed_;  ///< whose turn it is, or how much is kept
+    std::condition_variable changed_;  ///< signals a change of the turn or of the number of queued rows
     std::map<std::int64_t, Unit> units_;
     std::int64_t first_ = 0, turn_ = 0;
     std::size_t kept_ = 0;  ///< rows of units whose turn has not come
-    bool busy_ = false;     ///< somebody delivers
+    bool busy_ = false;     ///< a thread is delivering
     bool failed_ = false;
     std::unique_ptr<Block> filling_;
 };

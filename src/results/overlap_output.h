@@ -18,10 +18,10 @@ struct VertexWinding {
     std::int32_t vertex, winding;
 };
 
-/// A curve in which the surfaces cross.
+/// Curve in which the surfaces cross.
 struct OverlapCurve {
     bool closed = false;
-    Vec3d area_vector, torque;    ///< about the row's torque point; NaN if it is open
+    Vec3d area_vector, torque;    ///< about the row's torque point; NaN if the curve is open
     std::vector<Vec3d> points;    ///< one more than segments
     std::vector<Pair> triangles;  ///< by segment
 };
@@ -31,40 +31,40 @@ struct OverlapRow {
     bool exists = false;  ///< the surfaces meet, or one has a component inside the other
     OverlapRelation relation = OverlapRelation::overlapping;
     OverlapNumbers numbers;
-    // As far as requested, of the first and the second body, in the order of vertices:
+    // If requested, of the first and the second body, by ascending vertex:
     std::array<std::vector<VertexVector>, 2> gradient;
     std::array<std::vector<VertexWinding>, 2> windings;
     std::vector<OverlapCurve> curves;
-    double body_volume = 0;  ///< of a body with itself: its own volume
+    double body_volume = 0;  ///< for a body with itself: its own volume
 };
 
-/// Memory of a row's lists.
+/// Returns the bytes of a row's lists.
 std::size_t bytes_of(const OverlapRow& row);
 
-/// Turns bodies inside out whose orientation is −1.
+/// Converts a row to that of the bodies turned inside out where their orientation (1 or −1) is −1.
 void orient(int first, int second, OverlapRow& row);
 
-/// Empty, with arrays that are all counted by `meter`.
+/// Returns an empty result whose arrays are counted by the meter.
 Overlaps metered_overlaps(MemoryMeter* meter);
-/// Gives `theirs` the result, and keeps the storage of `theirs`, emptied.
+/// Moves the result `mine` to `theirs`. `mine` keeps the memory of `theirs`, emptied.
 void hand_over(Overlaps& mine, Overlaps& theirs);
-/// Forgets all.
+/// Empties a result, but keeps its memory.
 void clear(Overlaps& result);
 
-/// Begins a result without rows. Numbers by body are those of bodies whose surfaces are not closed.
+/// Begins a result without rows. Values by body are initialised to those of bodies whose surfaces are not closed.
 void begin(const OverlapQuery& query, std::int32_t worlds, std::int32_t bodies, Overlaps& result);
-/// Adds what the row of a body with itself says of that body.
+/// Sets the values by body from the row of a body with itself.
 void add_body(std::int32_t body, const OverlapRow& row, Overlaps& result);
 
-/// The numbers of surfaces that are not closed: NaN, but for the torque point.
+/// Returns the numbers for surfaces that are not closed: NaN, except for the torque point.
 OverlapNumbers undefined_numbers(const Vec3d& point);
-/// True if a query wants the row.
+/// True if the query lists the row.
 bool is_listed(const OverlapQuery& query, const OverlapRow& row);
 
-/// Tells which bodies have been left out, named any number of times.
+/// Lists the bodies that were skipped. `bodies` may contain duplicates.
 void add_skipped(std::vector<std::int32_t> bodies, Overlaps& result);
 
-/// Adds a row, as far as the query's output has it. `world`: that of the row, or −1.
+/// Adds a row to the arrays of the query's output. `world`: world index of the row, or −1.
 void add_row(const OverlapQuery& query, const BodyPair& bodies, std::int32_t world, const OverlapRow& row,
              Overlaps& result);
 

@@ -7,7 +7,7 @@
 namespace crumple {
 namespace {
 
-/// The triangle that owns each feature; -1: it is in the part, and what owns it is not.
+/// Triangle that owns each feature of the part; -1: the owner is not in the part.
 struct OwnersInPart {
     std::vector<std::int32_t> points, edges;
 

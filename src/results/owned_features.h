@@ -1,13 +1,13 @@
 #pragma once
 
-// Rows that a part owns, for backends that search a part as if it were a whole scene.
+// Selects the rows that a part owns, for backends that search a part as if it were a whole scene.
 
 #include "queries/feature_request.h"
 
 namespace crumple {
 
-/// Leaves rows that the request's part owns, of all impacts or proximities of the scene's features, and of these as
-/// much as the request's extent. A part owns a pair if the triangles that own the two features are a pair of the part.
+/// Reduces all impacts or proximities of the scene's features to the rows that the request's part owns, and to the
+/// request's extent. A part owns a pair if the triangles that own the two features are a pair of the part.
 void keep_owned(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result);
 
 }  // namespace crumple

@@ -1,6 +1,6 @@
 #pragma once
 
-// The answer for a world, as it is put together pair by pair.
+// Assembles the result of an intersection query about a world, pair by pair.
 
 #include <array>
 #include <cstdint>
@@ -13,32 +13,33 @@
 
 namespace crumple {
 
-/// Where an answer goes that is handed over in blocks (Detector::stream).
+/// Size and consumer of the blocks of a result (Detector::stream).
 struct WorldBlocks {
-    std::int64_t most;  ///< pairs of a block
+    std::int64_t most;  ///< pairs per block
     FunctionRef<void(const Intersections& block)> take;
 
-    /// Hands the pairs that are there over, if they fill a block or are the last, and makes room for the next.
+    /// Delivers the pairs listed so far if they fill a block or are the last, then clears them.
     void pass_on(Intersections& result, bool last = false) const;
 };
 
-/// Empty, with room for what each world gets.
+/// Empties the result and allocates its arrays by world.
 void clear(Intersections& result, const WorldOutline& outline, const IntersectionQuery& question);
 
-/// Something collides in this pass: in world `pass`, or (pass = worlds()) among the bodies that are in all worlds.
+/// Records a collision with world index `pass`: in that world, or (pass = worlds()) among the bodies that are in all
+/// worlds.
 void hit(std::int32_t pass, const WorldOutline& outline, Intersections& result);
 
-/// A colliding pair, as far as it is wanted. Pairs come in their order.
+/// Adds a colliding pair to the arrays of the query's output. Pairs must come in order.
 void add_pair(const WorldOutline& outline, const IntersectionQuery& question, std::int32_t pass, BodyPair bodies,
               Pair pair, Intersections& result);
-/// Where the last pair meets.
+/// Adds the contact of the last pair.
 void add_contact(ContactKind kind, std::span<const std::array<double, 3>> points, Intersections& result);
 
-/// Adds pairs of bodies, in order, of which one is inside the other, to those whose surfaces meet (Output::body_pairs).
-/// `finish` comes before it.
+/// Adds pairs of bodies of which one is inside the other (sorted) to those whose surfaces meet (Output::body_pairs).
+/// Call after finish().
 void add_contained(std::span<const BodyPair> pairs, Intersections& result);
 
-/// What follows from the pairs: offsets and hit flags; bodies in order.
+/// Completes the result: sorts pairs of bodies, and makes offsets and hit flags.
 void finish(const WorldOutline& outline, const IntersectionQuery& question, Intersections& result);
 
 }  // namespace crumple

@@ -1,6 +1,7 @@
 #pragma once
 
-// What the stages of the cpu backend keep from call to call. They own nothing; order.cpp hands them what they need.
+// Memory that the stages of the cpu backend reuse from call to call. The stages own nothing; order.cpp passes them what
+// they need.
 
 #include <memory>
 #include <vector>
@@ -13,13 +14,13 @@
 
 namespace crumple::cpu {
 
-/// Memory of one worker: a leaf on its way from `align` to `sweep`.
+/// Memory of one worker, for a leaf from `align` to `sweep`.
 struct WorkerBuffers {
     explicit WorkerBuffers(MemoryMeter* m) : members(m), sort(m), leaf(m), tile_begin(m) {}
     LeafMembers members;
     SortScratch sort;
     SortedLeaf leaf;
-    Array<std::int64_t> tile_begin;  ///< rows at which a large leaf is cut
+    Array<std::int64_t> tile_begin;  ///< first row of each tile of a large leaf, then the end
     Statistics statistics;           ///< counts and times of align and sort
 };
 
@@ -33,8 +34,8 @@ struct Buffers {
     Points points;
     Array<Ball> balls;
     Subdivision subdivision;
-    Array<std::uint8_t> included;  ///< by triangle: 0 for one that is left out; empty: none is
-    bool repeats_corner = false;   ///< whether some triangle names a vertex twice
+    Array<std::uint8_t> included;  ///< 1 per triangle: 0 if it is left out; empty: none is
+    bool repeats_corner = false;   ///< true if some triangle has a repeated vertex
     WarmCentres warm;
     std::vector<std::unique_ptr<WorkerBuffers>> worker;
 };

@@ -1,5 +1,5 @@
-// The seam of the cpu backend: what is kept between calls, and which way a call is answered. order.cpp knows the
-// stages.
+// Backend interface of the cpu backend: caches data between calls, and chooses how a call is run. The order of the
+// stages is in order.cpp.
 
 #include "backends/backend.h"
 
@@ -111,7 +111,7 @@ class CpuBackend final : public BackendBase {
     struct Remembered : SceneMemory {
         WarmCentres centres;
     };
-    /// From call to call.
+    /// Data cached between calls.
     struct Kept {
         Kept(MemoryMeter* m, int workers, const IntersectKernels& kernels, const FeatureTables& features,
              const CandidateKernels& candidates)
@@ -147,7 +147,7 @@ class CpuBackend final : public BackendBase {
                                                : inflation_of_radii(scene, request.radii, workers_, k.features);
         return call;
     }
-    // With nothing kept.
+    // Frees all cached data, and makes a low-memory call.
     IntersectCall call_in_chunks(const PreparedScene& scene, const IntersectionQuery& query, const Part* part) {
         release();
         statistics_ = {};
@@ -174,7 +174,8 @@ class CpuBackend final : public BackendBase {
     std::unique_ptr<Kept> kept_;
     Statistics statistics_;
     std::int64_t too_many_ =
-        std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit the limit at once
+        std::numeric_limits<std::int64_t>::max();  ///< scenes of this many triangles or more are searched in chunks:
+                                                   ///< this many exceeded the limit
 };
 
 }  // namespace

@@ -1,8 +1,8 @@
 #pragma once
 
-// What a question does where [MZ] has one triangle test: the seam between the order of the stages, which knows balls,
-// boxes and who owns a pair, and the questions, which know the rest. A virtual call costs nothing here: there are a few
-// a leaf, and one for each tile of a large one.
+// Steps of a query in place of [MZ]'s triangle test: the interface between the order of the stages, which deals with
+// balls, boxes and ownership, and the kinds of query, which do all else. Virtual calls cost nothing here: there are a
+// few per leaf, and one per tile of a large leaf.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,37 +16,38 @@ namespace crumple::cpu {
 
 struct Call;
 
-/// One question, with the scratch and the findings of each worker. The members between begin() and finish() are called
-/// by several workers at once, each with its own number.
+/// One query, with scratch and results of each worker. Several workers call the members between begin() and finish() at
+/// once, each with its own number.
 class LeafQuestion {
    public:
     virtual ~LeafQuestion() = default;
 
-    /// A search begins; nothing is found yet. The bounds are there.
+    /// Starts a search: discards earlier results. Stage `bounds` has run.
     virtual void begin(const Call& call) = 0;
-    /// Leaves out (Buffers::included) triangles that need not be searched. `levels`: those above the scene, to which
-    /// one may be added.
+    /// Leaves out triangles that need not be searched (Buffers::included). `levels`: those above the scene; the call
+    /// may add one.
     virtual void leave_out(const Call&, Levels& /*levels*/) {}
-    /// Reserves scratch of a worker for a leaf of so many members and rows, so that warm calls allocate nothing.
+    /// Reserves a worker's scratch for a leaf with these numbers of members and rows, so that warm calls allocate
+    /// nothing.
     virtual void make_room(const Call&, std::int64_t /*members*/, std::int64_t /*rows*/, std::size_t /*worker*/) {}
 
-    /// Asked before each leaf. Throws if the call was cancelled.
+    /// Returns true if the search may end. Called before each leaf. Throws if the call was cancelled.
     virtual bool stop() const = 0;
-    /// Beside `align`: boxes of a leaf's members, and records.
+    /// Completes `align`: computes the boxes and the records of a leaf's members.
     virtual void build(const BuildInput& input, LeafMembers& members, std::size_t worker) = 0;
-    /// Beside `sort`: each record to its member's row.
+    /// Completes `sort`: copies each record to its member's row.
     virtual void place(const SortedLeaf& leaf, std::size_t worker) = 0;
-    /// Stages `sweep` and `narrow` of rows [first, last) of a leaf that `builder` has built.
+    /// Runs stages `sweep` and `narrow` for rows [first, last) of a leaf that worker `builder` has built.
     virtual void sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first, std::int64_t last,
                        std::size_t builder, std::size_t worker) = 0;
 
-    /// Begin and end a unit of the work of a stream, on a worker. Rows that sweep() finds between belong to the unit.
+    /// Begin and end a unit of a stream on a worker. Rows that sweep() finds in between belong to the unit.
     virtual void begin_unit(std::int64_t /*unit*/, std::size_t /*worker*/) {}
     virtual void end_unit(std::size_t /*worker*/) {}
-    /// The search ends by an error; may be called several times.
+    /// Reports that the search ends with an error. May be called several times.
     virtual void fail() {}
 
-    /// The search is over: adds what sweep() counted, and its times.
+    /// Ends a search: adds the counts and times of sweep().
     virtual void finish(Statistics& statistics) = 0;
 };
 

@@ -12,7 +12,8 @@ namespace {
 // Leaves with more interval tests than this are cut into tiles of about a quarter of it, for several workers.
 constexpr std::int64_t tile_work = std::int64_t{1} << 22;
 
-// Tiles of rows with about the same number of interval tests: their prefix sum tells where to cut.
+// Cuts a leaf's rows into tiles with about the same number of interval tests. Writes the first row of each, then the
+// end.
 void cut_into_tiles(const SortedLeaf& leaf, Array<std::int64_t>& tile_begin) {
     const std::int64_t share = leaf.work / (4 * leaf.work / tile_work + 1) + 1;
     tile_begin.clear();
@@ -77,7 +78,7 @@ void sort_leaf(const Call& call, std::size_t w) {
 void sweep_leaf(const Call& call, const Ownership& ownership, bool in_tiles, std::size_t w) {
     WorkerBuffers& worker = *call.buffers.worker[w];
     const SortedLeaf& leaf = worker.leaf;
-    // Units of a stream do not depend on how many workers there are.
+    // Units of a stream must not depend on the number of workers.
     if (!in_tiles || (!call.units && (call.workers.workers() == 1 || leaf.work <= tile_work))) {
         call.question.sweep(leaf, ownership, 0, leaf.rows, w, w);
         return;

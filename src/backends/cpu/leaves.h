@@ -7,16 +7,16 @@
 
 namespace crumple::cpu {
 
-/// Reserves each worker's scratch for the largest ordinary leaf, so that warm calls allocate nothing. A worker that
-/// gets an unusually large leaf makes room for it then.
+/// Reserves each worker's scratch for the largest ordinary leaf, so that warm calls allocate nothing; an unusually
+/// large leaf grows its worker's scratch later. Does nothing under a memory limit or with one worker.
 void make_room_for_workers(const Call& call);
 
-/// False if the leaf holds no pair. Tells `ownership` of its members.
+/// Runs `align` of a leaf. Returns false if the leaf has fewer than two members. Prepares `ownership` for its members.
 bool align_leaf(const Call& call, const Leaf& leaf, Ownership& ownership, std::size_t worker);
 
 void sort_leaf(const Call& call, std::size_t worker);
 
-/// Stages `sweep` and `narrow`. `in_tiles`: on several workers, if there is enough to do.
+/// Runs stages `sweep` and `narrow`. `in_tiles`: on several workers, if the leaf is large enough.
 void sweep_leaf(const Call& call, const Ownership& ownership, bool in_tiles, std::size_t worker);
 
 }  // namespace crumple::cpu

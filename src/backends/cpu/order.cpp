@@ -18,7 +18,7 @@ void begin(const Call& call) {
     statistics.leaves = statistics.members = 0;
 }
 
-// Which triangles are looked at, and the levels above them that say whose pairs are wanted.
+// Selects the triangles to search (Buffers::included). Returns the levels above them that decide which pairs are owned.
 Levels choose_triangles(const Call& call) {
     Buffers& b = call.buffers;
     Levels levels = call.levels;
@@ -28,8 +28,8 @@ Levels choose_triangles(const Call& call) {
     return levels;
 }
 
-// How many leaves are done one after another, each on all workers: where a task cannot start a loop, and in streams,
-// whose units are tiles then, those that are far larger than others are usual, or the only one. The largest come first.
+// Returns how many leaves, the largest first, run one after another, each on all workers: those far larger than usual,
+// or the only one. This is needed if a task cannot start a loop, and in streams, whose units are then tiles.
 std::size_t leaves_alone(const Call& call) {
     const Array<Leaf>& leaves = call.buffers.subdivision.leaves;
     if (call.workers.nests() && !call.units) return 0;
@@ -38,7 +38,7 @@ std::size_t leaves_alone(const Call& call) {
     return static_cast<std::size_t>(std::partition_point(leaves.begin(), leaves.end(), large) - leaves.begin());
 }
 
-/// Calls work(leaf, worker, in_tiles): whether other workers may help with the leaf.
+/// Calls work(leaf, worker, in_tiles) for each leaf. `in_tiles`: other workers may help with the leaf.
 template <class Work>
 void for_each_leaf(const Call& call, Work work) {
     const Array<Leaf>& leaves = call.buffers.subdivision.leaves;
@@ -79,7 +79,7 @@ void search(const Call& call) {
     Stopwatch watch;
     question.begin(call);
     for (const auto& worker : b.worker) worker->statistics = {};
-    if (call.frugal) b.warm = {};  // each pass makes the same leaves
+    if (call.frugal) b.warm = {};  // so that each pass makes the same leaves
     const Levels levels = choose_triangles(call);
     statistics[Stage::bounds] += watch.lap();
     place_clusters(b.balls, n, b.included_or_null(), call.options, kernels, workers, b.warm, b.subdivision);

@@ -1,6 +1,6 @@
 #pragma once
 
-// The order of the stages: [MZ] Algorithm 1. The same for every question.
+// Order of the stages ([MZ] Algorithm 1), the same for every kind of query.
 
 #include <algorithm>
 #include <atomic>
@@ -13,33 +13,34 @@
 
 namespace crumple::cpu {
 
-/// What is asked, and who answers.
+/// Request, settings and resources of one call.
 struct Call {
     const PreparedScene& scene;
     const GroupRule& rule;
-    Levels levels;  ///< above the scene
+    Levels levels;  ///< levels above the scene
     const Options& options;
     const StageKernels& kernels;
     Workers& workers;
-    ParallelFor& parallel;  ///< the same workers, for the model
+    ParallelFor& parallel;  ///< same threads as `workers`
     Cancellation& cancellation;
     MemoryMeter& meter;
     Buffers& buffers;
     Statistics& statistics;
     LeafQuestion& question;
 
-    bool frugal = false;            ///< one cluster after another, on one worker
-    std::int64_t* units = nullptr;  ///< of a stream: how many units of the work have begun; else null
-    Inflation inflation = {};       ///< of every triangle
+    bool frugal = false;            ///< low memory: one cluster after another, on one worker
+    std::int64_t* units = nullptr;  ///< number of units that a stream has begun; null: no stream
+    Inflation inflation = {};       ///< inflation of every triangle
 
-    /// The normalised vertices, once they are there.
+    /// Returns the normalised vertices. measure() must have run.
     PointRows points() const {
         return scene.float32 ? PointRows{buffers.points.f.data(), nullptr}
                              : PointRows{nullptr, buffers.points.d.data()};
     }
 };
 
-/// Calls task(i, worker) for i in [0, n), in parallel. Of a stream each is a unit; units begin in ascending order.
+/// Calls task(i, worker) for i in [0, n), in parallel. In a stream, each task is a unit; units begin in ascending
+/// order.
 template <class Task>
 void for_each_unit(const Call& call, std::size_t n, Task task) {
     if (!call.units) return call.workers.parallel_for(n, task);
@@ -64,10 +65,10 @@ void for_each_unit(const Call& call, std::size_t n, Task task) {
                               [&](std::size_t, std::size_t worker) { work(worker); });
 }
 
-/// Stage `bounds`, once a call.
+/// Runs stage `bounds`.
 void measure(const Call& call);
 
-/// From `subdivide` to `narrow`, on a scene that was measured. The question keeps what it finds.
+/// Runs the stages from `subdivide` to `narrow` on a scene for which measure() has run. `question` keeps the results.
 void search(const Call& call);
 
 }  // namespace crumple::cpu

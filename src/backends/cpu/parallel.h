@@ -1,12 +1,12 @@
 #pragma once
 
-// The one seam through which the cpu backend uses threads: an arena of workers, oneTBB's or an Executor that the host
-// application lends, and a parallel loop.
+// The only place where the cpu backend uses threads: an arena of workers, oneTBB's or an Executor that the application
+// provides, and a parallel loop.
 //
-// With CRUMPLE_STD_THREADS there is no oneTBB: what nobody lends is plain std::thread, which ThreadSanitizer
-// understands (it reports races inside a clean oneTBB). Either way each task holds the floating point environment, and
-// `worker` is below `workers()` and unique among the tasks that run at the same time, so that scratch memory can be one
-// per worker. Before each task a loop looks whether the call was cancelled, and throws.
+// With CRUMPLE_STD_THREADS, plain std::thread replaces oneTBB: ThreadSanitizer understands it, but reports races inside
+// a clean oneTBB. Either way, each task holds the floating-point environment, and `worker` is below workers() and
+// unique among the tasks that run at the same time, so that each worker can have scratch memory of its own. Before each
+// task, a loop checks whether the call was cancelled, and throws.
 
 #include <algorithm>
 #include <atomic>
@@ -48,7 +48,7 @@ class Workers {
         parallel_for_lent(n, task);
     }
 #else
-    /// The threads start now, so that the first call does not have to: that would take a third longer in a small scene.
+    /// Starts the threads now: if the first call had to, it would take a third longer in a small scene.
     Workers(const Options& options, Cancellation& cancellation)
         : lent_(options.executor),
           arena_(options.threads > 0 ? std::min(options.threads, allowed()) : tbb::task_arena::automatic),
@@ -57,10 +57,10 @@ class Workers {
     }
     int workers() const { return lent_ ? lent_->concurrency() : arena_.max_concurrency(); }
 
-    /// Whether a task may start a loop.
+    /// True if a task may start a loop.
     bool nests() const { return !lent_; }
 
-    /// Runs `function` inside the arena; parallel loops belong there.
+    /// Runs `function` inside the arena. Parallel loops must be called from there.
     template <class Function>
     void run(Function function) {
         if (lent_)
@@ -69,8 +69,8 @@ class Workers {
             arena_.execute(function);
     }
 
-    /// Calls task(i, worker) for i in [0, n), in any order, one index a task. The loop is isolated: while a worker
-    /// waits for its end it takes no task from outside, so that per-worker scratch of an enclosing task stays
+    /// Calls task(i, worker) for i in [0, n), in any order, one index per task. The loop is isolated: a worker that
+    /// waits for its end runs no task from outside the loop, so that per-worker scratch of an enclosing task stays
     /// untouched.
     template <class Task>
     void parallel_for(std::size_t n, Task task) {
@@ -95,8 +95,8 @@ class Workers {
 #endif
 
    private:
-    // An executor knows nothing of exceptions: the first one waits here for the end of the loop, and the tasks after it
-    // do nothing.
+    // An Executor need not handle exceptions: the first one is stored and rethrown after the loop, and the tasks after
+    // it do nothing.
     template <class Task>
     void parallel_for_lent(std::size_t n, const Task& task) {
         std::atomic<bool> failed{false};
@@ -115,15 +115,15 @@ class Workers {
             }
         };
         if (n == 1)
-            guarded(0, 0);  // no other thread need wake
+            guarded(0, 0);  // wakes no other thread
         else if (n > 1)
             lent_->parallel_for(n, guarded);
         if (failure) std::rethrow_exception(failure);
     }
 
 #ifndef CRUMPLE_STD_THREADS
-    /// Threads that oneTBB allows in this process, cores as a rule. It would print a warning of its own if asked for
-    /// more.
+    /// Returns how many threads oneTBB allows in this process, usually the number of cores. If more were requested,
+    /// oneTBB would print a warning of its own.
     static int allowed() {
         return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
     }

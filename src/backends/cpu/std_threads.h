@@ -1,6 +1,6 @@
 #pragma once
 
-// The executor of builds without oneTBB: new threads for each loop.
+// Executor of builds without oneTBB: starts new threads for each loop.
 
 #include <atomic>
 #include <thread>

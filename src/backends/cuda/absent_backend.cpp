@@ -1,4 +1,4 @@
-// Stands in for the cuda backend in builds without it.
+// Stand-in for the cuda backend in builds without it.
 
 #include "backends/backend.h"
 #include "crumple/device.h"

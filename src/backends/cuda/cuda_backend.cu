@@ -1,8 +1,8 @@
-// The cuda backend: uploads scenes and downloads results, and keeps the callers' streams and ours in order.
+// The cuda backend: uploads scenes, downloads results, and synchronizes our stream with those of callers.
 //
-// launch() gives a whole pass to the caller's stream and returns; wait() looks at its counters. Two launches at most
-// are in flight (device/flights.h). In a capture the pass becomes part of the caller's graph, and wait() looks at what
-// its last replay has left (engine/launches.h).
+// launch() enqueues a whole pass on the caller's stream and returns; wait() reads its counters. At most two launches
+// are in flight (device/flights.h). In a capture the pass becomes part of the caller's graph, and wait() reads the
+// result of its last replay (engine/launches.h).
 
 #include "backends/backend.h"
 
@@ -39,16 +39,16 @@ class CudaBackend final : public BackendBase {
         check_known_answers(state_.device, state_.stream.get());
     }
     ~CudaBackend() override {
-        const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);  // waiting would spoil captures
+        const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);  // else waiting would invalidate captures
         try {
-            state_.flights.finish();  // they write to what is freed now
+            state_.flights.finish();  // they write to memory that is freed now
         } catch (...) {               // the device has failed
         }
     }
 
     int worlds_at_once() const override { return max_leaves; }
 
-    using BackendBase::find;  // what is refused stays in sight
+    using BackendBase::find;  // overloads that throw stay visible
     void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
               Intersections& result) override {
         on_device(
@@ -122,7 +122,7 @@ class CudaBackend final : public BackendBase {
     }
 
     bool find(const World& world, const IntersectionQuery& question, Intersections& result) override {
-        constexpr int several = 2;  // where they do not fit, fewer may
+        constexpr int several = 2;  // fewer worlds may fit where these do not
         return on_device(
             [&] {
                 follow(world.device_poses);
@@ -159,7 +159,7 @@ class CudaBackend final : public BackendBase {
         return launch(stream, stream, bind, true);
     }
 
-    // Completes what a launch, or its last replay, has left, with all that only the host can do.
+    // Completes the result of a launch, or of its last replay, by the work that only the host can do.
     const DeviceIntersections& wait(LaunchNumber launch) override {
         launches_.check_awaited(launch);
         DeviceIntersections& shown = shown_[launch % most_in_flight];
@@ -198,7 +198,7 @@ class CudaBackend final : public BackendBase {
             current.emplace(state_.device);
             launches_.finish();
         } catch (const Error&) {
-            launches_.forget();  // a device that has failed has nothing left to wait for
+            launches_.forget();  // no work is left on a device that has failed
         }
         finder_.release();
         for (Input& input : state_.inputs) input.release();
@@ -219,7 +219,7 @@ class CudaBackend final : public BackendBase {
         result.statistics = finder_.statistics();
     }
 
-    // Finds all pairs of the part's triangles, and leaves out those that a lower part owns.
+    // Finds all pairs of the part's triangles, and drops those that a lower part owns.
     void find_owned(const PreparedScene& scene, IntersectionQuery query, const Levels& levels, Intersections& result) {
         const bool contacts = query.contacts();
         query.output = Output::pairs;
@@ -240,9 +240,8 @@ class CudaBackend final : public BackendBase {
         return finder_.any();
     }
 
-    // Launches without work the kernels that keep data on their stacks. The driver keeps a stack for every thread that
-    // the device can hold from the first launch on (docs/cuda.md): now, and not when lists have taken what memory there
-    // is.
+    // Launches the kernels that use their stacks, without work. At the first launch the driver reserves a stack for
+    // every thread that the device can hold (docs/cuda.md): this must happen before lists have taken the memory.
     void reserve_stacks() {
         const Device::Current current(state_.device);
         const cudaStream_t stream = state_.stream.get();
@@ -257,7 +256,8 @@ class CudaBackend final : public BackendBase {
         CRUMPLE_CUDA(cudaStreamSynchronize(stream));
     }
 
-    // Several worlds may fit if there are fewer of them.
+    // Calls work() on the device. For several worlds, turns OutOfDeviceMemory into MemoryMeter::Exceeded: fewer may
+    // fit.
     template <class Work>
     std::invoke_result_t<Work> on_device(Work work, int worlds = 1) {
         return with_device(state_.device, [&] {
@@ -283,7 +283,7 @@ class CudaBackend final : public BackendBase {
         launches_.finish();
         finder_.bring(scene);
     }
-    // Work of ours begins after what the callers' streams were given.
+    // Binds meshes. Work on our stream then waits for the work on the callers' streams.
     void view(const MeshView& a, const MeshView* b, const IntersectionQuery& query) {
         launches_.finish();
         state_.follow(a.stream, "a mesh's");
@@ -300,7 +300,7 @@ class CudaBackend final : public BackendBase {
     IntersectionFinder finder_{state_};
     PosedWorldCalls worlds_{finder_, state_.stream.get(), state_.meter};
     FeatureCalls features_{state_, launches_};
-    std::array<DeviceIntersections, most_in_flight> shown_;  ///< of the last launches, by number
+    std::array<DeviceIntersections, most_in_flight> shown_;  ///< by number of the launch, modulo most_in_flight
 };
 
 }  // namespace

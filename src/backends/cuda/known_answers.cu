@@ -22,14 +22,14 @@
 namespace crumple::cuda {
 namespace {
 
-constexpr std::size_t case_count = 96;  // three warps, of which each kernel is one block
-constexpr std::size_t kinds = 2;        // of features: those of triangles
+constexpr std::size_t case_count = 96;  // three warps: one block of each kernel
+constexpr std::size_t kinds = 2;        // of feature pairs: those of triangles' features
 constexpr std::size_t queries = 3;      // near, impacts, impacts with a minimum distance
 using Count = unsigned long long;
 
-/// Pairs of triangles that collide by one policy.
+/// Decisions about all cases under one policy.
 struct Decisions {
-    Count* collides;  ///< by triangle; 1 for the first one of a case that collides
+    Count* collides;  ///< by triangle: 1 for the first triangle of a colliding case
     Count* found;
     Pair* beyond;
     Count* beyond_count;
@@ -42,7 +42,7 @@ struct Decisions {
     }
 };
 
-/// Results of one query about features.
+/// Results of one feature query.
 struct FeatureResults {
     FeatureHits hits;
     FeatureTest* open[kinds];
@@ -62,15 +62,15 @@ struct FeatureResults {
     }
 };
 
-/// All that the kernels read and write, in one block: on the host, and again on the device.
+/// All arrays that the kernels read and write, in one block: one copy on the host, one on the device.
 struct Arrays {
     Vec3d *start, *end;
     std::int32_t* corners;
-    SortedRow* rows;  ///< each triangle's, which holds its own number
+    SortedRow* rows;  ///< row i holds triangle i
     Candidate* candidates;
     Pair* pairs;
     FeatureTest* tests[kinds];
-    Count* test_count;  ///< of each list of tests, and of the candidates
+    Count* test_count;  ///< length of each list of tests, and of the candidates
     Decisions all, proper;
     ContactArrays contacts;
     FeatureResults features[queries];
@@ -172,8 +172,8 @@ std::string difference(const Arrays& a, const Decisions& found, IntersectionKind
         if (verdict == Verdict::undecided) beyond.push_back(pair);
         if (found.collides[2 * i] != (verdict == Verdict::collides)) return describe("the intersection", i);
     }
-    // Each pair has a first triangle of its own. (nvcc 13.0 does not link comparisons of pairs that the host's code
-    // makes.)
+    // First triangles of pairs are unique, so comparing them is enough. (With nvcc 13.0, comparisons of Pair in host
+    // code do not link.)
     const std::span listed(found.beyond, std::min<Count>(*found.beyond_count, case_count));
     std::ranges::sort(listed, {}, &Pair::a);
     if (*found.beyond_count != beyond.size() || !std::ranges::equal(listed, beyond, {}, &Pair::a, &Pair::a))
@@ -263,7 +263,7 @@ std::string find_difference_from_host(const Device& device, cudaStream_t stream)
 
 namespace {
 
-/// Differences found, by device; empty ones are right.
+/// Difference found on each device, by its index; empty if there is none.
 std::mutex differences_mutex;
 std::map<int, std::string> differences;
 

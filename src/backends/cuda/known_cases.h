@@ -1,7 +1,7 @@
 #pragma once
 
 // Small cases that exercise every path of the exact arithmetic, to compare a device with the host (known_answers.h).
-// Each is a pair of moving triangles that may share one or two vertices. Most start on a small integer grid, where
+// Each case is a pair of moving triangles that may share one or two vertices. Most start on a small integer grid, where
 // signs are often 0 or can be decided only with expansions.
 
 #include <array>

@@ -1,6 +1,7 @@
-// Brute force, the yardstick for every other backend: all wanted pairs whose boxes overlap, decided in rational
-// arithmetic. It shares no filter, no predicate and no subdivision with the others; only the seam, the group rules and
-// the ownership of public parts. One thread, O(m²) box tests, about 20 us for each overlapping pair.
+// Brute force, the reference for every other backend: decides all pairs that the pair filter keeps and whose boxes
+// overlap, in rational arithmetic. Shares no filter, no predicate and no subdivision with the others; only the backend
+// interface, the group rules and the ownership of public parts. One thread, O(m²) box tests for m triangles, about 20
+// us for each pair whose boxes overlap.
 
 #include <algorithm>
 
@@ -40,7 +41,7 @@ class Reference final : public BackendBase {
         prepare(scene, query, statistics);
 
         Stopwatch narrow;
-        // Under a limit the pairs are counted first, so that they are stored without room to spare.
+        // Under a limit the pairs are counted first, so that they are stored without spare capacity.
         if (meter_.limit > 0) {
             crumple::release(result);
             PairBudget budget(scene, query, meter_);
@@ -132,7 +133,7 @@ class Reference final : public BackendBase {
         statistics[Stage::bounds] = bounds.lap();
     }
 
-    /// Calls visit(pair, intersection) for each collision in lexicographic order until it returns false.
+    /// Calls visit(pair, intersection) for each collision, in lexicographic order, until it returns false.
     template <class Visit>
     void for_each_collision(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
                             std::int64_t& box_overlaps, Visit visit) {

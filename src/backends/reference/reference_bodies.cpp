@@ -53,7 +53,7 @@ PosedBody posed_body(const WorldOutline& outline, std::int32_t b, bool weld) {
             }
         }
     });
-    if (body.face.empty()) body.box = no_bounds;  // its vertices are nothing
+    if (body.face.empty()) body.box = no_bounds;  // a body without faces occupies no space
     find_open_edges(given, weld, body);
     return body;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
-// Bodies of a world with posed vertices, and which pairs of them are wanted: what brute force about insides begins
-// with.
+// Posed bodies of a world, and the pairs that the pair filter keeps: input of brute force for overlaps and containment.
 
 #include <array>
 #include <cstdint>
@@ -17,12 +16,12 @@
 
 namespace crumple {
 
-/// A body where it is.
+/// Body with posed vertices.
 struct PosedBody {
     std::vector<Vec3d> point;
     std::vector<std::array<std::int32_t, 3>> face;
-    std::vector<std::int32_t> name;  ///< by vertex: the lowest vertex that it is one with
-    std::set<std::int32_t> used;     ///< names of vertices at which there is an edge
+    std::vector<std::int32_t> name;  ///< by vertex: its representative vertex, the lowest that it is merged with
+    std::set<std::int32_t> used;     ///< representatives of vertices that have an edge
     std::map<Edge, OpenEdge> open;
     Bounds box = no_bounds;
 
@@ -34,15 +33,17 @@ struct PosedBody {
 
 class PosedBodies {
    public:
-    /// `weld`: vertices of a shape at equal positions are one.
+    /// `weld`: merges vertices of a shape at equal positions.
     PosedBodies(const World& world, const PairFilter& filter, bool weld, MemoryMeter& meter);
 
     const WorldOutline& outline() const { return outline_; }
     const PosedBody& operator[](std::int32_t b) const { return bodies_[static_cast<std::size_t>(b)]; }
 
-    /// The wanted pairs of bodies whose boxes overlap, in order; with `self` also bodies with themselves.
+    /// Returns the pairs of bodies that the filter keeps and whose boxes overlap, in order; with `self` also bodies
+    /// with themselves.
     std::vector<BodyPair> near_pairs(bool self) const;
-    /// The bodies of a pair whose surfaces are not closed. Throws Error (invalid_argument) for OpenSurfaces::error.
+    /// Returns the bodies of a pair whose surfaces are not closed. Throws Error (invalid_argument) for
+    /// OpenSurfaces::error. `query`: named by the message.
     std::vector<std::int32_t> open_bodies(const BodyPair& pair, OpenSurfaces open, const char* query) const;
 
    private:

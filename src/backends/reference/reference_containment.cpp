@@ -13,8 +13,8 @@
 namespace crumple {
 namespace {
 
-/// True if some vertex of a body has a winding number other than 0 in another one, whose surface is closed. `weld`:
-/// vertices of both at equal positions do not count.
+/// Returns true if some vertex of body `of` has a winding number other than 0 in `other`, whose surface must be closed.
+/// `weld`: ignores vertices at positions of vertices of `other`.
 bool has_vertex_inside(const PosedBody& of, const PosedBody& other, bool weld, Cancellation& cancellation) {
     const auto is_vertex_of_other = [&](const Vec3d& p) {
         return std::any_of(other.used.begin(), other.used.end(),

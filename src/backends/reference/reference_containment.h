@@ -8,7 +8,8 @@
 
 namespace crumple {
 
-/// Surfaces that meet by brute force, insides by a rational ray from each vertex of bodies whose surfaces do not meet.
+/// Finds surfaces that meet by brute force, and bodies inside others by a rational ray from each vertex of bodies whose
+/// surfaces do not meet.
 void find_with_containment_by_brute_force(const World& world, const IntersectionQuery& query, MemoryMeter& meter,
                                           Cancellation& cancellation, Intersections& result);
 

@@ -5,8 +5,8 @@
 
 namespace crumple {
 
-/// Distances of bodies by brute force: all wanted pairs of triangles of each pair of bodies, in rational arithmetic.
-/// Shares with other engines how a world is read, the pose and the rules.
+/// Finds distances of bodies by brute force: all pairs of triangles that the filter keeps, of each pair of bodies, in
+/// rational arithmetic. Shares with other engines how a world is read, the poses and the pair filter.
 void find_nearest_by_brute_force(const World& world, const DistanceQuery& question, MemoryMeter& meter,
                                  Cancellation& cancellation, Distances& answer);
 

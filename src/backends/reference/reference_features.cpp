@@ -16,22 +16,23 @@ namespace {
 
 using Points = std::vector<std::int32_t>;
 
-// A feature by its vertices.
+// Feature, by its vertices.
 struct Feature {
     Points vertices;
     std::int32_t index;
     std::int32_t group;
     std::set<std::int32_t> names;
-    Vec3d low, high;  ///< box of its way
+    Vec3d low, high;  ///< box of its swept volume
     double radius = 0;
-    bool lone = true;         ///< on no face; a vertex: and on no edge
-    std::int32_t owner = -1;  ///< within a part
+    bool lone = true;         ///< on no face, and if it is a vertex, on no edge
+    std::int32_t owner = -1;  ///< triangle that owns it, in a part
 };
 
 using Ends = std::pair<std::int32_t, std::int32_t>;
 Ends ends_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-// Faces, and edges and points as they are listed; or else those of the faces, and of faces and edges.
+// All features of a scene: its faces; edges as listed, or else those of the faces; points as listed, or else the
+// vertices of faces and edges.
 class Everything {
    public:
     std::vector<Feature> vertices, edges, faces;
@@ -65,7 +66,7 @@ class Everything {
         }
     }
 
-    /// Whether some edge of the vertex has no vertex in common with this one.
+    /// Returns true if some edge of the vertex has no vertex in common with `edge`.
     bool has_edge_apart(const Feature& vertex, const Feature& edge) const {
         if (query_.part)
             return query_.features.has_edge_apart(vertex.vertices[0], {edge.vertices[0], edge.vertices[1]});
@@ -79,7 +80,7 @@ class Everything {
     }
 
    private:
-    /// `face`: the lowest that names it, or -1.
+    /// Makes a feature. `face`: the lowest face that has it, or -1.
     Feature feature(Points vertices, std::int32_t index, std::int32_t face) const {
         Feature f{std::move(vertices), index, 0, {}, {}, {}, 0, face < 0};
         if (face >= 0)
@@ -96,7 +97,8 @@ class Everything {
         }
         return f;
     }
-    // What the part's triangles own, who may not be the lowest that name it here.
+    // Reads the features that the part's triangles own. The owner need not be the lowest triangle of the part that has
+    // the feature.
     void read_part() {
         const SceneFeatures& features = query_.features;
         const auto add = [&](std::vector<Feature>& list, Points vertices, std::int32_t index, std::int32_t owner,
@@ -138,7 +140,7 @@ class Everything {
     std::map<std::int32_t, std::vector<std::size_t>> edges_of_vertex_;
 };
 
-/// Who is joined to whom by an edge, of a face or listed, by name.
+/// Adjacency of vertices by edges, of faces or listed, by representative vertex.
 using Next = std::map<std::int32_t, std::set<std::int32_t>>;
 
 Next next_of(const Everything& all) {
@@ -150,7 +152,8 @@ Next next_of(const Everything& all) {
     return next;
 }
 
-/// Whether a path of at most so many edges joins one name to another. Each way has a path of none.
+/// Returns true if a path of at most so many edges joins a vertex of `from` to one of `to`. A common vertex is a path
+/// of 0 edges.
 bool joined(const Next& next, std::set<std::int32_t> from, const std::set<std::int32_t>& to, std::int32_t edges) {
     for (;; --edges) {
         for (const std::int32_t v : from)
@@ -214,8 +217,8 @@ class Search {
                 return false;
         return true;
     }
-    // True if the gap exceeds twice the inflation. A difference is rounded by less than the factor, so that most need
-    // no other arithmetic.
+    // Returns true if the gap exceeds twice the inflation. The factor covers the rounding of the difference, so that
+    // most gaps need no exact arithmetic.
     bool exceeds_inflation(double low, double high) const {
         if (low <= high) return false;
         if ((low - high) * (1 - 0x1p-50) > 2 * query_.distance) return true;
@@ -224,7 +227,7 @@ class Search {
         return scaled(low, exponent) - scaled(high, exponent) > 2 * scaled(query_.distance, exponent);
     }
 
-    // Gives the rows to the stream, if they are many.
+    // Delivers the rows to the stream if there are enough for a block.
     void pass_on() {
         constexpr std::size_t some_rows = 2048;
         if (stream_ && result_.rows.size() >= some_rows) stream_->add(0, result_.rows);
@@ -251,7 +254,7 @@ class Search {
         pass_on();
     }
 
-    // Neighbours, or those of another part.
+    // Returns true if the features are adjacent, or the pair belongs to another part.
     bool close_within_part(const Feature& a, const Feature& b) const {
         if (Everything::incident(a, b) || a.owner == b.owner || !levels_.own(a.owner, b.owner)) return true;
         if (!query_.rings) return false;
@@ -261,7 +264,8 @@ class Search {
         });
     }
 
-    // Certain: a difference of numbers is rounded by less than the factor.
+    // Returns true if boxes prove the features too far apart, which they cannot for a share of the initial distance.
+    // The factor covers the rounding of the difference.
     bool far(const Feature& a, const Feature& b) const {
         for (int axis = 0; axis < 3; ++axis) {
             const double gap = std::max(a.low[axis] - b.high[axis], b.low[axis] - a.high[axis]);
@@ -289,7 +293,7 @@ class Search {
         }
         const Separation separation{query_.distance, query_.share, query_.approaching_only};
         const Impact impact = separation.contact_only() ? first_contact(kind, p) : first_approach(kind, p, separation);
-        if (separation.contact_only() && separation.approaching_only && impact.start) return {};  // nothing is closer
+        if (separation.contact_only() && separation.approaching_only && impact.start) return {};  // they touch already
         return {impact.meets, impact.toi, impact.start};
     }
 

@@ -29,7 +29,7 @@ IntegerTriangle in_units(const std::array<Vec3d, 3>& p, int exponent) {
 
 Vec3<Rational> rational(const Vec3d& p) { return {Rational(p.x), Rational(p.y), Rational(p.z)}; }
 
-/// Twice the area vector of what two faces have in common; 0 unless they lie in one plane.
+/// Returns twice the area vector of the intersection of two faces; 0 unless they are coplanar.
 Vec3<Rational> common_area_vector(const std::array<Vec3d, 3>& a, const std::array<Vec3d, 3>& b) {
     const std::array q{rational(b[0]), rational(b[1]), rational(b[2])};
     const Vec3<Rational> normal = cross(q[1] - q[0], q[2] - q[0]);
@@ -37,7 +37,7 @@ Vec3<Rational> common_area_vector(const std::array<Vec3d, 3>& a, const std::arra
     std::vector<Vec3<Rational>> polygon{rational(a[0]), rational(a[1]), rational(a[2])};
     for (const auto& p : polygon)
         if (dot(normal, p - q[0]) != 0) return {};
-    for (std::size_t i = 0; i < 3; ++i) {  // what is left of each edge of b
+    for (std::size_t i = 0; i < 3; ++i) {  // clips to the inner side of each edge of b
         std::vector<Vec3<Rational>> left;
         const auto side = [&](const Vec3<Rational>& p) { return dot(normal, cross(q[(i + 1) % 3] - q[i], p - q[i])); };
         for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -57,7 +57,7 @@ Vec3<Rational> common_area_vector(const std::array<Vec3d, 3>& a, const std::arra
     return area;
 }
 
-/// Corners of a face from the origin, and its normal.
+/// Corners of a face relative to the origin, and its normal, twice the area in length.
 struct PlacedFace {
     std::array<Vec3<Rational>, 3> corner;
     Vec3<Rational> normal;
@@ -75,7 +75,7 @@ PlacedFace placed(const std::array<Vec3d, 3>& p, const Vec3d& origin) {
     return face;
 }
 
-/// Sums over segments, as finish_curves() asks for them.
+/// Sums over segments, in the form that finish_curves() needs.
 struct CurveSums {
     CurveTotals<RationalSum> totals;
     Cancellation& cancellation;
@@ -86,7 +86,7 @@ struct CurveSums {
     }
 };
 
-/// A segment in which two faces cross, or that joins such segments, and its ends.
+/// Segment in which two faces cross, with its ends; or a link between such segments, without ends.
 struct PlacedSegment {
     Segment segment;
     bool is_link = false;
@@ -123,7 +123,7 @@ class BruteForceOverlap {
         }
     }
 
-    /// Without numbers, of surfaces of which one is not closed.
+    /// Returns a row without volumes and moments, for surfaces of which one is not closed.
     OverlapRow open_row() {
         OverlapRow row;
         add(Shift::forward, row);
@@ -151,7 +151,7 @@ class BruteForceOverlap {
         return row;
     }
 
-    // The sums that finish() asks for.
+    // Sums that finish() needs.
     template <class Combine>
     RoundedSum volume(Combine combine, int divisor) const {
         return combine(volume_totals_).rounded_quotient(divisor, cancellation_);
@@ -164,7 +164,7 @@ class BruteForceOverlap {
    private:
     using Weights = std::vector<FaceWeights<Rational>>;
 
-    /// The weights of faces that nothing crosses: the winding number at the first corner.
+    /// Returns the weights of faces before crossings are added: the winding number at the first corner.
     Weights uncrossed(const PosedBody& of, const PosedBody& other, Shift shift, bool& enclosed) {
         Weights weights(of.face.size());
         for (std::size_t f = 0; f < of.face.size(); ++f) {
@@ -175,7 +175,7 @@ class BruteForceOverlap {
                 winding += winding_along_ray(scaled(p, exponent_), in_units(other.corners(g), exponent_), shift);
             weights[f].fill(Rational(winding));
             const std::int32_t vertex = of.name[static_cast<std::size_t>(of.face[f][0])];
-            enclosed |= winding != 0 && of.used.contains(vertex);  // a lone point is no component
+            enclosed |= winding != 0 && of.used.contains(vertex);  // an isolated point is no component
         }
         return weights;
     }
@@ -367,7 +367,7 @@ class BruteForceOverlap {
     int exponent_ = 0;
     Vec3d origin_;
     bool meet_ = false, enclosed_ = false;
-    Rational six_volumes_ = 0;  ///< of the overlap
+    Rational six_volumes_ = 0;  ///< 6 times the volume of the overlap
     VolumeTotals<RationalSum> volume_totals_;
     CurveTotals<RationalSum> curve_totals_;
     RootSum contact_area_;

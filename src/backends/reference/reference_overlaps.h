@@ -1,6 +1,6 @@
 #pragma once
 
-// Overlaps of bodies by brute force, in rational arithmetic: the yardstick for search/overlap_search.h.
+// Overlaps of bodies by brute force, in rational arithmetic: the reference for search/overlap_search.h.
 
 #include "base/cancellation.h"
 #include "crumple/overlaps.h"
@@ -8,9 +8,9 @@
 
 namespace crumple {
 
-/// Winding numbers by a ray from each vertex, crossings by all pairs of triangles, integrals over the faces of both
-/// bodies under both shifts. Cost of a pair of bodies: some 100 us for each pair of triangles whose boxes overlap, and
-/// some 10 us for each vertex and each triangle that the ray from it may meet.
+/// Finds winding numbers by a ray from each vertex, crossings by all pairs of triangles, and integrals over the faces
+/// of both bodies under both shifts. Cost of a pair of bodies: some 100 us for each pair of triangles whose boxes
+/// overlap, and some 10 us for each vertex and each triangle that the ray from it may meet.
 void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query, MemoryMeter& meter,
                                   Cancellation& cancellation, Overlaps& result);
 

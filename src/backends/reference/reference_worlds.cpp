@@ -21,7 +21,7 @@ struct PosedTriangle {
     std::int32_t index;  ///< within its body
 };
 
-// All triangles of all bodies, in order.
+// All posed triangles of all bodies, in order.
 class Everything {
    public:
     Everything(const WorldOutline& outline, bool weld) : weld_(weld) {

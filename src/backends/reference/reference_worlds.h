@@ -6,9 +6,9 @@
 
 namespace crumple {
 
-/// A world by brute force: all triangles of all bodies posed, all wanted pairs whose boxes overlap decided in rational
-/// arithmetic; in blocks, if `blocks` is not null. Shares with other engines how a world is read, the pose and the
-/// rules.
+/// Finds intersections in a world by brute force: poses all triangles of all bodies, and decides all pairs that the
+/// filter keeps and whose boxes overlap, in rational arithmetic. Delivers blocks if `blocks` is not null. Shares with
+/// other engines how a world is read, the poses and the pair filter.
 void find_by_brute_force(const World& world, const IntersectionQuery& question, MemoryMeter& meter,
                          Cancellation& cancellation, Intersections& result, const WorldBlocks* blocks = nullptr);
 

@@ -1,4 +1,4 @@
-// The front door for processes of MPI: what MPI has to be, and how many threads each rank may have.
+// Detector for MPI processes: checks the state of MPI, and chooses threads and device of each rank.
 
 #include "crumple/mpi.h"
 
@@ -25,7 +25,7 @@ using distribute::check_mpi;
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::communication, what); }
 
-/// A duplicate of its own, whose errors are returned.
+/// Duplicate of a communicator, which returns errors instead of aborting.
 class Communicator {
    public:
     explicit Communicator(MPI_Comm of) {
@@ -44,7 +44,7 @@ class Communicator {
     MPI_Comm own_ = MPI_COMM_NULL;
 };
 
-/// The cores that this process may run on, one byte each.
+/// Returns the cores that this process may run on, as 1 byte per core.
 std::vector<std::uint8_t> allowed_cores() {
     std::vector<std::uint8_t> allowed;
 #ifdef __linux__
@@ -60,13 +60,13 @@ std::vector<std::uint8_t> allowed_cores() {
     return allowed;
 }
 
-/// What ranks on one machine have of it.
+/// Resources of a rank on its machine.
 struct Fair {
     int threads = 1;
-    int place = 0;  ///< of the rank among those of its machine
+    int place = 0;  ///< index of the rank among those of its machine
 };
 
-// Each core counts for its share among the ranks of the machine that may use it.
+// Divides each core by the number of ranks of the machine that may use it, and sums these shares. Collective.
 Fair fair_share(MPI_Comm communicator) {
     MPI_Comm machine = MPI_COMM_NULL;
     check_mpi(MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine),
@@ -86,7 +86,7 @@ Fair fair_share(MPI_Comm communicator) {
     return fair;
 }
 
-// The machine is looked at where some rank asks for it.
+// Chooses threads and device. Examines the machine only if some rank needs it. Collective.
 DistributedOptions settled(DistributedOptions options, MPI_Comm communicator) {
     Options& own = options.detector;
     const bool asks_threads = own.threads == 0 && !own.executor;
@@ -97,7 +97,7 @@ DistributedOptions settled(DistributedOptions options, MPI_Comm communicator) {
     if (!asks) return options;
     const Fair fair = fair_share(communicator);
     if (asks_threads) own.threads = fair.threads;
-    // A device that is none is refused later, with all other options.
+    // An invalid device is refused later, with all other options.
     if (devices > 0 && own.device >= 0)
         own.device =
             static_cast<int>((static_cast<std::size_t>(own.device) + static_cast<std::size_t>(fair.place)) % devices);
@@ -114,7 +114,7 @@ struct Detector::Implementation {
 
     Implementation(MPI_Comm of, const DistributedOptions& options)
         : communicator(of), transport(communicator.get()), detector(transport, settled(options, communicator.get())) {
-        // Within an agreement: a thread that may not call on one rank ends the call on all.
+        // Runs within a collective error check: if the thread of one rank may not call MPI, the call ends on all ranks.
         detector.set_hook([this](Phase phase) {
             if (phase == Phase::question) check_thread();
             if (poll) poll();

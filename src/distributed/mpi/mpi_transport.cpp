@@ -29,7 +29,7 @@ void MpiTransport::reduce(std::span<std::int64_t> numbers, Reduction how) {
         "MPI_Allreduce");
 }
 
-// In pieces, for MPI counts by int.
+// Broadcasts in pieces, since MPI counts with int.
 void MpiTransport::broadcast(std::span<std::byte> bytes, int root) {
     constexpr std::size_t most = std::size_t{1} << 30;
     for (; !bytes.empty(); bytes = bytes.subspan(std::min(most, bytes.size())))
@@ -42,7 +42,7 @@ void MpiTransport::all_to_all(std::span<const std::int64_t> to, std::span<std::i
     check_mpi(MPI_Alltoall(to.data(), 1, MPI_INT64_T, from.data(), 1, MPI_INT64_T, communicator_), "MPI_Alltoall");
 }
 
-// Messages of two calls between the same ranks keep their order, so that all may have one tag.
+// Messages between the same two ranks keep their order, so all calls can use the same tag.
 void MpiTransport::exchange(std::span<const Outgoing> out, std::span<const Incoming> in) {
     requests_.clear();
     for (const Incoming& message : in)

@@ -1,6 +1,6 @@
 #pragma once
 
-// Ranks that are processes of MPI.
+// Transport between MPI processes.
 
 #include <vector>
 
@@ -9,12 +9,12 @@
 
 namespace crumple::distribute {
 
-/// Throws Error (communication) with MPI's own words.
+/// Throws Error (communication) with MPI's message unless `code` is MPI_SUCCESS.
 void check_mpi(int code, const char* call);
 
 class MpiTransport final : public Transport {
    public:
-    /// Of a communicator that nobody else uses, and that returns its errors.
+    /// The communicator must be used by this transport alone, and return errors (MPI_ERRORS_RETURN).
     explicit MpiTransport(MPI_Comm communicator);
     int rank() const override { return rank_; }
     int size() const override { return size_; }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t nobody = std::numeric_limits<std::int64_t>::max();
 
-// As the others will hear of it.
+// Converts an exception to the Error that other ranks receive.
 Error error_of(const std::exception_ptr& failed) {
     try {
         std::rethrow_exception(failed);
@@ -51,7 +51,7 @@ bool is_error(const std::exception_ptr& failed) {
 void Agreement::settle(const std::exception_ptr& failed) {
     std::optional<Error> mine;
     if (failed) mine = error_of(failed);
-    // The least of (element, less bytes, rank), one after the other: whoever falls back is out.
+    // Finds the least key (index, -bytes needed, rank), number by number; a rank with a larger number drops out.
     std::array<std::int64_t, 3> key{nobody, nobody, nobody};
     if (mine) key = {mine->index, -mine->bytes_needed, transport_.rank()};
     bool in = mine.has_value();
@@ -68,7 +68,7 @@ void Agreement::settle(const std::exception_ptr& failed) {
     throw error;
 }
 
-// The error of the rank `root`, on all ranks.
+// Broadcasts the error of the rank `root`.
 Error Agreement::share(const std::optional<Error>& mine, int root) {
     const bool here = transport_.rank() == root;
     std::array<std::int64_t, 6> head{};

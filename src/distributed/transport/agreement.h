@@ -1,10 +1,11 @@
 #pragma once
 
-// How ranks end a phase: all of them go on, or the same Error is thrown on all of them.
+// Collective error check: either all ranks continue, or the same Error is thrown on all of them.
 //
-// Between two agreements a rank works alone, and may fail; what it throws is kept until the others are ready. The least
-// element wins, counted over all ranks, then the least rank; of memory limits the one that needs most. So nobody waits
-// for a rank that has failed, and every rank's detector goes on.
+// Between two checks a rank works alone, and may fail; its error is held until the others are ready. Of several errors,
+// the one with the least element index over all ranks is thrown (errors without an element first), then the one that
+// needs most bytes, then that of the least rank. So no rank waits for one that has failed, and the detectors of all
+// ranks remain usable.
 
 #include <cstdint>
 #include <exception>
@@ -22,8 +23,9 @@ class Agreement {
    public:
     explicit Agreement(Transport& transport) : transport_(transport) {}
 
-    /// Runs work() here. Returns if it has returned on all ranks. An Error that names an element has its index over all
-    /// ranks, if a GlobalIndex has made it so. What is no Error, such as an interrupt, is thrown as it is on its rank.
+    /// Runs work() on this rank. Returns if it has returned on all ranks. An Error that names an element must have its
+    /// number over all ranks (see Share). On its own rank, an exception that is no error, such as an interrupt, is
+    /// rethrown unchanged.
     template <class Work>
     void operator()(Phase phase, Work work) {
         std::exception_ptr failed;
@@ -36,7 +38,8 @@ class Agreement {
         settle(failed);
     }
 
-    /// Called at the beginning of each phase, within what is settled; for tests, which fail there, and for polls.
+    /// Called at the beginning of each check: if it throws, the call ends on all ranks. For polls, and for tests that
+    /// inject errors.
     std::function<void(Phase)> before;
 
    private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// A list for each rank, and one from each.
+// Exchanges one list between each two ranks.
 
 #include <algorithm>
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace crumple::distribute {
 
-/// How many rows come, where size(rank) go to each.
+/// Returns the traffic of lists with size(rank) rows for each rank. Collective.
 template <class Size>
 Traffic traffic_of(Rounds& rounds, Size size) {
     Traffic traffic(rounds.transport().size());
@@ -25,14 +25,15 @@ inline std::size_t all(const std::vector<std::int64_t>& counts) {
     return static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), std::int64_t{0}));
 }
 
-/// Where the rows of each rank begin, and the end.
+/// Returns the offset of the rows of each rank, then the end.
 inline std::vector<std::int64_t> first_of_each(const std::vector<std::int64_t>& counts) {
     std::vector<std::int64_t> first(1, 0);
     for (const std::int64_t count : counts) first.push_back(first.back() + count);
     return first;
 }
 
-/// list(rank) is a vector; all that come lie in `coming`, which has their size, those of rank 0 first.
+/// Sends the vector list(rank) to each rank. `coming` receives the rows of all ranks, those of rank 0 first; it must
+/// have their size. Collective.
 template <class Row, class List>
 void exchange_lists(Rounds& rounds, const Traffic& traffic, List list, std::vector<Row>& coming) {
     const std::vector<std::int64_t> first = first_of_each(traffic.in);

@@ -77,7 +77,7 @@ void InProcess::all_to_all(std::span<const std::int64_t> to, std::span<std::int6
     });
 }
 
-// A message lies with its sender until it is taken, so nobody goes on before its own are.
+// A message stays in its sender's memory until it is received, so a rank waits until all that it has sent are received.
 void InProcess::exchange(std::span<const Outgoing> out, std::span<const Incoming> in) {
     std::unique_lock lock(hub_->mutex_);
     for (const Outgoing& message : out)

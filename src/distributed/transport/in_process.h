@@ -1,6 +1,7 @@
 #pragma once
 
-// Ranks that are threads of one process: several devices, and any number of pretended machines in tests.
+// Transport between ranks that are threads of one process: for several devices, and for tests with any number of
+// simulated machines.
 
 #include <atomic>
 #include <cstdint>
@@ -12,24 +13,25 @@
 
 namespace crumple::distribute {
 
-/// Where they meet.
+/// Shared state of all ranks: barrier, data exposed at barriers, and messages.
 class Hub {
    public:
     explicit Hub(int size) : size_(size), slot_(static_cast<std::size_t>(size)), box_(slot_.size() * slot_.size()) {}
     int size() const { return size_; }
 
-    /// A rank ends without its call: what the others wait for will never come, so they throw Error.
+    /// Ends the calls of the other ranks because one rank has failed: they throw Error (communication) instead of
+    /// waiting.
     void leave();
 
    private:
     friend class InProcess;
     struct Box {
-        const std::byte* bytes = nullptr;  ///< not yet taken
+        const std::byte* bytes = nullptr;  ///< message not yet received; null: none
     };
 
-    /// Returns when all ranks are here.
+    /// Barrier: returns when all ranks have called it.
     void meet();
-    /// Wakes all that wait, under the lock.
+    /// Wakes all waiting ranks. Requires the lock.
     void tell_of_change();
     template <class Ready>
     void wait(std::unique_lock<std::mutex>& lock, Ready ready);
@@ -39,16 +41,17 @@ class Hub {
 
     int size_;
     std::mutex mutex_;
-    /// Waited for. Not a condition variable, whose wait() asks for a newer libstdc++ than all else here.
+    /// Counter that ranks wait on. Not a condition variable, whose wait() requires a newer libstdc++ than everything
+    /// else.
     std::atomic<int> changes_ = 0;
     int here_ = 0;
     std::uint64_t meetings_ = 0;
     bool left_ = false;
-    std::vector<const void*> slot_;  ///< what each rank shows at a meeting
+    std::vector<const void*> slot_;  ///< data that each rank exposes at a barrier
     std::vector<Box> box_;
 };
 
-/// One of them.
+/// Transport of one rank.
 class InProcess final : public Transport {
    public:
     InProcess(std::shared_ptr<Hub> hub, int rank) : hub_(std::move(hub)), rank_(rank) {}
@@ -64,7 +67,7 @@ class InProcess final : public Transport {
     const T* shown_by(int rank) const {
         return static_cast<const T*>(hub_->slot_[static_cast<std::size_t>(rank)]);
     }
-    /// Shows `mine` to the others, and has read() look at what they show.
+    /// Exposes `mine` to the other ranks, and calls read() while all ranks expose theirs.
     template <class Read>
     void show(const void* mine, Read read);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Rows that come in a few runs, each in order.
+// Sorts rows that consist of a few sorted runs.
 
 #include <algorithm>
 #include <cstddef>

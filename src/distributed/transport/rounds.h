@@ -1,8 +1,8 @@
 #pragma once
 
-// Lists that travel between ranks, of any length, in rounds of bounded bytes: what is on its way never takes more than
-// that at either end. Rows are packed when their round comes, and unpacked when it has come, so no list need exist as
-// such on either side.
+// Exchanges lists of any length between ranks, in message batches of bounded size, which bounds the buffers at both
+// ends. Rows are packed right before their batch is sent and unpacked when it has arrived, so the whole list need not
+// exist on either side.
 
 #include <algorithm>
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace crumple::distribute {
 
-/// How many rows go to each rank and come from each.
+/// Number of rows sent to, and received from, each rank.
 struct Traffic {
     explicit Traffic(int ranks) : out(static_cast<std::size_t>(ranks), 0), in(out) {}
     std::vector<std::int64_t> out, in;
@@ -23,11 +23,12 @@ struct Traffic {
 
 class Rounds {
    public:
-    /// `bytes`: what one rank may have on its way out, and in, at a time.
+    /// `bytes`: size of a message batch of one rank, out and in each.
     Rounds(Transport& transport, std::int64_t bytes) : transport_(transport), bytes_(bytes) {}
 
-    /// pack(rank, first, span of rows) writes the rows [first, first + n) for a rank; unpack(rank, first, rows) takes
-    /// those from it. A rank's rows for itself go the same way, but nowhere.
+    /// Exchanges rows. pack(rank, first, span of n rows) writes the rows [first, first + n) for a rank; unpack(rank,
+    /// first, rows) reads those received from it. A rank's rows for itself are packed and unpacked, but not sent.
+    /// Collective.
     template <class Row, class Pack, class Unpack>
     void exchange(const Traffic& traffic, Pack pack, Unpack unpack) {
         const auto self = static_cast<std::size_t>(transport_.rank());
@@ -66,7 +67,7 @@ class Rounds {
         }
     }
 
-    /// So that no exchange has to allocate for its messages. Memory is taken as it is used.
+    /// Reserves buffers, so that exchanges do not allocate memory for messages. Pages are committed when they are used.
     void reserve() {
         const auto most = static_cast<std::size_t>(bytes_) + 64 * static_cast<std::size_t>(transport_.size());
         leaving_.reserve(most), coming_.reserve(most);
@@ -79,7 +80,7 @@ class Rounds {
     Transport& transport() { return transport_; }
 
    private:
-    // Through a buffer that stays in the cache.
+    // Passes a rank's rows for itself through a buffer that fits into the CPU's cache.
     template <class Row, class Pack, class Unpack>
     void hand_over(int self, std::int64_t count, Pack pack, Unpack unpack) {
         constexpr auto at_once =
@@ -92,7 +93,7 @@ class Rounds {
         }
     }
 
-    // Equal shares, so that both ends of a message know how long it is.
+    // Each pair of ranks has an equal share of a batch, so that both ends know the length of a message.
     std::int64_t rows_at_once(std::size_t row_bytes) const {
         const std::int64_t share = std::min<std::int64_t>(bytes_ / transport_.size(), std::int64_t{1} << 30);
         return std::max<std::int64_t>(1, share / static_cast<std::int64_t>(row_bytes));

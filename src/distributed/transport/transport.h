@@ -1,10 +1,11 @@
 #pragma once
 
-// How ranks talk: the calls that all of src/distribute is written over. Two transports have them: threads of one
-// process (in_process.h) and MPI (mpi/mpi_transport.h).
+// Communication between ranks: the interface that all of src/distributed uses. Implemented for threads of one process
+// (in_process.h) and for MPI (mpi/mpi_transport.h).
 //
 // Every call is collective: all ranks make the same calls in the same order. A call that fails on one rank may leave
-// the others waiting, so whatever can fail by itself (input, memory) is settled before by an agreement (agreement.h).
+// the others waiting, so whatever can fail on one rank alone (input, memory) must pass a collective error check before
+// (agreement.h).
 
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +15,7 @@ namespace crumple::distribute {
 
 enum class Reduction : std::uint8_t { min, max, sum };
 
-/// Bytes on their way to a rank, or the place for those from it.
+/// Message to a rank, or the buffer for a message from it.
 struct Outgoing {
     int rank;
     std::span<const std::byte> bytes;
@@ -30,15 +31,15 @@ class Transport {
     virtual int rank() const = 0;
     virtual int size() const = 0;
 
-    /// Replaces each number by the least, the largest or the sum of what the ranks have at its place. Integers alone:
-    /// the order of the ranks changes nothing.
+    /// Replaces each number by the minimum, maximum or sum over all ranks. Integers only, so that the order of the
+    /// ranks does not matter.
     virtual void reduce(std::span<std::int64_t> numbers, Reduction how) = 0;
-    /// All ranks get the root's bytes; they know how many.
+    /// Copies the root's bytes to all ranks. The size must be the same on all ranks.
     virtual void broadcast(std::span<std::byte> bytes, int root) = 0;
-    /// Rank r gets the number that each rank has at place r: from[s] there is to[r] of rank s.
+    /// Sends the number to[r] to each rank r. from[s] receives the number that rank s sends to this rank.
     virtual void all_to_all(std::span<const std::int64_t> to, std::span<std::int64_t> from) = 0;
-    /// Sends to some ranks and receives from some, at most one message each, none to itself; both sides know how long
-    /// it is, and empty ones are left out. At most 2^30 bytes each.
+    /// Sends at most one message to each other rank, and receives at most one from each. Both sides must know its size,
+    /// at most 2^30 bytes; empty messages are not sent.
     virtual void exchange(std::span<const Outgoing> out, std::span<const Incoming> in) = 0;
 };
 

@@ -1,8 +1,8 @@
 #pragma once
 
-// Vertices, edges and faces of two triangles by their points, so that parts of different triangles can be told to be
-// the same: about a vertex of a mesh six triangles and more are equally close to something, and that has to be seen
-// without arithmetic. Host only.
+// Closest parts (vertices, edges, faces) of two triangles, identified by their points, so that equal parts of different
+// triangles are recognized without arithmetic: the six or more triangles at a mesh vertex are often equally close to
+// another triangle. Host only.
 
 #include <algorithm>
 #include <span>
@@ -12,7 +12,7 @@
 
 namespace crumple {
 
-/// A part of a triangle: one to three of its corners.
+/// Part of a triangle: one to three of its corners.
 struct TrianglePart {
     std::array<Vec3d, 3> point;
     std::size_t count = 0;
@@ -26,11 +26,11 @@ struct TrianglePart {
     }
 };
 
-/// They have one pair of closest points: edges that are about parallel are never both parts, for of these a guess names
-/// a vertex at least.
+/// Closest parts of two triangles. They have exactly one pair of closest points: nearly parallel edges are never both
+/// parts, because for these the guess contains at least one vertex.
 class ClosestParts {
    public:
-    /// Those that `quick` names of the triangles that it was made of.
+    /// Constructs the parts that `quick` has found for the triangles a and b.
     ClosestParts(const TrianglePoints& a, const TrianglePoints& b, const QuickNearest& quick)
         : direction_(quick.direction()), error_(quick.error()) {
         const std::size_t k = quick.feature();
@@ -48,7 +48,7 @@ class ClosestParts {
         }
     }
 
-    /// The parts as features, and whether the second triangle's comes first.
+    /// Returns the parts as features; that of the second triangle comes first if second_comes_first().
     Features features() const {
         const auto& [p, q] =
             std::array{second_comes_first() ? second_ : first_, second_comes_first() ? first_ : second_};
@@ -60,8 +60,8 @@ class ClosestParts {
     }
     bool second_comes_first() const { return first_.count > second_.count; }
 
-    /// Whether both triangles have these parts, and their distance is certainly that of the parts: of all corners but
-    /// those of the parts it is certain that they are farther along the direction in which the parts are closest.
+    /// True if both triangles have these parts and their distance is certainly that of the parts: all corners outside
+    /// the parts are certainly farther along the direction in which the parts are closest.
     bool are_closest_of(const TrianglePoints& a, const TrianglePoints& b) const {
         if (!(error_ < std::numeric_limits<double>::infinity())) return false;
         if (!first_.is_part_of(a) || !second_.is_part_of(b)) return false;

@@ -8,7 +8,7 @@
 namespace crumple {
 namespace {
 
-// The pairs of features that are not certainly farther apart than `upper`.
+// Returns one bit for each pair of features, set if the pair is not certainly farther apart than `upper`.
 std::uint16_t features_within(const NearestCandidate& candidate, double upper) {
     std::uint32_t within = 0;
     for (std::size_t k = 0; k < triangle_features; ++k) {
@@ -40,7 +40,7 @@ LeastDistance decide_nearest(Array<NearestCandidate>& candidates, const NearestC
     std::sort(candidates.begin(), candidates.end(),
               [](const auto& x, const auto& y) { return x.triangles < y.triangles; });
     const ClosestParts parts(closest.a, closest.b, QuickNearest(closest.a, closest.b));
-    std::optional<Pair> first;  // of those whose distance is certainly that of the parts
+    std::optional<Pair> first;  // first pair whose distance is certainly that of the parts
     std::optional<RationalNearest> least;
     Pair least_triangles{};
     const auto compare_with_least = [&](const NearestCandidate& candidate) {

@@ -1,6 +1,7 @@
 #pragma once
 
-// The exact answer for two bodies that do not meet, once a search has left few pairs of triangles. Host only.
+// Decides the exact distance of two bodies that do not meet, among the few pairs of triangles that a search has left.
+// Host only.
 
 #include <cstdint>
 
@@ -11,25 +12,26 @@
 
 namespace crumple {
 
-/// Two triangles that do not intersect, and may be the closest ones.
+/// Two triangles that do not intersect and may be the closest pair.
 struct NearestCandidate {
     Pair triangles;
     TrianglePoints a, b;
-    double lower;  ///< their distance is at least this
+    double lower;  ///< lower bound on their distance
 };
 
-/// The least distance, the first pair of triangles that has it, and where they are closest.
+/// The least distance, the first pair of triangles that has it, and their closest points.
 struct LeastDistance {
-    double squared = 0;  ///< rounded to the nearest number
+    double squared = 0;  ///< rounded to the nearest float64
     bool within = false;
     Pair triangles{};
     Witnesses points;
 };
 
-/// `candidates`, at least one, in any order, among them all pairs of triangles whose distance is the least one; they
-/// are sorted. `upper`: the least distance is at most this, or more than the radius, and then not `within`; all else is
-/// then of no meaning. `closest`: the candidate that seems to be the closest. `radius`: 0 or more, or infinite. Counts
-/// in `rational` the pairs that take rational arithmetic.
+/// Returns the least distance of the candidates, and sorts them. `candidates`: at least one, in any order, including
+/// all pairs of triangles at the least distance. `closest`: the candidate that seems to be the closest. `upper`: an
+/// upper bound on the least distance, unless that exceeds the radius; then `within` is false, and the rest of the
+/// result is undefined. `radius`: 0 or more, or infinite. Adds to `rational` the number of pairs that took rational
+/// arithmetic.
 LeastDistance decide_nearest(Array<NearestCandidate>& candidates, const NearestCandidate& closest, double upper,
                              double radius, std::int64_t& rational);
 

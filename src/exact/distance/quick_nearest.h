@@ -1,7 +1,7 @@
 #pragma once
 
-// Where two triangles are about closest, in float64, and what that proves of their distance. docs/nearest.md has the
-// bounds; the guesses and their errors are those of near/closest_guess.h. Host only.
+// Float64 filter: guesses the closest points of two triangles, and proves bounds on their distance. The bounds are
+// derived in docs/nearest.md; the guesses and their errors are those of proximity/closest_guess.h. Host only.
 
 #include <cmath>
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace crumple {
 
-/// Two triangles along any direction: what gaps between them prove.
+/// Gap between two triangles along a direction, and the lower bound on their distance that it proves.
 class TriangleGap {
    public:
     TriangleGap(const TrianglePoints& a, const TrianglePoints& b)
@@ -21,10 +21,10 @@ class TriangleGap {
         size_ = length_1(across_) + length_1(a1_) + length_1(a2_) + length_1(b1_) + length_1(b2_);
     }
 
-    /// More than the largest difference between two of the points.
+    /// Returns an upper bound on the difference between any two of the points.
     double size() const { return size_; }
 
-    /// How far the first triangle is beyond the second one along g, times the length of g; and how far that may be off.
+    /// Gap from the second triangle to the first along g, times the length of g, and a bound on its error.
     struct Along {
         double gap, error;
     };
@@ -33,14 +33,14 @@ class TriangleGap {
         return {dot(g, across_) + (back - forth),
                 8 * detail::near_epsilon * largest(abs(g)) * size_ + detail::near_slack};
     }
-    /// The distance is certainly at least this, by any g; 0: nothing is known, and above 0 the triangles do not
+    /// Returns a lower bound on the distance, for any g; 0 if g proves nothing. Above 0, the triangles do not
     /// intersect.
     double lower(const Vec3d& g) const {
         const auto [gap, error] = along(g);
         return lower(gap, error, dot(g, g));
     }
     static double lower(double gap, double error, double squared) {
-        // Squares of smaller numbers underflow.
+        // Smaller squares may have lost digits to underflow.
         constexpr double least_squared = 0x1p-1000;
         if (!(gap > error) || squared < least_squared) return 0;
         return (gap - error) / std::sqrt(squared) * (1 - 16 * detail::near_epsilon);
@@ -53,8 +53,8 @@ class TriangleGap {
 
 class QuickNearest {
    public:
-    /// `gap`: of these triangles. Ends as soon as they are certainly farther apart than `enough`; then `lower` is above
-    /// that, and all else is unknown.
+    /// `gap` must be that of these triangles. Stops as soon as they are certainly farther apart than `enough`; then
+    /// lower() exceeds `enough`, and all other results are undefined.
     QuickNearest(const TrianglePoints& a, const TrianglePoints& b, const TriangleGap& gap,
                  double enough = std::numeric_limits<double>::infinity()) {
         if (!(gap.size() <= detail::largest_size / 4)) return;
@@ -62,7 +62,7 @@ class QuickNearest {
         for (std::size_t k = 0; k < triangle_features; ++k) {
             const detail::Differences d(features_of_triangles(a, b, k));
             const detail::Guess guess = detail::guess_closest(d);
-            // Of a vertex of the first triangle and a point of the second, it is that of the second.
+            // For a vertex of the first triangle, the difference points from it to the second triangle.
             const double sign = k < 3 ? -1 : 1;
             const Vec3d g = sign * (d.w + guess.s * d.u + guess.t * d.v);
             const double squared = dot(g, g);
@@ -72,7 +72,7 @@ class QuickNearest {
             const auto [along, error] = gap.along(g);
             lower_ = max(lower_, TriangleGap::lower(along, error, squared));
             if (lower_ > enough) return;
-            if (squared - along <= 2 * error) break;  // no other features are closer but by rounding errors
+            if (squared - along <= 2 * error) break;  // no other features are closer, except by rounding errors
         }
         const double length = std::sqrt(least);
         upper_ = ((1 + 16 * epsilon) * length + 0x1p-500 + 8 * epsilon * size) * (1 + 8 * epsilon);
@@ -81,17 +81,18 @@ class QuickNearest {
     }
     QuickNearest(const TrianglePoints& a, const TrianglePoints& b) : QuickNearest(a, b, TriangleGap(a, b)) {}
 
-    /// The distance is certainly at most `upper` and at least `lower`; infinite and 0 where nothing is known. Above a
-    /// `lower` of 0 the triangles do not intersect.
+    /// Bounds on the distance: at least lower() and at most upper(); 0 and infinite if nothing is proven. If lower() is
+    /// above 0, the triangles do not intersect.
     double upper() const { return upper_; }
     double lower() const { return lower_; }
 
-    /// The pair of features that is closest, and which parts of it (ClosestPoints::type); both may be a little wrong.
+    /// Returns the closest pair of features (features_of_triangles()), and its ClosestPoints::type. Both may be
+    /// slightly wrong.
     std::size_t feature() const { return feature_; }
     std::uint8_t type() const { return type_; }
-    /// From the second triangle's point to the first one's.
+    /// Returns the vector from the second triangle's point to the first one's.
     const Vec3d& direction() const { return direction_; }
-    /// How far that may be from the difference of the points where those parts are closest.
+    /// Returns a bound on the distance of direction() from the exact difference of the parts' closest points.
     double error() const { return error_; }
 
    private:

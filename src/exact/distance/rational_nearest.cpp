@@ -11,7 +11,7 @@ namespace {
 
 using Point = Vec3<Integer>;
 
-/// p + x (q - p) + y (r - p), rounded; all points in units of 2^exponent.
+/// Returns p + x (q - p) + y (r - p), rounded; all points are in units of 2^exponent.
 Vec3d round_combination(const Point& p, const Quotient& x, const Point& q, const Quotient& y, const Point& r,
                         int exponent) {
     const Integer denominator = x.denominator * y.denominator;

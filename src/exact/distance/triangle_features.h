@@ -1,8 +1,8 @@
 #pragma once
 
-// The pairs of features of two triangles, in the order that decides where there are several closest ones. The distance
-// of two triangles that do not intersect is the least distance of these, collapsed triangles included: of two disjoint
-// convex polygons a vertex is closest to the other polygon, or an edge to an edge.
+// Pairs of features of two triangles, in the order that decides between several closest ones. The distance of two
+// triangles that do not intersect is the least distance of these pairs, also for degenerate triangles: two disjoint
+// convex polygons are closest at a vertex of one and the other polygon, or at an edge of each.
 
 #include <array>
 #include <cstddef>
@@ -13,8 +13,9 @@ namespace crumple {
 
 using TrianglePoints = std::array<Vec3d, 3>;
 
-/// First the vertices of the first triangle with the second as a face, then the second's with the first, then edges: i,
-/// from corner i to the next one, of the first with j of the second, j counting faster.
+/// Number of pairs of features. First come the vertices of the first triangle, with the second as a face, then the
+/// vertices of the second, with the first as a face, then edge i of the first, from corner i to the next one, with edge
+/// j of the second; j runs faster.
 inline constexpr std::size_t triangle_features = 15;
 
 inline Features features_of_triangles(const TrianglePoints& a, const TrianglePoints& b, std::size_t k) {
@@ -24,7 +25,7 @@ inline Features features_of_triangles(const TrianglePoints& a, const TrianglePoi
     return {FeatureKinds::edge_edge, {a[i], a[(i + 1) % 3], b[j], b[(j + 1) % 3]}};
 }
 
-/// Whether the second triangle's feature comes first among the points.
+/// True if the points of pair k begin with the second triangle's feature.
 inline bool second_comes_first(std::size_t k) { return k >= 3 && k < 6; }
 
 }  // namespace crumple

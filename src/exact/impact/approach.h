@@ -1,7 +1,7 @@
 #pragma once
 
-// Two features that move, seen from one of their points: three vectors, linear in time, in float64. Compiled for host
-// and device. Bounds are derived in docs/motion_filters.md.
+// Two moving features as three vectors from one of their points, linear in time, in float64. Compiled for host and
+// device. Bounds are derived in docs/motion_filters.md.
 //
 // A vertex p and a face a b c are the vectors u = b - a, v = c - a, w = p - a; edges a b and c d are u = b - a,
 // v = d - c, w = c - a. Whenever the features touch, (u x v) . w = 0.
@@ -15,10 +15,10 @@ namespace crumple {
 
 enum class FeaturePair { vertex_face, edge_edge };
 
-/// p a b c, or a b c d.
+/// Points p a b c of a vertex and a face, or a b c d of two edges.
 using FourPoints = std::array<MovingPoint, 4>;
 
-/// u, v and w, of what `difference` makes of two points.
+/// Returns u, v and w, each computed by difference(to, from) from two points.
 template <FeaturePair pair, class Difference>
 CRUMPLE_HD inline auto vectors(const FourPoints& x, Difference difference) {
     if constexpr (pair == FeaturePair::vertex_face) {
@@ -30,22 +30,22 @@ CRUMPLE_HD inline auto vectors(const FourPoints& x, Difference difference) {
     }
 }
 
-/// A vector from start to end, each component off by one rounding.
+/// Vector that changes linearly from `start` to `end`, each component off by one rounding.
 struct MovingVector {
     Vec3d start, end;
 
-    /// Bounds on the components at any time.
+    /// Returns bounds on the components' magnitudes at any time.
     CRUMPLE_HD Vec3d reach() const { return max(abs(start), abs(end)); }
-    /// Of all magnitudes: not a number, if one of them is not.
+    /// Returns the sum of all magnitudes; NaN if one of them is NaN.
     CRUMPLE_HD double sum() const {
         const Vec3d all = abs(start) + abs(end);
         return all.x + all.y + all.z;
     }
-    /// Off by four roundings of components of `reach`.
+    /// Returns the vector at time t, off by four roundings of reach().
     CRUMPLE_HD Vec3d at(double t) const { return (1 - t) * start + t * end; }
 };
 
-/// The magnitudes of the two products in a component of a x b, together.
+/// Returns for each component of a x b the sum of both products' magnitudes. a and b must not be negative.
 CRUMPLE_HD inline Vec3d cross_magnitude(const Vec3d& a, const Vec3d& b) {
     return {a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x};
 }
@@ -54,8 +54,8 @@ template <FeaturePair pair>
 struct Approach {
     MovingVector u, v, w;
     Vec3d reach_u, reach_v, reach_w;
-    double reach;      ///< bounds the sum of all components
-    double slack;      ///< more than underflow adds to anything that is computed of them
+    double reach;      ///< bounds the sum of all magnitudes
+    double slack;      ///< exceeds the underflow error of anything computed from the vectors
     double magnitude;  ///< bounds the sum of the magnitudes of the monomials of (u x v) . w
 
     CRUMPLE_HD explicit Approach(const FourPoints& points)
@@ -63,7 +63,7 @@ struct Approach {
               return MovingVector{to.start - from.start, to.end - from.end};
           })) {}
 
-    /// Nothing overflows, and all are numbers.
+    /// True if nothing overflows and no component is NaN.
     CRUMPLE_HD bool in_range() const { return reach < 0x1p200; }
 
    private:

@@ -1,11 +1,11 @@
 #pragma once
 
-// When two moving features first come within a distance, in double words with proven bounds
-// (docs/separation_filters.md): for those that are close, after surely_farther.h has led up to the contact from below.
-// Compiled for host and device.
+// Double-double filter: computes when two moving features first come within a minimum distance, in double words with
+// proven bounds (docs/separation_filters.md). It decides features that come close, after surely_farther.h has advanced
+// to shortly before the contact. Compiled for host and device.
 //
-// A direction that turns shows that the features are farther apart up to a float64 number, and two of their points that
-// they are closer at the next one. That is the time rounded down, and no polynomial is needed.
+// A turning direction proves that the features are farther apart up to some float64 time, and two of their points prove
+// that they are closer at the next float64. The former is then the time rounded down, and no polynomial is needed.
 
 #include "exact/impact/min_distance.h"
 #include "exact/impact/quick_impact.h"
@@ -14,13 +14,13 @@
 
 namespace crumple::detail {
 
-/// Bounds the relative error of all that is computed below, against the sum of the magnitudes of its terms.
+/// Bound on the error of everything computed below, relative to the sum of the magnitudes of its terms.
 inline constexpr double word_error = 0x1p-97;
 
 CRUMPLE_HD inline DoubleWord word(double x) { return {x, 0}; }
 CRUMPLE_HD inline Vec3dw scaled(DoubleWord s, const Vec3dw& p) { return {s * p.x, s * p.y, s * p.z}; }
 
-/// A bound below and one above on the squared distance that is asked for.
+/// Lower and upper bound on the square of the requested minimum distance.
 struct SquaredLimit {
     DoubleWord low, high;
 };
@@ -36,7 +36,8 @@ class CloseSeparation {
         end_ = difference<kinds>(p.end, q.end, r.end, s.end, subtract);
     }
 
-    /// `far`: as far as float64 knows of `distance`, which is not less than that of the separation.
+    /// Decides the query. `distance`: at least the requested minimum distance. `far`: the time up to which float64
+    /// proves that the features are farther apart than `distance`.
     CRUMPLE_HD QuickImpact decide(const Separation& separation, FarTime far, double distance) const {
         const Shortest at_start = shortest(0);
         SquaredLimit limit;
@@ -46,7 +47,8 @@ class CloseSeparation {
             if (!farther_between(at_start, 0, at_start, 0, limit)) return {};
             far.any = true;
         }
-        // Where features part again nearly at the distance, double words lead past that, and float64 goes on.
+        // If features move apart again just before they reach the distance, double words lead past that time, and
+        // float64 continues.
         constexpr int most_passes = 2;
         for (int passes = 0;; ++passes) {
             const Shortest before = shortest(far.until);
@@ -60,12 +62,12 @@ class CloseSeparation {
     }
 
    private:
-    /// A difference, which need not be the shortest, and its place in the domain.
+    /// Approximately shortest difference, and its parameters in the domain.
     struct Shortest {
         Vec3dw g;
         DoubleWord s, t;
 
-        /// Of about length 1.
+        /// Returns g scaled to a length of about 1.
         CRUMPLE_HD Vec3dw direction() const {
             const Vec3d rounded = high(g);
             return scaled(word(1 / std::sqrt(dot(rounded, rounded))), g);
@@ -82,7 +84,7 @@ class CloseSeparation {
         return x.w + (scaled(s, x.u) + scaled(t, x.v));
     }
 
-    /// The guess of float64, and a step of Newton's method.
+    /// Returns the float64 guess, improved by one step of Newton's method.
     CRUMPLE_HD Shortest shortest(double time) const {
         const DomainPoint guess = closest<kinds>(rounded_.at(time));
         const Difference<DoubleWord> x = at(time);
@@ -111,9 +113,10 @@ class CloseSeparation {
         return inside ? on_side(two_sum(guess.r, step)) : first;
     }
 
-    /// What follows, if they are farther apart until `from`, where `before` is.
+    /// Decides the query if the features are farther apart up to time `from`. `before`: the shortest difference at that
+    /// time.
     CRUMPLE_HD QuickImpact contact_after(const Shortest& before, double from, const SquaredLimit& limit) const {
-        // Newton's method: when the points that are closest now would be at that distance.
+        // Newton's method: the next time is when the points that are closest now would be at the distance.
         constexpr int most_steps = 8;
         Shortest there = before;
         DoubleWord crossing = word(from);
@@ -128,13 +131,13 @@ class CloseSeparation {
         if (crossing.high == 1 && farther_between(before, from, there, 1, limit)) return {Certainty::apart};
         if (!(crossing.high > 0x1p-100)) return {};
         const double toi = crossing.low < 0 ? std::nextafter(crossing.high, 0.0) : crossing.high;
-        if (toi < crossing.high) there = shortest(toi);  // as exactly as that, for it may turn fast
+        if (toi < crossing.high) there = shortest(toi);  // recomputed at exactly `toi`, as the direction may turn fast
         const bool certain = toi >= from && toi < 1 && farther_between(before, from, there, toi, limit) &&
                              closer(there, std::nextafter(toi, 1.0), limit);
         return certain ? QuickImpact{Certainty::meets, toi} : QuickImpact{};
     }
 
-    /// A time after `from` until which they are farther apart, too, or `from` itself.
+    /// Returns a time after `from` up to which the features are still farther apart, or `from` itself.
     CRUMPLE_HD double far_past(const Shortest& before, double from, const SquaredLimit& limit) const {
         double step = 0x1p-8;
         for (int attempt = 0; attempt < 7; ++attempt, step *= 0x1p-6) {
@@ -144,7 +147,8 @@ class CloseSeparation {
         return from;
     }
 
-    /// False if the share is of nothing that is known well enough.
+    /// Computes the limit. Returns false if it is out of range, or a share of a distance that is not known accurately
+    /// enough.
     CRUMPLE_HD bool squared_limit(const Separation& separation, const Shortest& at_start, SquaredLimit& limit) const {
         const TwoTerms distance = two_product(separation.distance, separation.distance);
         limit = {distance, distance};
@@ -163,7 +167,7 @@ class CloseSeparation {
         return limit.low.high >= 0x1p-200 && limit.high.high <= 0x1p200;
     }
 
-    /// How far g · g may be off from the squared length of a difference of the domain.
+    /// Returns a bound on the error of g · g as the squared length of a difference of the domain.
     CRUMPLE_HD double length_error(const Vec3dw& g, double squared) const {
         const double off = word_error * rounded_.size;
         return off * (4 * length_1(high(g)) + 4 * off) + word_error * squared;
@@ -184,20 +188,21 @@ class CloseSeparation {
         return result;
     }
 
-    /// A bound above on the limit times the length of g.
+    /// Returns an upper bound on the limit times the length of g.
     CRUMPLE_HD static DoubleWord limit_along(const Vec3dw& g, const SquaredLimit& limit) {
         const DoubleWord squared = limit.high * product(g, g);
         const double root = std::sqrt(squared.high);
         return (word(root) + (squared - two_product(root, root)) / word(2 * root)) * two_sum(1, 4 * word_error);
     }
 
-    /// From one time to another, along a direction that turns from that of the one difference to that of the other.
+    /// True if the features are certainly farther apart from time `from` to time `to`, along a direction that turns
+    /// from that of `first` to that of `second`.
     CRUMPLE_HD bool farther_between(const Shortest& first, double from, const Shortest& second, double to,
                                     const SquaredLimit& limit) const {
         const Vec3dw f = first.direction(), g = second.direction();
         if (!(length_1(high(f)) > 0.5 && length_1(high(g)) > 0.5)) return false;
-        // A quadratic's Bernstein coefficients, each twice; and a line that is above the limit times the direction's
-        // length.
+        // Bernstein coefficients of heights that are quadratic in time, the middle one doubled, and a line above the
+        // limit times the direction's length.
         const Difference<DoubleWord> x = at(from), y = at(to);
         const auto f_x = corner_heights(x, f), f_y = corner_heights(y, f), g_x = corner_heights(x, g),
                    g_y = corner_heights(y, g);
@@ -211,15 +216,15 @@ class CloseSeparation {
         return above(least(f_x), f_limit) && above(least(g_y), g_limit) && above(least(middle), f_limit + g_limit);
     }
 
-    /// The difference at that place of the domain is shorter than the limit.
+    /// True if the difference at these parameters is certainly shorter than the limit at `time`.
     CRUMPLE_HD bool closer(const Shortest& shortest, double time, const SquaredLimit& limit) const {
         const Vec3dw g = combine(at(time), shortest.s, shortest.t);
         const DoubleWord squared = product(g, g), above = squared + word(length_error(g, squared.high));
         return (limit.low - above).high > 4 * word_error * limit.low.high;
     }
 
-    /// When the height of that place of the domain, along its difference, is down at the limit, about; at least 1 if
-    /// never.
+    /// Returns the approximate time at which the difference at these parameters, measured along its own direction,
+    /// falls to the limit; at least 1 if it never does.
     CRUMPLE_HD DoubleWord down_at_limit(const Shortest& at, const SquaredLimit& limit) const {
         const Vec3dw g = at.direction();
         const DoubleWord start = product(g, combine(start_, at.s, at.t)), end = product(g, combine(end_, at.s, at.t));

@@ -1,7 +1,7 @@
 #pragma once
 
-// When two moving features first touch: float64 where that proves it, exact predicates at the start,
-// else rational arithmetic. Host only.
+// Decides when two moving features first touch: by float64 where that is a proof, by exact predicates at the start,
+// otherwise by rational arithmetic. Host only.
 
 #include <cstdint>
 
@@ -9,20 +9,20 @@
 
 namespace crumple {
 
-/// How many queries went how far.
+/// Number of decisions that reached each stage.
 struct ImpactCounts {
-    std::int64_t roots = 0;  ///< were not surely apart
-    std::int64_t exact = 0;  ///< of those: took rational arithmetic
+    std::int64_t roots = 0;  ///< not decided by the filters that prove features apart
+    std::int64_t exact = 0;  ///< of these, took rational arithmetic
 };
 
-/// Whether filters that are as good as surely_apart() have been asked.
+/// Flag: `yes` if filters at least as strong as surely_apart() have been applied already.
 enum class Filtered : bool { no, yes };
 
-/// Vertex p against the face a b c.
+/// Decides the impact of vertex p and face a b c.
 Impact vertex_face_impact(const MovingPoint& p, const MovingPoint& a, const MovingPoint& b, const MovingPoint& c,
                           ImpactCounts& counts, Filtered filtered = Filtered::no);
 
-/// Edge a b against edge c d.
+/// Decides the impact of edges a b and c d.
 Impact edge_edge_impact(const MovingPoint& a, const MovingPoint& b, const MovingPoint& c, const MovingPoint& d,
                         ImpactCounts& counts, Filtered filtered = Filtered::no);
 

@@ -47,7 +47,7 @@ Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, co
     const auto& [p, q, r, s] = points;
     if (separation.contact_only()) {
         const Impact impact = rational(kinds, points);
-        return impact.start && separation.approaching_only ? Impact{} : impact;  // nothing is closer
+        return impact.start && separation.approaching_only ? Impact{} : impact;  // nothing is closer than contact
     }
     switch (kinds) {
         case FeatureKinds::vertex_face:

@@ -1,7 +1,7 @@
 #pragma once
 
-// When two moving features first come within a distance: float64 where that proves it, else rational arithmetic. Host
-// only.
+// Decides when two moving features first come within a minimum distance: by float64 where that is a proof, otherwise by
+// rational arithmetic. Host only.
 
 #include <array>
 #include <cstdint>
@@ -12,17 +12,17 @@
 
 namespace crumple {
 
-/// How many queries went how far.
+/// Number of decisions that took rational arithmetic.
 struct SeparationCounts {
     std::int64_t rational = 0;
 };
 
-/// True if an impact would certainly have a later time than this, as rounded. Cost: 60 ns.
+/// True if the rounded time of any impact is certainly after `time`. Cost: 60 ns.
 bool surely_later(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, const Separation& separation,
                   double time);
 
-/// The points as in Features: of a vertex and a face, two edges, a vertex and an edge, or two vertices. Without a
-/// separation this is an impact, and all that touches takes rational arithmetic.
+/// Decides when two features first come within the minimum distance. `points` are in the order of Features. With a
+/// minimum distance of 0 this is an impact, and all features that touch take rational arithmetic.
 Impact decide_separation(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, const Separation& separation,
                          SeparationCounts& counts);
 

@@ -1,12 +1,12 @@
 #pragma once
 
-// When two moving features first touch: what the exact decision is given and what it answers.
+// Input and result of the decision when two moving features first touch.
 
 #include "geometry/vec.h"
 
 namespace crumple {
 
-/// A point on its straight way: at start + t (end − start) for t in [0, 1], exactly, for these float64 numbers.
+/// Point on a straight trajectory: exactly start + t (end − start), t in [0, 1], of these float64 numbers.
 struct MovingPoint {
     Vec3d start, end;
 };
@@ -14,7 +14,7 @@ struct MovingPoint {
 struct Impact {
     bool meets = false;  ///< the closed sets have a point in common at some t in [0, 1]
     double toi = 0;      ///< the first such t, rounded down to float64: toi <= exact < next number; 0 without one
-    bool start = false;  ///< it is 0 exactly: they touch at the start
+    bool start = false;  ///< true if this t is exactly 0: they touch at the start
 
     friend bool operator==(const Impact&, const Impact&) = default;
 };

@@ -1,8 +1,8 @@
 #pragma once
 
-// Two features that move, as the differences between their points: w + s u + t v, where w, u and v are linear in time
-// and (s, t) is in a domain that is the hull of some corners. Their distance is the length of the shortest. Compiled
-// for host and device.
+// Two moving features as the differences between their points: w + s u + t v, where w, u and v are linear in time and
+// (s, t) is in a domain, the convex hull of some corners. The distance of the features is the length of the shortest
+// difference. Compiled for host and device.
 //
 //     vertex p, face a b c     w = a - p, u = b - a, v = c - a     s, t >= 0, s + t <= 1
 //     edges a b, c d           w = a - c, u = b - a, v = c - d     s, t in [0, 1]
@@ -21,7 +21,7 @@ struct Difference {
     Vec3<T> w{}, u{}, v{};
 };
 
-/// Of points p, q, r, s; subtract(x, y) is x - y.
+/// Returns the difference for points p, q, r, s; subtract(x, y) returns x - y.
 template <FeatureKinds kinds, class Point, class Subtract>
 CRUMPLE_HD inline auto difference(const Point& p, const Point& q, const Point& r, const Point& s, Subtract subtract) {
     Difference<decltype(subtract(p, p).x)> x;
@@ -37,20 +37,20 @@ CRUMPLE_HD inline auto difference(const Point& p, const Point& q, const Point& r
     return x;
 }
 
-/// How many corners the domain has: (0, 0), (1, 0), (0, 1), (1, 1), so far.
+/// Number of corners of the domain, the first ones of (0, 0), (1, 0), (0, 1), (1, 1).
 template <FeatureKinds kinds>
 inline constexpr std::size_t corners = kinds == FeatureKinds::edge_edge     ? 4
                                        : kinds == FeatureKinds::vertex_face ? 3
                                        : kinds == FeatureKinds::vertex_edge ? 2
                                                                             : 1;
 
-/// A point (s + r ds, t + r dt) of the domain's border, from a corner along a side; or, if `inside`, the point (s, t).
+/// Point of the domain: (s, t) if `inside`, otherwise (s + r ds, t + r dt) on the border, on a side from corner (s, t).
 struct DomainPoint {
     double s = 0, t = 0, ds = 0, dt = 0, r = 0;
     bool inside = false;
 };
 
-/// Where about the difference is shortest; never far outside of the domain, whatever the rounding errors.
+/// Returns approximately where the difference is shortest, never far outside the domain despite rounding errors.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline DomainPoint closest(const Difference<double>& x) {
     const Vec3d &w = x.w, &u = x.u, &v = x.v;

@@ -10,11 +10,11 @@
 
 namespace crumple {
 
-/// A moving point: three polynomials in t of degree 1. Vectors between such points and their products are of the same
-/// type, of higher degree.
+/// Moving point: three polynomials in t of degree 1. Vectors between such points, and their products, have the same
+/// type with higher degrees.
 using Path = Vec3<Polynomial>;
 
-/// The largest power of two that every coordinate is a multiple of.
+/// Returns the exponent of the largest power of two of which every coordinate is a multiple.
 template <std::size_t N>
 int common_exponent(const std::array<MovingPoint, N>& points) {
     std::array<Vec3d, 2 * N> ends;
@@ -25,7 +25,7 @@ int common_exponent(const std::array<MovingPoint, N>& points) {
     return common_exponent(std::span<const Vec3d>(ends));
 }
 
-/// In units of 2^exponent, in which all coordinates are integers.
+/// Returns the points' paths in units of 2^exponent, in which all coordinates must be integers.
 template <std::size_t N>
 std::array<Path, N> paths(const std::array<MovingPoint, N>& points, int exponent) {
     std::array<Path, N> result;

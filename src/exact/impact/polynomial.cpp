@@ -6,9 +6,9 @@
 namespace crumple {
 namespace {
 
-/// p(u + k), by Horner's scheme repeated.
+/// Replaces p(u) by p(u + k), by repeated Horner's scheme.
 void shift(std::vector<Integer>& coefficients, const Integer& k) {
-    const bool by_one = k == 1;  // most often, and then there is nothing to multiply
+    const bool by_one = k == 1;  // the usual case, which needs no multiplication
     for (std::size_t done = 0; done + 1 < coefficients.size(); ++done) {
         for (std::size_t i = coefficients.size() - 1; i-- > done;) {
             if (by_one) {
@@ -20,15 +20,15 @@ void shift(std::vector<Integer>& coefficients, const Integer& k) {
     }
 }
 
-/// The Bernstein coefficients over [0, 1], the i-th times binomial(n, i) > 0: they are the coefficients of
-/// (1 + s)^n p(1 / (1 + s)) from the highest down, that is, those of p reversed and then shifted by 1.
+/// Returns the Bernstein coefficients over [0, 1], last one first, the i-th times binomial(n, i) > 0. They are the
+/// coefficients of (1 + s)^n p(1 / (1 + s)), that is, those of p reversed and then shifted by 1.
 std::vector<Integer> bernstein(const Polynomial& p) {
     std::vector<Integer> coefficients(p.coefficients().rbegin(), p.coefficients().rend());
     shift(coefficients, 1);
     return coefficients;
 }
 
-/// A multiple by a number, not 0, of the remainder of p by q, which is not 0.
+/// Returns the remainder of p by q times a nonzero number; q is not 0.
 Polynomial pseudo_remainder(const Polynomial& p, const Polynomial& q) {
     std::vector<Integer> rest = p.coefficients();
     const std::vector<Integer>& divisor = q.coefficients();
@@ -42,7 +42,7 @@ Polynomial pseudo_remainder(const Polynomial& p, const Polynomial& q) {
     return Polynomial(std::move(rest)).primitive();
 }
 
-/// p / q for primitive p and q of which q divides p. The quotient is then a polynomial over the integers by Gauss's
+/// Returns p / q for primitive p and q if q divides p. The quotient is then a polynomial over the integers by Gauss's
 /// lemma, so each division below has no remainder.
 Polynomial quotient(const Polynomial& p, const Polynomial& q) {
     std::vector<Integer> rest = p.coefficients();
@@ -128,7 +128,7 @@ Polynomial operator*(const Polynomial& p, const Polynomial& q) {
 }
 
 Polynomial greatest_common_divisor(std::span<const Polynomial> polynomials) {
-    // Euclid's algorithm. Remainders are made primitive, without which coefficients double in length at each step.
+    // Euclid's algorithm. Remainders are made primitive; otherwise coefficients would double in length at each step.
     Polynomial divisor;
     for (const Polynomial& p : polynomials) {
         Polynomial rest = p.primitive();

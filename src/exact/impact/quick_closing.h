@@ -1,8 +1,8 @@
 #pragma once
 
-// Decision whether features that start within a distance come closer than they start, by float64 arithmetic with proven
-// bounds, else `unknown`. It is what rational_separation.h answers with Separation::approaching_only.
-// The derivation is docs/separation_filters.md. Host only.
+// Float64 filter: decides if features that start within the minimum distance come closer than at the start, in float64
+// with proven bounds; otherwise `unknown`. Results are those of rational_separation.h with
+// Separation::approaching_only. The derivation is in docs/separation_filters.md. Host only.
 //
 // Cost: 30 ns.
 
@@ -11,7 +11,7 @@
 
 namespace crumple {
 
-/// Decides features that are within the distance at the start.
+/// Decides features that start within the minimum distance.
 template <FeatureKinds kinds>
 QuickImpact quick_closing(const std::array<MovingPoint, 4>& points) {
     bool moves = false;
@@ -24,18 +24,18 @@ QuickImpact quick_closing(const std::array<MovingPoint, 4>& points) {
     const double squared = dot(g, g);
     if (!(squared > 0x1p-600)) return {};
 
-    // The heights along g, and how far they are off.
+    // Heights along g, and a bound on their error.
     const std::array<double, 4> start = detail::heights<kinds>(x.start, g), end = detail::heights<kinds>(x.end, g);
     const double error = 16 * 0x1p-53 * largest(abs(g)) * x.size + 0x1p-1022;
     double lowest = start[0];
     for (std::size_t i = 1; i < detail::corners<kinds>; ++i) lowest = min(lowest, start[i]);
     if (!(lowest > error)) return {};
 
-    // The shortest difference n is at least `least` and at most `most` long, and g is off from it by at most `off`.
+    // The length of the shortest difference n is in [least, most], and g differs from n by at most `off`.
     const double slack = 1 + 0x1p-40, place = 16 * 0x1p-53 * x.size + 0x1p-500;
     const double most = (std::sqrt(squared) + place) * slack, least = (lowest - error) / (std::sqrt(squared) * slack);
     const double off = place + std::sqrt(max(0., most * most * slack - least * least)) * slack;
-    // Along n corners start at n . n or above, and move by at most x.size each.
+    // Along n, the heights of corners start at n . n or above; each corner moves by at most x.size.
     const double bound = (off * x.size + 2 * error) * slack, top = most * most * slack + bound;
     bool parts = true, closes = true;
     for (std::size_t i = 0; i < detail::corners<kinds>; ++i) {

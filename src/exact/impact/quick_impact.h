@@ -1,14 +1,14 @@
 #pragma once
 
-// When two moving features first touch, where float64 arithmetic with proven bounds tells, else `unknown`. What it
-// tells is what rational_impact.h answers, bit for bit. For any coordinates; NaN and infinity are unknown. Compiled for
-// host and device. The derivation is docs/motion_filters.md.
+// Float64 filter: computes when two moving features first touch, in float64 and double words with proven bounds;
+// otherwise `unknown`. Results are those of rational_impact.h, bit for bit. Accepts any coordinates; NaN and infinity
+// give `unknown`. Compiled for host and device. The derivation is in docs/motion_filters.md.
 //
-// The volume's roots are taken one after the other. Each is isolated by signs, enclosed by Newton's method, and dropped
-// if the features are certainly beside each other there. Where they certainly touch it is enclosed further, with
-// the volume in double words, until it can be rounded.
+// Roots of the volume are visited in ascending order. Each is isolated by signs, enclosed by Newton's method, and
+// skipped if the features are certainly beside each other at that time. If they certainly touch, the enclosure is
+// narrowed, with the volume in double words, until the root can be rounded.
 //
-// Cost: 60 ns where surely_apart.h tells, 200 ns more with roots at which nothing touches, 400 for an impact.
+// Cost: 60 ns if surely_apart.h decides, 200 ns more with roots at which nothing touches, 400 ns for an impact.
 
 #include "exact/impact/start_contact.h"
 #include "exact/impact/surely_apart.h"
@@ -26,8 +26,8 @@ struct QuickImpact {
 
 namespace detail {
 
-/// Whether three of the points, all but one, stay in a plane across an axis at all times, and that one certainly is not
-/// in it near t. Then the volume is 0 only when the three are on one line.
+/// True if all points but `other` stay in one plane perpendicular to an axis at all times, and `other` is certainly not
+/// in it near t. Then the volume is 0 only if the three points are collinear.
 CRUMPLE_HD inline bool on_one_line(const FourPoints& points, std::size_t other, double t, double share, double slack) {
     const MovingPoint &p = points[(other + 1) % 4], &q = points[(other + 2) % 4], &r = points[(other + 3) % 4];
     for (int i = 0; i < 3; ++i) {
@@ -39,10 +39,11 @@ CRUMPLE_HD inline bool on_one_line(const FourPoints& points, std::size_t other, 
     return false;
 }
 
-/// 1 if the features touch wherever the volume is 0 within `radius` of t, −1 if they do not, 0 if neither is certain.
+/// Returns 1 if the features touch wherever the volume is 0 within `radius` of t, −1 if they do not, 0 if neither is
+/// certain.
 template <FeaturePair pair>
 CRUMPLE_HD inline int touch(const FourPoints& points, const Approach<pair>& x, double t, double radius) {
-    // Components of u, v and w are off by this share of their reach.
+    // Bound on the error of components of u, v and w, relative to their reach.
     const double share = 5 * epsilon + 2 * radius;
     const Vec3d u = x.u.at(t), v = x.v.at(t), w = x.w.at(t), n = cross(u, v), size = abs(n);
     const int k = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
@@ -53,18 +54,18 @@ CRUMPLE_HD inline int touch(const FourPoints& points, const Approach<pair>& x, d
     };
     const double whole = size[k], whole_bound = bound(x.reach_u, x.reach_v);
     if (!(whole > whole_bound)) {
-        // Parallel edges, or a face like a needle.
+        // Nearly parallel edges, or a nearly degenerate face.
         const Vec3d way = between_middles<pair>(u, v, w);
         const double off = 3 * share * dot(abs(way), x.reach_u + x.reach_v + x.reach_w) + x.slack;
         return side<pair>(dot(way, u), dot(way, v), dot(way, w), off) != 0 ? -1 : 0;
     }
 
-    // The vertex is at (alpha u + beta v) / whole; or alpha / whole and beta / whole say where on the edges they meet.
+    // The vertex is at (alpha u + beta v) / whole; edges meet at their parameters alpha / whole and beta / whole.
     const double forwards = n[k] > 0 ? 1 : -1;
     const double alpha = forwards * product(w, v), alpha_bound = bound(x.reach_w, x.reach_v);
     const double beta = (pair == FeaturePair::vertex_face ? forwards : -forwards) * product(u, w);
     const double beta_bound = bound(x.reach_u, x.reach_w);
-    // What is 0 puts three of the points on one line.
+    // If a value is 0, three of the points are collinear.
     const auto inside = [&](double value, double off, std::size_t other) {
         if (value > off) return 1;
         if (value < -off) return -1;
@@ -81,7 +82,7 @@ CRUMPLE_HD inline int touch(const FourPoints& points, const Approach<pair>& x, d
 
 }  // namespace detail
 
-/// For vectors in range, which are not surely apart.
+/// Computes the first impact of features that surely_apart() does not decide. Requires vectors in range.
 template <FeaturePair pair>
 CRUMPLE_HD inline QuickImpact first_impact(const FourPoints& points, const Approach<pair>& x, const Volume& volume) {
     if (volume.sign_at_start() == 0) {

@@ -1,24 +1,25 @@
 #pragma once
 
-// When two moving features first come within a distance, where float64 arithmetic with proven bounds tells, else
-// `unknown`. What it tells is what rational_separation.h answers, bit for bit. For any coordinates; NaN and infinity
-// are unknown. Compiled for host and device. The derivation is docs/separation_filters.md.
+// Float64 filter: computes when two moving features first come within a minimum distance, in float64 and double words
+// with proven bounds; otherwise `unknown`. Results are those of rational_separation.h, bit for bit. Accepts any
+// coordinates; NaN and infinity give `unknown`. Compiled for host and device. The derivation is in
+// docs/separation_filters.md.
 //
-// Cost: 70 to 200 ns where they stay apart, 2 to 4 us for a time.
+// Cost: 70 to 200 ns if the features stay apart, 2 to 4 us to compute a time.
 
 #include "exact/impact/close_separation.h"
 
 namespace crumple {
 namespace detail {
 
-/// A bound above on the distance at the start.
+/// Returns an upper bound on the distance at the start.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline double length_at_start(const MovingDifference<kinds>& x) {
     const Vec3d g = at(x.start, closest<kinds>(x.start));
     return (std::sqrt(dot(g, g)) + (16 * 0x1p-53 * x.size + 0x1p-500)) * (1 + 8 * 0x1p-53);
 }
 
-/// The larger one of both distances that the separation has, rounded up.
+/// Returns the requested minimum distance, the larger one of its two parts, rounded up.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline double distance_of(const Separation& separation, const MovingDifference<kinds>& x) {
     if (!(separation.share > 0)) return separation.distance;
@@ -34,7 +35,7 @@ CRUMPLE_HD_COLD QuickImpact close_separation(const std::array<MovingPoint, 4>& p
 
 }  // namespace detail
 
-/// True if an impact would certainly have a later time than this, as rounded.
+/// True if the rounded time of any impact is certainly after `time`.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline bool surely_later(const std::array<MovingPoint, 4>& points, const Separation& separation,
                                     double time) {

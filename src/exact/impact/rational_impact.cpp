@@ -9,17 +9,17 @@
 namespace crumple {
 namespace {
 
-/// Twice the signed area of a b c, projected along an axis.
+/// Returns twice the signed area of a b c, projected along an axis.
 Polynomial turn(const Path& a, const Path& b, const Path& c, int along) {
     const int i = (along + 1) % 3, j = (along + 2) % 3;
     return (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i]);
 }
 
-// Whether sets touch at one moment: a root of the polynomials that have to be 0 there, which are not looked at again.
+// Tests if sets touch at one time t. Polynomials that must be 0 for a contact have the root t and are not tested again.
 
 bool vanishes(const Path& path, Root& t) { return t.sign(path.x) == 0 && t.sign(path.y) == 0 && t.sign(path.z) == 0; }
 
-/// The axis along which a vector has a component, or −1 for the zero vector.
+/// Returns the first axis along which a vector has a component, or −1 for the zero vector.
 int axis_of(const Path& vector, Root& t) {
     for (int axis = 0; axis < 3; ++axis) {
         if (t.sign(vector[axis]) != 0) return axis;
@@ -27,14 +27,14 @@ int axis_of(const Path& vector, Root& t) {
     return -1;
 }
 
-/// p in the segment a b, for p on a line with both; a and b may coincide.
+/// True if p lies in segment a b. Precondition: p lies on a line through a and b, which may coincide.
 bool between(const Path& p, const Path& a, const Path& b, Root& t) { return t.sign(dot(p - a, p - b)) <= 0; }
 
 bool on_edge(const Path& p, const Path& a, const Path& b, Root& t) {
     return between(p, a, b, t) && vanishes(cross(p - a, b - a), t);
 }
 
-/// For p in a plane with a, b and c.
+/// True if p lies in face a b c. Precondition: the four points are coplanar.
 bool in_face(const Path& p, const Path& a, const Path& b, const Path& c, Root& t) {
     const Path normal = cross(b - a, c - a);
     const int axis = axis_of(normal, t);
@@ -45,10 +45,10 @@ bool in_face(const Path& p, const Path& a, const Path& b, const Path& c, Root& t
     return inside(a, b) && inside(b, c) && inside(c, a);
 }
 
-/// For four points in one plane.
+/// True if edges a b and c d touch. Precondition: the four points are coplanar.
 bool edges_touch(const Path& a, const Path& b, const Path& c, const Path& d, Root& t) {
     const int axis = axis_of(cross(b - a, d - c), t);
-    // Of edges that touch and are parallel or collapsed, one has an end of the other.
+    // If edges that are parallel or degenerate touch, one of them contains an end of the other.
     if (axis < 0) return on_edge(a, c, d, t) || on_edge(b, c, d, t) || on_edge(c, a, b, t) || on_edge(d, a, b, t);
     const auto apart = [&](const Path& from, const Path& to, const Path& p, const Path& q) {
         return t.sign(turn(from, to, p, axis)) * t.sign(turn(from, to, q, axis)) > 0;
@@ -56,11 +56,11 @@ bool edges_touch(const Path& a, const Path& b, const Path& c, const Path& d, Roo
     return !apart(a, b, c, d) && !apart(c, d, a, b);
 }
 
-// When they first do.
+// Times at which sets first touch.
 
 Impact impact_at(Root& t) { return {true, t.rounded_down(), t.is_zero()}; }
 
-/// At the first root of p, which is not 0, at which they touch.
+/// Returns the impact at the first root of p at which the sets touch; p is not 0.
 template <class Touch>
 Impact first_root(const Polynomial& p, Touch touch) {
     for (Root& t : roots_in_unit_interval(p)) {
@@ -69,8 +69,8 @@ Impact first_root(const Polynomial& p, Touch touch) {
     return {};
 }
 
-/// At the start if they touch there, else the first impact of smaller features. Rounding keeps the order, so the least
-/// of the rounded times is that of the least.
+/// Returns the impact at the start if the sets touch there, otherwise the first impact of smaller features. Rounding is
+/// monotone, so the least of the rounded times is the least time, rounded.
 template <class Touch>
 Impact start_or_first_of(Touch touch, std::initializer_list<Impact> smaller) {
     Root start(Dyadic{0, 0});

@@ -1,27 +1,27 @@
 #pragma once
 
-// When two moving features first touch, decided in exact arithmetic for every finite float64 coordinate: the yardstick
-// for everything faster, and what that falls back on. The derivation is docs/motion_algebra.md. Host only.
+// Decides when two moving features first touch, in exact arithmetic for every finite float64 coordinate: the reference
+// for all faster decisions, and their fallback. The derivation is in docs/motion_algebra.md. Host only.
 //
-// A face is the convex hull of its three points at each t, an edge that of its two, whether or not they collapse.
-// Points move independently of each other; equal points, and points at rest, are as good as any.
+// A face is the convex hull of its three points at each t, and an edge that of its two points, degenerate or not.
+// Points move independently of each other. Equal points and static points are allowed.
 //
-// Cost: 5 to 40 us for ordinary coordinates, some 10 ms where magnitudes span the range of float64.
+// Cost: 5 to 40 us for ordinary coordinates, about 10 ms if magnitudes span the range of float64.
 
 #include "exact/impact/impact.h"
 
 namespace crumple {
 
-/// Vertex p against the face a b c.
+/// Decides the impact of vertex p and face a b c.
 Impact vertex_face(const MovingPoint& p, const MovingPoint& a, const MovingPoint& b, const MovingPoint& c);
 
-/// Edge a b against edge c d.
+/// Decides the impact of edges a b and c d.
 Impact edge_edge(const MovingPoint& a, const MovingPoint& b, const MovingPoint& c, const MovingPoint& d);
 
-/// Vertex p against the edge a b.
+/// Decides the impact of vertex p and edge a b.
 Impact vertex_edge(const MovingPoint& p, const MovingPoint& a, const MovingPoint& b);
 
-/// Vertex p against vertex q.
+/// Decides the impact of vertices p and q.
 Impact vertex_vertex(const MovingPoint& p, const MovingPoint& q);
 
 }  // namespace crumple

@@ -11,12 +11,12 @@
 namespace crumple {
 namespace {
 
-// The squared distance of two features is the least of some quotients: one for each two of their sub-features, of the
-// distance between the points in which a common perpendicular meets them. Where it does not meet them, a condition is
-// negative or the divisor is 0, and that quotient does not count.
+// The squared distance of two features is the least of several quotients over / under. There is one for each pair of
+// their sub-features: the squared distance between the points at which a common perpendicular meets the two. If the
+// perpendicular misses one of them, a condition is negative or the divisor is 0, and the quotient does not count.
 //
-// Each function below calls look(over, under, conditions) for the quotients of its features, whose coordinates are
-// integers at one moment, or polynomials in t. Conditions are seldom asked for, so they are to be called.
+// Each function below calls look(over, under, conditions) for each quotient of its features. Coordinates are integers
+// at one time, or polynomials in t. `conditions` is a function, because conditions are seldom needed.
 
 template <class T, class Look>
 void vertex_quotient(const Vec3<T>& p, const Vec3<T>& q, Look look) {
@@ -30,7 +30,7 @@ void vertex_quotient(const Vec3<T>& p, const Vec3<T>& q, Look look) {
     look(dot(way, way), one, [] { return std::array<T, 0>{}; });
 }
 
-/// p and the line through a and b, without its ends.
+/// Visits the quotient of p and the line through a and b, but not those of p and the ends.
 template <class T, class Look>
 void line_quotient(const Vec3<T>& p, const Vec3<T>& a, const Vec3<T>& b, Look look) {
     const Vec3<T> edge = b - a, way = p - a, normal = cross(edge, way);
@@ -66,7 +66,7 @@ void edge_edge_quotients(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c, c
     const Vec3<T> first = b - a, second = d - c, way = c - a, normal = cross(first, second);
     const T volume = dot(normal, way), length = dot(normal, normal);
     look(volume * volume, length, [&] {
-        // The perpendicular's ends, as shares of the edges, each times `length`.
+        // Parameters of the perpendicular's ends on both edges, each times `length`.
         const T on_first = dot(cross(way, second), normal), on_second = dot(cross(way, first), normal);
         return std::array{on_first, length - on_first, on_second, length - on_second};
     });
@@ -77,14 +77,14 @@ void edge_edge_quotients(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c, c
     }
 }
 
-/// A number, not negative, as a fraction.
+/// Nonnegative number over / under.
 struct Fraction {
     Integer over, under = 1;
 
     friend bool operator<(const Fraction& x, const Fraction& y) { return x.over * y.under < y.over * x.under; }
 };
 
-/// The square of x in units of 4^exponent.
+/// Returns the square of x in units of 4^exponent.
 Fraction squared(double x, int exponent) {
     const Binary binary(x);
     const Integer square = Integer(binary.mantissa) * binary.mantissa;
@@ -92,7 +92,8 @@ Fraction squared(double x, int exponent) {
     return places < 0 ? Fraction{square, Integer(1) << -places} : Fraction{square << places};
 }
 
-/// The first root of over / under = limit in [0, 1] at which no condition is negative; none where it holds always.
+/// Returns the impact at the first root of over / under = limit in [0, 1] at which no condition is negative; none if
+/// the equation holds at all times.
 template <class Conditions>
 Impact first_root(const Polynomial& over, const Polynomial& under, Conditions conditions, const Fraction& limit) {
     const Polynomial excess = Polynomial({limit.under}) * over - Polynomial({limit.over}) * under;
@@ -106,7 +107,7 @@ Impact first_root(const Polynomial& over, const Polynomial& under, Conditions co
     return {};
 }
 
-/// The sign of p right after t.
+/// Returns the sign of p right after t.
 int sign_after(Root& t, Polynomial p) {
     for (; !p.zero(); p = p.derivative()) {
         if (const int sign = t.sign(p)) return sign;
@@ -114,7 +115,7 @@ int sign_after(Root& t, Polynomial p) {
     return 0;
 }
 
-/// The first time in [0, 1) right after which over / under < limit and no condition is negative.
+/// Returns the impact at the first time in [0, 1) right after which over / under < limit and no condition is negative.
 template <class Conditions>
 Impact first_fall(const Polynomial& over, const Polynomial& under, Conditions conditions, const Fraction& limit) {
     const Polynomial excess = Polynomial({limit.under}) * over - Polynomial({limit.over}) * under;
@@ -135,7 +136,8 @@ Impact first_fall(const Polynomial& over, const Polynomial& under, Conditions co
     return {};
 }
 
-/// `quotients` calls what it is given with those of the features, for points of either type.
+/// Decides when features first come within the minimum distance. quotients(points, look) calls `look` for each of their
+/// quotients, for points of either type.
 template <std::size_t N, class Quotients>
 Impact first_within(const std::array<MovingPoint, N>& points, const Separation& separation, Quotients quotients) {
     const int exponent = common_exponent(points);
@@ -157,7 +159,7 @@ Impact first_within(const std::array<MovingPoint, N>& points, const Separation& 
     if (limit < shared) limit = shared;
     const bool within = !(limit < *least);
     if (within && !separation.approaching_only) return {true, 0, true};
-    if (within && least->over == 0) return {};  // nothing is closer
+    if (within && least->over == 0) return {};  // nothing is closer than contact
 
     Impact first;
     quotients(paths(points, exponent), [&](const Polynomial& over, const Polynomial& under, auto conditions) {

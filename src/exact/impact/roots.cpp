@@ -9,10 +9,10 @@
 namespace crumple {
 namespace {
 
-/// The middle of [k, k + 1] / 2^j.
+/// Returns the middle of [k, k + 1] / 2^j.
 Dyadic middle(const Dyadic& from) { return {2 * from.k + 1, from.j + 1}; }
 
-/// The largest float64 number that is not above t, which is in [0, 1].
+/// Returns the largest float64 not above t, which is in [0, 1].
 double round_down(const Dyadic& t) {
     if (t.k == 0) return 0;
     constexpr int precision = 53, least_unit = -1074;
@@ -22,15 +22,15 @@ double round_down(const Dyadic& t) {
     return std::ldexp(static_cast<double>(static_cast<std::int64_t>(places)), unit > -j ? unit : -j);
 }
 
-/// Appends the roots of p in [0, 1] in ascending order. False, with some of them appended, if parts shorter than
-/// 2^-deepest would have to be halved; not for a square-free p if there is no limit.
+/// Appends the roots of p in [0, 1] in ascending order. Returns false, with only some of them appended, if intervals of
+/// length 2^-deepest would have to be halved. A square-free p needs no such limit.
 bool isolate(const Polynomial& p, unsigned deepest, std::vector<Root>& roots) {
-    // Halve [0, 1] until each open interval has no root, or one and none at its ends. Where roots are simple,
-    // variations fall to 0 or 1 on short intervals. Those with none are forgotten at once, so the stack has at most an
-    // entry for each root, however deep it goes.
+    // Halve [0, 1] until each open interval has either no root, or one root and none at its ends. Where roots are
+    // simple, variations fall to 0 or 1 on short intervals. Intervals without variations are dropped at once, so the
+    // stack has at most one entry for each root, however deep the halving goes.
     const Dyadic zero{0, 0}, one{1, 0};
     struct Part {
-        Polynomial zoomed;  ///< the polynomial over the part, which is [0, 1] to it; 0 for a part that is one number
+        Polynomial zoomed;  ///< the polynomial with the part mapped to [0, 1]; 0 if the part is a single number
         Dyadic from;
         int variations = 0;
     };
@@ -54,7 +54,7 @@ bool isolate(const Polynomial& p, unsigned deepest, std::vector<Root>& roots) {
         }
         if (part.from.j >= deepest) return false;
         const Dyadic half = middle(part.from);
-        // The last one in is the first one out: from right to left.
+        // Last in, first out: push from right to left.
         push({part.zoomed.zoomed({1, 1}), half});
         if (part.zoomed.sign_at({1, 1}) == 0) parts.push_back({Polynomial(), half});
         push({part.zoomed.zoomed({0, 1}), {2 * part.from.k, part.from.j + 1}});
@@ -77,9 +77,9 @@ void Root::halve() {
 }
 
 int Root::sign(const Polynomial& q) {
-    // Most signs are not 0, and show on a short interval. Otherwise, q is 0 at the root iff the greatest common divisor
-    // is, which can have no other root in the interval than this simple one; and if it is not, then sooner or later the
-    // interval has no root of q in it.
+    // Most signs are nonzero, and a short interval proves it. Otherwise q is 0 at the root iff the greatest common
+    // divisor of both polynomials is, which can have no root in the interval but this simple one. If q is not 0 there,
+    // the interval has no root of q once it is short enough.
     constexpr unsigned short_interval = 16;
     bool zero_ruled_out = false;
     for (;; halve()) {
@@ -94,9 +94,9 @@ int Root::sign(const Polynomial& q) {
 }
 
 double Root::rounded_down() {
-    // The numbers k / 2^j and (k + 1) / 2^j are neighbours in float64 or closer once k has 53 bits, or the interval is
-    // as short as the least subnormal number. Then none is between them, and what is below the interval's lower end is
-    // below the root.
+    // Once k has 53 bits, or the interval is as short as the least subnormal number, k / 2^j and (k + 1) / 2^j are
+    // adjacent float64 numbers or closer. Then no float64 is between them, and the lower end of the interval, rounded
+    // down, is the root, rounded down.
     const auto fine = [&] { return at_.j >= 1074 || (at_.k != 0 && msb(at_.k) >= 52); };
     while (!exact() && !fine()) halve();
     return round_down(at_);
@@ -104,8 +104,8 @@ double Root::rounded_down() {
 
 std::vector<Root> roots_in_unit_interval(const Polynomial& p) {
     std::vector<Root> roots;
-    if (p.sign_at({0, 0}) != 0 && p.sign_at({1, 0}) != 0 && sign_variations(p) == 0) return roots;  // as for most
-    // Multiple roots are rare, and to divide by them costs as much as some hundred halvings.
+    if (p.sign_at({0, 0}) != 0 && p.sign_at({1, 0}) != 0 && sign_variations(p) == 0) return roots;  // the usual case
+    // Multiple roots are rare, and dividing them out costs as much as about a hundred halvings.
     constexpr unsigned deep = 32;
     if (isolate(p, deep, roots)) return roots;
     roots.clear();

@@ -1,6 +1,7 @@
 #pragma once
 
-// Real roots in [0, 1] of polynomials over the integers: found, told apart, asked for signs, rounded; all exactly.
+// Real roots in [0, 1] of polynomials over the integers, all exact: isolates roots, decides signs at them, and rounds
+// them.
 
 #include <utility>
 #include <vector>
@@ -9,18 +10,19 @@
 
 namespace crumple {
 
-/// A root in [0, 1] of some polynomial: a dyadic number, or an open interval that holds this root of it and no other,
-/// with other signs at its ends. What it is asked makes the interval shorter, as far as the answer needs it.
+/// Root in [0, 1] of some polynomial: a dyadic number, or an open interval that contains this root and no other, with
+/// opposite signs at its ends. Member functions shorten the interval as far as their result requires.
 class Root {
    public:
-    /// The number itself.
+    /// Constructs a root that is a dyadic number.
     explicit Root(Dyadic exact) : at_(std::move(exact)) {}
-    /// The one root of p between `from` and (k + 1) / 2^j, a simple one; there is none at the ends.
+    /// Constructs the only root of p between `from` = k / 2^j and (k + 1) / 2^j. It must be simple, and there must be
+    /// none at the ends.
     Root(const Polynomial& p, Dyadic from) : polynomial_(p), at_(std::move(from)), below_(p.sign_at(at_)) {}
 
-    /// The sign of another polynomial there.
+    /// Returns the sign of another polynomial at the root.
     int sign(const Polynomial& q);
-    /// The largest float64 number that is not above.
+    /// Returns the largest float64 not above the root.
     double rounded_down();
     bool is_zero() const { return exact() && at_.k == 0; }
 
@@ -33,7 +35,7 @@ class Root {
     int below_ = 0;          ///< the polynomial's sign at the lower end; 0 if exact
 };
 
-/// The distinct roots in [0, 1], in ascending order; p is not 0.
+/// Returns the distinct roots of p in [0, 1], in ascending order; p is not 0.
 std::vector<Root> roots_in_unit_interval(const Polynomial& p);
 
 }  // namespace crumple

@@ -1,14 +1,15 @@
 #pragma once
 
-// Whether two features certainly touch at the start: as vertices are in one place, or by exact predicates. Compiled for
-// host and device; the latter need some kilobytes of stack.
+// Proves that two features touch at the start: because two vertices coincide, or by exact predicates, which need some
+// kilobytes of stack. Compiled for host and device.
 
 #include "exact/impact/approach.h"
 
 namespace crumple {
 namespace detail {
 
-/// An axis along which the plane of four points is certainly seen as one, by two of their triangles, or −1.
+/// Returns an axis along which the plane of four points is certainly not projected to a line, as one of two of their
+/// triangles proves, or −1.
 CRUMPLE_HD inline int axis_of_plane(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
     for (int axis = 0; axis < 3; ++axis) {
         if (orient2d_filtered(a, b, c, axis) != undecided || orient2d_filtered(b, c, d, axis) != undecided) return axis;
@@ -18,7 +19,7 @@ CRUMPLE_HD inline int axis_of_plane(const Vec3d& a, const Vec3d& b, const Vec3d&
 
 }  // namespace detail
 
-/// A vertex of the one feature is where one of the other is.
+/// True if a vertex of one feature coincides with a vertex of the other at the start.
 template <FeaturePair pair>
 CRUMPLE_HD inline bool vertices_touch_at_start(const FourPoints& points) {
     const Vec3d a = points[0].start, b = points[1].start, c = points[2].start, d = points[3].start;

@@ -1,25 +1,26 @@
 #pragma once
 
-// The cheap proofs that two moving features never touch: a fixed direction that separates them at the start and at the
-// end, hence always, as projections are linear in time; or Bernstein coefficients of the volume that have one sign.
-// Float64 with proven bounds (docs/motion_filters.md), some 60 ns; for any coordinates. Compiled for host and device.
+// Cheap proofs that two moving features never touch: a fixed direction that separates them at the start and at the end,
+// hence always, because projections are linear in time; or Bernstein coefficients of the volume that all have one sign.
+// In float64 with proven bounds (docs/motion_filters.md), about 60 ns; accepts any coordinates. Compiled for host and
+// device.
 
 #include "exact/impact/volume.h"
 
 namespace crumple {
 namespace detail {
 
-/// The side on which the second feature certainly is, seen from the first, on a line on which u, v and w have these
-/// places; 0 if it is not certain.
+/// Returns the side of the face 0, u, v or of the edge from 0 to u on which the other feature certainly lies, along a
+/// line onto which u, v and w project to these values: 1, −1, or 0 if it is not certain.
 template <FeaturePair pair>
 CRUMPLE_HD inline int side(double u, double v, double w, double bound) {
-    if constexpr (pair == FeaturePair::vertex_face)  // the vertex w and the face 0, u, v
+    if constexpr (pair == FeaturePair::vertex_face)  // vertex w and face 0, u, v
         return w > max(max(u, v), 0.) + bound ? 1 : w < min(min(u, v), 0.) - bound ? -1 : 0;
-    // The edge from w to w + v, and that from 0 to u.
+    // The edges from w to w + v and from 0 to u.
     return min(w, w + v) > max(u, 0.) + bound ? 1 : max(w, w + v) < min(u, 0.) - bound ? -1 : 0;
 }
 
-/// Whether a direction, whatever it is, separates the features at all times.
+/// True if a direction certainly separates the features at all times. Any direction is valid.
 template <FeaturePair pair>
 CRUMPLE_HD inline bool separates(const Vec3d& direction, const Approach<pair>& x) {
     const double bound = 8 * epsilon * dot(abs(direction), x.reach_u + x.reach_v + x.reach_w) + x.slack;
@@ -29,7 +30,8 @@ CRUMPLE_HD inline bool separates(const Vec3d& direction, const Approach<pair>& x
            start == side<pair>(dot(direction, x.u.end), dot(direction, x.v.end), dot(direction, x.w.end), bound);
 }
 
-/// From the middle of the first feature to that of the second.
+/// Returns the vector from the middle of the face to the vertex, or from the middle of the first edge to that of the
+/// second.
 template <FeaturePair pair>
 CRUMPLE_HD inline Vec3d between_middles(const Vec3d& u, const Vec3d& v, const Vec3d& w) {
     if constexpr (pair == FeaturePair::vertex_face) return w - 1. / 3 * (u + v);
@@ -44,8 +46,9 @@ CRUMPLE_HD inline Vec3d end_between_middles(const Approach<pair>& x) {
     return between_middles<pair>(x.u.end, x.v.end, x.w.end);
 }
 
-/// For those whose volume does not tell, which mostly stay in one plane: the way between the middles at one end,
-/// without the part of it that is along an edge.
+/// True if a direction perpendicular to an edge separates the features: the vector between their middles at one end of
+/// the motion, without its component along the edge. For features whose volume decides nothing, most of which stay in
+/// one plane.
 template <FeaturePair pair>
 CRUMPLE_HD inline bool separated_beside_an_edge(const Approach<pair>& x) {
     const auto beside = [&](const Vec3d& way, const Vec3d& edge) {
@@ -59,7 +62,7 @@ CRUMPLE_HD inline bool separated_beside_an_edge(const Approach<pair>& x) {
 
 }  // namespace detail
 
-/// For vectors in range, and their volume.
+/// True if the features certainly never touch. Requires vectors in range, and their volume.
 template <FeaturePair pair>
 CRUMPLE_HD inline bool surely_apart(const Approach<pair>& x, const Volume& volume) {
     const Vec3d start = detail::start_between_middles(x), end = detail::end_between_middles(x);

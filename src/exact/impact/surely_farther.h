@@ -1,12 +1,12 @@
 #pragma once
 
-// How long two moving features certainly stay farther apart than a distance, in float64 with a proven bound
-// (docs/separation_filters.md). For any coordinates: where it cannot tell, it claims nothing. Compiled for host and
-// device.
+// Computes how long two moving features certainly stay farther apart than a distance, in float64 with a proven bound
+// (docs/separation_filters.md). Accepts any coordinates; where nothing is proven, nothing is claimed. Compiled for host
+// and device.
 //
-// A direction is good until the least height of the differences along it falls to the distance: each corner's height is
-// linear in time, so it is above in between if it is above at both ends. Then the direction of the shortest difference
-// at that moment is taken. Short of a contact this is Newton's method from the safe side.
+// A direction is a proof until the least height of the differences along it falls to the distance: each corner's height
+// is linear in time, so if it is above the distance at two times, it is above in between. Then the direction of the
+// shortest difference at that time takes over. Before a contact this is Newton's method from the safe side.
 
 #include <cmath>
 
@@ -15,7 +15,7 @@
 namespace crumple {
 namespace detail {
 
-/// The differences at the start and at the end, each component off by one rounding.
+/// Differences at the start and at the end, each component off by one rounding.
 template <FeatureKinds kinds>
 struct MovingDifference {
     Difference<double> start, end;
@@ -32,27 +32,28 @@ struct MovingDifference {
 
     CRUMPLE_HD bool in_range() const { return size < 0x1p300; }
 
-    /// About.
+    /// Returns the difference at time t, approximately.
     CRUMPLE_HD Difference<double> at(double t) const {
         const auto mix = [&](const Vec3d& from, const Vec3d& to) { return (1 - t) * from + t * to; };
         return {mix(start.w, end.w), mix(start.u, end.u), mix(start.v, end.v)};
     }
 };
 
-/// The time up to which they certainly are farther apart, all along from the start; none if `any` is false.
+/// Time up to which the features are certainly farther apart, from the start on; none if `any` is false.
 struct FarTime {
     bool any = false;
     double until = 0;
 };
 
-/// The heights of a domain's corners along a direction.
+/// Returns the heights of the domain's corners along a direction.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline std::array<double, 4> heights(const Difference<double>& x, const Vec3d& direction) {
     const double w = dot(direction, x.w), u = dot(direction, x.u), v = dot(direction, x.v);
     return {w, w + u, w + v, w + u + v};
 }
 
-/// The last time up to which one direction shows it, from `from` on; `from` itself if it shows nothing.
+/// Returns the last time after `from` up to which one direction proves that the features are farther apart; `from`
+/// itself if it proves nothing, with `any` true if they are farther apart at `from`.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline FarTime far_along(const MovingDifference<kinds>& x, const Vec3d& direction, double distance,
                                     double from) {
@@ -69,14 +70,14 @@ CRUMPLE_HD inline FarTime far_along(const MovingDifference<kinds>& x, const Vec3
     if (!above(from)) return {false, from};
     double until = 1;
     for (std::size_t i = 0; i < corners<kinds>; ++i) {
-        // A little earlier than where it reaches the bound, so that rounding leaves it above.
+        // Slightly before the height reaches the bound, so that it is still above after rounding.
         const double fall = start[i] - end[i];
         if (!(end[i] > bound)) until = min(until, (start[i] - (bound + error)) / fall);
     }
     return {true, until > from && above(until) ? until : from};
 }
 
-/// From what is known on, until more than `enough` is known.
+/// Extends `far` until its time exceeds `enough`, reaches 1, or no longer advances.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline FarTime far_time(const MovingDifference<kinds>& x, double distance, FarTime far = {},
                                    double enough = 1) {
@@ -94,7 +95,7 @@ CRUMPLE_HD inline FarTime far_time(const MovingDifference<kinds>& x, double dist
 
 }  // namespace detail
 
-/// Whether they certainly are farther apart all the time.
+/// True if the features are certainly farther apart than `distance` at all times.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline bool surely_farther(const std::array<MovingPoint, 4>& points, double distance) {
     const detail::MovingDifference<kinds> x(points);

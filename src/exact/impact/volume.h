@@ -1,8 +1,8 @@
 #pragma once
 
-// The volume of two features that move, f = (u x v) . w, which is 0 whenever they touch: a cubic in time by its
-// Bernstein coefficients over [0, 1], in float64, with a bound on the error; and in double-word arithmetic at one time.
-// Compiled for host and device. Bounds are derived in docs/motion_filters.md.
+// Volume f = (u x v) . w of two moving features, which is 0 whenever they touch. It is a cubic in time: by its
+// Bernstein coefficients over [0, 1] in float64, with an error bound, and at single times in double words. Compiled for
+// host and device. Bounds are derived in docs/motion_filters.md.
 
 #include "exact/impact/approach.h"
 #include "geometry/double_word.h"
@@ -27,11 +27,11 @@ class Volume {
         b3_ = dot(n2, x.w.end);
     }
 
-    /// Of any value or coefficient that is computed here.
+    /// Returns the error bound of any value or coefficient computed here.
     CRUMPLE_HD double bound() const { return bound_; }
     CRUMPLE_HD double derivative_bound() const { return 7 * bound_; }
 
-    /// Of a value or coefficient, if it is certain, else 0.
+    /// Returns the sign of a value or coefficient if it is certain, otherwise 0.
     CRUMPLE_HD int sign(double value) const { return value > bound_ ? 1 : value < -bound_ ? -1 : 0; }
     CRUMPLE_HD int sign_at_start() const { return sign(b0_); }
 
@@ -46,12 +46,12 @@ class Volume {
         return {lerp(d0, d1, t), 3 * (d1 - d0)};
     }
 
-    /// How fast the derivative changes at most.
+    /// Returns a bound on the magnitude of the second derivative.
     CRUMPLE_HD double bend() const {
         return 6 * max(std::abs(b0_ - 2 * b1_ + b2_), std::abs(b1_ - 2 * b2_ + b3_)) + 16 * bound_;
     }
 
-    /// The Bernstein coefficients over [low, high].
+    /// Returns the Bernstein coefficients over [low, high].
     CRUMPLE_HD std::array<double, 4> coefficients(double low, double high) const {
         const double l0 = lerp(b0_, b1_, low), l1 = lerp(b1_, b2_, low), l2 = lerp(b2_, b3_, low);
         const double h0 = lerp(b0_, b1_, high), h1 = lerp(b1_, b2_, high), h2 = lerp(b2_, b3_, high);
@@ -67,7 +67,7 @@ class Volume {
 
 namespace detail {
 
-/// Joldes, Muller and Popescu's algorithm 8, error at most 3 u².
+/// Returns x y with an error of at most 3 u² (algorithm 8 of Joldes, Muller and Popescu).
 CRUMPLE_HD inline DoubleWord times(DoubleWord x, double y) {
     const TwoTerms high = two_product(x.high, y);
     return fast_two_sum(high.high, high.low + x.low * y);
@@ -81,13 +81,13 @@ CRUMPLE_HD inline DoubleWord difference_at(double from_start, double from_end, d
 
 }  // namespace detail
 
-/// How far off the next one may be.
+/// Returns the error bound of precise_volume().
 template <FeaturePair pair>
 CRUMPLE_HD inline double precise_volume_bound(const Approach<pair>& x) {
     return 0x1p-98 * x.magnitude + x.slack;
 }
 
-/// The volume at t, in double words.
+/// Returns the volume at t, in double words.
 template <FeaturePair pair>
 CRUMPLE_HD inline DoubleWord precise_volume(const FourPoints& points, double t) {
     const auto [u, v, w] = vectors<pair>(points, [t](const MovingPoint& to, const MovingPoint& from) {

@@ -1,28 +1,28 @@
 #pragma once
 
-// When the volume of moving features is 0 in (0, 1): its roots one after the other, isolated and enclosed with
-// certainty, in float64. Compiled for host and device. Proofs are in docs/motion_filters.md.
+// Roots of the volume of moving features in (0, 1), in ascending order, isolated and enclosed with certainty in
+// float64. Compiled for host and device. Proofs are in docs/motion_filters.md.
 
 #include "exact/impact/volume.h"
 
 namespace crumple {
 
 namespace detail {
-inline constexpr double underflow = 0x1p-1000;  ///< of times
+inline constexpr double underflow = 0x1p-1000;  ///< exceeds the underflow error of times
 }
 
-/// An open interval with exactly one root, which is simple, and the volume at its ends, of certain signs.
+/// Open interval with exactly one root, which is simple, and the volume at its ends, whose signs are certain.
 struct RootBracket {
     double low, high;
     double at_low, at_high;
 };
 
-/// The one root in a bracket is within `radius` of `middle`.
+/// Enclosure of the only root in a bracket: it is within `radius` of `middle`.
 struct RootEnclosure {
     double middle, radius;
 };
 
-/// Finds brackets, from left to right.
+/// Finds the brackets of all roots, in ascending order.
 class VolumeRoots {
    public:
     enum class Next { found, none, unknown };
@@ -36,7 +36,7 @@ class VolumeRoots {
             const int s0 = volume_.sign(c[0]), s1 = volume_.sign(c[1]), s2 = volume_.sign(c[2]),
                       s3 = volume_.sign(c[3]);
             if (s0 == 0 || s3 == 0) return Next::unknown;
-            // By Descartes' rule, whatever the other signs are.
+            // By Descartes' rule, whatever the uncertain signs are.
             const bool none = s0 == s3 && s0 == s1 && s0 == s2, one = s0 != s3 && (s0 == s1 || s2 == s3);
             if (none || one) {
                 low_ = high;
@@ -45,7 +45,8 @@ class VolumeRoots {
                 root = {low, high, c[0], c[3]};
                 return Next::found;
             }
-            // Between signs that are equal, divide where the volume comes closest to 0, or else in the middle.
+            // If the volume first approaches 0 and finally recedes, divide where it comes closest to 0; otherwise in
+            // the middle.
             const double d0 = s0 * (c[1] - c[0]), d1 = s0 * (c[2] - c[1]), d2 = s0 * (c[3] - c[2]);
             const double part = d0 < 0 && d2 > 0 ? d0 / (d0 - d1 - std::sqrt(d1 * d1 - d0 * d2)) : 0.5;
             const double middle = lerp(low, high, part);
@@ -56,14 +57,14 @@ class VolumeRoots {
     }
 
    private:
-    static constexpr int most = 12;  // more than any but multiple roots take
+    static constexpr int most = 12;  // enough for all but multiple roots
     Volume volume_;
-    double low_ = 0;          ///< what is left of it is done
-    double end_[most] = {1};  ///< of the intervals to the right, the next one last
+    double low_ = 0;          ///< everything to the left is done
+    double end_[most] = {1};  ///< ends of the intervals to the right, the next one last
     int waiting_ = 1;
 };
 
-/// Newton's method within the bracket, and the radius that it proves in the end. False where float64 cannot say.
+/// Encloses the root of a bracket by Newton's method, with a proven radius. Returns false if float64 proves none.
 CRUMPLE_HD inline bool enclose(const Volume& volume, const RootBracket& root, RootEnclosure& place) {
     constexpr int enough = 50;
     double low = root.low, high = root.high;
@@ -83,8 +84,8 @@ CRUMPLE_HD inline bool enclose(const Volume& volume, const RootBracket& root, Ro
     return false;
 }
 
-/// Goes on with the volume in double words, until one float64 number is left that is the largest not above the root.
-/// False if that cannot be told.
+/// Narrows the enclosure, with the volume in double words, until it is certain which float64 is the largest not above
+/// the root. Returns false if that remains uncertain.
 template <FeaturePair pair>
 CRUMPLE_HD inline bool round_down(const FourPoints& points, const Approach<pair>& x, const Volume& volume,
                                   RootEnclosure& place, double& rounded) {
@@ -98,7 +99,7 @@ CRUMPLE_HD inline bool round_down(const FourPoints& points, const Approach<pair>
         const double step = -precise_volume<pair>(points, t).high / derivative;
         const double radius = 2.1 * (std::abs(step) * derivative_bound + value_bound) / steepness +
                               16 * epsilon * std::abs(step) + underflow;
-        // The root is t + step, give or take the radius.
+        // The root is within `radius` of t + step.
         const TwoTerms low = two_sum(t, step - radius);
         rounded = low.low < 0 ? std::nextafter(low.high, -1.) : low.high;
         const TwoTerms to_next = two_sum(std::nextafter(rounded, 2.), -t);

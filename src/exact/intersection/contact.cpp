@@ -1,5 +1,5 @@
-// Contacts on the host: contact_on_line.h, and rational arithmetic for what that leaves open, a single point where that
-// suffices. One plane for both, degenerate triangles and extreme coordinates take rational arithmetic as a whole.
+// Contacts on the host: contact_on_line.h, with rational arithmetic for single points that it leaves unresolved.
+// Coplanar or degenerate triangles and extreme coordinates take rational arithmetic as a whole.
 
 #include "exact/intersection/contact.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where two triangles meet: the extreme points of the exact intersection, correctly rounded.
+// Contact of two triangles: the extreme points of their exact intersection, correctly rounded.
 
 #include <array>
 
@@ -13,12 +13,12 @@ struct Contact {
     // Points first: nvcc 13.0 miscompiles copies of a size in front of its array (docs/nvcc_13_0.md).
     std::array<Vec3d, 6> points;  ///< ordered as crumple::Contacts says
     int count = 0;                ///< 0: they do not intersect; otherwise 1, 2 or 3 to 6
-    bool rational = false;        ///< it took rational arithmetic
+    bool rational = false;        ///< true if it took rational arithmetic
 
     CRUMPLE_HD ContactKind kind() const { return static_cast<ContactKind>(count < 3 ? count : 3); }
 };
 
-/// The whole intersection of two triangles (parts that neighbours share included).
+/// Returns the whole intersection of two triangles, including parts that adjacent triangles share.
 Contact contact(const Triangle& a, const Triangle& b);
 
 }  // namespace crumple

@@ -1,15 +1,16 @@
 #pragma once
 
-// Where two triangles in different planes meet: a point or a segment of the planes' common line, correctly rounded.
+// Contact of two triangles in different planes: a point or a segment of the planes' common line, correctly rounded.
 // Compiled for host and device.
 //
-// The exact signs of the corners and the order of the edges along the line tell which one or two crossings of an edge
-// with a plane are the ends of the intersection. Their coordinates are computed in double words with a bound on the
-// error; if every number within the bound rounds to the same float64, that is the result (A. Ziv's test). Which end is
-// the lexicographically smaller one, rounded coordinates tell where they differ, because rounding is monotone; where
-// they do not, the sign of the line's direction does.
+// The exact signs of the corners and the order of the edges along the line determine which one or two crossings of an
+// edge with a plane are the ends of the intersection. Their coordinates are computed in double words with a bound on
+// the error; if every number within the bound rounds to the same float64, that is the result (A. Ziv's test). If the
+// rounded coordinates of the ends differ, they also determine which end is lexicographically smaller, because rounding
+// is monotone; otherwise the sign of the line's direction does.
 //
-// What that leaves open, a tie all but always, is up to `Exact`: two functions that either know or return false.
+// Cases that stay unresolved, nearly always ties, are passed to `Exact`: two functions that either set the result or
+// return false.
 
 #include "exact/intersection/arrangement.h"
 #include "exact/intersection/contact.h"
@@ -17,18 +18,19 @@
 
 namespace crumple {
 
-/// Leaves open what double words leave open: for a device, which has no rational arithmetic.
+/// Resolves nothing: for a device, which has no rational arithmetic.
 struct NothingExact {
-    /// Where the line through p and q crosses the plane of the triangle, correctly rounded.
+    /// Sets the result to the point at which the line through p and q crosses the plane of the triangle, correctly
+    /// rounded.
     CRUMPLE_HD bool crossing(const Vec3d&, const Vec3d&, const std::array<Vec3d, 3>&, Vec3d&) const { return false; }
-    /// Sign of a component of normal(b) × normal(a), the direction of the common line.
+    /// Sets the result to the sign of a component of normal(b) × normal(a), the direction of the common line.
     CRUMPLE_HD bool direction(const CommonLine&, int, int&) const { return false; }
 };
 
 namespace detail {
 
-/// Nothing below over- or underflows for 0 and these magnitudes, float32 among them: coordinates are multiples of
-/// 2^-202, so that products of four differences are multiples of 2^-808.
+/// True if all coordinates are 0 or in a range, which includes float32, in which nothing below over- or underflows:
+/// they are multiples of 2^-202, so that products of four differences are multiples of 2^-808.
 CRUMPLE_HD inline bool in_double_word_range(const Triangle& t) {
     const auto in_range = [](double x) { return x == 0 || (std::abs(x) >= 0x1p-150 && std::abs(x) <= 0x1p150); };
     for (const Vec3d& p : t.point) {
@@ -50,7 +52,7 @@ struct Distance {
     double error;
 };
 
-/// A plane's normal in double words, for distances of points times its length.
+/// Plane in double words. operator() returns the distance of a point times the length of the normal.
 class DoubleWordPlane {
    public:
     CRUMPLE_HD explicit DoubleWordPlane(const std::array<Vec3d, 3>& p) : origin_(p[0]) {
@@ -63,9 +65,9 @@ class DoubleWordPlane {
         }
     }
 
-    /// Differences are exact, each monomial passes five roundings below 2^-103: two products, a difference, two sums.
-    /// So the error is below 5.01 · 2^-103 < 2^-100.6 of the sum of their magnitudes; 2^-100 makes up for computing
-    /// that sum in float64.
+    /// Returns the distance times the length of the normal. Differences are exact; each monomial passes five roundings
+    /// below 2^-103: two products, a difference, two sums. So the error is below 5.01 · 2^-103 < 2^-100.6 of the sum of
+    /// their magnitudes; 2^-100 makes up for computing that sum in float64.
     CRUMPLE_HD Distance operator()(const Vec3d& p) const {
         DoubleWord sum{0, 0};
         double magnitude = 0;
@@ -84,8 +86,8 @@ class DoubleWordPlane {
     Vec3d magnitude_;
 };
 
-/// Where the edge from p to q, which are strictly on different sides, crosses the triangle's plane; each coordinate
-/// correctly rounded.
+/// Computes the point at which the edge from p to q, which must be strictly on different sides, crosses the triangle's
+/// plane, each coordinate correctly rounded. Returns false if `exact` does not resolve it.
 ///
 /// With distances d of p and e of q, known to within E in sum, and D = |d| + |e|: the crossing is p + t (q − p) with
 /// t = d / (d − e). As d and e have different signs, their errors move t by at most E / D; rounding the difference and
@@ -117,7 +119,7 @@ CRUMPLE_HD_COLD bool crossing(const Vec3d& p, const Vec3d& q, const std::array<V
     return true;
 }
 
-/// The crossing of edge 0i of a triangle with the plane of the other.
+/// Computes the crossing of edge 0i of a triangle with the plane of the other.
 template <class Exact>
 CRUMPLE_HD bool crossing(const std::array<Vec3d, 3>& corners, const std::array<int, 3>& sides, std::size_t i,
                          const std::array<Vec3d, 3>& other, const Exact& exact, Vec3d& result) {
@@ -126,7 +128,8 @@ CRUMPLE_HD bool crossing(const std::array<Vec3d, 3>& corners, const std::array<i
     return true;
 }
 
-/// Whether `end` comes before `begin`, which lies before it along the line.
+/// Sets `result` to true if `end` comes lexicographically before `begin`, which precedes it along the line. Returns
+/// false if `exact` does not resolve that.
 template <class Exact>
 CRUMPLE_HD bool ends_first(const Vec3d& end, const Vec3d& begin, const CommonLine& line, const Exact& exact,
                            bool& result) {
@@ -149,7 +152,7 @@ CRUMPLE_HD bool ends_first(const Vec3d& end, const Vec3d& begin, const CommonLin
 
 template <class Exact>
 CRUMPLE_HD bool contact_on_line(const CommonLine& line, const Exact& exact, Contact& result) {
-    // Along the line, `a` reaches from edge 1 to edge 2 and `b` from edge 2 to edge 1.
+    // Along the line, `a` extends from edge 01 to edge 02, and `b` from edge 02 to edge 01.
     const auto& [a0, a1, a2] = line.a;
     const auto& [b0, b1, b2] = line.b;
     const int a_begin_b_end = order(a0, a1, b0, b1), a_end_b_begin = order(a0, a2, b0, b2);
@@ -176,8 +179,9 @@ CRUMPLE_HD bool contact_on_line(const CommonLine& line, const Exact& exact, Cont
 
 }  // namespace detail
 
-/// The whole intersection of two triangles, unless it takes more than this: false, and `result` means nothing, where
-/// one plane holds both, one is degenerate, coordinates are other than 0 and 2^±150, or `exact` does not know.
+/// Computes the whole intersection of two triangles. Returns false, and leaves `result` undefined, if a coordinate is
+/// neither 0 nor within 2^±150 in magnitude, if `exact` does not resolve a case, or if the triangles are coplanar or
+/// one is degenerate and no plane of either separates them.
 template <class Exact>
 CRUMPLE_HD bool contact_on_line(const Triangle& a, const Triangle& b, const Exact& exact, Contact& result) {
     if (!detail::in_double_word_range(a) || !detail::in_double_word_range(b)) return false;
@@ -188,7 +192,7 @@ CRUMPLE_HD bool contact_on_line(const Triangle& a, const Triangle& b, const Exac
     side_b.complete(a, b, signs);
     result.count = 0;
     if (side_a.separated() || side_b.separated()) return true;
-    // All 0: one plane for both, or one triangle has no plane.
+    // All sides 0: the triangles are coplanar, or one of them is degenerate.
     if (side_a.zero() || side_b.zero()) return false;
     return detail::contact_on_line(CommonLine(a, b, side_a, side_b), exact, result);
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// The exact decision whether a pair of triangles collides, by the contract's words (docs/narrow.md), for the host:
-// intersection_decision.h, and rational arithmetic for what lies beyond its range.
+// Decides exactly if a pair of triangles collides, as the contract defines it (docs/narrow.md), on the host: by
+// intersection_decision.h, and by rational arithmetic for coordinates beyond its range.
 
 #include <cstdint>
 
@@ -10,10 +10,10 @@
 
 namespace crumple {
 
-/// How far a decision had to go; summed into Statistics.
+/// Number of decisions that reached each stage; summed into Statistics.
 struct DecisionCounts {
-    std::int64_t exact = 0;     ///< float64 filters left it undecided
-    std::int64_t rational = 0;  ///< of these, expansions could not hold it
+    std::int64_t exact = 0;     ///< unresolved by float64 filters
+    std::int64_t rational = 0;  ///< of these, beyond the range of expansions
 };
 
 /// True iff the pair collides under the policies. Needs round-to-nearest without flush-to-zero.

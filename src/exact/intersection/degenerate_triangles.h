@@ -1,23 +1,23 @@
 #pragma once
 
-// The exact decision for a pair of which at least one triangle is degenerate: a segment, or a point as a segment of no
-// length. It has one edge, the segment, and no inside. Compiled for host and device; `Signs` is ExactSigns.
+// Exact decision for pairs with at least one degenerate triangle: a segment, or a point as a segment of length 0. Such
+// a triangle has one edge, the segment, and no inside. Compiled for host and device; `Signs` is ExactSigns.
 //
-// Points of one line are ordered along it as they are lexicographically, which takes comparisons only. Whether two
-// segments, or a segment and a triangle, have a point in common takes signs about lines and planes. A pair with shared
-// vertices is easier: their hull H is a part of the segment, and the intersection, being convex, exceeds H iff from an
-// end of H the other triangle goes on towards the segment's end on that side (proofs: docs/narrow.md).
+// Points of a line are ordered along it as they are lexicographically, which needs comparisons only. Signs relative to
+// lines and planes decide if two segments, or a segment and a triangle, have a point in common. A pair with shared
+// vertices is easier: the hull H of these is a part of the segment, and the intersection, being convex, exceeds H iff,
+// from an end of H, the other triangle extends towards the end of the segment on that side (proofs: docs/narrow.md).
 
 #include "exact/intersection/arrangement.h"
 
 namespace crumple {
 
-/// Lexicographic order.
+/// True if p comes before q in lexicographic order.
 CRUMPLE_HD inline bool precedes(const Vec3d& p, const Vec3d& q) {
     return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z;
 }
 
-/// The ends of some points on one line.
+/// Hull of some points on one line, by its ends.
 struct Segment {
     Vec3d first, last;
 
@@ -39,13 +39,13 @@ CRUMPLE_HD_COLD bool collinear(const Vec3d& p, const Vec3d& q, const Vec3d& r, S
     return signs.turn(p, q, r, 0) == 0 && signs.turn(p, q, r, 1) == 0 && signs.turn(p, q, r, 2) == 0;
 }
 
-/// An axis along which a triangle that is not degenerate keeps its area.
+/// Returns an axis along which the projection of a nondegenerate triangle is not degenerate.
 template <class Signs>
 CRUMPLE_HD int axis_of_area(const Vec3d& p, const Vec3d& q, const Vec3d& r, Signs& signs) {
     return signs.turn(p, q, r, 0) != 0 ? 0 : signs.turn(p, q, r, 1) != 0 ? 1 : 2;
 }
 
-/// Whether the boxes of two triangles are disjoint, by the axes of the coordinates.
+/// True if the axis-aligned boxes of two triangles are disjoint.
 CRUMPLE_HD inline bool boxes_apart(const Triangle& a, const Triangle& b) {
     const Vec3d low_a = min(a.point[0], min(a.point[1], a.point[2])),
                 high_b = max(b.point[0], max(b.point[1], b.point[2]));
@@ -55,7 +55,7 @@ CRUMPLE_HD inline bool boxes_apart(const Triangle& a, const Triangle& b) {
            low_b.z > high_a.z;
 }
 
-/// Whether two segments have a point in common.
+/// True if two segments have a point in common.
 template <class Signs>
 CRUMPLE_HD bool segments_meet(Segment s, Segment t, Signs& signs) {
     if (s.is_point()) swap_values(s, t);
@@ -63,14 +63,15 @@ CRUMPLE_HD bool segments_meet(Segment s, Segment t, Signs& signs) {
     const bool first_on_line = collinear(p, q, t.first, signs);
     if (first_on_line && collinear(p, q, t.last, signs)) return !precedes(q, t.first) && !precedes(t.last, p);
     if (signs.orient(p, q, t.first, t.last) != 0) return false;
-    // In one plane, seen so that it keeps its area, each line must part the other segment's ends, or hold one of them.
+    // In a projection of their plane that keeps areas nonzero, each segment's line must separate the other's ends, or
+    // contain one of them.
     const int axis = axis_of_area(p, q, first_on_line ? t.last : t.first, signs);
     return signs.turn(p, q, t.first, axis) * signs.turn(p, q, t.last, axis) <= 0 &&
            signs.turn(t.first, t.last, p, axis) * signs.turn(t.first, t.last, q, axis) <= 0;
 }
 
-/// Whether a segment in the plane of a triangle, which is not degenerate, meets it: of disjoint ones a line through an
-/// edge of either has all of the other strictly on one side, that of a triangle the outer one.
+/// True if a segment in the plane of a nondegenerate triangle meets it. If the two are disjoint, the line through an
+/// edge of one has all of the other strictly on one side; for an edge of the triangle, on the outer side.
 template <class Signs>
 CRUMPLE_HD bool segment_meets_triangle_in_plane(const Segment& s, const std::array<Vec3d, 3>& t, Signs& signs) {
     const Vec3d p = s.first, q = s.last;
@@ -83,14 +84,15 @@ CRUMPLE_HD bool segment_meets_triangle_in_plane(const Segment& s, const std::arr
     return side == 0 || signs.turn(p, q, t[1], axis) != side || signs.turn(p, q, t[2], axis) != side;
 }
 
-/// Whether a segment meets a triangle that is not degenerate, or is a proper crossing of it.
+/// True if a segment meets a nondegenerate triangle; if `proper`, only if it crosses the inside strictly.
 template <class Signs>
 CRUMPLE_HD bool segment_meets_triangle(const Segment& s, const std::array<Vec3d, 3>& t, bool proper, Signs& signs) {
     const auto& [p, q] = s;
     const int side_p = signs.orient(t[0], t[1], t[2], p), side_q = signs.orient(t[0], t[1], t[2], q);
     if (side_p * side_q > 0 || (proper && side_p * side_q == 0)) return false;
     if (side_p == 0 && side_q == 0) return segment_meets_triangle_in_plane(s, t, signs);
-    // The segment's line pierces the plane in one point of it, about which the edges turn.
+    // The segment's line pierces the plane in one point of the segment; the signs are those of the edges' turns about
+    // that point.
     const int e01 = signs.orient(p, q, t[0], t[1]), e12 = signs.orient(p, q, t[1], t[2]);
     if (e01 * e12 < 0) return false;
     const int e20 = signs.orient(p, q, t[2], t[0]);
@@ -98,7 +100,7 @@ CRUMPLE_HD bool segment_meets_triangle(const Segment& s, const std::array<Vec3d,
     return e01 * e20 >= 0 && e12 * e20 >= 0;
 }
 
-/// Whether a triangle holds points beyond its corner at `from` towards `to`.
+/// True if a triangle contains points beyond its corner at `from` in the direction of `to`.
 template <class Signs>
 CRUMPLE_HD bool goes_on(const Triangle& t, bool degenerate, const Vec3d& from, const Vec3d& to, Signs& signs) {
     if (from == to) return false;
@@ -115,13 +117,14 @@ CRUMPLE_HD bool goes_on(const Triangle& t, bool degenerate, const Vec3d& from, c
     return signs.turn(from, r, to, axis) * inside >= 0 && signs.turn(from, to, s, axis) * inside >= 0;
 }
 
-/// Whether a degenerate triangle, of which `shared` marks the corners that it shares, and another one collide. Fewer
-/// than three distinct vertices are shared, and not all of the degenerate one's corners.
+/// True if the degenerate triangle d, whose corners marked in `shared` are shared, and the triangle t collide. At most
+/// two distinct vertices may be shared, and not all corners of d.
 template <class Signs>
 CRUMPLE_HD_COLD bool degenerate_collide(const Triangle& d, const Marks& shared, const Triangle& t, bool t_degenerate,
                                         bool proper, Signs& signs) {
     const bool neighbours = shared[0] || shared[1] || shared[2];
-    // What crosses a plane strictly and holds a corner of its triangle crosses it there.
+    // A segment that crosses the plane of a triangle strictly and contains a corner of that triangle crosses the plane
+    // there.
     if (boxes_apart(d, t) || (proper && (t_degenerate || neighbours))) return false;
     const Segment s(d);
     if (!neighbours) {

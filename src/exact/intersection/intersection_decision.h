@@ -1,15 +1,15 @@
 #pragma once
 
-// The decision whether a pair of triangles collides, without rational arithmetic. Compiled for host and device.
+// Decides if a pair of triangles collides, without rational arithmetic. Compiled for host and device.
 //
-// It goes from cheap to dear. First, what float64 filters can prove: the vertices that a triangle does not share lie
-// strictly on one side of the other's plane, or of a line in projection, so that the two meet in what they share at
-// most. That ends nearly all neighbours, flat meshes included. Then the exact signs of the vertices about the planes,
-// by expansions where the filter left them open, and with them the cases:
+// Tests proceed from cheap to expensive. First come float64 filters: if the vertices that a triangle does not share lie
+// strictly on one side of the other's plane, or of a line in projection, the triangles meet at most in what they share.
+// That decides nearly all adjacent triangles, also in flat meshes. Then follow the exact sides of the vertices, by
+// expansions where the filter does not decide, and with them the cases:
 //   - an interval test on the planes' common line, with closed comparisons;
 //   - a shared vertex: both triangles meet the common line in a segment that begins there; only its direction matters;
 //   - a shared edge: only a fold onto itself counts;
-//   - one plane for both: the same questions in a projection;
+//   - coplanar triangles: the same tests in a projection;
 //   - a degenerate triangle: see degenerate_triangles.h.
 
 #include "crumple/intersections.h"
@@ -22,8 +22,8 @@ namespace crumple {
 
 namespace detail {
 
-/// An edge of `a`, seen along an axis, certainly has `a` on one closed side and the corners that `b` does not share
-/// strictly on the other.
+/// True if, seen along an axis, the line of an edge of `a` certainly has `a` on one closed side, and the corners that
+/// `b` does not share strictly on the other.
 CRUMPLE_HD inline bool edge_separates(const Triangle& a, const Triangle& b, const Marks& shared_a,
                                       const Marks& shared_b, int axis) {
     const int turn = orient2d_filtered(a.point[0], a.point[1], a.point[2], axis);
@@ -40,29 +40,30 @@ CRUMPLE_HD inline bool edge_separates(const Triangle& a, const Triangle& b, cons
     return false;
 }
 
-/// Triangles that share their corners i and j certainly lie strictly on both sides of a plane through it. Any plane
-/// will do; this one is normal to the difference of their bisectors, which also parts the two halves of a cross.
+/// True if triangles that share corner i of a, which is corner j of b, certainly lie strictly on different sides of a
+/// plane through it. Any plane is valid; this one is normal to the difference of their bisectors, which also separates
+/// the two halves of a cross.
 CRUMPLE_HD inline bool middle_separates(const Triangle& a, const Triangle& b, int i, int j) {
     const Vec3d apex = point(a, i);
     const Vec3d a1 = point(a, after(i)) - apex, a2 = point(a, before(i)) - apex;
     const Vec3d b1 = point(b, after(j)) - apex, b2 = point(b, before(j)) - apex;
     const auto unit = [](const Vec3d& d) { return (1 / std::sqrt(dot(d, d))) * d; };
     const Vec3d normal = (unit(a1) + unit(a2)) - (unit(b1) + unit(b2)), size = abs(normal);
-    // The normal is exact by decree. Four roundings: a difference, a product, two sums.
+    // Any normal is valid, so its own errors do not count. Four roundings: a difference, a product, two sums.
     const auto side = [&](const Vec3d& d) {
         return certain_sign(dot(normal, d), 5 * epsilon * dot(size, abs(d)) + slack);
     };
     return side(a1) == 1 && side(a2) == 1 && side(b1) == -1 && side(b2) == -1;
 }
 
-/// Signs and cases for two triangles of which neither is degenerate.
+/// Signs and cases for two nondegenerate triangles.
 template <class Signs>
 class Cases {
    public:
     CRUMPLE_HD Cases(const Triangle& a, const Triangle& b, const Sharing& sharing, Signs& signs)
         : a_(a), b_(b), sharing_(sharing), signs_(signs) {}
 
-    /// Whether two triangles in one plane meet outside of what they share.
+    /// True if two coplanar triangles meet outside of what they share.
     CRUMPLE_HD_COLD bool overlap_in_plane() {
         const auto& p = a_.point;
         axis_ = FilteredPlane(p).dominant_axis();
@@ -71,12 +72,13 @@ class Cases {
         return sharing_.count == 1 ? corners_overlap() : folded();
     }
 
-    /// An edge of one strictly crosses the inside of the other.
+    /// True if an edge of one triangle strictly crosses the inside of the other.
     CRUMPLE_HD_COLD bool cross(const Sides& side_a, const Sides& side_b) {
         return crosses(a_, b_, side_a) || crosses(b_, a_, side_b);
     }
 
-    /// Triangles without a common corner in different planes; signs not all on one side.
+    /// True if two triangles in different planes, without a shared corner, meet. Neither may be strictly on one side of
+    /// the other's plane.
     CRUMPLE_HD_COLD bool overlap_on_line(const Sides& side_a, const Sides& side_b) {
         const CommonLine line(a_, b_, side_a, side_b);
         const auto& [a0, a1, a2] = line.a;
@@ -84,8 +86,9 @@ class Cases {
         return signs_.orient(a0, a1, b0, b1) <= 0 && signs_.orient(a0, a2, b0, b2) >= 0;
     }
 
-    /// Triangles that share a corner, in different planes: each lies across the other's plane, so it meets the common
-    /// line in a segment from the corner; the side of its first other corner, seen counter-clockwise, tells which way.
+    /// True if two triangles in different planes that share a corner extend from it in the same direction. Each lies
+    /// across the other's plane, so it meets the common line in a segment from the corner; the side of its first other
+    /// corner, seen counter-clockwise, determines the direction.
     CRUMPLE_HD bool same_direction(const Sides& side_a, const Sides& side_b) const {
         return direction(side_a, first(sharing_.a)) != direction(side_b, first(sharing_.b));
     }
@@ -109,7 +112,7 @@ class Cases {
         return false;
     }
 
-    /// All of t lies strictly outside one edge of s. Of disjoint convex polygons one has such an edge.
+    /// True if all of t lies strictly outside one edge of s. Of two disjoint convex polygons, one has such an edge.
     CRUMPLE_HD bool outside_an_edge(const Triangle& s, const Triangle& t) {
         const int inside = turn(s.point[0], s.point[1], s.point[2]);
         for (int i = 0; i < 3; ++i) {
@@ -121,7 +124,8 @@ class Cases {
         return false;
     }
 
-    /// Two angles below 180 degrees at one corner have a ray in common iff a leg of one lies in the other.
+    /// True if the triangles' angles at the shared corner overlap. Two angles below 180 degrees at one corner have a
+    /// ray in common iff a leg of one lies in the other.
     CRUMPLE_HD bool corners_overlap() {
         const int i = first(sharing_.a), j = first(sharing_.b);
         const Vec3d apex = point(a_, i);
@@ -132,7 +136,7 @@ class Cases {
         return (ps >= 0 && qs <= 0) || (pt >= 0 && qt <= 0) || (ps <= 0 && pt >= 0) || (qs <= 0 && qt >= 0);
     }
 
-    /// Two triangles on a common edge: both on the same side of it.
+    /// True if two triangles with a shared edge lie on the same side of it.
     CRUMPLE_HD bool folded() {
         const auto& [a0, a1, a2] = sharing_.a;
         const auto& [b0, b1, b2] = sharing_.b;
@@ -145,7 +149,7 @@ class Cases {
     const Triangle& b_;
     const Sharing& sharing_;
     Signs& signs_;
-    int axis_ = 0;  ///< dropped by the projection
+    int axis_ = 0;  ///< axis dropped by the projection
 };
 
 CRUMPLE_HD inline bool degenerate(const Triangle& t, ExactSigns& signs) {
@@ -153,7 +157,7 @@ CRUMPLE_HD inline bool degenerate(const Triangle& t, ExactSigns& signs) {
     return collinear(p, q, r, signs);
 }
 
-/// What is left when no plane and no line parts the two for certain. `certain`: all signs are.
+/// Decides pairs that no plane and no line certainly separates. `certain`: true if all sides are certain.
 template <class Signs>
 CRUMPLE_HD_COLD Verdict decide_by_cases(const Triangle& a, const Triangle& b, const Sharing& sharing, Sides side_a,
                                         Sides side_b, bool certain, bool proper, Signs& signs) {
@@ -186,12 +190,12 @@ CRUMPLE_HD_COLD Verdict decide_by_cases(const Triangle& a, const Triangle& b, co
 
 }  // namespace detail
 
-/// Whether the pair collides under the policies, as far as the signs know. Needs round-to-nearest without
+/// Decides if the pair collides under the policies, as far as `signs` can resolve it. Needs round-to-nearest without
 /// flush-to-zero.
 ///
-/// With FilteredSigns, for any finite coordinates: `undecided` means that exact arithmetic has to look. With
-/// ExactSigns: `undecided` means that coordinates are beyond the range of expansions, which no float32 number is, so
-/// that rational arithmetic has to look.
+/// With FilteredSigns, for any finite coordinates, `undecided` means that exact arithmetic has to decide. With
+/// ExactSigns, `undecided` means that coordinates are beyond the range of expansions, which never happens for float32,
+/// and that rational arithmetic has to decide.
 template <class Signs>
 CRUMPLE_HD Verdict decide(const Triangle& a, const Triangle& b, Neighbours neighbours, IntersectionKind intersections,
                           Signs& signs) {
@@ -199,7 +203,7 @@ CRUMPLE_HD Verdict decide(const Triangle& a, const Triangle& b, Neighbours neigh
     const Sharing sharing(a, b);
     if (neighbours == Neighbours::skip && sharing.count > 0) return Verdict::apart;
     if (sharing.count == 3) return proper ? Verdict::apart : Verdict::collides;
-    // One that has nothing of its own is degenerate and lies in the hull of what is shared.
+    // A triangle whose corners are all shared here is degenerate, and lies in the hull of the shared vertices.
     if (all(sharing.a) || all(sharing.b)) return Verdict::apart;
 
     const FilteredPlane plane_b(b.point);

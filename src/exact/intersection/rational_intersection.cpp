@@ -9,7 +9,7 @@ namespace {
 using Point = Vec3<Integer>;
 using Corners = std::array<Point, 3>;
 
-/// normal · x = offset, or ≥ offset.
+/// Plane normal · x = offset, or half-space normal · x ≥ offset.
 struct Plane {
     Point normal;
     Integer offset;
@@ -19,12 +19,12 @@ struct Plane {
     Integer operator()(const RationalPoint& p) const { return dot(normal, p.xyz) - offset * p.w; }
 };
 
-/// The plane through a triangle, whose normal is zero if it is degenerate.
+/// Returns the plane through a triangle; its normal is zero if the triangle is degenerate.
 Plane plane_through(const Corners& corner) { return {cross(corner[1] - corner[0], corner[2] - corner[0]), corner[0]}; }
 
 bool before(const Point& p, const Point& q) { return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z; }
 
-/// The convex hull of three points: { x : every plane of `on` is 0, every plane of `within` is ≥ 0 }.
+/// Convex hull of three points: { x : every plane of `on` is 0, every plane of `within` is ≥ 0 }.
 struct Hull {
     Point normal;  ///< zero if degenerate
     bool degenerate;
@@ -49,7 +49,8 @@ struct Hull {
         }
     }
 
-    /// The line through both ends, and the box that they span. Equal ends leave the box alone, which is then the point.
+    /// Adds the line through both ends, and the box that they span. For equal ends only the box remains, which is then
+    /// the point.
     void add_segment(const Point& p, const Point& q) {
         for (int axis = 0; axis < 3; ++axis) {
             Point unit;
@@ -75,7 +76,8 @@ struct Fraction {
     }
 };
 
-/// Where f vanishes on a segment, if it is f_p at its start and f_q ≠ f_p at its end.
+/// Returns the parameter at which a linear function vanishes on a segment, if it is f_p at the start and f_q ≠ f_p at
+/// the end.
 Fraction zero_between(const Integer& f_p, const Integer& f_q) {
     return f_q > f_p ? Fraction{-f_p, f_q - f_p} : Fraction{f_p, f_p - f_q};
 }
@@ -84,15 +86,15 @@ RationalPoint point_at(const std::array<Point, 2>& edge, const Fraction& t) {
     return {(t.denominator - t.numerator) * edge[0] + t.numerator * edge[1], t.denominator};
 }
 
-/// A linear function at both ends of an edge.
+/// Values of a linear function at both ends of an edge.
 struct Ends {
     Integer p, q;
 };
 
 Ends ends(const Plane& plane, const std::array<Point, 2>& edge) { return {plane(edge[0]), plane(edge[1])}; }
 
-/// Appends the ends of the part of an edge that lies in the hull. True if the edge has its ends strictly on opposite
-/// sides of the hull's plane and meets the hull's inside.
+/// Appends the ends of the part of an edge that lies in the hull. Returns true if the ends of the edge are strictly on
+/// opposite sides of the hull's plane and the edge meets the hull's inside.
 bool clip(const std::array<Point, 2>& edge, const Hull& hull, std::vector<RationalPoint>& points) {
     Fraction begin{0, 1}, end{1, 1};
     // Cuts away what is below zero; false if nothing is left.
@@ -108,7 +110,7 @@ bool clip(const std::array<Point, 2>& edge, const Hull& hull, std::vector<Ration
         if (!cut(f) || !cut({-f.p, -f.q})) return false;
         crosses = crosses && f.p.sign() * f.q.sign() < 0;
     }
-    // One point is left of an edge that crosses the plane: `begin`.
+    // An edge that crosses the plane has been cut to one point: `begin`.
     for (const Plane& plane : hull.within) {
         const Ends f = ends(plane, edge);
         if (!cut(f)) return false;
@@ -120,7 +122,7 @@ bool clip(const std::array<Point, 2>& edge, const Hull& hull, std::vector<Ration
     return crosses;
 }
 
-/// −1, 0 or 1 as p comes before, is, or comes after q in lexicographic order.
+/// Returns −1, 0 or 1 if p comes before, equals, or comes after q in lexicographic order.
 int compare(const RationalPoint& p, const RationalPoint& q) {
     for (int axis = 0; axis < 3; ++axis) {
         const int order = Integer(p.xyz[axis] * q.w).compare(q.xyz[axis] * p.w);
@@ -129,12 +131,12 @@ int compare(const RationalPoint& p, const RationalPoint& q) {
     return 0;
 }
 
-/// q − p, times a positive number.
+/// Returns q − p, times a positive number.
 Point difference(const RationalPoint& q, const RationalPoint& p) { return p.w * q.xyz - q.w * p.xyz; }
 
-/// The extreme points, counter-clockwise about the normal from the lexicographically smallest. Points that are not all
-/// on one line must lie in a plane with that normal. (Andrew's monotone chain: lexicographic order is the order along a
-/// direction that no two points share, which is all that the chain needs.)
+/// Returns the extreme points, counter-clockwise about the normal from the lexicographically smallest. Points that are
+/// not collinear must lie in a plane with that normal. (Andrew's monotone chain: lexicographic order is the order along
+/// a direction that no two points share, which is all that the chain needs.)
 std::vector<RationalPoint> extreme_points(std::vector<RationalPoint> points, const Point& normal) {
     std::sort(points.begin(), points.end(), [](const auto& p, const auto& q) { return compare(p, q) < 0; });
     const auto same = [](const auto& p, const auto& q) { return compare(p, q) == 0; };
@@ -160,14 +162,14 @@ Corners scaled(const std::array<Vec3d, 3>& corner, int exponent) {
     return {scaled(corner[0], exponent), scaled(corner[1], exponent), scaled(corner[2], exponent)};
 }
 
-/// Tells whether all corners lie strictly on one side of a triangle's plane, so that nothing is shared; false if it has
-/// none.
+/// True if all corners lie strictly on one side of a triangle's plane, so that the triangles are disjoint; false if
+/// there is no plane.
 bool on_one_side(const Corners& corners, const Plane& plane) {
     const int side = plane(corners[0]).sign();
     return side != 0 && plane(corners[1]).sign() == side && plane(corners[2]).sign() == side;
 }
 
-/// Positions of the distinct vertices that both name.
+/// Returns the positions of the distinct vertices that both triangles have.
 std::vector<Point> shared_vertices(const Triangle& a, const Triangle& b, const Corners& corners_of_a) {
     std::vector<Point> shared;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -216,7 +218,7 @@ RationalIntersection intersect_rationally(const Triangle& a, const Triangle& b) 
     const std::vector<Point> shared = shared_vertices(a, b, corners_a);
     result.shared = static_cast<int>(shared.size());
     if (shared.empty() || shared.size() == 3) {
-        result.collides = !result.points.empty();  // three shared vertices: the same points, which meet themselves
+        result.collides = !result.points.empty();  // three shared vertices: the same points, which meet
     } else {
         const Corners segment{shared.front(), shared.back(), shared.back()};
         const Hull common(segment, plane_through(segment));

@@ -4,7 +4,7 @@
 
 namespace crumple {
 
-/// What a step of the decision knows about a pair of triangles. `apart` and `collides` are final.
+/// Result of one step of the decision about a pair of triangles. `apart` and `collides` are final.
 enum class Verdict : std::uint8_t { apart, collides, undecided };
 
 }  // namespace crumple

@@ -1,12 +1,12 @@
 #pragma once
 
-// Area that two faces in one plane have in common, for any type of number that is exact or has a bound.
+// Computes the area that two coplanar faces have in common, for any type of number that is exact or has an error bound.
 //
-// In a projection of the plane, both faces counter-clockwise, the boundary of the common area consists of the pieces of
-// each face's edges that lie in the other face. So the area is the sum of cones from the first corner of a over these
-// pieces. Ties are decided as if b were shifted by (e, e²) in
-// the projection, e → 0+, on which the area does not depend: so each edge that crosses another one does so at one
-// point, and its length inside is a sum over crossings, in any order.
+// In a projection of the plane, with both faces counter-clockwise, the boundary of the common area consists of the
+// pieces of each face's edges that lie in the other face. So the area is the sum of the cones from the first corner of
+// a over these pieces. Ties are decided as if b were shifted by (e, e²) in the projection, e → 0+; the area does not
+// depend on this shift. With it, edges that cross do so at one point, and the length of an edge inside the other face
+// is a sum over its crossings, in any order.
 
 #include <array>
 #include <cstddef>
@@ -18,14 +18,14 @@
 
 namespace crumple {
 
-/// A projection along an axis, of points with float64 coordinates in the range of double words.
+/// Projection along an axis, for float64 points in the range of double words.
 struct EnclosedProjection {
     int axis;
 
     int sign(const Vec3d& p, const Vec3d& q, const Vec3d& r) const {
         return p == r || q == r ? 0 : orient2d(p, q, r, axis);
     }
-    /// The determinant (q − p) × (r − p).
+    /// Returns the determinant (q − p) × (r − p).
     Enclosed value(const Vec3d& p, const Vec3d& q, const Vec3d& r) const {
         const int x = first_axis(axis), y = second_axis(axis);
         const auto difference = [](double to, double from) { return Enclosed::difference(to, from); };
@@ -35,7 +35,7 @@ struct EnclosedProjection {
 
 namespace detail {
 
-/// The sign of a point about the line p → q where it lies on that line and is shifted.
+/// Returns the side of the line p → q on which a point of that line lies once it is shifted.
 template <class Point>
 int sign_on_line(const Point& p, const Point& q, int axis) {
     const int x = first_axis(axis), y = second_axis(axis);
@@ -45,14 +45,14 @@ int sign_on_line(const Point& p, const Point& q, int axis) {
 
 }  // namespace detail
 
-/// Adds twice the common area of the projections of a and b, neither of which is degenerate: sum.add(x), and
-/// sum.add_share(x, start, end) for x · start / (start − end).
+/// Adds twice the common area of the projections of a and b, neither of which may be degenerate, to `sum`. Calls
+/// sum.add(x), and sum.add_share(x, start, end) to add x · start / (start − end).
 template <class Projection, class Corners, class Sum>
 void add_common_area(const Projection& projection, Corners a, Corners b, Sum& sum) {
     const std::array<Corners*, 2> faces{&a, &b};
     for (Corners* const face : faces)
         if (projection.sign((*face)[0], (*face)[1], (*face)[2]) < 0) std::swap((*face)[1], (*face)[2]);
-    // Sides of corner i of a face about edge j of the other: 1 is inside.
+    // sign, side [of][i][j]: side of corner i of face `of` relative to edge j of the other face; 1 is inside.
     int sign[2][3][3], side[2][3][3];
     for (std::size_t of = 0; of < 2; ++of)
         for (std::size_t j = 0; j < 3; ++j) {
@@ -66,7 +66,7 @@ void add_common_area(const Projection& projection, Corners a, Corners b, Sum& su
             }
             if (apart) return;
         }
-    // Determinant of edge j of a face and a corner of the other.
+    // Returns the determinant of corner i of face `of` and edge j of the other face.
     using Number = decltype(projection.value(a[0], a[1], a[2]));
     const auto value = [&](std::size_t of, std::size_t i, std::size_t j) {
         if (sign[of][i][j] == 0) return Number(0);

@@ -1,11 +1,11 @@
 #pragma once
 
-// Derives the winding numbers on two faces from the segment in which they cross, for any type of number that is exact
-// or has a bound. Compiled for host and device.
+// Computes what the segment in which two faces cross contributes to the winding numbers on them, for any type of number
+// that is exact or has an error bound. Compiled for host and device.
 //
-// On a face, the winding number of the other surface is the sum of cones from the face's first corner over what it
-// jumps at (docs/overlap.md): over what is left of edges 01 and 12 behind each crossing, and over each segment. So each
-// pair of faces contributes alone, in any order.
+// On a face, the winding number of the other surface is a sum of jumps times cones from the face's first corner
+// (docs/overlap.md): one cone over the rest of the path along edges 01 and 12 after each crossing, and one over each
+// segment. So each pair of faces contributes independently, in any order.
 
 #include <array>
 #include <cstddef>
@@ -16,30 +16,31 @@ namespace crumple {
 
 CRUMPLE_HD constexpr std::size_t next_corner(std::size_t i) { return i == 2 ? 0 : i + 1; }
 
-/// The second and the third barycentric coordinate of a point in a face.
+/// Second and third barycentric coordinates of a point in a face.
 template <class Number>
 struct PointInFace {
     Number u{}, v{};
 };
 
-/// For a winding number w on a face of area |f|, and the hat functions φ_k of its corners: 3 ∫ w φ_k dA / |f|. So a
-/// face on which w is constant has three times w.
+/// Weights of a face's corners: 3 ∫ w φ_k dA / |f|, where w is the winding number, |f| the area of the face, and φ_k
+/// the hat function of corner k. If w is constant on the face, each weight is w.
 template <class Number>
 using FaceWeights = std::array<Number, 3>;
 
 /// Point at which an edge crosses a face.
 template <class Number>
 struct EdgeCrossing {
-    Number t;  ///< of the edge's way
+    Number t;  ///< parameter along the edge, 0 at its start
     PointInFace<Number> in_face;
 };
 
 template <class Number>
 struct Crossing {
     FaceCrossing jumps;
-    // Segment, if there is one. On a, the inside of b's surface is on its left; on b, it runs from end to start.
+    // Ends of the segment, if there is one. On a, the inside of b's surface is to the left of the segment. On b, the
+    // segment is traversed from end to start.
     PointInFace<Number> start_in_a, end_in_a, start_in_b, end_in_b;
-    FaceWeights<Number> a{}, b{};  ///< added to the weights of each face
+    FaceWeights<Number> a{}, b{};  ///< contributions to the weights of each face
 };
 
 namespace detail {
@@ -51,7 +52,7 @@ CRUMPLE_HD PointInFace<Number> on_edge(std::size_t edge, const Number& t) {
     return {Number(0), Number(1) - t};
 }
 
-/// Adds a triangle [p0, x, y], p0 being the first corner.
+/// Adds the triangle [p0, x, y], where p0 is the face's first corner.
 template <class Number>
 CRUMPLE_HD void add_cone(const PointInFace<Number>& x, const PointInFace<Number>& y, FaceWeights<Number>& weights) {
     const Number share = x.u * y.v - x.v * y.u, u = x.u + y.u, v = x.v + y.v;
@@ -60,7 +61,7 @@ CRUMPLE_HD void add_cone(const PointInFace<Number>& x, const PointInFace<Number>
     weights[2] = weights[2] + share * v;
 }
 
-/// Adds `jump` times the cone over what is left of edge 01 or 12 behind a point on it.
+/// Adds `jump` times the cone over the rest of the path along edges 01 and 12 after a point on it.
 template <class Number>
 CRUMPLE_HD void add_edge(std::size_t edge, int jump, const PointInFace<Number>& at, FaceWeights<Number>& weights) {
     if (edge == 0)
@@ -74,7 +75,8 @@ CRUMPLE_HD void add_edge(std::size_t edge, int jump, const PointInFace<Number>& 
 
 }  // namespace detail
 
-/// Fills in what the jumps of a segment say. edge_of_a(i) is where edge i of a crosses b, edge_of_b(i) likewise.
+/// Computes the ends of the segment and the weights from the jumps. edge_of_a(i) returns the point at which edge i of a
+/// crosses b, and edge_of_b(i) that at which edge i of b crosses a.
 template <class Number, class EdgeOfA, class EdgeOfB>
 CRUMPLE_HD void add_segment(EdgeOfA edge_of_a, EdgeOfB edge_of_b, Crossing<Number>& crossing) {
     for (std::size_t i = 0; i < 3; ++i) {

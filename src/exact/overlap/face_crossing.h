@@ -2,13 +2,13 @@
 
 // Decides how a face of one closed surface crosses a face of another, from signs alone. Compiled for host and device.
 //
-// The second surface is shifted by (e, e², e³), e → 0+, or by the opposite of that: then nothing touches, whatever
-// meets crosses, and every sign of the shifted placement is that of the placement as given, or, where that is 0, that
-// of the first term of the shift (docs/overlap.md). So crossings are those of one actual placement in general position.
+// The second surface is shifted by (e, e², e³), e → 0+, or by the opposite vector. After the shift, surfaces that meet
+// also cross. The sign of each determinant is that without the shift or, if that is 0, the sign of the first nonzero
+// term of the shift (docs/overlap.md). So the crossings are those of one actual placement in general position.
 //
-//   edge p → p' of one surface crosses a face of the other: p and p' are on different sides of the face's plane, and
-//   pass its three edges on the same side. On the way the winding number of the other surface grows by 1 if p is on
-//   the outer side, and falls by 1 if p is on the inner one.
+// An edge p → p' of one surface crosses a face of the other if p and p' are on different sides of the face's plane, and
+// the line p p' passes all three edges of the face on the same side. From p to p', the winding number of the other
+// surface grows by 1 if p is on the outer side, and falls by 1 if p is on the inner side.
 
 #include <array>
 #include <cstddef>
@@ -34,14 +34,15 @@ using EdgeJumps = std::array<int, 3>;
 
 struct FaceCrossing {
     EdgeJumps a{}, b{};
-    /// True if both faces have an inside and cross: exactly two of the six numbers are not 0 then.
+    /// True if both faces are nondegenerate and cross. Exactly two of the six jumps are nonzero then.
     bool segment = false;
 };
 
-/// `Signs` has, of two faces a and b under a shift, each sign −1 or 1:
-///   has_inside_a, has_inside_b   whether the face has a normal
-///   a_side(i), b_side(i)         of corner i of a about the plane of b, which has a normal, and the other way round
-///   edges(i, j)                  det(p' − p, q − p, q' − p) of edge i, p → p', of a and edge j, q → q', of b
+/// Decides the crossing of two faces a and b under a shift. `Signs` provides, with each sign −1 or 1:
+///   has_inside_a, has_inside_b   true if the face has a normal
+///   a_side(i)                    side of corner i of a relative to the plane of b; called only if b has a normal
+///   b_side(i)                    side of corner i of b relative to the plane of a; called only if a has a normal
+///   edges(i, j)                  det(p' − p, q − p, q' − p) for edge i, p → p', of a and edge j, q → q', of b
 template <class Signs>
 CRUMPLE_HD FaceCrossing cross_faces(Signs& signs) {
     FaceCrossing crossing;
@@ -57,8 +58,9 @@ CRUMPLE_HD FaceCrossing cross_faces(Signs& signs) {
     if (signs.has_inside_a && !cut(b)) return crossing;
 
     if (signs.has_inside_a && signs.has_inside_b) {
-        // Two edges of each cross the other's plane, those at the corner that is alone on its side. A point where an
-        // edge of a crosses the plane of b lies in b if it lies between the points where b crosses the plane of a.
+        // In each face, the two edges at the corner that is alone on its side cross the plane of the other face. The
+        // point at which an edge of a crosses the plane of b lies in b if it lies between the points at which b crosses
+        // the plane of a.
         const auto edges_at_lone_corner = [](const std::array<int, 3>& side) {
             const std::size_t lone = side[0] == side[1] ? 2 : side[0] == side[2] ? 1 : 0;
             return std::array<std::size_t, 2>{(lone + 2) % 3, lone};

@@ -54,7 +54,7 @@ std::optional<RoundedSum> FixedSum::rounded_quotient(std::int32_t divisor) const
 double FixedSum::nearest_quotient(std::int32_t divisor) const {
     FixedSum magnitude = *this;
     const bool negative = magnitude.make_magnitude();
-    // Long division, from the top; what remains tells of digits beyond the last.
+    // Long division, from the top digit. A nonzero remainder stands for the digits beyond the last one.
     const auto by = static_cast<std::uint64_t>(divisor);
     std::uint64_t remainder = 0;
     std::size_t top = digits;
@@ -66,11 +66,11 @@ double FixedSum::nearest_quotient(std::int32_t divisor) const {
         if (top == digits && magnitude.digits_[i] != 0) top = i;
     }
     if (top == digits) return 0;
-    // The leading 64 bits, the last of them set if anything follows, and rounded once.
+    // The leading 64 bits. The last of them is also set if any nonzero bit follows, so that they are rounded correctly.
     const auto digit = [&](std::size_t back) {
         return back <= top ? static_cast<std::uint64_t>(magnitude.digits_[top - back]) : 0;
     };
-    const int leading = std::countl_zero(digit(0)) - digit_bits;  // zeros of the first digit
+    const int leading = std::countl_zero(digit(0)) - digit_bits;  // leading zeros of the top digit
     std::uint64_t head = digit(0) << digit_bits | digit(1), tail = digit(2);
     bool more = remainder != 0;
     for (std::size_t back = 3; back <= top; ++back) more |= digit(back) != 0;
@@ -80,7 +80,7 @@ double FixedSum::nearest_quotient(std::int32_t divisor) const {
     }
     if (tail != 0 || more) head |= 1;
     const int exponent = digit_bits * (static_cast<int>(top) - 1) - leading - 1074;
-    // Round to 53 bits by hand: a conversion of 64 bits rounds once, and scaling is exact for normal numbers.
+    // The conversion rounds 64 bits to 53, once; scaling is exact for normal numbers.
     const double rounded = std::ldexp(static_cast<double>(head), exponent);
     return negative ? -rounded : rounded;
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Sums of float64 numbers without rounding: fixed point, wide enough for all of them. Addition of integers knows no
-// order, so that a sum is the same however it is split. Host only.
+// Exact sums of float64 numbers, in fixed point that is wide enough for all of them. Integer addition is associative,
+// so a sum does not depend on how its terms are grouped or ordered. Host only.
 
 #include <algorithm>
 #include <array>
@@ -21,10 +21,10 @@ class FixedSum {
         const auto exponent = static_cast<int>(bits >> 52 & 2047);
         const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
         const std::uint64_t mantissa = exponent ? fraction | std::uint64_t{1} << 52 : fraction;
-        const int place = exponent ? exponent - 1 : 0;  // of the last bit, from 2^-1074
+        const int place = exponent ? exponent - 1 : 0;  // exponent of the last bit, plus 1074
         const auto digit = static_cast<std::size_t>(place) / digit_bits;
         const int shift = place % digit_bits;
-        // A mantissa of 53 bits, shifted by up to 31, in three digits.
+        // A mantissa of 53 bits, shifted by up to 31 bits, fits in three digits.
         const std::uint64_t low = mantissa << shift, high = shift ? mantissa >> (64 - shift) : 0;
         const std::int64_t sign = bits >> 63 ? -1 : 1;
         digits_[digit] += sign * static_cast<std::int64_t>(low & digit_mask);
@@ -54,7 +54,7 @@ class FixedSum {
 
     double error() const { return error_; }
 
-    /// The float64 number nearest to the sum divided by a whole number, ties to even, if that is certain.
+    /// Returns the float64 nearest to the sum divided by an integer, ties to even, or nothing if that is not certain.
     std::optional<RoundedSum> rounded_quotient(std::int32_t divisor) const;
 
    private:
@@ -64,16 +64,16 @@ class FixedSum {
         2110 / digit_bits + 5;  ///< 2^-1074 to beyond 2^1024 times any number of terms
     static constexpr std::int64_t most_additions = std::int64_t{1} << 30;
 
-    /// Brings all digits but the last that is used to 0 .. 2^32 - 1.
+    /// Normalizes all digits but the last used one to 0 .. 2^32 - 1.
     void carry();
-    /// Carries, and makes the sum positive; returns whether it was negative.
+    /// Carries, and replaces the sum by its absolute value. Returns true if it was negative.
     bool make_magnitude();
     double nearest_quotient(std::int32_t divisor) const;
 
     std::array<std::int64_t, digits> digits_{};
-    std::size_t begin_ = digits, end_ = 0;  ///< digits that are used; the others are 0
+    std::size_t begin_ = digits, end_ = 0;  ///< range of digits in use; all others are 0
     std::int64_t additions_ = 0;
-    double error_ = 0;  ///< the sum is at most so far from what was to be added
+    double error_ = 0;  ///< bound on the sum of the errors of all added terms
 };
 
 }  // namespace crumple

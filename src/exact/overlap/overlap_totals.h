@@ -1,7 +1,7 @@
 #pragma once
 
-// From the sums over an overlap to the numbers that a result has, for any type of sum that knows when it rounds for
-// certain (docs/overlap.md).
+// Computes the numbers of an overlap's result from its sums, for any type of sum that can be rounded correctly
+// (docs/overlap.md).
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace crumple {
 
-// Sums of terms about the origin O; with themselves bodies have twice as much.
+// Sums of terms relative to the origin O. For a body with itself they are twice as large.
 
 template <class Sum>
 struct VolumeTotals {
@@ -43,16 +43,15 @@ struct OverlapNumbers {
     Vec3d centroid;     ///< NaN where the volume is 0
     Vec3d area_vector;  ///< correctly rounded
     Vec3d point;        ///< the centroid, or O
-    Vec3d torque;       ///< about that point exactly, correctly rounded
+    Vec3d torque;       ///< about exactly this `point`, correctly rounded
     Vec3d normal;       ///< NaN where the area vector is 0
     double mean_depth = std::numeric_limits<double>::quiet_NaN();
-    double contact_area = 0;  ///< correctly rounded; not of these sums
+    double contact_area = 0;  ///< correctly rounded; not computed from these sums
 };
 
 namespace detail {
 
-/// The length of a vector of three scaled numbers, not all 0, and the vector divided by it, each within 2 units in the
-/// last place.
+/// Length and direction of a vector of three scaled numbers, not all 0, each within 2 units in the last place.
 struct ScaledDirection {
     Scaled length;
     Vec3d direction;
@@ -78,14 +77,14 @@ struct ScaledDirection {
 
 }  // namespace detail
 
-/// Area vector, and torque about a point, of sums over segments.
+/// Area vector, and torque about a point, computed from sums over segments.
 struct CurveNumbers {
     std::array<RoundedSum, 3> area, torque;
 
     static Vec3d values(const std::array<RoundedSum, 3>& v) { return {v[0].value, v[1].value, v[2].value}; }
 };
 
-/// `sums` has curves(combine, divisor), as for finish().
+/// Computes the area vector and the torque about `point`. `sums` provides curves(combine, divisor), as for finish().
 template <class Sums>
 CurveNumbers finish_curves(Sums& sums, const Vec3d& origin, const Vec3d& point) {
     const auto next = [](std::size_t k) { return k == 2 ? std::size_t{0} : k + 1; };
@@ -95,7 +94,7 @@ CurveNumbers finish_curves(Sums& sums, const Vec3d& origin, const Vec3d& point) 
         const auto about_point = [&](const auto& totals) {
             std::remove_cvref_t<decltype(totals.torque[k])> sum;
             sum.add_product(totals.torque[k], -1);
-            // 3 (O − c) × (4 S), the difference in two parts
+            // 3 (O − c) × (4 S), with O − c as a sum of two float64
             const auto add = [&](std::size_t axis, std::size_t of_area, double sign) {
                 const int i = static_cast<int>(axis);
                 TwoTerms away = two_sum(origin[i], -point[i]);
@@ -111,8 +110,9 @@ CurveNumbers finish_curves(Sums& sums, const Vec3d& origin, const Vec3d& point) 
     return numbers;
 }
 
-/// Computes the numbers. `sums` has volume(combine, divisor) and curves(combine, divisor): a RoundedSum of what
-/// `combine` makes of the totals of either. `self`: the sums are of a body with itself.
+/// Computes all numbers but contact_area. `sums` provides volume(combine, divisor) and curves(combine, divisor), which
+/// return what `combine` computes from the totals, divided by `divisor`, as a RoundedSum. `self`: true if the sums are
+/// of a body with itself.
 template <class Sums>
 OverlapNumbers finish(Sums& sums, const Vec3d& origin, bool self) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();

@@ -1,14 +1,15 @@
 #pragma once
 
-// Terms of the integrals over an overlap (docs/overlap.md), for any type of number that is exact or has a bound. All
-// points are given from the origin O of the sums. Compiled for host and device.
+// Terms of the integrals over an overlap (docs/overlap.md), for any type of number that is exact or has an error bound.
+// All points are relative to the origin O of the sums. Compiled for host and device.
 //
-// The volume is that of cones from O over oriented triangles: each face as often as the winding number at its first
-// corner says, and what a segment s → e adds on both faces, whose first corners are p and q:
+// The volume is a sum of volumes of cones from O over oriented triangles. Each face counts as often as the winding
+// number at its first corner. In addition, a segment s → e adds triangles on both faces, whose first corners are p and
+// q:
 //
 //   [p, s, e] on a, [q, e, s] on b
-//   [first corner, x, last corner] where the segment ends at x on edge 12 of a face, as often as the number jumps there
-//   the whole face, as often as the number jumps, where it ends on edge 01
+//   [first corner, x, last corner] times the jump, if the segment ends at x on edge 12 of a face
+//   the whole face times the jump, if the segment ends on edge 01
 
 #include "geometry/vec.h"
 
@@ -25,7 +26,7 @@ struct VolumeTerms {
     }
 };
 
-/// Sums over the segments from s to e, as seen on the first surface:
+/// Sums over the segments s → e, with the orientation that they have on the first surface.
 template <class Number>
 struct CurveTerms {
     Vec3<Number> area{};    ///< s × e: twice the area vector

@@ -1,8 +1,8 @@
 #pragma once
 
-// Crosses two faces of closed surfaces under a shift: signs by filters and expansions, numbers in double words with
-// bounds. For coordinates in the range of double words; where bounds are too wide, rational_crossing.h decides.
-// Compiled for host and device.
+// Double-double filter: computes the crossing of two faces of closed surfaces under a shift. Signs are exact, by
+// filters and expansions; numbers are double words with error bounds. Requires coordinates in the range of double
+// words. If bounds are too wide, rational_crossing.h decides. Compiled for host and device.
 
 #include <array>
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace crumple {
 
 namespace detail {
 
-/// Sign of component `axis` of (q − p) × (s − r). Four roundings.
+/// Returns the exact sign of component `axis` of (q − p) × (s − r). The float64 filter rounds four times.
 CRUMPLE_HD inline int cross_sign(const Vec3d& p, const Vec3d& q, const Vec3d& r, const Vec3d& s, int axis) {
     const int x = first_axis(axis), y = second_axis(axis);
     const double plus = (q[x] - p[x]) * (s[y] - r[y]), minus = (q[y] - p[y]) * (s[x] - r[x]);
@@ -28,7 +28,7 @@ CRUMPLE_HD inline int cross_sign(const Vec3d& p, const Vec3d& q, const Vec3d& r,
         .sign();
 }
 
-/// The sign of (q − p) × (s − r) times (e, e², e³), e → 0+.
+/// Returns the sign of (q − p) × (s − r) · (e, e², e³), e → 0+.
 CRUMPLE_HD inline int first_cross_sign(const Vec3d& p, const Vec3d& q, const Vec3d& r, const Vec3d& s) {
     for (int axis = 0; axis < 3; ++axis)
         if (const int sign = cross_sign(p, q, r, s, axis)) return sign;
@@ -37,11 +37,11 @@ CRUMPLE_HD inline int first_cross_sign(const Vec3d& p, const Vec3d& q, const Vec
 
 }  // namespace detail
 
-/// A face with what many pairs read of it.
+/// Face with its plane and sign, which all pairs with this face share.
 struct CrossedFace {
     FaceCorners corner;
     FilteredPlane plane;
-    /// The sign of the normal times (e, e², e³), e → 0+; 0: the face is degenerate.
+    /// Sign of normal · (e, e², e³), e → 0+; 0 if the face is degenerate.
     int first_sign;
 
     CRUMPLE_HD explicit CrossedFace(const FaceCorners& p)
@@ -52,18 +52,17 @@ struct CrossedFace {
     }
 };
 
-/// The signs that cross_faces() asks for, each decided once for both shifts. All coordinates in the range of double
-/// words.
+/// Signs for cross_faces(), each decided once for both shifts. Requires coordinates in the range of double words.
 class QuickSigns {
    public:
     CRUMPLE_HD QuickSigns(const CrossedFace& a, const CrossedFace& b)
         : has_inside_a(a.first_sign != 0), has_inside_b(b.first_sign != 0), a_(a), b_(b) {}
 
     bool has_inside_a, has_inside_b;
-    /// True if a sign is that of the shift, so that it is the opposite for the opposite shift.
+    /// True if a sign came from the shift, so that it is the opposite under the opposite shift.
     bool tied = false;
 
-    /// b is shifted.
+    /// Sets the direction in which b is shifted.
     CRUMPLE_HD void set(Shift shift) { shift_ = sign_of(shift); }
 
     CRUMPLE_HD int a_side(std::size_t i) {
@@ -81,7 +80,7 @@ class QuickSigns {
         return tie(detail::first_cross_sign(q[j], q[next_corner(j)], p[i], p[next_corner(i)]));
     }
 
-    /// The corner at which an edge of a or b crosses the other face exactly, or −1.
+    /// Returns the corner at which an edge of a (of_b = 0) or b (of_b = 1) crosses the other face exactly, or −1.
     CRUMPLE_HD int vertex(std::size_t of_b, std::size_t edge) {
         const auto in_plane = [&](std::size_t corner) { return (of_b ? sign_of_b(corner) : sign_of_a(corner)) == 0; };
         if (!tied) return -1;
@@ -91,7 +90,7 @@ class QuickSigns {
 
     CRUMPLE_HD bool in_plane_of_b(std::size_t i) { return sign_of_a(i) == 0; }
 
-    // The signs of the placement as given, which may be 0:
+    // Signs without the shift, which may be 0:
     CRUMPLE_HD int sign_of_a(std::size_t i) { return side(b_, a_.corner[i], side_of_a_[i]); }
     CRUMPLE_HD int sign_of_b(std::size_t i) { return side(a_, b_.corner[i], side_of_b_[i]); }
     CRUMPLE_HD int sign_of_edges(std::size_t i, std::size_t j) {
@@ -122,21 +121,21 @@ class QuickSigns {
 };
 
 struct QuickCrossing : Crossing<Enclosed> {
-    bool tied = false;  ///< with the opposite shift the faces may cross differently
+    bool tied = false;  ///< true if the faces may cross differently under the opposite shift
     /// False if the numbers are too uncertain to be worth adding.
     bool certain = true;
 };
 
 namespace detail {
 
-/// Weights with larger bounds are uncertain; smaller quotients might underflow where they are multiplied.
+/// Largest error bound of a certain weight, and smallest quotient whose products cannot underflow.
 inline constexpr double largest_weight_error = 0x1p-80, least_quotient = 0x1p-250;
 
-/// What is known of an edge p → p' that crosses a face: which numbers are exactly 0 in the placement as given. So a
-/// crossing at a vertex or on an edge has whole numbers without error, and sums of such numbers can be 0 for certain.
+/// Numbers of an edge p → p' that crosses a face which are exactly 0 without the shift. With them a crossing at a
+/// vertex or on an edge has integer coordinates without error, and sums of these can be certainly 0.
 struct KnownZeros {
-    bool from = false, to = false;                  ///< distances of p and p' from the plane
-    std::array<bool, 3> edge{false, false, false};  ///< the edge and edge k of the face lie in a plane
+    bool from = false, to = false;                  ///< true if p or p' lies in the plane of the face
+    std::array<bool, 3> edge{false, false, false};  ///< true if the edge and edge k of the face are coplanar
 };
 
 /// Returns the point at which the edge p → p' crosses a face.
@@ -147,7 +146,7 @@ CRUMPLE_HD inline EdgeCrossing<Enclosed> cross_edge(const Vec3d& p, const Vec3d&
     };
     const Enclosed from = distance(zero.from, p), to = distance(zero.to, p_end), all = from - to;
     const Vec3<Enclosed> along = enclosed_difference(p_end, p);
-    // The barycentric coordinate of the corner opposite edge k, from corner q to r.
+    // Returns the barycentric coordinate of the corner opposite edge k, which runs from q to r.
     const auto coordinate = [&](std::size_t k, const Vec3d& q, const Vec3d& r) {
         if (zero.edge[k]) return Enclosed(0);
         if (zero.edge[next_corner(k)] && zero.edge[next_corner(next_corner(k))]) return Enclosed(1);
@@ -166,7 +165,7 @@ CRUMPLE_HD inline bool may_be_multiplied(const EdgeCrossing<Enclosed>& at) {
 
 }  // namespace detail
 
-/// b is shifted. All coordinates in the range of double words.
+/// Computes the crossing of a and b, with b shifted. Requires coordinates in the range of double words.
 CRUMPLE_HD inline QuickCrossing cross_quickly(const CrossedFace& a, const CrossedFace& b, Shift shift) {
     QuickCrossing crossing;
     QuickSigns signs(a, b);

@@ -9,16 +9,17 @@ using Point = Vec3<Integer>;
 
 int sign_of(const Integer& x) { return x.sign(); }
 
-/// The sign of a vector times (e, e², e³), e → 0+.
+/// Returns the sign of v · (e, e², e³), e → 0+.
 int first_sign(const Point& v) { return v.x != 0 ? sign_of(v.x) : v.y != 0 ? sign_of(v.y) : sign_of(v.z); }
 
-/// Twice the plane's distance times the normal's length: positive where the normal points to.
+/// Plane of a triangle. operator() returns the distance of a point times the length of the normal: positive on the side
+/// to which the normal points.
 struct Plane {
     Point normal, origin;
 
     explicit Plane(const IntegerTriangle& p) : normal(cross(p[1] - p[0], p[2] - p[0])), origin(p[0]) {}
     Integer operator()(const Point& p) const { return dot(normal, p - origin); }
-    /// Returns the side of a point that lies in the plane, which is shifted.
+    /// Returns the side of a point of the plane once the plane is shifted.
     int side_in_plane(Shift shift) const { return -sign_of(shift) * first_sign(normal); }
 };
 
@@ -32,7 +33,7 @@ class IntegerSigns {
     bool has_inside_a, has_inside_b;
     bool tied = false;
 
-    /// b is shifted.
+    /// Sets the direction in which b is shifted.
     void set(Shift shift) { shift_ = shift; }
 
     int a_side(std::size_t i) { return side(plane_b_, a_[i], shift_); }
@@ -72,7 +73,7 @@ class IntegerSigns {
     Shift shift_ = Shift::forward;
 };
 
-/// Converts to the unit that is common to all corners.
+/// Converts points to integers in their largest common unit.
 template <std::size_t N>
 std::array<Vec3<Integer>, N> in_common_unit(const std::array<Vec3d, N>& points) {
     const int exponent = common_exponent(points);
@@ -91,7 +92,8 @@ RationalCrossing cross_rationally(const IntegerTriangle& a, const IntegerTriangl
     RationalCrossing crossing;
     crossing.jumps = cross_faces(signs);
     if (!crossing.jumps.segment) return crossing;
-    // The volumes with the edges of a face are its barycentric coordinates, each that of the corner opposite.
+    // The volumes that an edge spans with the edges of a face, divided by `all`, are the barycentric coordinates of the
+    // crossing: each belongs to the corner opposite that edge of the face.
     const auto edge_of_a = [&](std::size_t i) -> EdgeCrossing<Rational> {
         const Integer from = signs.a_distance(i), all = from - signs.a_distance(next_corner(i));
         return {quotient(from, all), {quotient(-signs.volume(i, 2), all), quotient(-signs.volume(i, 0), all)}};

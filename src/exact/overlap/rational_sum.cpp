@@ -9,8 +9,8 @@
 namespace crumple {
 namespace {
 
-/// numerator / denominator · 2^exponent, the denominator positive, with as many bits as float64 has from `least_unit`
-/// on: mantissa and the exponent of its last place.
+/// Rounds numerator / denominator · 2^exponent, with a positive denominator, to 53 bits, or fewer if bits are below
+/// 2^least_unit. Returns the mantissa, and the exponent of its last place.
 std::pair<std::int64_t, int> round(const mp::cpp_int& numerator, const mp::cpp_int& denominator, int exponent,
                                    int least_unit) {
     if (numerator == 0) return {0, 0};
@@ -42,7 +42,7 @@ bool same(const RoundedSum& x, const RoundedSum& y) {
     return x.value == y.value && x.scaled.mantissa == y.scaled.mantissa && x.scaled.exponent == y.scaled.exponent;
 }
 
-/// The root of a positive number, if that is rational.
+/// Returns the square root of a positive number, or nothing if the root is irrational.
 std::optional<Rational> rational_root(const Rational& square) {
     const mp::cpp_int above = numerator(square), below = denominator(square), root_above = mp::sqrt(above),
                       root_below = mp::sqrt(below);
@@ -50,7 +50,7 @@ std::optional<Rational> rational_root(const Rational& square) {
     return Rational(root_above, root_below);
 }
 
-/// The quotient, rounded down.
+/// Returns the quotient, rounded down.
 mp::cpp_int floor_quotient(const mp::cpp_int& numerator, const mp::cpp_int& denominator) {
     mp::cpp_int quotient, remainder;
     divide_qr(numerator, denominator, quotient, remainder);
@@ -121,7 +121,7 @@ Rational RationalSum::total(Cancellation& cancellation) const {
             sums.emplace_back(part.numerator, below << -part.exponent);
         else
             sums.emplace_back(part.numerator << part.exponent, below);
-    // A balanced tree, so that few additions are of large numbers.
+    // Adds in a balanced tree, so that few additions have large operands.
     while (sums.size() > 1) {
         for (std::size_t i = 0; 2 * i < sums.size(); ++i) {
             cancellation.check();
@@ -138,7 +138,7 @@ void RootSum::add(const RootSum& other) {
 
 RoundedSum RootSum::rounded_quotient(int divisor, Cancellation& cancellation) const {
     RationalSum rational;
-    std::vector<Rational> squares;  // of irrational terms
+    std::vector<Rational> squares;  // squares of the irrational terms
     for (const auto& [square, sum] : of_) {
         const Rational times = sum.total(cancellation);
         if (times == 0) continue;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Sums of many rational numbers, rounded correctly, whatever their denominators. Host only.
+// Correctly rounded sums of many rational numbers, whatever their denominators. Host only.
 
 #include <map>
 #include <unordered_map>
@@ -22,9 +22,10 @@ class RationalSum {
     /// Adds `times` · factor · sum.
     void add_product(const RationalSum& sum, double factor, int times = 1);
 
-    /// The sum divided by a whole number, rounded to nearest, ties to even. All terms are first rounded far below the
-    /// sum, which decides unless the sum is 0 or a tie; then they are added up. Terms of one denominator are one term
-    /// already. Cost: some microseconds a denominator, and for ties what the products of all denominators take.
+    /// Returns the sum divided by an integer, rounded to nearest, ties to even. First adds terms that are rounded far
+    /// below the largest one. That decides unless the sum is almost 0 or a tie; only then terms are added exactly.
+    /// Terms with equal odd denominators are merged when added. Cost: some microseconds for each denominator; for ties,
+    /// additions of numbers as long as the product of all denominators.
     RoundedSum rounded_quotient(int divisor, Cancellation& cancellation) const;
     Rational total(Cancellation& cancellation) const;
 
@@ -37,18 +38,19 @@ class RationalSum {
         void add(const mp::cpp_int& other, int other_exponent);
     };
 
-    std::unordered_map<mp::cpp_int, Part> over_;  ///< what stands over each odd denominator
+    std::unordered_map<mp::cpp_int, Part> over_;  ///< numerators by odd denominator
 };
 
-/// Sum of square roots of rational numbers, each times a sum that is not negative.
+/// Sum of square roots of rational numbers, each times a factor that is itself a sum, and not negative.
 class RootSum {
    public:
-    /// The sum that is multiplied by the root of a positive number.
+    /// Returns the factor of the square root of a positive number, for adding to it.
     RationalSum& times_root_of(const Rational& square) { return of_[square]; }
     void add(const RootSum& other);
 
-    /// The sum divided by a whole number, rounded to nearest, ties to even. Roots that are rational are added up
-    /// exactly. If others remain, the sum is irrational, for nothing cancels: enough bits decide how it is rounded.
+    /// Returns the sum divided by an integer, rounded to nearest, ties to even. Rational roots are added exactly. If
+    /// irrational roots remain, the sum is irrational, because no terms cancel; so enough bits decide how it is
+    /// rounded.
     RoundedSum rounded_quotient(int divisor, Cancellation& cancellation) const;
 
    private:

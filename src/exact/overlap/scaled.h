@@ -1,7 +1,6 @@
 #pragma once
 
-// Float64 numbers whose exponent is kept apart, so that products and quotients of results that float64 could not hold
-// neither overflow nor vanish.
+// Float64 numbers with a separate exponent, so that products and quotients of results neither overflow nor underflow.
 
 #include <cmath>
 
@@ -9,7 +8,7 @@
 
 namespace crumple {
 
-/// mantissa · 2^exponent; the mantissa is 0 or from 1/2 to below 1 in magnitude.
+/// Number mantissa · 2^exponent. The magnitude of the mantissa is 0 or in [1/2, 1).
 struct Scaled {
     double mantissa = 0;
     int exponent = 0;
@@ -24,13 +23,13 @@ struct Scaled {
     friend Scaled operator*(const Scaled& x, const Scaled& y) {
         return Scaled(x.mantissa * y.mantissa, x.exponent + y.exponent);
     }
-    /// y is not 0.
+    /// Precondition: y is not 0.
     friend Scaled operator/(const Scaled& x, const Scaled& y) {
         return Scaled(x.mantissa / y.mantissa, x.exponent - y.exponent);
     }
 };
 
-/// A number rounded to nearest, ties to even, in float64 and where float64 has no such exponent.
+/// Number rounded to nearest, ties to even: as a float64, and to 53 bits with an unlimited exponent.
 struct RoundedSum {
     double value = 0;
     Scaled scaled;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Segments in which faces of two surfaces cross: which edges end on which faces, without numbers. What sums are made
-// of, for any type of number. Compiled for host and device.
+// Segments in which faces of two surfaces cross, without coordinates: which edges end on which faces. Sums of any type
+// of number are computed from them. Compiled for host and device.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,19 +14,21 @@ namespace crumple {
 struct SegmentEnd {
     std::uint8_t side = 0;    ///< 0: an edge of a, 1: of b
     std::uint8_t edge = 0;    ///< 01, 12 or 20
-    std::int8_t vertex = -1;  ///< the corner of that face at which it is exactly, or −1
+    std::int8_t vertex = -1;  ///< corner of the edge's face at which the end lies exactly, or −1
     std::int8_t jump = 0;     ///< change of the winding number along the edge
 };
 
-/// On a, the inside of b's surface is on the left of the segment; on b, it runs from end to start.
+/// Segment in which two faces cross. On a, the inside of b's surface is to its left. On b, it is traversed from end to
+/// start.
 struct Segment {
-    std::int32_t a = 0, b = 0;  ///< faces
+    std::int32_t a = 0, b = 0;  ///< ids of the two faces
     SegmentEnd start, end;
-    bool in_volume = true;  ///< it counts in the volume: that is of one shift
-    std::int8_t times = 1;  ///< how often it counts in curves: twice if both shifts have it
+    bool in_volume = true;  ///< true if it counts in the volume, which uses one shift only
+    std::int8_t times = 1;  ///< number of times that it counts in curves: 2 if both shifts have it
 };
 
-/// The segment of faces that cross. `at_vertex(side, edge)`: the corner at which that edge crosses exactly, or −1.
+/// Returns the segment in which two faces cross. at_vertex(side, edge) returns the corner at which that edge crosses
+/// exactly, or −1.
 template <class AtVertex>
 CRUMPLE_HD Segment segment_of(const FaceCrossing& jumps, AtVertex at_vertex) {
     Segment segment;
@@ -44,21 +46,22 @@ CRUMPLE_HD Segment segment_of(const FaceCrossing& jumps, AtVertex at_vertex) {
     return segment;
 }
 
-/// How two faces cross, without numbers.
+/// Crossing of two faces under one shift, without coordinates.
 struct DecidedCrossing {
     FaceCrossing jumps;
-    Segment segment;  ///< if jumps.segment
+    Segment segment;  ///< valid if jumps.segment
 };
 
-/// The same under either shift.
+/// Crossings of two faces under each shift.
 struct DecidedCrossings {
     DecidedCrossing forward, backward;
-    bool tied = false;      ///< they may differ
-    bool coplanar = false;  ///< both faces lie in one plane, and have an inside
+    bool tied = false;      ///< true if they may differ
+    bool coplanar = false;  ///< true if both faces are nondegenerate and lie in one plane
 };
 
-/// `Signs` is what cross_faces() asks for, and has set(shift), vertex(side, edge) for segment_of(), `tied`: whether
-/// some sign was that of the shift, and in_plane_of_b(i): whether corner i of a lies in the plane of b, if b has one.
+/// Decides how two faces cross under each shift. `Signs` provides what cross_faces() requires; set(shift); vertex(side,
+/// edge) for segment_of(); `tied`, true if some sign came from the shift; and in_plane_of_b(i), true if corner i of a
+/// lies in the plane of b, if b has one.
 template <class Signs>
 CRUMPLE_HD DecidedCrossings decide_crossings(Signs& signs) {
     const auto decide = [&](Shift shift) {

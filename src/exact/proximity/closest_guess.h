@@ -1,28 +1,28 @@
 #pragma once
 
-// Where two features are about closest, in float64, and what that proves of their distance. Compiled for host and
-// device. The bounds are derived in docs/nearness_algebra.md.
+// Float64 guess of the closest points of two features, and the bounds on their distance that it proves. Compiled for
+// host and device. The bounds are derived in docs/nearness_algebra.md.
 //
 // The differences between points of one feature and points of the other are w + s u + t v: (s, t) is in the unit square
-// for two edges, in the triangle s, t ≥ 0, s + t ≤ 1 for a vertex and a face, and in a segment or a point of those for
-// the others. Any such difference is at least as long as the distance; and along any direction g no difference
-// reaches less far than the one that reaches least. So a guess of the closest points proves a bound above and a bound
-// below, however it was come by, and where it is right the two bounds meet.
+// for two edges, in the triangle s, t ≥ 0, s + t ≤ 1 for a vertex and a face, and in a segment or a point of these
+// otherwise. Any such difference is at least as long as the distance, and the distance is at least the least projection
+// of the differences on any direction. So a guess of the closest points, however obtained, proves an upper and a lower
+// bound, and if it is right, both bounds meet.
 
 #include "exact/proximity/double_word_vec.h"
 #include "exact/proximity/resting_features.h"
 
 namespace crumple {
 
-/// What is known of a distance and a reach.
+/// Result of comparing a distance with a Reach.
 enum class Proximity : std::uint8_t { beyond, within, unknown };
 
 namespace detail {
 
 inline constexpr double near_epsilon = 0x1p-53;
-/// Far above what underflow loses in a sum of products, far below all that is not that small.
+/// Exceeds by far the underflow error of a sum of products, and is negligible to all numbers that are not that small.
 inline constexpr double near_slack = 0x1p-1022;
-/// For larger differences products of four might overflow, and nothing is known.
+/// Largest Differences::size. Beyond it products of four numbers might overflow, and nothing is proven.
 inline constexpr double largest_size = 0x1p240;
 
 CRUMPLE_HD inline double within_unit(double x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
@@ -52,7 +52,7 @@ struct Differences {
         size = length_1(w) + length_1(u) + length_1(v);
     }
 
-    /// Whether all of them reach farther than the radius along g; any g may be asked about.
+    /// True if all differences certainly extend farther than the radius along g. Any g is valid.
     CRUMPLE_HD bool beyond(const Vec3d& g, double radius) const {
         const double along_u = min(0.0, dot(g, u)), along_v = min(0.0, dot(g, v));
         const double least = kinds == FeatureKinds::vertex_face ? min(along_u, along_v) : along_u + along_v;
@@ -61,15 +61,15 @@ struct Differences {
         return size <= largest_size && low > 0 && low * low > (1 + 32 * near_epsilon) * dot(reach, reach) + near_slack;
     }
 
-    /// Whether the difference g, computed as w + s u + t v, is certainly shorter than the radius.
+    /// True if the difference g, computed as w + s u + t v, is certainly shorter than the radius.
     CRUMPLE_HD bool within(const Vec3d& g, double radius) const {
         const double inner = (1 - 4 * near_epsilon) * radius - (6 * near_epsilon * size + near_slack);
         return size <= largest_size && inner > 0 && inner * inner > (1 + 16 * near_epsilon) * dot(g, g) + near_slack;
     }
 };
 
-/// The type of the closest points, and their parameters; both may be a little wrong. As in ClosestPoints, but t counts
-/// along v: it is the same for edges, as v is c - d.
+/// Type and parameters of the closest points, as in ClosestPoints; both may be slightly wrong. For edges, too, t counts
+/// along v, because v is c - d.
 struct Guess {
     std::uint8_t type = 0;
     double s = 0, t = 0;
@@ -82,14 +82,15 @@ CRUMPLE_HD inline Guess guess_edge(const Differences& d) {
     return {static_cast<std::uint8_t>(VertexEdgeType::P_E), within_unit(place / length), 0};
 }
 
-/// Which region of the plane the vertex projects to (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+/// Guesses from the region of the plane to which the vertex projects (Ericson, Real-Time Collision Detection, 2005,
+/// section 5.1.5).
 CRUMPLE_HD inline Guess guess_face(const Differences& d) {
     const auto guess = [](VertexFaceType type, double s, double t) {
         return Guess{static_cast<std::uint8_t>(type), s, t};
     };
     using enum VertexFaceType;
     const double uu = dot(d.u, d.u), uv = dot(d.u, d.v), vv = dot(d.v, d.v);
-    // Along u and v, as seen from each corner.
+    // Positions along u and v, relative to each corner.
     const double a_u = -dot(d.u, d.w), a_v = -dot(d.v, d.w);
     if (a_u <= 0 && a_v <= 0) return guess(P_T0, 0, 0);
     const double b_u = a_u - uu, b_v = a_v - uv;
@@ -106,12 +107,13 @@ CRUMPLE_HD inline Guess guess_face(const Differences& d) {
         return guess(P_E1, 1 - t, t);
     }
     const double sum = at_a + at_b + at_c, s = within_unit(at_b / sum);
-    // Not beyond the edge from b to c, exactly.
+    // The limit keeps the point from lying beyond edge b c in exact arithmetic.
     return guess(P_T, s, min(within_unit(at_c / sum), (1 - 8 * near_epsilon) * (1 - s)));
 }
 
-/// From a point of the first edge to the closest of the second; if that is an end, from there to the first edge.
-/// Between lines' closest points that is the least there is (Ericson, section 5.1.9).
+/// Guesses for two edges: takes a point of the first edge and the closest point of the second; if that is an end, takes
+/// the point of the first edge that is closest to it. Starting from the closest point of the lines, this is exact but
+/// for rounding (Ericson, section 5.1.9).
 CRUMPLE_HD inline Guess guess_edges(const Differences& d) {
     const double uu = dot(d.u, d.u), uv = dot(d.u, d.v), vv = dot(d.v, d.v), uw = dot(d.u, d.w), vw = dot(d.v, d.w);
     const auto share = [](double place, double length) {
@@ -129,7 +131,7 @@ CRUMPLE_HD inline Guess guess_edges(const Differences& d) {
     const double area = uu * vv - uv * uv;
     constexpr double parallel = 0x1p-46;
     if (area > parallel * (uu * vv)) return guess(within_unit((uv * vw - vv * uw) / area));
-    // Where edges run along each other, at one of both ends of that.
+    // For nearly parallel edges, start from both ends of the first edge.
     const Guess first = guess(0), last = guess(1);
     const Vec3d g = d.w + first.s * d.u + first.t * d.v, h = d.w + last.s * d.u + last.t * d.v;
     return dot(h, h) < dot(g, g) ? last : first;
@@ -151,8 +153,8 @@ CRUMPLE_HD inline Guess guess_closest(const Differences& d) {
 
 }  // namespace detail
 
-/// Whether the distance is certainly more than the reach: the cheapest test that there is, of one direction, from
-/// middle to middle. False says nothing.
+/// True if the distance certainly exceeds the reach. This is the cheapest test, of one direction, from middle to
+/// middle. False proves nothing.
 CRUMPLE_HD inline bool surely_beyond(const Features& features, const Reach& reach) {
     const detail::Differences d(features);
     const double share = d.kinds == FeatureKinds::vertex_face ? 1.0 / 3 : 0.5;

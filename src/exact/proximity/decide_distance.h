@@ -1,7 +1,7 @@
 #pragma once
 
-// The distance between two features at rest, exactly: quick_distance.h, and rational arithmetic for what that leaves
-// open. Host only.
+// Exact distance of two static features: by quick_distance.h, and by rational arithmetic where that filter is not
+// certain. Host only.
 
 #include <cstdint>
 #include <optional>
@@ -11,31 +11,29 @@
 
 namespace crumple {
 
-/// How far decisions had to go.
+/// Number of decisions that took rational arithmetic.
 struct DistanceCounts {
-    std::int64_t rational = 0;  ///< pairs of features for which some question took rational arithmetic
+    std::int64_t rational = 0;  ///< pairs of features for which some query took rational arithmetic
 };
 
-/// What is asked of one pair of features, question by question; what one has found out serves the next.
-/// Cost: 20 to 70 ns for `within`, some 100 ns for `squared`, some 200 ns for `closest`; microseconds with rationals.
-/// Needs round-to-nearest without flush-to-zero.
+/// Queries about one pair of features; intermediate results are cached for later queries.
 class Distance {
    public:
-    /// Counts are kept by reference.
+    /// Holds a reference to `counts`.
     Distance(const Features& features, DistanceCounts& counts)
         : features_(features), quick_(features), counts_(counts) {}
 
-    /// Whether it is at most the reach, or below it.
+    /// True if the distance is at most the reach, or below it if reach.strict.
     bool within(const Reach& reach);
-    /// Whether it is 0.
+    /// True if the distance is 0.
     bool touching();
-    /// Its square, rounded to the nearest float64, ties to even; +inf beyond the largest.
+    /// Returns the squared distance, rounded to the nearest float64, ties to even; +inf beyond the largest.
     double squared();
-    /// The largest float64 that is not above it.
+    /// Returns the largest float64 not above the distance.
     double rounded_down();
     ClosestPoints closest();
 
-    /// Where the features are about closest.
+    /// Returns the guess of the closest points.
     const detail::Guess& guess() const { return quick_.guess(); }
 
    private:

@@ -1,7 +1,7 @@
 #pragma once
 
-// Vectors of double_word.h, as distances need them: products and sums whose errors are bounded by the magnitudes of
-// their terms, which is cheaper than a bound by the result. ε = 2^-53. Compiled for host and device.
+// Vectors of double words for distances. The errors of products and sums are bounded relative to the magnitudes of
+// their terms, which is cheaper than a bound relative to the result. ε = 2^-53. Compiled for host and device.
 
 #include "geometry/double_word.h"
 
@@ -12,12 +12,13 @@ using Vec3dw = Vec3<DoubleWord>;
 CRUMPLE_HD inline Vec3d high(const Vec3dw& p) { return {p.x.high, p.y.high, p.z.high}; }
 CRUMPLE_HD inline double length_1(const Vec3d& p) { return std::abs(p.x) + std::abs(p.y) + std::abs(p.z); }
 
-/// p - q, exactly.
+/// Returns p - q, exactly.
 CRUMPLE_HD inline Vec3dw exact_difference(const Vec3d& p, const Vec3d& q) {
     return {two_sum(p.x, -q.x), two_sum(p.y, -q.y), two_sum(p.z, -q.z)};
 }
 
-/// w + s u, or w + s u + t v, in one axis: within 16 ε² of the sum of the terms' magnitudes.
+/// Returns w + s u, or w + s u + t v, along one axis, with an error of at most 16 ε² times the sum of the terms'
+/// magnitudes.
 CRUMPLE_HD inline DoubleWord combine(DoubleWord w, double s, DoubleWord u) {
     const TwoTerms su = two_product(s, u.high), sum = two_sum(w.high, su.high);
     return two_sum(sum.high, sum.low + (w.low + (su.low + s * u.low)));
@@ -35,7 +36,7 @@ CRUMPLE_HD inline Vec3dw combine(const Vec3dw& w, double s, const Vec3dw& u, dou
     return {combine(w.x, s, u.x, t, v.x), combine(w.y, s, u.y, t, v.y), combine(w.z, s, u.z, t, v.z)};
 }
 
-/// p · q, within 24 ε² of the sum of the magnitudes of its three products.
+/// Returns p · q, with an error of at most 24 ε² times the sum of the magnitudes of its three products.
 CRUMPLE_HD inline DoubleWord product(const Vec3dw& p, const Vec3dw& q) {
     const TwoTerms x = two_product(p.x.high, q.x.high), y = two_product(p.y.high, q.y.high),
                    z = two_product(p.z.high, q.z.high);

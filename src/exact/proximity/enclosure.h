@@ -1,16 +1,16 @@
 #pragma once
 
-// The squared distance between two features, enclosed between two numbers that agree in some hundred bits, and what
-// follows from that. Compiled for host and device. The bounds are derived in docs/nearness_algebra.md.
+// Enclosure of the squared distance of two features between two numbers that agree in about a hundred bits, and the
+// results that follow from it. Compiled for host and device. The bounds are derived in docs/nearness_algebra.md.
 //
-// The guess of closest_guess.h is taken as it is: s and t are two float64 numbers, so the squared length of w + s u +
-// t v, evaluated in pairs of numbers, is a bound above, without any error of the guess in it. The squared length f is a
-// quadratic function, so its slopes at (s, t) tell how much less it is elsewhere: nothing, where a parameter can only
-// grow and f grows with it, and else at most the square of the slope over the curvature. Slopes of a guess that is off
-// by rounding errors are rounding errors, so what is lost is of the order of their squares.
+// The guess of closest_guess.h is used as it is: s and t are float64 numbers, so the squared length of w + s u + t v,
+// evaluated in double words, is an upper bound that errors of the guess do not affect. The squared length f is a
+// quadratic function, so its slopes at (s, t) bound how much smaller it is elsewhere: not at all along a parameter that
+// can only grow and with which f grows, otherwise by at most the square of the slope over the curvature. If the guess
+// is off by rounding errors, so are the slopes, and the loss is of the order of their squares.
 //
-// Where there is hardly any curvature, as between edges that are parallel, that is not good enough. Then slopes are
-// evaluated in pairs of numbers as well, and the guess is improved by them.
+// With hardly any curvature, as for nearly parallel edges, that is not good enough. Then slopes are evaluated in double
+// words, too, and improve the guess.
 
 #include <limits>
 
@@ -19,21 +19,21 @@
 
 namespace crumple::detail {
 
-/// Products of numbers above these do not underflow; where slopes do, they are below this slack.
+/// Products of numbers above `least_squared` do not underflow; slopes that underflow are below `slope_slack`.
 inline constexpr double least_squared = 0x1p-400, slope_slack = 0x1p-500;
 
-/// Half a derivative of f, known up to an error.
+/// Half a derivative of f, with a bound on its error.
 struct Slope {
     double value = 0, error = 0;
 
     CRUMPLE_HD double magnitude() const { return std::abs(value) + error; }
-    /// How far f may fall along it: nowhere, if the parameter can only grow and f grows with it.
+    /// Returns how fast f may fall along the parameter: not at all if the parameter can only grow and f grows with it.
     CRUMPLE_HD double pull(bool free) const { return !free && value >= error ? 0 : magnitude(); }
 };
 
 class Enclosure {
    public:
-    /// Any guess will do whose parameters are in the domain.
+    /// Works with any guess whose parameters are in the domain.
     CRUMPLE_HD Enclosure(const Features& features, const Guess& guess)
         : seen_(features, guess), kinds_(features.kinds), type_(guess.type) {
         const auto& [w, exact_u, exact_v, s, t, free] = seen_;
@@ -50,12 +50,13 @@ class Enclosure {
         for (int step = 0; step < 2 && !certainly_touching() && !(below_ <= 0x1p-80 * squared_.high); ++step) refine();
     }
 
-    /// squared - below ≤ squared distance ≤ squared + above, in real numbers; infinite where nothing is known.
+    /// Bounds in real numbers: squared() - below() ≤ squared distance ≤ squared() + above(). Both errors are infinite
+    /// if nothing is proven.
     CRUMPLE_HD DoubleWord squared() const { return squared_; }
     CRUMPLE_HD double below() const { return below_; }
     CRUMPLE_HD double above() const { return above_; }
 
-    /// Whether the features certainly have a point in common, or certainly none.
+    /// Return true if the features certainly have a point in common (touching), or certainly have none (apart).
     CRUMPLE_HD bool touching() {
         if (certainly_touching()) return true;
         return !apart() && settle() && certainly_touching();
@@ -68,7 +69,7 @@ class Enclosure {
         return order < 0 || (order == 0 && !reach.strict) ? Proximity::within : Proximity::beyond;
     }
 
-    /// Whether the squared distance rounds to one number for certain; if so, that is it.
+    /// True if the rounded squared distance is certain; then sets `rounded` to it.
     CRUMPLE_HD bool squared_rounded(double& rounded) {
         const auto certain = [&] {
             rounded = squared_.high + (squared_.low + above_);
@@ -77,7 +78,7 @@ class Enclosure {
         return certain() || (settle() && certain());
     }
 
-    /// Whether it is certain which float64 is the largest that is not above the distance; if so, that is it.
+    /// True if it is certain which float64 is the largest not above the distance; then sets `rounded` to it.
     CRUMPLE_HD bool rounded_down(double& rounded) {
         if (touching()) return rounded = 0, true;
         if (!apart()) return false;
@@ -90,7 +91,7 @@ class Enclosure {
         return order == 0 || (order == 1 && compare_with({std::nextafter(rounded, largest_size), 0}) == -1);
     }
 
-    /// Whether it is certain where the features are closest; if so, that is it.
+    /// True if the closest points are certain; then sets `points` to them.
     CRUMPLE_HD bool closest(ClosestPoints& points) {
         if (!certainly_touching() && apart()) {
             Enclosure precise = *this;
@@ -121,7 +122,7 @@ class Enclosure {
     CRUMPLE_HD double pull_u() const { return u_length_ == 0 ? 0 : along_u_.pull(seen_.free > 0); }
     CRUMPLE_HD double pull_v() const { return v_length_ == 0 ? 0 : along_v_.pull(seen_.free > 1); }
 
-    /// How much less than at (s, t) f may be in the domain.
+    /// Returns a bound on how much smaller than at (s, t) f may be in the domain.
     CRUMPLE_HD double loss() const {
         const double by_u = pull_u(), by_v = pull_v();
         if (by_u == 0 && by_v == 0) return 0;
@@ -140,7 +141,7 @@ class Enclosure {
         }
     }
 
-    /// A step of Newton's method, with slopes in pairs of numbers.
+    /// Improves the guess by a step of Newton's method, with slopes in double words.
     CRUMPLE_HD_COLD void refine() {
         const Slope along_u = slope(seen_.u, u_length_), along_v = slope(seen_.v, v_length_);
         double s_step = 0, t_step = 0;
@@ -171,7 +172,7 @@ class Enclosure {
         return two_sum(sum.high, sum.low + x.low);
     }
 
-    /// Steps are small, or none, and lead to no parameters out of the domain.
+    /// Limits the steps to the domain; sets them to 0 if they are not small or would leave its inside.
     CRUMPLE_HD void keep_inside(double& s_step, double& t_step) const {
         const double s = seen_.s + s_low_, t = seen_.t + t_low_;
         constexpr double largest_step = 0x1p-10;
@@ -185,7 +186,7 @@ class Enclosure {
         if (!small || !inside) s_step = t_step = 0;
     }
 
-    /// How far the true parameters may be from these, if they are inside.
+    /// Return bounds on the errors of the parameters, if the true ones are inside the domain.
     CRUMPLE_HD double s_error() const {
         return seen_.free == 2 ? 1.1 * (along_u_.magnitude() * vv_ + along_v_.magnitude() * std::abs(uv_)) / area_
                                : 1.1 * along_u_.magnitude() / uu_;
@@ -194,7 +195,7 @@ class Enclosure {
         return 1.1 * (along_v_.magnitude() * uu_ + along_u_.magnitude() * std::abs(uv_)) / area_;
     }
 
-    /// The closest points are unique, not on a smaller part, and in that one.
+    /// True if the closest points are certainly unique, and on the parts of `type_`, but not on smaller ones.
     CRUMPLE_HD bool type_certain() const {
         const bool two = kinds_ == FeatureKinds::vertex_face || kinds_ == FeatureKinds::edge_edge;
         if (seen_.free == 2) {
@@ -215,7 +216,8 @@ class Enclosure {
                (along_u_.value > along_u_.error && (!two || along_v_.value > along_v_.error));
     }
 
-    /// Each parameter of ClosestPoints is 0, 1, s, t or 1 - s; false where rounding is not certain.
+    /// Computes the parameters of ClosestPoints, each of which is 0, 1, s, t or 1 - s. Returns false if their rounding
+    /// is not certain.
     CRUMPLE_HD bool parameters(std::array<double, 2>& at) const {
         constexpr const char* face[] = {"00", "10", "01", "s0", "cs", "0s", "st"};
         constexpr const char* edges[] = {"00", "01", "10", "11", "s0", "s1", "0s", "1s", "st"};
@@ -242,7 +244,7 @@ class Enclosure {
         return certain;
     }
 
-    /// The sign of the distance minus x ≥ 0, or `undecided`.
+    /// Returns the sign of the distance minus x, x ≥ 0, or `undecided`.
     CRUMPLE_HD int compare_with(TwoTerms x) {
         if (!(x.high <= largest_size))
             return squared_.high + above_ < 0.5 * largest_size * largest_size ? -1 : undecided;
@@ -259,7 +261,7 @@ class Enclosure {
 
     CRUMPLE_HD bool certainly_touching() const { return squared_.high == 0 && above_ == 0; }
 
-    /// Whether nothing was rounded. Then the enclosure is one number from now on.
+    /// True if nothing was rounded. Then the enclosure shrinks to one number.
     CRUMPLE_HD bool settle() {
         if (settled_ == Settled::untried) {
             const bool exact = certainly_touching() || (s_low_ == 0 && t_low_ == 0 && is_exact(seen_, g_, squared_));
@@ -269,8 +271,8 @@ class Enclosure {
         return settled_ == Settled::yes;
     }
 
-    /// Where nothing was rounded, the point is closest. It is the only one if f is curved, and then no smaller part's
-    /// if it is inside.
+    /// True if the type is certain after settle() has returned true. As nothing was rounded, the guess is a closest
+    /// point. It is the only one if f is curved, and on no smaller part if it is inside.
     CRUMPLE_HD bool settled_type_certain() const {
         if (certainly_touching() && seen_.free == 0) return true;
         const double s = seen_.s, t = seen_.t;
@@ -279,12 +281,12 @@ class Enclosure {
     }
 
     SeenFromGuess seen_;
-    double s_low_ = 0, t_low_ = 0;  ///< what is to be added to the guess
+    double s_low_ = 0, t_low_ = 0;  ///< corrections to the guess
     Vec3dw g_{};                    ///< w + s u + t v
-    double error_ = 0;              ///< how far it is off, in all
+    double error_ = 0;              ///< bound on the sum of its components' errors
     Slope along_u_, along_v_;
     double u_length_ = 0, v_length_ = 0, uu_ = 0, uv_ = 0, vv_ = 0;
-    double area_ = 0;  ///< a bound below of uu vv - uv²
+    double area_ = 0;  ///< lower bound on uu vv - uv²
     DoubleWord squared_{};
     double below_ = std::numeric_limits<double>::infinity(), above_ = below_;
     FeatureKinds kinds_;

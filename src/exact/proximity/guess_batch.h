@@ -1,7 +1,7 @@
 #pragma once
 
-// Features at rest that are known to be near, in columns: what lanes measure (squared_distances-inl.h). All as in
-// SeenFromGuess, but for differences that are not taken yet.
+// Batch of static features that are known to be near, in columns for SIMD lanes (squared_distances-inl.h). Values are
+// those of SeenFromGuess, except that differences are not computed yet.
 
 #include <algorithm>
 #include <cstddef>
@@ -18,7 +18,7 @@ struct GuessBatch {
     // w = x0 - y0, u = x1 - x0, v = v1 - v0; s and t are 0 unless they are free.
     alignas(64) Column x0[3] = {}, x1[3] = {}, y0[3] = {}, v0[3] = {}, v1[3] = {};
     alignas(64) Column s = {}, t = {};
-    alignas(64) Column free = {};  ///< how many parameters are: 0, 1 or 2
+    alignas(64) Column free = {};  ///< number of free parameters: 0, 1 or 2
     std::size_t count = 0;
 
     void add(const Features& features, const detail::Guess& guess) {
@@ -41,7 +41,7 @@ struct GuessBatch {
     }
 };
 
-/// What a table does that measures nothing.
+/// Leaves all squared distances unresolved, as NaN: for kernel tables that do not compute them.
 inline void leave_open(const GuessBatch& batch, double* squared) {
     std::fill_n(squared, batch.count, std::numeric_limits<double>::quiet_NaN());
 }

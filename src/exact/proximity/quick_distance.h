@@ -1,9 +1,8 @@
 #pragma once
 
-// The distance between two features at rest, as far as floating-point arithmetic with proven bounds can tell it. What
-// it answers is what rational_distance.h answers, to the last bit; where it cannot, it says so. Compiled for host and
-// device; nothing is allocated. Needs round-to-nearest without flush-to-zero. The bounds are derived in
-// docs/nearness_algebra.md.
+// Float64 filter: distance of two static features, in float64 and double words with proven bounds. Results are those of
+// rational_distance.h, to the last bit, or reported as not certain. Compiled for host and device; nothing is allocated.
+// Needs round-to-nearest without flush-to-zero. The bounds are derived in docs/nearness_algebra.md.
 
 #include "exact/proximity/closest_guess.h"
 #include "exact/proximity/enclosure.h"
@@ -15,7 +14,7 @@ class QuickDistance {
     CRUMPLE_HD explicit QuickDistance(const Features& features)
         : features_(features), differences_(features), guess_(detail::guess_closest(differences_)) {}
 
-    /// In float64 first, then in pairs of numbers.
+    /// Compares in float64 first, then in double words.
     CRUMPLE_HD Proximity compare(const Reach& reach) const {
         const Proximity known = compare_in_float64(reach);
         return known == Proximity::unknown ? compare_closely(reach) : known;
@@ -29,7 +28,7 @@ class QuickDistance {
 
     const detail::Guess& guess() const { return guess_; }
 
-    /// For all other questions: what they ask, or that it is not certain.
+    /// Returns the enclosure for all other queries. Each of them reports if its result is not certain.
     CRUMPLE_HD detail::Enclosure enclosure() const { return {features_, guess_}; }
 
    private:

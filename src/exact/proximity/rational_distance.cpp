@@ -21,7 +21,7 @@ bool operator==(const Quotient& x, const Quotient& y) {
 
 Quotient complement(const Quotient& x) { return {x.denominator - x.numerator, x.denominator}; }
 
-/// A pair of parts of the features, and the points of it that are closest.
+/// Pair of parts of the features, with its squared distance and the parameters of its closest points.
 struct Parts {
     Quotient squared;
     std::uint8_t type = 0;
@@ -33,7 +33,7 @@ std::uint8_t number(Type type) {
     return static_cast<std::uint8_t>(type);
 }
 
-/// The closer ones; of two that are equally close, those of lower type.
+/// Replaces `best` by `other` if that is closer, or equally close and of lower type.
 void take_closer(Parts& best, Parts&& other) {
     if (other.squared < best.squared || (other.type < best.type && other.squared == best.squared)) {
         best = std::move(other);
@@ -51,13 +51,13 @@ Parts vertex_edge(const Point& p, const Point& a, const Point& b) {
     return {{dot(moment, moment), length}, number(VertexEdgeType::P_E), {Quotient{place, length}, Quotient{0}}};
 }
 
-/// For each type of a vertex and an edge, what it is called between larger features.
+/// Types between larger features that the three types of a vertex and an edge correspond to.
 template <class Type>
 using Names = std::array<Type, 3>;
 
 Parts vertex_face(const Point& p, const Point& a, const Point& b, const Point& c) {
     const Point normal = cross(b - a, c - a);
-    // Positive if p projects to the inner side of the edge; 0 for all edges if the face is collapsed.
+    // Positive if p projects to the inner side of the edge; 0 for all edges if the face is degenerate.
     const auto inner = [&](const Point& from, const Point& to) { return dot(normal, cross(to - from, p - from)); };
     const Integer u = inner(c, a), v = inner(a, b);
     if (u > 0 && v > 0 && inner(b, c) > 0) {
@@ -123,7 +123,7 @@ Parts closest_parts(FeatureKinds kinds, const std::array<Point, 4>& point) {
     return {squared_length(p - q), 0, {Quotient{0}, Quotient{0}}};
 }
 
-/// floor(log2(x)) for x > 0.
+/// Returns floor(log2(x)) for x > 0.
 int power_of(const Quotient& x) {
     const int power = static_cast<int>(msb(x.numerator)) - static_cast<int>(msb(x.denominator));
     const bool below =

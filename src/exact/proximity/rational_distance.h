@@ -1,7 +1,7 @@
 #pragma once
 
-// The distance between two features at rest, in exact arithmetic for every finite float64 coordinate: the yardstick for
-// everything faster, and what that falls back on. The derivation is docs/nearness_algebra.md. Host only.
+// Distance of two static features, in exact arithmetic for every finite float64 coordinate: the reference for all
+// faster versions, and their fallback. The derivation is in docs/nearness_algebra.md. Host only.
 
 #include "exact/integer.h"
 #include "exact/proximity/resting_features.h"
@@ -13,24 +13,24 @@ struct Quotient {
     Integer numerator = 0, denominator = 1;
 };
 
-/// Cost: some microseconds for ordinary coordinates, and for each question that is asked of it less than that.
+/// Exact distance of one pair of features. Cost: some microseconds for ordinary coordinates, and less for each query.
 class RationalDistance {
    public:
     explicit RationalDistance(const Features& features);
 
-    /// The features have a point in common.
+    /// True if the features have a point in common.
     bool touching() const { return squared_.numerator == 0; }
     bool within(const Reach& reach) const;
-    /// The squared distance, rounded to the nearest float64, ties to even; +inf beyond the largest.
+    /// Returns the squared distance, rounded to the nearest float64, ties to even; +inf beyond the largest.
     double squared() const;
-    /// The distance, rounded down: the largest float64 that is not above it.
+    /// Returns the largest float64 not above the distance.
     double rounded_down() const;
     ClosestPoints closest() const;
 
-    /// The squared distance in units of 2^(2 exponent()).
+    /// Returns the squared distance in units of 2^(2 exponent()).
     const Quotient& quotient() const { return squared_; }
     int exponent() const { return exponent_; }
-    /// The parameters of ClosestPoints, before they are rounded.
+    /// Returns the parameters of ClosestPoints before rounding.
     const std::array<Quotient, 2>& at() const { return at_; }
 
    private:

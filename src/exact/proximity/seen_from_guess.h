@@ -1,18 +1,18 @@
 #pragma once
 
-// Two features, their points renumbered so that a guess of their closest points is at s = t = 0, or at t = 0, or
-// inside: a parameter is free, or it is 0 and can only grow. Compiled for host and device.
+// Two features with their points renumbered so that the guess of their closest points is at s = t = 0, at t = 0, or
+// inside the domain: each parameter is either free, or is 0 and can only grow. Compiled for host and device.
 
 #include "exact/proximity/closest_guess.h"
 #include "exact/proximity/double_word_vec.h"
 
 namespace crumple::detail {
 
-/// Which points make w = x0 - y0, u = x1 - x0, and v = x2 - x0 for a face or y0 - y1 for two edges.
+/// Points that make w = x0 - y0, u = x1 - x0, and v = x2 - x0 for a face or y0 - y1 for two edges.
 struct Numbering {
     std::array<std::uint8_t, 4> point;  ///< x0, x1, y0, and x2 or y1
-    std::uint8_t free;                  ///< how many parameters are
-    bool second = false;                ///< the free one is t of the guess
+    std::uint8_t free;                  ///< number of free parameters
+    bool second = false;                ///< true if the only free parameter is t of the guess
 };
 
 CRUMPLE_HD inline Numbering numbering(FeatureKinds kinds, std::uint8_t type) {
@@ -30,7 +30,7 @@ CRUMPLE_HD inline Numbering numbering(FeatureKinds kinds, std::uint8_t type) {
                                                 : vertex;
 }
 
-/// w, u and v exactly, and the guess. Two vertices have u = v = 0, a vertex and an edge v = 0.
+/// Exact w, u and v, and the guess. Two vertices have u = v = 0, a vertex and an edge v = 0.
 struct SeenFromGuess {
     Vec3dw w{}, u{}, v{};
     double s = 0, t = 0;
@@ -49,7 +49,7 @@ struct SeenFromGuess {
     }
 };
 
-/// The type of the first vertices of both that are at one place; there are some.
+/// Returns the type of the first pair of vertices at equal positions; there must be one.
 CRUMPLE_HD inline std::uint8_t first_common_vertex(const Features& features) {
     const auto& point = features.point;
     std::uint8_t type = 0;

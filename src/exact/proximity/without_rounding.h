@@ -1,15 +1,16 @@
 #pragma once
 
-// Where float64 rounds nothing: points of a lattice, features exactly above each other. There the closest points are
-// often float64 numbers, and so are ties: a vertex above an edge, a distance that is the radius. Bounds on errors
-// cannot tell such cases, but exact sums of a few products can. Compiled for host and device.
+// Detects closest points that float64 computes without rounding, as for points of a lattice, or features exactly above
+// each other. There the closest points are often float64 numbers, and ties occur: a vertex above an edge, a distance
+// equal to the radius. Error bounds cannot decide such cases, but exact sums of a few products can. Compiled for host
+// and device.
 
 #include "exact/proximity/seen_from_guess.h"
 #include "geometry/predicates.h"
 
 namespace crumple::detail {
 
-/// A number that expansions of squares hold, without a low part.
+/// True if x has no low part and is in the range of expansions.
 CRUMPLE_HD inline bool plain(DoubleWord x) { return x.low == 0 && in_expansion_range(x.high); }
 CRUMPLE_HD inline bool plain(const Vec3dw& p) { return plain(p.x) && plain(p.y) && plain(p.z); }
 
@@ -18,7 +19,7 @@ CRUMPLE_HD inline Expansion<6> exact_product(const Vec3dw& p, const Vec3dw& q) {
            Expansion<2>(two_product(p.z.high, q.z.high));
 }
 
-/// g = w + s u + t v, exactly.
+/// True if g = w + s u + t v exactly.
 CRUMPLE_HD inline bool is_combination(const SeenFromGuess& seen, const Vec3dw& g) {
     for (int axis = 0; axis < 3; ++axis) {
         const auto moved =
@@ -28,8 +29,8 @@ CRUMPLE_HD inline bool is_combination(const SeenFromGuess& seen, const Vec3dw& g
     return true;
 }
 
-/// Whether the guess is exactly where the features are closest, g the difference there, and `squared` its square.
-/// If not, or if numbers are not plain, false.
+/// True if the features are closest exactly at the guess, g is the difference there, and `squared` is its square. False
+/// also if numbers are not plain().
 CRUMPLE_HD_COLD inline bool is_exact(const SeenFromGuess& seen, const Vec3dw& g, DoubleWord squared) {
     if (!plain(seen.w) || !plain(seen.u) || !plain(seen.v) || !plain(g)) return false;
     if (!in_expansion_range(seen.s) || !in_expansion_range(seen.t) || !is_combination(seen, g)) return false;
@@ -38,7 +39,7 @@ CRUMPLE_HD_COLD inline bool is_exact(const SeenFromGuess& seen, const Vec3dw& g,
     return least && (exact_product(g, g) - Expansion<2>(squared)).sign() == 0;
 }
 
-/// The sign of `squared` − x².
+/// Returns the sign of `squared` − x².
 CRUMPLE_HD_COLD inline int compare_with_square_exactly(DoubleWord squared, TwoTerms x) {
     return (Expansion<2>(squared) - Expansion<2>(x) * Expansion<2>(x)).sign();
 }

@@ -1,8 +1,8 @@
 #pragma once
 
-// The definition of a candidate: whether two boxes that are grown by r overlap, in real numbers. On each axis and in
-// either order that is low - r <= high + r. Rounding keeps the order, so unequal sums tell; of equal ones what rounding
-// has left out tells, and that is a float64 number. Compiled for host and device.
+// Exact definition of a candidate: two boxes, each inflated by r, overlap in real numbers. On each axis, and in either
+// order, that means low - r <= high + r. Rounding is monotone, so unequal rounded sums decide. Equal ones are decided
+// by their rounding errors, which are float64 numbers. Compiled for host and device.
 
 #include <cmath>
 
@@ -12,7 +12,7 @@
 
 namespace crumple {
 
-/// The box of some points, not grown.
+/// Box of some points, not inflated.
 struct FeatureBox {
     Vec3d low, high;
 
@@ -20,7 +20,8 @@ struct FeatureBox {
     CRUMPLE_HD void add(const Vec3d& p) { low = min(low, p), high = max(high, p); }
 };
 
-/// The box of so many vertices all the way. Exact: what the caller gave.
+/// Returns the box of `count` vertices or, if the scene moves, of their trajectories. Exact: reads the caller's
+/// coordinates.
 inline FeatureBox box_of_way(const PreparedScene& scene, const std::int32_t* vertex, int count) {
     FeatureBox box(scene.position(vertex[0]));
     for (int k = 0; k < count; ++k) {
@@ -30,12 +31,13 @@ inline FeatureBox box_of_way(const PreparedScene& scene, const std::int32_t* ver
     return box;
 }
 
-/// What the rounded sum a + b lacks, where that is finite. The larger summand comes first: so nothing overflows.
+/// Returns the rounding error of the sum a + b, if the sum is finite. The larger summand comes first, so that no
+/// intermediate result overflows.
 CRUMPLE_HD inline double lost_in_sum(double a, double b) {
     return std::abs(a) < std::abs(b) ? fast_two_sum(b, a).low : fast_two_sum(a, b).low;
 }
 
-/// low - r <= high + r. A sum that overflows is on the right side of any other.
+/// Returns true if low - r <= high + r, exactly. A sum that overflows compares correctly with any other.
 CRUMPLE_HD inline bool reaches(double low, double high, double r) {
     const double from = low - r, to = high + r;
     if (from != to) return from < to;

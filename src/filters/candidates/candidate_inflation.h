@@ -1,12 +1,12 @@
 #pragma once
 
-// By how much the box of a triangle's way is widened for candidates. Compiled for host and device.
+// Inflation of the swept boxes of triangles for candidates. Compiled for host and device.
 
 #include "geometry/inflation.h"
 
 namespace crumple {
 
-/// `inflation`: CandidateQuery::inflation.
+/// Returns `inflation` (CandidateQuery::inflation) in normalised coordinates, rounded up.
 CRUMPLE_HD inline Inflation inflation_of_candidates(const Normaliser& normaliser, double inflation) {
     Inflation widening;
     widening.of_box = true;

@@ -1,15 +1,15 @@
 #pragma once
 
-// What candidates keep of a triangle in a leaf: the boxes of the features that it owns, seven at most, in lanes, and
-// what they are called.
+// Record of a triangle in a leaf for candidates: inflated boxes and ids of the features that the triangle owns, seven
+// at most, one per lane.
 //
 //   lane    0 1 2      3 4 5    6        7
-//   holds   vertices   edges    itself   nothing
+//   holds   vertices   edges    face     nothing
 //
-// A coordinate of a grown box is a key: the sum is rounded, then normalised, taken relative to the leaf's origin and
-// rounded to float32, each of which keeps the order of numbers. So unequal keys tell the order of the exact sums
-// (box_test.h); equal ones tell nothing. The lane of a feature that another triangle owns overlaps nothing; nor does
-// lane 7, and that of a carrier itself, which is no face (scene/scene_features.h). Compiled for host and device.
+// A coordinate of an inflated box is a key: the sum is rounded, then normalised, taken relative to the leaf's origin
+// and rounded to float32. Each step is monotone, so unequal keys have the order of the exact sums (box_test.h); equal
+// keys decide nothing. A lane without a box overlaps nothing: that of a feature that another triangle owns, lane 7, and
+// lane 6 of a proxy triangle, which is not a face (scene/scene_features.h). Compiled for host and device.
 
 #include <cstdint>
 
@@ -24,24 +24,24 @@ inline constexpr int candidate_lanes = 8;
 inline constexpr unsigned vertex_lanes = 0b111, edge_lanes = 0b111000, face_lane = 0b1000000;
 
 struct alignas(64) CandidateRecord {
-    float low[3][candidate_lanes], high[3][candidate_lanes];  ///< by axis
-    std::int32_t id[candidate_lanes];                         ///< of points, edges, the triangle
-    std::int32_t vertex[3];                                   ///< of the corners
-    std::int32_t name[4];                                     ///< and what they are compared by; the last one is -1
-    std::uint32_t owned;                                      ///< a bit for each lane
+    float low[3][candidate_lanes], high[3][candidate_lanes];  ///< by axis and lane
+    std::int32_t id[candidate_lanes];                         ///< by lane: points, edges, the triangle
+    std::int32_t vertex[3];                                   ///< corners
+    std::int32_t name[4];  ///< representative vertices of the corners; the last one is -1
+    std::uint32_t owned;   ///< 1 bit per lane
 };
 
-/// The lanes of features that a triangle or a carrier owns; `owned`: see SceneFeatures.
+/// Returns the lanes of the features that a triangle or a proxy triangle owns. `owned`: see SceneFeatures.
 CRUMPLE_HD constexpr unsigned owned_lanes(unsigned owned, bool face) {
     return (owned & (vertex_lanes | edge_lanes)) | (face ? face_lane : 0);
 }
 
-/// What a lane holds. Of lane 7 as well, which is nothing.
+/// Returns the type of a lane's feature; face for lane 7, too, which has none.
 CRUMPLE_HD constexpr FeatureType type_of(int lane) {
     return lane < 3 ? FeatureType::vertex : lane < 6 ? FeatureType::edge : FeatureType::face;
 }
 
-/// The kind of a pair of features by their lanes, in either order.
+/// Returns the kind of a pair of features by their lanes, in either order.
 CRUMPLE_HD constexpr CandidateKind kind_of(int a, int b) {
     constexpr CandidateKind kind[3][3] = {
         {CandidateKind::vertex_vertex, CandidateKind::vertex_edge, CandidateKind::vertex_face},
@@ -50,25 +50,25 @@ CRUMPLE_HD constexpr CandidateKind kind_of(int a, int b) {
     return kind[static_cast<std::size_t>(type_of(a))][static_cast<std::size_t>(type_of(b))];
 }
 
-/// The corners that a lane has, as bits.
+/// Returns the corners of a lane's feature, as bits.
 CRUMPLE_HD constexpr unsigned corners_of(int lane) {
     constexpr std::uint8_t corners[candidate_lanes] = {0b001, 0b010, 0b100, 0b011, 0b110, 0b101, 0b111, 0};
     return corners[lane];
 }
 
-/// Of each corner of a which of b's it is, as bits.
+/// Common vertices of two triangles: of[i] has a bit for each corner of b that equals corner i of a.
 struct SharedCorners {
     unsigned of[3] = {0, 0, 0};
 
     CRUMPLE_HD SharedCorners(const CandidateRecord& a, const CandidateRecord& b) : SharedCorners(a.name, b.name) {}
-    /// By the names of three corners each.
+    /// Compares the representative vertices of three corners each.
     CRUMPLE_HD SharedCorners(const std::int32_t* a, const std::int32_t* b) {
         for (int i = 0; i < 3; ++i)
             for (int k = 0; k < 3; ++k) of[i] |= unsigned{a[i] == b[k]} << k;
     }
     CRUMPLE_HD explicit SharedCorners(unsigned bits) : of{bits & 7, bits >> 3 & 7, bits >> 6 & 7} {}
     CRUMPLE_HD unsigned bits() const { return of[0] | of[1] << 3 | of[2] << 6; }
-    /// Whether two lanes have a vertex in common.
+    /// Returns true if the features of two lanes have a common vertex.
     CRUMPLE_HD bool incident(int lane_a, int lane_b) const {
         unsigned shared = 0;
         for (int i = 0; i < 3; ++i)
@@ -77,13 +77,14 @@ struct SharedCorners {
     }
 };
 
-/// What a lane that overlaps nothing has: lows above it, highs below.
+/// Bounds of a lane that overlaps nothing: its lows are `beyond`, its highs -beyond.
 inline constexpr float beyond = 3e38f;
 
-/// Normalised coordinates lie within 1 of 0, origins as well; where a grown box ends beyond them does not matter.
+/// Keys are clamped to this. Normalised coordinates and origins lie within 1 of 0; where exactly an inflated box ends
+/// outside of them does not matter.
 inline constexpr double farthest_key = 8;
 
-/// The key of a grown coordinate.
+/// Computes the keys of a corner of an inflated box.
 struct CandidateKey {
     const Normaliser& normaliser;
     Vec3d origin;

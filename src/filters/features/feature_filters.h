@@ -1,10 +1,11 @@
 #pragma once
 
-// Which pairs of features are no answer for certain: what is tested between the pair of their triangles and the exact
-// decision, in float32 with proven bounds (docs/features.md). Compiled for host and device.
+// Float32 filters, with proven bounds (docs/features.md), that drop pairs of features which are certainly too far
+// apart. They come between the filter of triangle pairs (separating_direction.h) and the exact decision. Compiled for
+// host and device.
 //
-// A pair is seen from its first point: three vectors to the others at each moment, each component off by one rounding.
-// Coordinates are at most 1, so nothing overflows; what underflows is covered by slacks.
+// A pair is given by the three vectors from its first point to the others at each time sample; each component has one
+// rounding error. Coordinates are at most 1, so nothing overflows; slacks cover underflow.
 
 #include "crumple/features.h"
 #include "filters/features/length.h"
@@ -13,8 +14,8 @@
 
 namespace crumple {
 
-/// How far values err for each unit of their monomials' magnitudes, with those of the comparison: places on a
-/// direction, volumes; and squared lengths of normals, and sums, on top of what their bound has.
+/// Errors of values per unit of their monomials' magnitudes, including the roundings of their comparison: of places on
+/// a direction, of volumes, of normals. `up`: factor that covers the roundings of lengths, products and sums.
 inline constexpr float place_error = 10 * unit_roundoff, volume_error = 14 * unit_roundoff,
                        normal_error = 8 * unit_roundoff, up = 1.000002f;
 inline constexpr float place_slack = 1e-30f, volume_slack = 1e-32f;
@@ -23,14 +24,14 @@ template <int moments>
 struct SeenFeatures {
     Vec3f to[moments][3];
 
-    /// Bounds on the components of a vector at any time.
+    /// Returns bounds on the |components| of vector i at all times.
     CRUMPLE_HD Vec3f reach(int i) const {
         return moments == 1 ? abs(to[0][i]) : max(abs(to[0][i]), abs(to[moments - 1][i]));
     }
 };
 
-/// The side on which the second feature is, seen from the first, where the points have these places on a direction; 0
-/// if there is no gap of more than `gap`.
+/// Returns the side, 1 or -1, on which the second feature lies beyond the first along a direction, or 0 if there is no
+/// gap of more than `gap`. `place1` to `place3`: places of the points on the direction, relative to the first point.
 template <FeatureKind kind>
 CRUMPLE_HD int side(float place1, float place2, float place3, float gap) {
     if constexpr (kind == FeatureKind::vertex_face) {
@@ -41,8 +42,8 @@ CRUMPLE_HD int side(float place1, float place2, float place3, float gap) {
     return max(place2, place3) < min(place1, 0.0f) - gap ? -1 : 0;
 }
 
-/// Whether a direction separates the features by more than `distance` at each moment, the same way round. `reach`: of
-/// the three vectors, together.
+/// Returns true if a direction separates the features by more than `distance` at each time sample, on the same side.
+/// `reach`: sum of seen.reach() of the three vectors.
 template <FeatureKind kind, int moments>
 CRUMPLE_HD bool separates(const Vec3f& direction, const SeenFeatures<moments>& seen, const Vec3f& reach,
                           float distance) {
@@ -55,20 +56,20 @@ CRUMPLE_HD bool separates(const Vec3f& direction, const SeenFeatures<moments>& s
     return start != 0 && start == side_at(moments - 1);
 }
 
-/// From the middle of the first feature to that of the second, three times or twice.
+/// Returns the vector from the middle of the first feature to that of the second, times 3 (vertex_face) or 2.
 template <FeatureKind kind>
 CRUMPLE_HD Vec3f between_middles(const Vec3f (&to)[3]) {
     if constexpr (kind == FeatureKind::vertex_face) return to[0] + to[1] + to[2];
     return to[1] + to[2] - to[0];
 }
 
-/// A share in [0, 1), rounded up; above 0 it stays so.
+/// Returns a share in [0, 1), rounded up; positive shares stay positive.
 CRUMPLE_HD inline float share_to_filter(double share) {
     return share > 0 ? max(static_cast<float>(share) * up, 1e-30f) : 0;
 }
 
-/// A bound above on the distance at the start: between two of the vertices, or both middles. Vectors that are compared
-/// err by less than 6 u of all magnitudes.
+/// Returns an upper bound on the distance at the start: the least distance between two vertices or between the middles.
+/// The vectors compared err by less than 6 u of the sum of all magnitudes.
 template <FeatureKind kind, int moments>
 CRUMPLE_HD float most_at_start(const SeenFeatures<moments>& seen) {
     const Vec3f(&to)[3] = seen.to[0];
@@ -84,7 +85,7 @@ CRUMPLE_HD float most_at_start(const SeenFeatures<moments>& seen) {
     return std::sqrt(least + least_square) * up + 8 * unit_roundoff * (all.x + all.y + all.z);
 }
 
-/// Two edges of the face, or both edges.
+/// Return two edges of the face, or both edges, as vectors.
 template <FeatureKind kind>
 CRUMPLE_HD Vec3f first_edge(const Vec3f (&to)[3]) {
     return kind == FeatureKind::vertex_face ? to[1] - to[0] : to[0];
@@ -94,30 +95,30 @@ CRUMPLE_HD Vec3f second_edge(const Vec3f (&to)[3]) {
     return to[2] - to[kind == FeatureKind::vertex_face ? 0 : 1];
 }
 
-/// The way, less what of it is along an edge, times the square of the edge.
+/// Returns the component of `way` perpendicular to `edge`, times the square of the edge.
 CRUMPLE_HD inline Vec3f beside(const Vec3f& way, const Vec3f& edge) {
     return dot(edge, edge) * way - dot(way, edge) * edge;
 }
 
-/// The products in a component of a x b, both added.
+/// Returns, for each component of a x b, the sum of its two products instead of their difference.
 CRUMPLE_HD inline Vec3f product_magnitudes(const Vec3f& a, const Vec3f& b) {
     return {a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x};
 }
 
-/// Whether the four points are in one plane at no time: the Bernstein coefficients of six times their volume, a cubic,
-/// have one sign.
+/// Returns true if the four points are coplanar at no time: the Bernstein coefficients of six times their volume, a
+/// cubic in time, have one sign. `magnitude`: bound on the sum of the magnitudes of a determinant's monomials.
 CRUMPLE_HD inline bool never_in_a_plane(const SeenFeatures<2>& seen, float magnitude) {
     const Vec3f(&p)[3] = seen.to[0], (&q)[3] = seen.to[1];
     const Vec3f start = cross(p[0], p[1]), mixed = cross(p[0], q[1]) + cross(q[0], p[1]), end = cross(q[0], q[1]);
     const float b0 = dot(start, p[2]), b3 = dot(end, q[2]);
-    const float b1 = dot(start, q[2]) + dot(mixed, p[2]), b2 = dot(end, p[2]) + dot(mixed, q[2]);  // three times
+    const float b1 = dot(start, q[2]) + dot(mixed, p[2]), b2 = dot(end, p[2]) + dot(mixed, q[2]);  // b1 and b2: times 3
     const float bound = volume_error * magnitude + volume_slack;
     const float least = min(min(b0, b3), min(b1, b2) * (1.0f / 3)), most = max(max(b0, b3), max(b1, b2) * (1.0f / 3));
     return least > bound || most < -bound;
 }
 
-/// The same at rest: whether the second feature's plane, or that of directions of both edges, is further than
-/// `distance` from the first one.
+/// Returns true if static features are further apart than `distance` by a plane: the vertex from the face's plane, or
+/// the two parallel planes that hold an edge each.
 template <FeatureKind kind>
 CRUMPLE_HD bool plane_is_far(const SeenFeatures<1>& seen, float magnitude, float distance) {
     const Vec3f(&p)[3] = seen.to[0];
@@ -129,8 +130,8 @@ CRUMPLE_HD bool plane_is_far(const SeenFeatures<1>& seen, float magnitude, float
     return std::abs(dot(cross(p[0], p[1]), p[2])) > distance * up * most + volume_error * magnitude + volume_slack;
 }
 
-/// Whether the features are further apart than `distance` at any time; false says nothing. Coarse: what tells most of
-/// those that are.
+/// Returns true if the features are certainly further apart than `distance` at all times; false decides nothing. Cheap
+/// tests, which find most such pairs.
 template <FeatureKind kind, int moments>
 CRUMPLE_HD bool surely_far_coarse(const SeenFeatures<moments>& seen, float distance) {
     const Vec3f reach[3] = {seen.reach(0), seen.reach(1), seen.reach(2)};
@@ -147,7 +148,8 @@ CRUMPLE_HD bool surely_far_coarse(const SeenFeatures<moments>& seen, float dista
            separates<kind>(Vec3f{0, 1, 0}, seen, all, distance) || separates<kind>(Vec3f{0, 0, 1}, seen, all, distance);
 }
 
-/// Fine: for those that are left. What is closest is often beside an edge.
+/// Tries more directions, for pairs that the coarse tests leave. Closest points often lie on an edge, so these
+/// directions are mostly perpendicular to one.
 template <FeatureKind kind, int moments>
 CRUMPLE_HD bool surely_far_fine(const SeenFeatures<moments>& seen, float distance) {
     const Vec3f all = seen.reach(0) + seen.reach(1) + seen.reach(2);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a decision about two features is given: the four points, at the start and at the end. Compiled for host and
+// Input of the exact decision about two features: the four points, at the start and at the end. Compiled for host and
 // device.
 
 #include <array>
@@ -12,12 +12,12 @@
 
 namespace crumple {
 
-/// vertex_face: the vertex, then the face's corners. edge_edge: a b of the first edge, c d of the second. vertex_edge:
-/// the vertex, a and b of the edge, and b again, vertex_vertex: the one, and the other three times: a vertex and a face
-/// that is an edge, or a vertex.
+/// Points of two features. vertex_face: the vertex, then the face's corners. edge_edge: a, b of the first edge, then c,
+/// d of the second. vertex_edge: the vertex, a and b of the edge, then b again. vertex_vertex: one vertex, then the
+/// other three times. So the last two look like a vertex and a face that is collapsed to an edge or a point.
 using FeaturePoints = std::array<MovingPoint, 4>;
 
-/// Exact: what the caller gave.
+/// Returns the trajectory of a vertex, exact: reads the caller's coordinates. Both ends are equal in static scenes.
 CRUMPLE_HD inline MovingPoint moving_point(const PreparedScene& scene, std::int32_t vertex) {
     const Vec3d start = scene.position(vertex);
     return {start, scene.moving ? scene.end(vertex) : start};
@@ -29,10 +29,10 @@ CRUMPLE_HD inline FeaturePoints points_of(const PreparedScene& scene, const std:
 }
 
 CRUMPLE_HD inline FeatureKinds kinds_of(FeatureKind kind) {
-    return static_cast<FeatureKinds>(kind);  // in the same order
+    return static_cast<FeatureKinds>(kind);  // both enums have the same order
 }
 
-/// The points at rest, where they are at the start.
+/// Returns the features at their start positions, as static ones.
 CRUMPLE_HD inline Features at_start(FeatureKind kind, const FeaturePoints& p) {
     return {kinds_of(kind), {p[0].start, p[1].start, p[2].start, p[3].start}};
 }

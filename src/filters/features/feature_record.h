@@ -1,15 +1,15 @@
 #pragma once
 
-// What questions about features keep of a triangle in a leaf: corners at one moment, or at the start and at the end of
-// a step, and what its features are called. Compiled for host and device.
+// Record of a triangle in a leaf for queries about features: corners at one time sample, or at the start and at the end
+// of a step, and the ids of its features. Compiled for host and device.
 //
-// Corners are relative to the leaf's origin, in rows of four, so that one load is a coordinate of three corners and of
-// the normal:
+// Corners are relative to the leaf's origin, in rows of four, so that one load yields a coordinate of three corners and
+// of the normal:
 //
 //     x0 x1 x2 nx [x0' x1' x2' nx'] | y ... | z ... | vertices, owned | edges, triangle
 //
-// Normals have length 1, about; that of a triangle without one is 0. Corners and normals of big members (leaf_frame.h)
-// are NaN, from which no filter concludes anything.
+// Normals have length 1 up to rounding; a triangle without a normal has 0. Corners and normals of big members
+// (leaf_frame.h) are NaN, from which no filter concludes anything.
 
 #include <cstdint>
 #include <limits>
@@ -23,11 +23,12 @@ struct alignas(16) FeatureRecord {
     float x[4 * moments], y[4 * moments], z[4 * moments];
     std::int32_t vertex[3];
     std::uint32_t owned;   ///< see SceneFeatures
-    std::int32_t edge[3];  ///< -1 where a side's ends are equal
+    std::int32_t edge[3];  ///< by side; -1: see TriangleEdges
     std::int32_t triangle;
 
     CRUMPLE_HD Vec3f at(int i) const { return {x[i], y[i], z[i]}; }
-    /// Corner k at a moment. A device keeps a record in registers, which it cannot index by what it computes.
+    /// Returns corner k at a time sample. A device keeps a record in registers, which it cannot index by a computed
+    /// number.
     CRUMPLE_HD Vec3f corner(int moment, int k) const {
         const int i = 4 * moment;
         return k == 0 ? at(i) : k == 1 ? at(i + 1) : at(i + 2);
@@ -35,7 +36,7 @@ struct alignas(16) FeatureRecord {
     CRUMPLE_HD void set(int i, const Vec3f& p) { x[i] = p.x, y[i] = p.y, z[i] = p.z; }
 };
 
-/// v divided by its length, or 0. The length errs by a few units in the last place.
+/// Returns v divided by its length, or 0 if v is too short. The length errs by a few units in the last place.
 CRUMPLE_HD inline Vec3f direction(const Vec3f& v) {
     const float size = largest(abs(v));
     if (!(size > 1e-30f)) return {0, 0, 0};
@@ -43,7 +44,7 @@ CRUMPLE_HD inline Vec3f direction(const Vec3f& v) {
     return (1 / std::sqrt(dot(w, w))) * w;
 }
 
-/// `p`: the normalised corners at the start, then those at the end.
+/// Writes corners and normals. `p`: the normalised corners at the start, then those at the end.
 template <int moments>
 CRUMPLE_HD void write_geometry(const Vec3d p[3 * moments], const InFrame<3 * moments>& member,
                                FeatureRecord<moments>& record) {

@@ -1,14 +1,14 @@
 #pragma once
 
-// A pair of features by itself, with all that its decision takes: what a device hands to the host. Compiled for host
-// and device.
+// Pair of features with all the input of its exact decision, as a device passes it to the host. Compiled for host and
+// device.
 
 #include "filters/features/feature_points.h"
 
 namespace crumple {
 
-/// How far a pair of features may be apart: of each feature the largest radius of its vertices; or all of it is the
-/// first's, where one distance is asked for.
+/// Returns the limit on the distance of a pair of features: the largest radius of each feature's vertices or, if there
+/// are no radii, all of `distance` as the first feature's.
 CRUMPLE_HD inline Reach reach_of(FeatureKind kind, const std::int32_t (&vertex)[4], const double* radii,
                                  double distance, bool strict) {
     if (!radii) return {distance, 0, strict};
@@ -23,7 +23,7 @@ struct PackedFeatures {
     FeaturePoints points;
     Reach reach;
     bool has_rest;
-    std::array<Vec3d, 4> rest;  ///< where the points are at rest
+    std::array<Vec3d, 4> rest;  ///< positions in the rest shape
 };
 
 }  // namespace crumple

@@ -1,19 +1,21 @@
 #pragma once
 
-// Which pairs of triangles are further apart than a distance, at one moment or all along a step: those that one of a
-// few directions separates (docs/features.md). Projections on a direction that stays are linear in time, so what it
-// separates at the start and at the end, the same way round, it separates always. Compiled for host and device.
+// Filter of pairs of triangles that are further apart than a distance, static or during a whole step, because one of a
+// few directions separates them (docs/features.md). Projections on a fixed direction are linear in time, so a direction
+// that separates two triangles at the start and at the end, on the same side, separates them at all times. Compiled for
+// host and device.
 
 #include "filters/features/feature_record.h"
 #include "filters/features/length.h"
 
 namespace crumple {
 
-/// Values of which two are compared err by less than this share of a leaf's reach, both together (docs/features.md).
+/// Error of two compared projections together, as a fraction of the leaf's `reach` (docs/features.md).
 inline constexpr float projection_error = 20 * unit_roundoff;
 
-/// A bound above on the distance at the start of each feature of a from each one of b, but for errors of coordinates: a
-/// vertex is no farther from a face than from its corners, and an edge no farther from an edge than ends are.
+/// Returns an upper bound, up to errors of coordinates, on the distance at the start of each feature of a from each one
+/// of b. A vertex is no farther from a face than from its corners, and an edge no farther from an edge than their ends
+/// are from each other.
 template <int moments>
 CRUMPLE_HD float most_at_start(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b) {
     float square[3][3];
@@ -34,25 +36,25 @@ CRUMPLE_HD float most_at_start(const FeatureRecord<moments>& a, const FeatureRec
     return std::sqrt(most + least_square);
 }
 
-/// Bound that a gap along a direction of length 1 has to exceed. Along others it is multiplied by their length():
-/// errors of projections grow with that as well, and underflows are below 1e-18 times the least length.
+/// Bound that a gap along a direction of length 1 must exceed. For other directions, it is multiplied by their
+/// length(): errors of projections grow with the length, too, and underflows are below 1e-18 times the least length.
 struct NeededGap {
-    float gap, error;  ///< for the distance that is asked for, and what is in it for errors
-    float share;       ///< or for this share of a feature's own distance at the start, if that is more
+    float gap, error;  ///< for the requested distance, errors included; the part for errors
+    float share;       ///< or for this share of a pair's own distance at the start, if that is more
 
     /// `reach`: the leaf's largest |coordinate|. `share`: see share_to_filter().
     CRUMPLE_HD NeededGap(float distance, float reach, float share = 0)
         : error(projection_error * reach + 1e-18f), share(share) {
         gap = distance * 1.000002f + error;
     }
-    /// Returns what a pair needs.
+    /// Returns the bound for a pair.
     template <int moments>
     CRUMPLE_HD float of(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b) const {
         return share > 0 ? max(gap, share * (most_at_start(a, b) * 1.000002f + 2 * error) + error) : gap;
     }
 };
 
-/// Whether d separates a from b by more than `gap`, at each moment and the same way round.
+/// Returns true if d separates a from b by more than `gap` at each time sample, on the same side.
 template <int moments>
 CRUMPLE_HD bool separates(const Vec3f& d, const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, float gap) {
     bool above = true, below = true;
@@ -69,7 +71,8 @@ CRUMPLE_HD bool separates(const Vec3f& d, const FeatureRecord<moments>& a, const
     return above || below;
 }
 
-/// From a to b, three times: between the sums of all their corners.
+/// Returns the sum of all corners of b, at all time samples, minus that of a: the vector between their centroids, times
+/// 3 * moments.
 template <int moments>
 CRUMPLE_HD Vec3f between_centroids(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b) {
     Vec3f between = {0, 0, 0};
@@ -78,7 +81,7 @@ CRUMPLE_HD Vec3f between_centroids(const FeatureRecord<moments>& a, const Featur
     return between;
 }
 
-/// The corner that two triangles have in common, if it is one each: of the first and of the second; else -1.
+/// Corners of a and b at their common vertex, if they have exactly one; else -1.
 struct CommonCorner {
     int of_a = -1, of_b = -1;
 
@@ -93,8 +96,8 @@ struct CommonCorner {
     CRUMPLE_HD explicit operator bool() const { return of_a >= 0; }
 };
 
-/// Whether all of b but the common corner lies above it on d by more than `gap`, and all of a but that below, at each
-/// moment; or the other way round.
+/// Returns true if, at each time sample, all of b but the common corner lies above that corner along d by more than
+/// `gap`, and all of a but that corner below it; or the other way round.
 template <int moments>
 CRUMPLE_HD bool separates_beside(const CommonCorner& common, const Vec3f& d, const FeatureRecord<moments>& a,
                                  const FeatureRecord<moments>& b, float gap) {
@@ -111,8 +114,9 @@ CRUMPLE_HD bool separates_beside(const CommonCorner& common, const Vec3f& d, con
     return above || below;
 }
 
-/// Whether each feature of a that is not incident to one of b is further from it than `gap` is for: by what is between
-/// the centroids of all corners, and, of triangles without a common corner, by the normals of both at each moment.
+/// Returns true if each feature of a is further than the distance that `gap` stands for from each feature of b that is
+/// not incident to it. Tries the direction between the centroids of all corners and, for triangles without a single
+/// common corner, the normals of both at each time sample.
 template <int moments>
 CRUMPLE_HD bool surely_apart(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, float gap) {
     const Vec3f between = between_centroids(a, b);

@@ -1,8 +1,8 @@
 #pragma once
 
-// The tests that a pair of triangles or carriers stands for where a caller lists edges and points (SceneFeatures):
-// those of tests_of_pair.h, without the faces that carriers are not, points by their place in the list; and tests of
-// what carriers own against each other. Compiled for host and device.
+// Tests of a pair of triangles or proxy triangles if the caller lists edges and points (SceneFeatures): those of
+// tests_of_pair.h, without the faces of proxy triangles and with points numbered as listed, and those of edges and
+// points without a triangle, which proxy triangles own. Compiled for host and device.
 
 #include <array>
 
@@ -11,8 +11,8 @@
 
 namespace crumple {
 
-/// A vertex that `of` owns, against the edge of no triangle that `carrier` owns, unless an edge of the vertex is tested
-/// against it. At most 3.
+/// Lists the vertices that `of` owns against the lone edge that `carrier` owns, if any. Skips a vertex if a test of one
+/// of its edges against the lone edge covers it. At most 3 tests.
 template <int moments>
 CRUMPLE_HD void list_vertex_edges(const FeatureRecord<moments>& of, const FeatureRecord<moments>& carrier,
                                   const FeatureTable& features, FeatureTest*& next) {
@@ -25,7 +25,7 @@ CRUMPLE_HD void list_vertex_edges(const FeatureRecord<moments>& of, const Featur
     }
 }
 
-/// Two vertices of no triangle and no edge. At most 1.
+/// Lists the test of two vertices of no triangle and no edge, if a and b own one each. At most 1 test.
 template <int moments>
 CRUMPLE_HD void list_vertex_vertices(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b,
                                      const FeatureTable& features, FeatureTest*& next) {
@@ -35,7 +35,7 @@ CRUMPLE_HD void list_vertex_vertices(const FeatureRecord<moments>& a, const Feat
     *next++ = {{min(p, q), max(p, q)}, {v, w, w, w}};
 }
 
-/// Drops tests with faces that are carriers, and calls vertices points. `next`: behind the last test of the pair.
+/// Drops tests whose faces are proxy triangles, and replaces vertices by points. `next`: end of the pair's tests.
 template <int moments>
 CRUMPLE_HD void keep_faces(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b,
                            const FeatureTable& features, FeatureTest* test, FeatureTest*& next) {
@@ -54,7 +54,7 @@ CRUMPLE_HD void keep_faces(const FeatureRecord<moments>& a, const FeatureRecord<
     next = kept;
 }
 
-/// Writes all tests of a pair of triangles or carriers, by kind, and moves behind them: at most 6, 9, 4, and 1.
+/// Writes all tests of a pair of triangles or proxy triangles, by kind, and advances `next`: by at most 6, 9, 4, and 1.
 template <int moments, class Name>
 CRUMPLE_HD void list_tests_of_listed(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b,
                                      const FeatureTable& features, Name name,

@@ -1,7 +1,8 @@
 #pragma once
 
-// The tests that a pair of triangles stands for: a vertex that one owns against the other's face, and an edge that one
-// owns against an edge that the other owns, less what has a vertex in common. Compiled for host and device.
+// Tests that a pair of triangles stands for: each vertex that one triangle owns against the other's face, and each edge
+// that one owns against each edge that the other owns, except for features with a common vertex. Compiled for host and
+// device.
 
 #include "crumple/features.h"
 #include "crumple/intersections.h"
@@ -9,24 +10,23 @@
 
 namespace crumple {
 
-/// A test that has to be made: the features as they are listed, and their four vertices, in the order of FeaturePoints.
+/// Test of two features: their indices as listed, and their four vertices in the order of FeaturePoints.
 struct FeatureTest {
     Pair pair;
     std::int32_t vertex[4];
 };
 
-/// Which tests a pair of triangles stands for. Of a vertex and a face: bit k for the vertex at corner k of the first
-/// against the second, bit 3 + k the other way round. Of two edges: bit 4 i + j for edge i of the first and j of the
-/// second.
+/// Tests of a pair of triangles, as bits. vertex_face: bit k for the vertex at corner k of the first triangle against
+/// the second, bit 3 + k the other way round. edge_edge: bit 4 i + j for edge i of the first and edge j of the second.
 struct TestsOfPair {
     unsigned vertex_face = 0, edge_edge = 0;
 };
 
-/// `name(vertex)`: what it is called where two are compared.
+/// Returns the tests of a pair. `name(vertex)`: the representative vertex, by which two vertices are compared.
 template <int moments, class Name>
 CRUMPLE_HD TestsOfPair tests_of_pair(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, Name name) {
-    unsigned shared_a = 0, shared_b = 0;  // corners that the other triangle has as well
-    unsigned same[3];                     // of each corner of a: which of b's it is
+    unsigned shared_a = 0, shared_b = 0;  // corners that the other triangle has, too
+    unsigned same[3];                     // by corner of a: corners of b that are equal, as bits
     const std::int32_t name_b[3] = {name(b.vertex[0]), name(b.vertex[1]), name(b.vertex[2])};
     for (int i = 0; i < 3; ++i) {
         const std::int32_t v = name(a.vertex[i]);
@@ -44,7 +44,7 @@ CRUMPLE_HD TestsOfPair tests_of_pair(const FeatureRecord<moments>& a, const Feat
     return tests;
 }
 
-/// The vertices of the test of a bit: a vertex and then the face's; or those of an edge of each triangle.
+/// Writes the vertices of the test of a bit: a vertex and then the face's, or those of an edge of each triangle.
 template <FeatureKind kind, int moments>
 CRUMPLE_HD void vertices_of_test(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, unsigned bit,
                                  std::int32_t (&vertex)[4]) {
@@ -60,7 +60,7 @@ CRUMPLE_HD void vertices_of_test(const FeatureRecord<moments>& a, const FeatureR
     }
 }
 
-/// The test of a bit, as it is decided: of edges the lesser first, and of an edge the lesser vertex.
+/// Writes the test of a bit in the order of its decision: the lower edge first, and each edge's lower vertex first.
 template <FeatureKind kind, int moments>
 CRUMPLE_HD void write_test(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, unsigned bit,
                            FeatureTest& test) {
@@ -78,7 +78,8 @@ CRUMPLE_HD void write_test(const FeatureRecord<moments>& a, const FeatureRecord<
     }
 }
 
-/// Writes the tests of a pair of triangles, and moves behind them: at most 6 of a vertex and a face, 9 of two edges.
+/// Writes the tests of a pair of triangles and advances both pointers: at most 6 tests of a vertex and a face, 9 of two
+/// edges.
 template <int moments, class Name>
 CRUMPLE_HD void list_tests_of_pair(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, Name name,
                                    FeatureTest*& vertex_face, FeatureTest*& edge_edge) {

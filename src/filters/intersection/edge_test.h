@@ -1,28 +1,31 @@
 #pragma once
 
-// The second filter of `narrow` for one pair of records: no plane separates them, all six signs are certain, and they
-// share no vertex. Proof and bound: docs/narrow.md; in lanes: backends/cpu/intersections/edge_test-inl.h. Compiled for
-// host and device.
+// Second filter of `narrow`, for one pair of records that no plane separates, whose six signs are certain, and that
+// share no vertex. Proof and bound: docs/narrow.md; SIMD counterpart: backends/cpu/intersections/edge_test-inl.h.
+// Compiled for host and device.
 
 #include "exact/intersection/verdict.h"
 #include "filters/intersection/triangle_record.h"
 
 namespace crumple {
 
-/// The corner that is alone on its side, by the bits of those below; 0 and 7 (no straddling) do not occur.
+/// Returns the corner that is alone on its side of the plane. `below`: bits of the corners below the plane; never 0 or
+/// 7, as the triangle straddles it.
 CRUMPLE_HD constexpr int lone_corner(int below) { return (0b00'00'01'10'10'01'00'00 >> 2 * below) & 3; }
 
-/// Corners for the edge test, p1, q1, r1, p2, q2, r2 in two bits each. A triangle's lone corner comes first; the other
-/// two are swapped where that corner lies below the other's plane, which is the same as turning that plane over.
+/// Returns the order of corners for the edge test: p1, q1, r1, p2, q2, r2 in two bits each. A triangle's lone corner
+/// comes first. Its other two are swapped, which flips its plane, if the other triangle's lone corner lies below that
+/// plane.
 CRUMPLE_HD constexpr int edge_order(int below_a, int below_b) {
     const int p1 = lone_corner(below_b), p2 = lone_corner(below_a);
-    // Next and last corner, exchanged by adding 1 or 2.
+    // Steps from p to q: 1, or 2 to swap q and r.
     const int turn1 = 1 + (below_a >> p2 & 1), turn2 = 1 + (below_b >> p1 & 1);
     const int q1 = (p1 + turn1) % 3, r1 = (p1 + 3 - turn1) % 3, q2 = (p2 + turn2) % 3, r2 = (p2 + 3 - turn2) % 3;
     return p1 | q1 << 2 | r1 << 4 | p2 << 6 | q2 << 8 | r2 << 10;
 }
 
-/// Certain sign of det(a, b, c), or 0. Each coordinate errs by at most delta beyond its own rounding.
+/// Returns the sign of det(a, b, c) if it is certain, else 0. Each coordinate errs by at most delta beyond its own
+/// rounding.
 CRUMPLE_HD inline int determinant_sign(const Vec3f& a, const Vec3f& b, const Vec3f& c, float delta) {
     const Vec3f plus{b.y * c.z, b.z * c.x, b.x * c.y}, minus{b.z * c.y, b.x * c.z, b.y * c.x};
     const float value = dot(a, plus - minus), permanent = dot(abs(a), abs(plus) + abs(minus));
@@ -33,9 +36,9 @@ CRUMPLE_HD inline int determinant_sign(const Vec3f& a, const Vec3f& b, const Vec
     return value > error ? 1 : value < -error ? -1 : 0;
 }
 
-/// Whether the pair collides. `below_a`: the bits of b's corners below a's plane; `reach`: the leaf's largest
-/// |coordinate|. Intervals that overlap mean a proper intersection unless they are the same, so `proper` hits stay
-/// undecided.
+/// Decides whether the pair collides, if the bounds allow it. `below_a`: bits of b's corners below a's plane;
+/// `below_b`: bits of a's corners below b's plane; `reach`: the leaf's largest |coordinate|. Intervals that overlap
+/// mean a proper intersection unless they are equal, so with `proper` hits stay undecided.
 CRUMPLE_HD inline Verdict edge_test(const Record& a, const Record& b, unsigned below_a, unsigned below_b, float reach,
                                     bool proper) {
     const int order = edge_order(static_cast<int>(below_a), static_cast<int>(below_b));

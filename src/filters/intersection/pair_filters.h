@@ -1,7 +1,7 @@
 #pragma once
 
-// The filters of `narrow` for one candidate pair of records, in their order (docs/narrow.md). What they leave undecided
-// is for the exact decision. Compiled for host and device; bounds hold with fused multiply-adds and without.
+// Filters of `narrow` for one candidate pair of records, in order (docs/narrow.md). Pairs that they leave undecided go
+// to the exact decision. Compiled for host and device; bounds hold with and without fused multiply-adds.
 
 #include "filters/intersection/edge_test.h"
 #include "filters/intersection/plane_filter.h"
@@ -9,7 +9,7 @@
 
 namespace crumple {
 
-/// What float32 knows of a pair that the plane filter has left, `kind` by its signs.
+/// Applies the float32 filters to a pair that the plane filter does not decide. `kind`: classify() of its signs.
 CRUMPLE_HD inline Verdict filter_in_float(const Record& a, const Record& b, const PairSigns& signs, PairKind kind,
                                           const NarrowPolicy& policy, const PointRows& points, float reach) {
     if (kind == PairKind::apart) return Verdict::apart;
@@ -23,13 +23,14 @@ CRUMPLE_HD inline Verdict filter_in_float(const Record& a, const Record& b, cons
                                                                                    : Verdict::undecided;
 }
 
-/// Whether float64 knows a pair, undecided so far, to be apart.
+/// Returns true if float64 proves that a pair, undecided so far, is apart.
 CRUMPLE_HD inline bool filter_in_double(const Record& a, const Record& b, const PairSigns& signs,
                                         const PointRows& points) {
     return !signs.all_shared() && separated_in_double(a, b, signs.shared_a, signs.shared_b, points);
 }
 
-/// All filters. `points`: the vertices that the records' ids name; `reach`: the leaf's largest |coordinate|.
+/// Applies all filters. `points`: the vertices that the records' ids refer to; `reach`: the leaf's largest
+/// |coordinate|.
 CRUMPLE_HD inline Verdict filter_pair(const Record& a, const Record& b, const NarrowPolicy& policy,
                                       const PointRows& points, float reach) {
     const PairSigns signs = pair_signs(a, b);

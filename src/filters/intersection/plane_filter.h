@@ -1,6 +1,6 @@
 #pragma once
 
-// The first filter of `narrow` for one pair of records, and what its signs mean (docs/narrow.md): the plain text of
+// First filter of `narrow` for one pair of records, and the meaning of its signs (docs/narrow.md). SIMD counterparts:
 // backends/cpu/intersections/plane_filter-inl.h and classify-inl.h. Compiled for host and device.
 
 #include "crumple/intersections.h"
@@ -8,7 +8,7 @@
 
 namespace crumple {
 
-/// What a query asks of the filters.
+/// Options of a query that the filters depend on.
 struct NarrowPolicy {
     bool skip_neighbours = false;
     bool proper = false;
@@ -19,17 +19,17 @@ inline NarrowPolicy policy_of(Neighbours neighbours, IntersectionKind intersecti
     return {neighbours == Neighbours::skip, intersections == IntersectionKind::proper};
 }
 
-/// Where the corners of a pair lie: one bit a corner.
+/// Sides on which the corners of a pair lie, 1 bit per corner.
 struct PairSigns {
-    unsigned above_a = 0, below_a = 0;    ///< b's corners against a's plane, where certain
-    unsigned above_b = 0, below_b = 0;    ///< a's corners against b's plane
-    unsigned shared_a = 0, shared_b = 0;  ///< corners of a that b names, too; corners of b that a names
+    unsigned above_a = 0, below_a = 0;    ///< b's corners relative to a's plane, if certain
+    unsigned above_b = 0, below_b = 0;    ///< a's corners relative to b's plane, if certain
+    unsigned shared_a = 0, shared_b = 0;  ///< corners of a that b has, too; corners of b that a has, too
 
-    /// One names nothing that the other does not.
+    /// True if each corner of one triangle is a corner of the other.
     CRUMPLE_HD bool all_shared() const { return shared_a == 7 || shared_b == 7; }
 };
 
-/// The corners of `other` that lie for certain above and below the plane of `plane`.
+/// Sets the bits of the corners of `other` that certainly lie above and below the plane of `plane`.
 CRUMPLE_HD inline void sides_of_plane(const Record& plane, const Record& other, unsigned& above, unsigned& below) {
     for (int k = 0; k < 3; ++k) {
         const float side = plane.x[3] * other.x[k] + plane.y[3] * other.y[k] + plane.z[3] * other.z[k] - plane.c;
@@ -52,7 +52,7 @@ CRUMPLE_HD inline PairSigns pair_signs(const Record& a, const Record& b) {
     return s;
 }
 
-/// What can decide a pair: nothing more is needed, or the edge test, or the separation tests alone.
+/// Means to decide a pair: none needed (apart, hit), the edge test (edge), or only the separation tests (open).
 enum class PairKind : std::uint8_t { apart, hit, edge, open };
 
 CRUMPLE_HD inline PairKind classify(const PairSigns& s, const NarrowPolicy& policy) {
@@ -60,13 +60,13 @@ CRUMPLE_HD inline PairKind classify(const PairSigns& s, const NarrowPolicy& poli
     const auto next_corner = [](unsigned corner) { return corner == 4 ? 1u : 2 * corner; };
     const bool neighbours = s.shared_b != 0;
     if (neighbours && policy.skip_neighbours) return PairKind::apart;
-    // Duplicated faces are for the exact test.
+    // Duplicated faces are left to the exact test.
     if (s.shared_b != 7 && ((s.above_a | s.shared_b) == 7 || (s.below_a | s.shared_b) == 7 ||
                             (s.above_b | s.shared_a) == 7 || (s.below_b | s.shared_a) == 7))
         return PairKind::apart;
     const bool certain = ((s.above_a | s.below_a | s.shared_b) & (s.above_b | s.below_b | s.shared_a)) == 7;
     if (!neighbours) return certain ? PairKind::edge : PairKind::open;
-    // Two segments that end in the same point cross no inside, so `proper` has to look closer.
+    // A common segment that starts at the shared vertex may cross no interior, so for `proper` these pairs stay open.
     if (!certain || policy.proper || !single(s.shared_a) || !single(s.shared_b)) return PairKind::open;
     const bool a1 = s.below_b & next_corner(s.shared_a), b1 = s.below_a & next_corner(s.shared_b);
     return a1 != b1 ? PairKind::hit : PairKind::apart;

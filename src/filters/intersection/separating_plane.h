@@ -1,7 +1,7 @@
 #pragma once
 
-// Edge lines and planes that certainly separate two triangles but for what they share: the flat test and the separation
-// tests of `narrow` for one pair. Claims and bounds: docs/narrow.md; in lanes:
+// Edge lines and planes that certainly separate two triangles, except for their shared corners: the flat test and the
+// separation tests of `narrow` for one pair. Claims and bounds: docs/narrow.md; SIMD counterparts:
 // backends/cpu/intersections/flat_test-inl.h and separating_plane-inl.h. Compiled for host and device.
 
 #include "filters/intersection/triangle_record.h"
@@ -9,20 +9,20 @@
 
 namespace crumple {
 
-/// A triangle in projection, with the bits of its shared corners.
+/// Projected triangle, with the bits of its shared corners.
 template <class T>
 struct FlatTriangle {
     T u[3], w[3];
     unsigned shared;
 };
 
-/// How far differences of coordinates err beyond their own rounding, and what covers underflow.
+/// Error of differences of coordinates beyond their own rounding, and a slack that covers underflow.
 template <class T>
 struct FlatError {
     T delta, tiny;
 };
 
-/// Certain sign of the turn from a to b, or 0.
+/// Returns the sign of the turn from a to b if it is certain, else 0.
 template <class T>
 CRUMPLE_HD int turn_sign(T au, T aw, T bu, T bw, const FlatError<T>& e) {
     const T m = au * bw, n = aw * bu, value = m - n;
@@ -31,8 +31,8 @@ CRUMPLE_HD int turn_sign(T au, T aw, T bu, T bw, const FlatError<T>& e) {
     return value > error ? 1 : value < -error ? -1 : 0;
 }
 
-/// An edge line of t has t's third corner, which is not shared, strictly on one side, and the corners of `other` that
-/// are not shared strictly on the other.
+/// Returns true if an edge line of t has t's third corner, which must not be shared, strictly on one side, and the
+/// corners of `other` that are not shared strictly on the other side.
 template <class T>
 CRUMPLE_HD bool edge_line_separates(const FlatTriangle<T>& t, const FlatTriangle<T>& other, const FlatError<T>& e) {
     for (int k = 0; k < 3; ++k) {
@@ -50,7 +50,8 @@ CRUMPLE_HD bool edge_line_separates(const FlatTriangle<T>& t, const FlatTriangle
     return false;
 }
 
-/// The same with an edge line of either, seen along the largest component of a's normal.
+/// Returns true if an edge line of either triangle separates them in the projection along the largest component of a's
+/// normal.
 template <class T>
 CRUMPLE_HD bool edge_lines_separate(const Vec3<T> a[3], unsigned shared_a, const Vec3<T> b[3], unsigned shared_b,
                                     const Vec3<T>& normal, const FlatError<T>& e) {
@@ -65,9 +66,9 @@ CRUMPLE_HD bool edge_lines_separate(const Vec3<T> a[3], unsigned shared_a, const
     return edge_line_separates(flat_a, flat_b, e) || edge_line_separates(flat_b, flat_a, e);
 }
 
-/// Whether an edge line separates a pair in float32. Corners come from the normalised rows where these are float32, and
-/// so exact; otherwise from the records, whose corners were rounded when the leaf's origin was subtracted. At least one
-/// corner of each must not be shared.
+/// Returns true if an edge line separates a pair in float32. Reads corners from the normalised rows if these are
+/// float32, and so exact; otherwise from the records, whose corners were rounded when the leaf's origin was subtracted.
+/// At least one corner of each triangle must not be shared.
 CRUMPLE_HD inline bool separated_in_float(const Record& a, const Record& b, unsigned shared_a, unsigned shared_b,
                                           const PointRows& points, float reach) {
     const auto corner = [&](const Record& r, int k) {
@@ -79,7 +80,8 @@ CRUMPLE_HD inline bool separated_in_float(const Record& a, const Record& b, unsi
     return edge_lines_separate(p, shared_a, q, shared_b, {a.x[3], a.y[3], a.z[3]}, error);
 }
 
-/// The plane of t has the corners of `other` that are not shared strictly on one side. Writes the normal.
+/// Returns true if the corners of `other` that are not shared lie strictly on one side of the plane of t. Writes its
+/// normal.
 CRUMPLE_HD inline bool plane_separates(const Vec3d t[3], const Vec3d other[3], unsigned shared, double tiny, Vec3d& n) {
     const Vec3d a = t[1] - t[0], b = t[2] - t[0];
     const Vec3d plus{a.y * b.z, a.z * b.x, a.x * b.y}, minus{a.z * b.y, a.x * b.z, a.y * b.x};
@@ -96,7 +98,7 @@ CRUMPLE_HD inline bool plane_separates(const Vec3d t[3], const Vec3d other[3], u
     return above || below;
 }
 
-/// Whether a plane or an edge line separates a pair in float64, straight from the normalised vertices.
+/// Returns true if a plane or an edge line separates a pair in float64, computed from the normalised vertices.
 CRUMPLE_HD inline bool separated_in_double(const Record& a, const Record& b, unsigned shared_a, unsigned shared_b,
                                            const PointRows& points) {
     const double tiny = points.f ? float32_rows_slack : float64_rows_slack;

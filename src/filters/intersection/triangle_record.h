@@ -1,7 +1,7 @@
 #pragma once
 
-// What this question keeps of a triangle in a leaf: a record for the filters of `narrow` (docs/narrow.md). Compiled for
-// host and device.
+// Record of a triangle in a leaf, for the intersection filters of `narrow` (docs/narrow.md). Compiled for host and
+// device.
 //
 // A Record is one cache line, transposed so that a load of four floats is one coordinate of three corners and of the
 // normal:
@@ -9,9 +9,9 @@
 //     x0 x1 x2 nx | y0 y1 y2 ny | z0 z1 z2 nz | id0 id1 id2 c
 //
 // Corners are relative to the leaf's origin. The plane n . p = c is scaled by its error bound, so that a corner p of
-// any member lies for certain on the side of sign(n . p - c) iff |n . p - c| > 1. Corners of big members (leaf_frame.h)
-// are NaN, which no filter decides anything from, as comparisons with NaN keep a pair; only their plane, computed in
-// float64, still separates small members from them.
+// any member certainly lies on the side of sign(n . p - c) iff |n . p - c| > 1. Corners of big members (leaf_frame.h)
+// are NaN. Comparisons with NaN are false, so no filter decides by such corners; only the planes of big members,
+// computed in float64, still separate small members from them.
 
 #include <cstdint>
 #include <limits>
@@ -20,23 +20,23 @@
 
 namespace crumple {
 
-/// Planes are scaled by 1 / (plane_bound u reach): the error of n . p - c (docs/narrow.md).
+/// Planes are scaled by 1 / (plane_bound u reach), the inverse of the error of n . p - c (docs/narrow.md).
 inline constexpr float plane_bound = 28;
 
-/// What covers underflow, and subnormal numbers that are taken for zero, in the filters (docs/narrow.md): in the sum
-/// that a plane is divided by, in a determinant, in a turn; in float64, where rows are of float32 or of float64.
+/// Slacks of the filters that cover underflow and subnormal numbers taken as zero (docs/narrow.md): in the sum that a
+/// plane is divided by, in a determinant, in a turn; in float64, for rows of float32 or of float64.
 inline constexpr float plane_slack = 1e-28f, determinant_slack = 1e-34f, turn_slack = 1e-35f;
 inline constexpr double float32_rows_slack = 1e-35, float64_rows_slack = 1e-290;
 
-/// How far filters' values err for each unit of their monomials' magnitudes: a determinant of relative corners, a turn
-/// in projection, and, in float64, a plane's value (docs/narrow.md).
+/// Errors of the filters' values per unit of their monomials' magnitudes: of a determinant of relative corners, of a
+/// turn in projection and, in float64, of a plane's value (docs/narrow.md).
 inline constexpr float determinant_error = 10 * unit_roundoff;
 template <class T>
 inline constexpr T turn_error = static_cast<T>(6 * (sizeof(T) == 4 ? 0x1p-24 : 0x1p-53));
 inline constexpr double plane_error = 10 * 0x1p-53;
 
-/// By how much a coordinate of a difference of two relative corners errs beyond its own rounding: each was rounded when
-/// the leaf's origin was subtracted.
+/// Returns how far a coordinate of a difference of two relative corners errs beyond its own rounding: each corner was
+/// rounded when the leaf's origin was subtracted.
 CRUMPLE_HD constexpr float corner_error(float reach) { return 2.1f * unit_roundoff * reach; }
 
 struct alignas(64) Record {
@@ -46,10 +46,10 @@ struct alignas(64) Record {
 };
 static_assert(sizeof(Record) == 64);
 
-/// What planes of a leaf are multiplied with; `reach` is the largest |coordinate| of its corners.
+/// Returns the factor that scales the planes of a leaf; `reach`: the largest |coordinate| of its corners.
 CRUMPLE_HD inline float plane_scale(float reach) { return 1.0f / (plane_bound * unit_roundoff * reach + 1e-30f); }
 
-/// The normal a × b, over the sum of its products' magnitudes, in which the error bound is expressed.
+/// Returns the normal a × b divided by the sum of its products' magnitudes, in which the error bound is expressed.
 template <class T>
 CRUMPLE_HD Vec3<T> plane_normal(const Vec3<T>& a, const Vec3<T>& b) {
     const T sum = (std::abs(a.y * b.z) + std::abs(a.z * b.y)) + (std::abs(a.z * b.x) + std::abs(a.x * b.z)) +
@@ -58,7 +58,8 @@ CRUMPLE_HD Vec3<T> plane_normal(const Vec3<T>& a, const Vec3<T>& b) {
     return {n.x / sum, n.y / sum, n.z / sum};
 }
 
-/// Rewrites the record of a big member. `p`: its corners relative to the leaf's origin; a, b: its edges from the first.
+/// Rewrites the geometry in the record of a big member. `p`: its corners relative to the leaf's origin; a, b: its edges
+/// from the first corner.
 CRUMPLE_HD inline void make_big(const Vec3d p[3], const Vec3d& a, const Vec3d& b, Record& record) {
     const Vec3d n = plane_normal(a, b);
     for (int k = 0; k < 3; ++k) record.x[k] = record.y[k] = record.z[k] = std::numeric_limits<float>::quiet_NaN();
@@ -68,7 +69,7 @@ CRUMPLE_HD inline void make_big(const Vec3d p[3], const Vec3d& a, const Vec3d& b
     record.c = static_cast<float>(dot(n, p[0]));
 }
 
-/// A triangle's record, its plane not yet scaled. `p`: the normalised corners.
+/// Returns a triangle's record, with its plane not yet scaled. `p`: the normalised corners.
 CRUMPLE_HD inline Record record_of(const Vec3d p[3], const std::int32_t id[3], const InFrame<3>& member) {
     const Vec3f* const q = member.corner;
     const Vec3f n = plane_normal(to_float(p[1] - p[0]), to_float(p[2] - p[0]));

@@ -1,7 +1,7 @@
 #pragma once
 
-// The inner loop of candidates on the cpu, as tables beside those of the stages (backends/cpu/stages/kernels.h): plain
-// C++, and one for each SIMD instruction set (candidate_lanes.cpp). All tables list the same.
+// Inner loop of candidate queries on the cpu, as tables like those of the stages (backends/cpu/stages/kernels.h): one
+// in plain C++, and one for each SIMD instruction set (candidate_lanes.cpp). All tables list the same pairs.
 
 #include <array>
 #include <bit>
@@ -17,31 +17,32 @@
 
 namespace crumple::cpu {
 
-/// Where the next pair of each kind is written.
+/// End of each kind's list, where the next pair is written.
 using PairEnds = std::array<Pair*, candidate_kinds>;
 
-/// What is held against what, in rounds: in each every lane of a column meets one lane of a row, or lane 7, which
-/// overlaps nothing. Together they are all that is asked for. Bit 8 j + l is lane l in round j.
+/// Schedule of tests between the features of a row and of a column, in rounds: in each round, every lane of the column
+/// is tested against one lane of the row, or against lane 7, which overlaps nothing. Together, the rounds test all
+/// pairs of the requested kinds. Bit 8 j + l stands for lane l of the column in round j.
 struct Rounds {
     static constexpr int most = 7;
     int count = 0;
     std::uint8_t row[most][candidate_lanes];
 
-    /// The pairs of each bit.
+    /// Pair of features that a bit stands for.
     struct Listed {
-        std::uint8_t kind, row, column;   ///< of which lanes
-        bool column_first, lesser_first;  ///< which of the features is the first
+        std::uint8_t kind, row, column;   ///< kind of the pair, and its lanes
+        bool column_first, lesser_first;  ///< which feature comes first
     };
     Listed listed[8 * most] = {};
-    /// By SharedCorners::bits(): the bits of features that have a vertex in common.
+    /// By SharedCorners::bits(): the bits of pairs of features with a common vertex.
     std::uint64_t incident[512] = {};
 
-    bool of_impacts = false;  ///< what is asked for are vertices with faces and edges with edges
+    bool of_impacts = false;  ///< true if exactly vertex_face and edge_edge are requested
 
     explicit Rounds(const ListedKinds& kinds = {});
 };
 
-/// Writes the pairs of these bits.
+/// Writes the pairs that the bits stand for, and advances `next`.
 inline void list_pairs(std::uint64_t bits, const Rounds& rounds, const CandidateRecord& a, const CandidateRecord& b,
                        PairEnds& next) {
     for (; bits; bits &= bits - 1) {
@@ -52,26 +53,27 @@ inline void list_pairs(std::uint64_t bits, const Rounds& rounds, const Candidate
     }
 }
 
-/// What of a row and a column perhaps overlaps, for some keys are equal.
+/// Pairs of features of a row and a column that may overlap: equal keys leave it undecided.
 struct UnsureHit {
     std::uint64_t bits;
-    std::uint16_t row, column;  ///< as in Candidates
+    std::uint16_t row, column;  ///< as in CandidateChunk
 };
 
 struct CandidateKernels {
-    static constexpr std::int64_t most = 256;  ///< candidates at once
+    static constexpr std::int64_t most = 256;  ///< number of candidates per call
 
-    /// Of candidates [begin, end): writes the pairs of features that overlap for certain and are not incident behind
-    /// the ends of their lists, which it moves, and lists candidates with features of which that is not certain;
-    /// returns how many. `record`: by physical row. Writes up to one more hit, and up to eight more pairs of a kind.
+    /// Tests the candidates [begin, end). Appends the pairs of features that certainly overlap, and are not incident,
+    /// to the lists that end at `next`, and advances it. Writes candidates with uncertain pairs to `unsure`, and
+    /// returns their number. `record`: by physical row. May write one more element of `unsure`, and eight more pairs of
+    /// each kind.
     std::size_t (*find)(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin,
                         std::int64_t end, const Rounds& rounds, PairEnds& next, UnsureHit* unsure);
 };
 
-/// The table for an instruction set; throws backend_unavailable if the build or the machine lacks it.
+/// Returns the table of an instruction set. Throws Error (backend_unavailable) if the build or the machine lacks it.
 const CandidateKernels& candidate_kernels(Simd simd);
 
-/// All tables that build and machine have, the plain one first: for tests.
+/// Returns all tables that both the build and the machine support, the plain one first. For tests.
 std::vector<const CandidateKernels*> all_candidate_kernels();
 
 extern const CandidateKernels scalar_candidates;

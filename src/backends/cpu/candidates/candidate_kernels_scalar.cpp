@@ -1,4 +1,4 @@
-// Plain C++ for the inner loop of candidates, and what all tables share.
+// Inner loop of candidate queries in plain C++, and the rounds that all tables share.
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@
 namespace crumple::cpu {
 namespace {
 
-// The largest gap on any axis.
+// Returns the largest gap on any axis.
 float gap(const CandidateRecord& a, int lane_a, const CandidateRecord& b, int lane_b) {
     float most = -beyond;
     for (int axis = 0; axis < 3; ++axis) {

@@ -1,6 +1,7 @@
-// The inner loop of candidates, a table for each instruction set, from one source: Highway includes this file once a
-// target. Eight features of the row are held against the eight lanes of the column at once: the largest of six gaps.
-// With AVX-512 all pairs of lanes that impacts are among are held against each other at once, and written at once.
+// Inner loop of candidate queries, one table for each instruction set, from one source: Highway includes this file once
+// per target. Eight features of the row are tested against the eight lanes of the column at once, by the largest of six
+// gaps. With AVX-512, a query for vertex_face and edge_edge tests all their pairs of lanes at once, and writes them at
+// once.
 
 #include <span>
 
@@ -12,10 +13,10 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "backends/cpu/candidates/candidate_lanes.cpp"
 #include "hwy/foreach_target.h"
-// foreach_target.h comes first.
+// Must follow foreach_target.h.
 #include "hwy/highway.h"
 
-// One-lane vectors have no fixed tags: the plain kernel serves there.
+// One-lane vectors have no fixed tags: those targets use the plain kernel.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 #include "backends/cpu/simd/common-inl.h"
 
@@ -23,12 +24,12 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::candidates {
 namespace HWY_NAMESPACE {
 
-using namespace cpu::HWY_NAMESPACE;  // what the stages' lanes share
+using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
-// As many of the eight lanes as a register has.
+// Vectors of the eight lanes, or of as many as fit a register.
 using D = hn::CappedTag<float, candidate_lanes>;
 
-// The boxes of a row as its rounds want them.
+// Boxes of a row, in the order of the rounds.
 struct RowOfRounds {
     alignas(64) float low[Rounds::most][3][candidate_lanes], high[Rounds::most][3][candidate_lanes];
 
@@ -54,7 +55,7 @@ struct RowOfRounds {
     }
 };
 
-// Lanes from `first` on: the largest gap on any axis in round j.
+// Returns the largest gap on any axis in round j, for lanes from `first` on.
 HWY_INLINE hn::Vec<D> gap(const RowOfRounds& a, int j, const CandidateRecord& b, std::size_t first) {
     const D d;
     const auto on_axis = [&](int axis) HWY_ATTR {
@@ -65,7 +66,7 @@ HWY_INLINE hn::Vec<D> gap(const RowOfRounds& a, int j, const CandidateRecord& b,
     return hn::Max(on_axis(0), hn::Max(on_axis(1), on_axis(2)));
 }
 
-// SharedCorners::bits().
+// Returns SharedCorners::bits().
 HWY_INLINE std::size_t shared_corners(const CandidateRecord& a, const CandidateRecord& b) {
     const hn::FixedTag<std::int32_t, 4> d;
     const auto names = hn::LoadU(d, b.name);
@@ -74,7 +75,7 @@ HWY_INLINE std::size_t shared_corners(const CandidateRecord& a, const CandidateR
     return bits;
 }
 
-// `known`: how many rounds there are, or 0.
+// Runs the tests round by round. `known`: the number of rounds if known at compile time, else 0.
 template <int known>
 HWY_INLINE std::size_t find_in_rounds(const CandidateRecord* record, const CandidateChunk& candidates,
                                       std::int64_t begin, std::int64_t end, const Rounds& rounds, PairEnds& ends,
@@ -91,7 +92,7 @@ HWY_INLINE std::size_t find_in_rounds(const CandidateRecord* record, const Candi
     Hit hits[CandidateKernels::most + 1];
     std::size_t hit = 0;
     RowOfRounds row;
-    std::int64_t last = -1;  // that `row` is of
+    std::int64_t last = -1;  // index of the row that `row` holds
     std::size_t count = 0;
     for (std::int64_t k = begin; k < end; ++k) {
         const std::uint16_t i = candidates.row[k], j = candidates.column[k];
@@ -120,8 +121,8 @@ HWY_INLINE std::size_t find_in_rounds(const CandidateRecord* record, const Candi
 
 #if HWY_TARGET <= HWY_AVX3
 
-// What impacts are among, vertices with faces and edges with edges: fifteen pairs of lanes, which fit one register. The
-// nine of edges come first, then the row's vertices with the column's face, and the row's face with the column's
+// Pairs of lanes of the kinds that impacts have, vertex_face and edge_edge: fifteen, which fit one register. The nine
+// pairs of edges come first, then the row's vertices with the column's face, and the row's face with the column's
 // vertices.
 struct Impacts {
     static constexpr unsigned edges = 0x1ff, faces = 0x7e00, column_first = 0x7000, all = edges | faces;
@@ -136,7 +137,7 @@ struct Impacts {
                 if (SharedCorners(shared).incident(row[bit], column[bit]))
                     incident[shared] = static_cast<std::uint16_t>(incident[shared] | 1 << bit);
     }
-    /// As bits of rounds.
+    /// Converts bits of Impacts to bits of Rounds.
     std::uint64_t in_rounds(unsigned bits, const Rounds& rounds) const {
         std::uint64_t out = 0;
         for (; bits; bits &= bits - 1) {
@@ -149,8 +150,8 @@ struct Impacts {
     }
 };
 
-// First the tests, then the writing: what overlaps cannot be foreseen, and a branch for each candidate, or for each
-// pair, costs more than both.
+// Runs all tests first, then writes the pairs: overlaps are unpredictable, and a branch for each candidate, or for each
+// pair, would cost more than both.
 std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin,
                          std::int64_t end, const Rounds& rounds, PairEnds& ends, UnsureHit* unsure) {
     static const Impacts impacts;
@@ -161,7 +162,7 @@ std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& ca
     const auto zero = hn::Zero(d);
     const I of_row = hn::Load(di, impacts.row), of_column = hn::Load(di, impacts.column),
             zip = hn::Load(di, impacts.zip), zip_ninth = hn::Add(zip, hn::Set(di, 8));
-    // Lanes of the k-th eight floats of a record, two of which are loaded at once.
+    // Returns lanes of the k-th eight floats of a record, loading two such groups at once.
     const auto lanes = [&](const CandidateRecord& r, int k, I lane) HWY_ATTR {
         const V both = hn::Load(d, reinterpret_cast<const float*>(&r) + 16 * (k / 2));
         return hn::TableLookupLanes(both, hn::IndicesFromVec(d, k % 2 ? hn::Add(lane, hn::Set(di, 8)) : lane));
@@ -175,7 +176,7 @@ std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& ca
         const __m512i a = _mm512_maskz_compress_epi32(mask_of(bits), first.raw);
         const __m512i b = _mm512_maskz_compress_epi32(mask_of(bits), second.raw);
         _mm512_storeu_si512(next, _mm512_permutex2var_epi32(a, zip.raw, b));
-        if (HWY_UNLIKELY(bits == Impacts::edges))  // the ninth
+        if (HWY_UNLIKELY(bits == Impacts::edges))  // the ninth pair
             _mm512_storeu_si512(next + 8, _mm512_permutex2var_epi32(a, zip_ninth.raw, b));
         next += hwy::PopCount(bits);
     };
@@ -187,7 +188,7 @@ std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& ca
     Hit hits[CandidateKernels::most + 1];
     std::size_t hit = 0;
     V row[6] = {zero, zero, zero, zero, zero, zero};
-    std::int64_t last = -1;  // that `row` is of
+    std::int64_t last = -1;  // index of the row that `row` holds
     for (std::int64_t k = begin; k < end; ++k) {
         const std::uint16_t i = candidates.row[k], j = candidates.column[k];
         if (j == candidates.dummy) continue;
@@ -233,7 +234,7 @@ std::size_t find(const CandidateRecord* record, const CandidateChunk& candidates
 #if HWY_TARGET <= HWY_AVX3
     if (rounds.of_impacts) return find_impacts(record, candidates, begin, end, rounds, next, unsure);
 #endif
-    // Three rounds are those of vertices with faces and edges with edges.
+    // Three rounds: vertex_face and edge_edge, the usual kinds.
     return rounds.count == 3 ? find_in_rounds<3>(record, candidates, begin, end, rounds, next, unsure)
                              : find_in_rounds<0>(record, candidates, begin, end, rounds, next, unsure);
 }

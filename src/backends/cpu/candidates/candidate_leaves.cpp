@@ -12,7 +12,7 @@
 namespace crumple::cpu {
 namespace {
 
-// Candidates for whose pairs room is made at once.
+// Number of candidates for whose pairs memory is reserved at once.
 constexpr std::int64_t batch = CandidateKernels::most;
 
 const CandidateRecord& dummy_record() {
@@ -96,8 +96,8 @@ unsigned CandidateLeaves::owned_lanes(std::int32_t triangle) const {
     return crumple::owned_lanes(query_->features.owned(triangle), triangle < query_->features.faces());
 }
 
-// The leaf is swept along the axis of the coordinates that its own first axis is nearest to. Keys are of numbers that
-// may be subnormal.
+// Writes boxes with the sweep direction first: the coordinate axis that is nearest to the leaf's own first axis. Runs
+// without flush to zero, because keys are computed from numbers that may be subnormal.
 void CandidateLeaves::build(const BuildInput& input, LeafMembers& members, std::size_t w) {
     const FloatEnvironment environment;
     Worker& worker = *worker_[w];
@@ -108,7 +108,7 @@ void CandidateLeaves::build(const BuildInput& input, LeafMembers& members, std::
     const CandidateKey key{normaliser_, {frame.origin.x, frame.origin.y, frame.origin.z}};
     LeafBounds& bounds = members.bounds;
     bounds = {};
-    // Members lie anywhere in memory: what is read of them is fetched ahead, and further ahead what names it.
+    // Members are scattered in memory: prefetches vertices ahead, and indices further ahead.
     const PreparedScene& scene = call_->scene;
     const auto fetch = [](const VertexReader& reader, std::int64_t vertex) {
         __builtin_prefetch(reader.data + vertex * reader.row_stride);
@@ -165,7 +165,7 @@ void CandidateLeaves::sweep(const SortedLeaf& leaf, const Ownership& ownership, 
     });
 }
 
-// Candidates that are another leaf's, or not wanted, become padding.
+// Turns candidates that another leaf owns, or that the pair filter excludes, into padding.
 void CandidateLeaves::drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const {
     const PreparedScene& scene = call_->scene;
     const GroupRule& rule = call_->rule;
@@ -181,7 +181,8 @@ void CandidateLeaves::drop_foreign(const SortedLeaf& leaf, const Ownership& owne
     }
 }
 
-// Pairs are written behind the end of their lists, in which there is room for what a batch finds at most.
+// Tests candidates batch by batch. Pairs are written past the ends of their lists, where memory is reserved for the
+// most that a batch can find.
 void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
     constexpr std::size_t most[candidate_kinds] = {6, 9, 6, 1, 18, 9};
     const CandidateChunk& candidates = worker.candidates;
@@ -209,13 +210,13 @@ void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
     }
 }
 
-// Gives what there is to the stream, if it is much.
+// Delivers the pairs found so far to the stream, if they are many.
 void CandidateLeaves::pass_on(Worker& worker) const {
     constexpr std::size_t rows_of_piece = 2048;
     if (stream_ && worker.found.size() >= rows_of_piece) stream_->add(worker.unit, worker.found);
 }
 
-// What overlaps in real numbers, though keys are equal.
+// Lists the pairs that overlap in real numbers, where equal keys decide nothing.
 void CandidateLeaves::list(const UnsureHit& hit, const CandidateRecord& a, const CandidateRecord& b,
                            PairEnds& next) const {
     std::uint64_t overlaps = 0;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Candidates in the order of the stages. Triangles are swept as boxes along the axes of the coordinates; of a pair of
-// triangles whose boxes overlap the features that the one owns are held against those that the other owns.
+// Candidate query as a LeafQuestion. Triangles are swept as boxes along a coordinate axis. For each pair of triangles
+// whose boxes overlap, the features that one owns are tested against those that the other owns.
 
 #include <atomic>
 #include <memory>
@@ -20,9 +20,9 @@ class CandidateLeaves final : public LeafQuestion {
    public:
     CandidateLeaves(MemoryMeter* meter, int workers, const CandidateKernels& kernels);
 
-    /// What is asked, from begin() on.
+    /// Sets the request, from begin() on. `query` must stay valid.
     void ask(const FeatureRequest& query);
-    /// Gives all candidates to a stream, unit by unit; until the next ask().
+    /// Delivers all candidates to a stream, unit by unit, until the next ask().
     void deliver_to(FeatureStream& stream) { stream_ = &stream; }
 
     void begin(const Call& call) override;
@@ -39,10 +39,10 @@ class CandidateLeaves final : public LeafQuestion {
     void fail() override { stream_->fail(); }
     void finish(Statistics& statistics) override;
 
-    /// Candidates of which one triangle owns both features, of triangles [begin, end): no pair of triangles has them.
+    /// Finds the candidates both of whose features one triangle of [begin, end) owns: no pair of triangles yields them.
     void search_within(std::int64_t begin, std::int64_t end, std::size_t worker);
 
-    /// What each worker has found.
+    /// Pairs that each worker has found.
     std::span<const Array<Pair>* const> found(CandidateKind kind) const {
         return found_[static_cast<std::size_t>(kind)];
     }
@@ -53,16 +53,16 @@ class CandidateLeaves final : public LeafQuestion {
         Array<CandidateRecord> built;   ///< in the order of LeafMembers
         Array<CandidateRecord> sorted;  ///< by physical row
         CandidateChunk candidates;
-        Array<UnsureHit> unsure;  ///< of a batch
+        Array<UnsureHit> unsure;  ///< uncertain pairs of a batch
         RowLists found;
-        std::int64_t unit = 0;  ///< of a stream: what they belong to
+        std::int64_t unit = 0;  ///< unit of a stream that the pairs belong to
         Statistics statistics;
     };
 
     struct GrownBox {
         Vec3f low, high;
     };
-    /// Returns the box of the triangle.
+    /// Writes a triangle's record, and returns its inflated box.
     GrownBox write_member(std::int32_t triangle, const CandidateKey& key, CandidateRecord& record) const;
     unsigned owned_lanes(std::int32_t triangle) const;
     void drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const;
@@ -74,10 +74,10 @@ class CandidateLeaves final : public LeafQuestion {
     const CandidateKernels& kernels_;
     std::vector<std::unique_ptr<Worker>> worker_;
     std::array<std::vector<const Array<Pair>*>, candidate_kinds> found_;
-    // Of the call:
+    // Current call:
     const Call* call_ = nullptr;
     const FeatureRequest* query_ = nullptr;
-    FeatureStream* stream_ = nullptr;  ///< null: candidates gather with the workers
+    FeatureStream* stream_ = nullptr;  ///< null: candidates stay with the workers
     Normaliser normaliser_;
     Rounds rounds_;
 };

@@ -5,7 +5,7 @@
 namespace crumple::cpu {
 namespace {
 
-// Pairs of features that one triangle owns: two vertices, or a vertex and the edge across.
+// Finds pairs of features that one triangle owns: two vertices, or a vertex and the opposite edge.
 void search_within(const Call& call, const FeatureRequest& query, CandidateLeaves& leaves) {
     if (!query.lists(CandidateKind::vertex_vertex) && !query.lists(CandidateKind::vertex_edge)) return;
     const std::int64_t n = call.scene.triangle_count();
@@ -17,14 +17,15 @@ void search_within(const Call& call, const FeatureRequest& query, CandidateLeave
     });
 }
 
-// Stage `output` of one kind.
+// Runs stage `output` for one kind.
 void sort_candidates(const Call& call, const FeatureRequest& query, CandidateKind kind, CandidateBuffers& buffers,
                      Array<Pair>& pairs) {
     const auto count = [&](FeatureType type) { return static_cast<std::int32_t>(count_of(query.features, type)); };
     const FeatureTypes types = types_of(kind);
     const PairCounts counts{count(types.first), count(types.second), 0, call.frugal};
     const auto nothing = [](std::span<const std::span<const Pair>>) {};
-    // What one worker has found all alone does not depend on how many there are.
+    // In low memory, the first worker has found all pairs; the lists of others would make memory depend on their
+    // number.
     const auto found = buffers.leaves.found(kind);
     sort_pairs(call.workers, call.frugal ? found.first(1) : found, counts, buffers.sorting, pairs, buffers.offsets,
                nothing);

@@ -1,6 +1,6 @@
 #pragma once
 
-// The stages in the service of candidates, which find_features.h dispatches to.
+// Runs the stages for candidate queries; find_features.cpp calls this.
 
 #include "backends/cpu/candidates/candidate_leaves.h"
 #include "backends/cpu/order.h"
@@ -8,20 +8,21 @@
 
 namespace crumple::cpu {
 
-/// Kept from call to call, beside the stages' buffers.
+/// Memory that calls reuse, in addition to the stages' buffers.
 struct CandidateBuffers {
     CandidateBuffers(MemoryMeter* m, int workers, const CandidateKernels& kernels)
         : leaves(m, workers, kernels), sorting(m), offsets(m) {}
     CandidateLeaves leaves;
-    // Of `output`:
+    // For stage `output`:
     PairSorting sorting;
     Array<std::int64_t> offsets;
 };
 
-/// From `subdivide` to `narrow`, and pairs of features that one triangle owns. The leaves keep them.
+/// Runs the stages from `subdivide` to `narrow`, and finds the pairs of features that one triangle owns. `leaves` keeps
+/// the results.
 void search_candidates(const Call& call, const FeatureRequest& query, CandidateLeaves& leaves);
 
-/// Stage `output`.
+/// Runs stage `output`.
 void write_candidates(const Call& call, const FeatureRequest& query, CandidateBuffers& buffers, FeatureResult& result);
 
 }  // namespace crumple::cpu

@@ -1,4 +1,4 @@
-// Records and boxes of a leaf's members, one triangle in each block of 128 bits: lanes for
+// Records and boxes of a leaf's members, one triangle in each block of 128 bits: SIMD counterpart of
 // filters/features/feature_record.h.
 
 #if defined(CRUMPLE_FEATURES_CPU_BUILD_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -14,9 +14,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::features {
 namespace HWY_NAMESPACE {
-using namespace cpu::HWY_NAMESPACE;  // what the stages' lanes share
+using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
-/// As direction() of one vector.
+/// Counterpart of direction() for one vector per block.
 template <class D, class V>
 HWY_INLINE V direction(D d, V v) {
     const V one = hn::Set(d, 1.0f), size = largest_of(hn::Abs(v));
@@ -25,7 +25,7 @@ HWY_INLINE V direction(D d, V v) {
     return hn::IfThenElseZero(hn::Gt(size, hn::Set(d, 1e-30f)), n);
 }
 
-/// The geometry of a record at one moment: rows of X, Y and Z, each of three corners and the normal.
+/// Computes the geometry of records at one time sample: rows X, Y and Z, each of three corners and the normal.
 template <class D, class V>
 HWY_INLINE void geometry_rows(D d, const LocalCorners<V>& c, V& X, V& Y, V& Z) {
     const V across = hn::Sub(hn::Mul(c.a, rotate_axes(d, c.b)), hn::Mul(c.b, rotate_axes(d, c.a)));
@@ -36,7 +36,7 @@ HWY_INLINE void geometry_rows(D d, const LocalCorners<V>& c, V& X, V& Y, V& Z) {
     Z = hn::InterleaveLower(d, hn::InterleaveUpper(d, c.q0, c.q2), hn::InterleaveUpper(d, c.q1, n));
 }
 
-/// By how much the box of each block's member is widened.
+/// Inflation of the box of each block's member.
 template <int moments>
 class Widenings {
    public:
@@ -78,7 +78,7 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& start, const Poin
     for (std::int64_t i = 0; i < in.members; i += blocks) {
         const std::int32_t* corner[blocks];
         for (int b = 0; b < blocks; ++b) {
-            // Members lie anywhere in memory: what is read of them is fetched ahead, and further ahead what names it.
+            // Members are scattered in memory: prefetches vertices ahead, and indices further ahead.
             hwy::Prefetch(corners_at(i + b + 24));
             hwy::Prefetch(&features.edges_of(in.triangle[i + b + 24]));
             const std::int32_t* ahead = corners_at(i + b + 12);
@@ -112,11 +112,12 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& start, const Poin
             for (float*& to : out) to += 16;
             store_rows(d, row[4], row[5], row[6], row[7], out);
         }
-        for (int b = 0; b < blocks; ++b) write_names(in, in.triangle[i + b], features, record[i + b]);  // over the rest
+        // Overwrites the end of each record, where store_rows() has stored unused rows.
+        for (int b = 0; b < blocks; ++b) write_names(in, in.triangle[i + b], features, record[i + b]);
 
         if (lanes.any_big(size)) {
             lanes.take_out_big(in, i, box, size, boxes, bounds, rewrite_big);
-            more = hn::IfThenElseZero(hn::Le(box.low, box.high), more);  // of big ones nothing is left to be counted
+            more = hn::IfThenElseZero(hn::Le(box.low, box.high), more);  // big members no longer count
         }
         lanes.count(box, hn::Add(size, more));
     }

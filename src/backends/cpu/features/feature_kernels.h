@@ -1,9 +1,10 @@
 #pragma once
 
-// The inner loops of questions about features on the cpu, as tables of functions beside those of the stages
-// (backends/cpu/stages/kernels.h): one for each number of moments, nearness knows one, motion two. Plain C++
-// (feature_kernels_scalar.cpp, from the per-pair sources that host and device share) and one pair of tables for each
-// SIMD instruction set, which overrides it (feature_lanes.cpp). All tables leave what may be an answer.
+// Inner loops of queries about features on the cpu, as tables of functions like those of the stages
+// (backends/cpu/stages/kernels.h), by number of time samples: one for proximities, two for impacts. There is one pair
+// of tables in plain C++ (feature_kernels_scalar.cpp, from the per-pair sources that host and device share), and one
+// for each SIMD instruction set (feature_lanes.cpp). No table drops a pair that belongs to the result; which others it
+// drops may differ.
 
 #include <algorithm>
 #include <cstdint>
@@ -18,9 +19,9 @@
 
 namespace crumple::cpu {
 
-/// What is asked of tests, in normalised coordinates, rounded up: one distance of all, or one of each, with `padding`
-/// more that may be read; these are moved as the tests are. Or a share of the test's own distance at the start, if that
-/// is more.
+/// Distance requested in tests, in normalised coordinates, rounded up: `all` for all tests, or `each` with one per test
+/// and `padding` more that may be read; filters move these along with the tests. Or `share` of the test's own distance
+/// at the start, if that is more.
 struct AskedDistance {
     float all = 0;
     float* each = nullptr;
@@ -36,7 +37,7 @@ struct AskedDistance {
     }
 };
 
-/// Some pairs of triangles that separate() has left.
+/// Pairs of triangles that separate() does not drop, or some of them.
 template <int moments>
 struct PairsLeft {
     const FeatureRecord<moments>*rows, *columns;
@@ -47,7 +48,8 @@ struct PairsLeft {
     const FeatureRecord<moments>& column(std::size_t i) const { return columns[packed[i] >> 16]; }
 };
 
-/// The tests of such pairs, fewer than 2^28, of one kind: a pair's place << 4 | the test's bit of TestsOfPair.
+/// Tests of one kind of such pairs, of which there are fewer than 2^28: index of the pair << 4 | the test's bit of
+/// TestsOfPair.
 struct ListedTests {
     std::uint32_t* test = nullptr;  ///< `padding` more may be written
     std::size_t count = 0;
@@ -56,7 +58,7 @@ struct ListedTests {
     unsigned bit(std::size_t i) const { return test[i] & 15; }
 };
 
-/// Writes one of them out.
+/// Writes listed test i as a FeatureTest.
 template <FeatureKind kind, int moments>
 void write_test(const PairsLeft<moments>& pairs, const ListedTests& listed, std::size_t i, FeatureTest& test) {
     const std::size_t pair = listed.pair(i);
@@ -67,7 +69,7 @@ template <int moments>
 struct FeatureKernels {
     using Record = FeatureRecord<moments>;
 
-    /// Records and boxes of a leaf's members.
+    /// Computes records and boxes of a leaf's members.
     void (*build)(const BuildInput& input, const SceneFeatures& features, Record* record, Boxes& boxes,
                   LeafBounds& bounds);
 
@@ -79,28 +81,29 @@ struct FeatureKernels {
     std::size_t (*separate)(const Record* record, const CandidateChunk& candidates, const NeededGap& gap,
                             std::uint32_t* left);
 
-    /// Lists the tests of pairs. `names`: what vertices are called where two are compared, or null.
+    /// Lists the tests of pairs. `names`: representative vertices, by which two vertices are compared; null: vertices
+    /// themselves.
     void (*list)(const PairsLeft<moments>& pairs, const std::int32_t* names, ListedTests& vertex_face,
                  ListedTests& edge_edge);
 
-    /// Of a vertex and a face, and of two edges: writes out the listed tests that may be an answer, and returns how
-    /// many. What is listed is not kept. `ends` as in BuildInput.
+    /// For vertex_face and edge_edge: writes the listed tests that the filters do not drop to `test`, and returns their
+    /// number. Overwrites the list. `ends`: see BuildInput.
     std::size_t (*filter_listed[2])(const PointRows& points, std::int64_t ends, AskedDistance distance,
                                     const PairsLeft<moments>& pairs, ListedTests& listed, FeatureTest* test);
 
-    /// By kind, of which the last two are vertices and faces that are edges and vertices: the same of tests that are
-    /// written out; moves them to the front, in order, and returns how many.
+    /// By FeatureKind: moves the tests that the filters do not drop to the front, in order, and returns their number.
+    /// The last two kinds are filtered as a vertex and a face that is collapsed to an edge or a vertex.
     std::size_t (*filter[feature_kinds])(const PointRows& points, std::int64_t ends, AskedDistance distance,
                                          FeatureTest* test, std::size_t count);
 };
 
-/// For questions at rest, and for steps.
+/// Kernels of static queries and of queries about motion.
 struct FeatureTables {
     FeatureKernels<1> at_rest;
     FeatureKernels<2> moving;
 
-    /// Squared distances of a batch, rounded to nearest, of features that do not touch; NaN where that takes more. Room
-    /// for a vector more is needed.
+    /// Computes the squared distances of a batch, rounded to nearest, of features that do not touch; NaN if more is
+    /// needed to decide. `squared` needs room for one more vector.
     void (*squared)(const GuessBatch& batch, double* squared);
 
     template <int moments>
@@ -112,10 +115,11 @@ struct FeatureTables {
     }
 };
 
-/// The tables for an instruction set; throws backend_unavailable if the build or the machine lacks it.
+/// Returns the tables of an instruction set. Throws Error (backend_unavailable) if the build or the machine lacks it.
 const FeatureTables& feature_kernels(Simd simd);
 
-/// All tables that build and machine have, the plain ones first, in the order of all_stage_kernels(): for tests.
+/// Returns all tables that both the build and the machine support, the plain ones first, in the order of
+/// all_stage_kernels(). For tests.
 std::vector<const FeatureTables*> all_feature_kernels();
 
 extern const FeatureTables scalar_features;

@@ -1,5 +1,5 @@
-// Plain C++ for the kernels of questions about features. The arithmetic for one triangle or pair is in
-// filters/features/, shared with devices.
+// Kernels of queries about features in plain C++. The arithmetic for one triangle or pair is in filters/features/,
+// shared with devices.
 
 #include "backends/cpu/features/feature_kernels.h"
 #include "backends/cpu/features/feature_member.h"

@@ -1,6 +1,6 @@
-// The kernels of questions about features, tables for each instruction set, from one source: Highway includes this file
-// once a target. Lanes override the per-pair sources of filters/features/, with the same bounds, and are tested
-// against them.
+// Kernels of queries about features, tables for each instruction set, from one source: Highway includes this file once
+// per target. They replace the per-pair sources of filters/features/, with the same bounds, and are tested against
+// them.
 
 #include "backends/cpu/features/feature_kernels.h"
 #include "backends/cpu/simd/tables.h"
@@ -10,10 +10,10 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "backends/cpu/features/feature_lanes.cpp"
 #include "hwy/foreach_target.h"
-// foreach_target.h comes first.
+// Must follow foreach_target.h.
 #include "hwy/highway.h"
 
-// One-lane vectors have no fixed tags: the plain kernels serve there.
+// One-lane vectors have no fixed tags: those targets use the plain kernels.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 #include "backends/cpu/features/build_features-inl.h"
 #include "backends/cpu/features/filter_features-inl.h"

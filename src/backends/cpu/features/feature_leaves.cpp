@@ -15,13 +15,13 @@
 namespace crumple::cpu {
 namespace {
 
-// Pairs of triangles whose tests are listed at once.
+// Number of pairs of triangles whose tests are listed at once.
 constexpr std::size_t pairs_at_once = 256;
 
-// Hits that are given to a stream before their unit ends.
+// Number of hits from which on a stream receives them before their unit ends.
 constexpr std::size_t rows_of_piece = 2048;
 
-// What stands at rows without a member: it owns nothing, so that no pair with it is a test.
+// Returns the record of rows without a member. It owns nothing, so no pair with it has a test.
 template <int moments>
 FeatureRecord<moments> dummy_record() {
     FeatureRecord<moments> record{};
@@ -37,8 +37,8 @@ float largest_radius(const BuildInput& input) {
     return largest;
 }
 
-// What is asked of each test: the sum of both features' radii, which are those of their vertices. Sums round by less
-// than radii are in excess.
+// Computes the distance requested in each test: the sum of the largest vertex radius of each feature. Sums round by
+// less than the excess of the radii.
 void add_radii(FeatureKind kind, const Array<FeatureTest>& tests, const float* radius, Array<float>& distance) {
     distance.resize_discard(tests.size() + padding);
     for (std::size_t i = 0; i < tests.size(); ++i) {
@@ -50,7 +50,7 @@ void add_radii(FeatureKind kind, const Array<FeatureTest>& tests, const float* r
     std::fill(distance.end() - padding, distance.end(), 0.0f);
 }
 
-/// Rank of a pair in the order that tells the first of equal times: by kind, first and second feature.
+/// Returns the rank of a pair in the order that decides between equal times: by kind, first and second feature.
 std::uint64_t place_of(FeatureKind kind, const Pair& pair) {
     return static_cast<std::uint64_t>(kind) << 62 | static_cast<std::uint64_t>(pair.a) << 31 |
            static_cast<std::uint64_t>(pair.b);
@@ -90,7 +90,7 @@ void FeatureLeaves<moments>::begin(const Call& call) {
     first_time_ = std::bit_cast<std::uint64_t>(1.0);
     for (const auto& worker : worker_) {
         worker->hits.clear();
-        for (auto& list : worker->tests) list.clear();  // not each kind is listed in each call
+        for (auto& list : worker->tests) list.clear();  // not every kind is listed in every call
         worker->statistics = {};
     }
 }
@@ -138,7 +138,7 @@ void FeatureLeaves<moments>::sweep(const SortedLeaf& leaf, const Ownership& owne
     });
 }
 
-// Batch by batch, so that tests stay in the cache.
+// Narrows one chunk of candidates, in batches, so that tests stay in the cache.
 template <int moments>
 void FeatureLeaves<moments>::narrow(const SortedLeaf& leaf, const Ownership& ownership, const Worker& builder,
                                     Worker& worker) {
@@ -161,7 +161,7 @@ void FeatureLeaves<moments>::narrow(std::size_t pairs, const Worker& builder, Wo
     }
 }
 
-// Lists the candidates that no direction separates; returns how many.
+// Lists the candidates that no direction separates; returns their number.
 template <int moments>
 std::size_t FeatureLeaves<moments>::separate(const Worker& builder, Worker& worker) const {
     worker.left.resize_discard(static_cast<std::size_t>(worker.candidates.count + padding));
@@ -170,7 +170,7 @@ std::size_t FeatureLeaves<moments>::separate(const Worker& builder, Worker& work
     return kernels_.separate(builder.sorted.data(), worker.candidates, gap, worker.left.data());
 }
 
-// Leaves those that are this leaf's, and wanted.
+// Keeps the pairs that the leaf owns and the pair filter selects; returns their number.
 template <int moments>
 std::size_t FeatureLeaves<moments>::own_pairs(const SortedLeaf& leaf, const Ownership& ownership, std::size_t left,
                                               Worker& worker) const {
@@ -187,7 +187,7 @@ std::size_t FeatureLeaves<moments>::own_pairs(const SortedLeaf& leaf, const Owne
     return static_cast<std::size_t>(std::remove_if(begin, begin + left, foreign) - begin);
 }
 
-// Tests that filters leave.
+// Lists the tests of pairs, and drops those that the filters decide.
 template <int moments>
 void FeatureLeaves<moments>::find_tests(const PairsLeft<moments>& pairs, Worker& worker) const {
     const SceneFeatures& features = query_->features;
@@ -221,7 +221,7 @@ void FeatureLeaves<moments>::filter_listed(const PairsLeft<moments>& pairs, List
     drop_neighbours(kind, tests);
 }
 
-// Of edges and points that a caller lists.
+// Lists the tests of pairs if the caller lists edges and points.
 template <int moments>
 void FeatureLeaves<moments>::list_tests_of_listed(const PairsLeft<moments>& pairs, Worker& worker) const {
     constexpr std::size_t most[feature_kinds] = {6, 9, 4, 1};
@@ -247,7 +247,7 @@ void FeatureLeaves<moments>::filter_tests(FeatureKind kind, Worker& worker) cons
     drop_neighbours(kind, tests);
 }
 
-// As BuildInput::ends.
+// Returns BuildInput::ends.
 template <int moments>
 std::int64_t FeatureLeaves<moments>::ends() const {
     return call_->scene.moving ? call_->scene.vertex_count() : 0;
@@ -274,7 +274,7 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
         if (first_alone && is_later(kind, test)) continue;
         const std::int64_t rational = counts.rational;
         const FeatureDecision decision = decide(kind, call_->scene, test.vertex, *query_, counts);
-        if (counts.rational != rational) call_->cancellation.check();  // some take a millisecond
+        if (counts.rational != rational) call_->cancellation.check();  // some decisions take a millisecond
         if (!decision.hit) continue;
         any_.store(true, std::memory_order_relaxed);
         if (query_->extent == Extent::any) break;
@@ -286,22 +286,23 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
     worker.statistics.rational_tests += counts.rational;
 }
 
-// True if an impact of this test would be later than one that is known. Times are not negative, so their bits are in
-// order.
+// Returns true if an impact of this test would be later than the earliest one found so far. Times are not negative, so
+// their bits have the same order.
 template <int moments>
 bool FeatureLeaves<moments>::is_later(FeatureKind kind, const FeatureTest& test) const {
     const double known = std::bit_cast<double>(first_time_.load(std::memory_order_relaxed));
     return known < 1 && surely_later(kind, call_->scene, test.vertex, *query_, known);
 }
 
-// Decides tests of nearness, and has lanes measure those that are near; what lanes leave open is measured one by one.
+// Decides tests of proximity. Lanes measure the distances of near features; those that lanes cannot decide are measured
+// one by one.
 template <int moments>
 void FeatureLeaves<moments>::measure_tests(FeatureKind kind, Worker& worker) {
     const auto k = static_cast<std::size_t>(kind);
     GuessBatch& batch = worker.guesses;
     FeatureCounts counts;
     const Array<FeatureTest>& tests = worker.tests[k];
-    std::size_t near[GuessBatch::most] = {};  // which tests are in the batch
+    std::size_t near[GuessBatch::most] = {};  // indices of the tests in the batch
     const auto measure = [&] {
         double squared[GuessBatch::most] = {};
         tables_.squared(batch, squared);
@@ -321,7 +322,7 @@ void FeatureLeaves<moments>::measure_tests(FeatureKind kind, Worker& worker) {
         if (!decision) near[batch.count - 1] = i;
         if (decision && decision->hit) worker.hits[kind].push_back({test.pair, decision->value, decision->flag});
         if (batch.count == GuessBatch::most) measure();
-        if (counts.rational != rational) call_->cancellation.check();  // some take a millisecond
+        if (counts.rational != rational) call_->cancellation.check();  // some decisions take a millisecond
     }
     measure();
     if (worker.hits[kind].size() > 0) any_.store(true, std::memory_order_relaxed);

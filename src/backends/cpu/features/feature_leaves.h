@@ -1,7 +1,7 @@
 #pragma once
 
-// Questions about features in the order of the stages. A leaf's candidates are pairs of triangles; those that no
-// direction separates stand for tests of features, and each test is decided.
+// Queries about features as a LeafQuestion. A leaf's candidates are pairs of triangles. Those that no direction
+// separates stand for tests of features; filters drop most tests, and the rest is decided exactly.
 
 #include <atomic>
 #include <memory>
@@ -16,16 +16,16 @@
 
 namespace crumple::cpu {
 
-/// `moments`: 1 at rest, 2 for a step.
+/// Query about features. `moments`: number of time samples, 1 if static, 2 for motion.
 template <int moments>
 class FeatureLeaves final : public LeafQuestion {
    public:
     FeatureLeaves(MemoryMeter* meter, int workers, const FeatureTables& kernels);
 
-    /// What is asked, from begin() on. `distance`: what is asked for in normalised coordinates, rounded up; `radius`:
-    /// the same of FeatureRequest::radii, one a vertex, or null.
+    /// Sets the request, from begin() on. `distance`: the requested distance in normalised coordinates, rounded up;
+    /// `radius`: FeatureRequest::radii likewise, 1 per vertex, or null. The arguments must stay valid.
     void ask(const FeatureRequest& query, float distance, const float* radius);
-    /// Gives all hits to a stream, unit by unit; until the next ask().
+    /// Delivers all hits to a stream, unit by unit, until the next ask().
     void deliver_to(FeatureStream& stream) { stream_ = &stream; }
 
     void begin(const Call& call) override;
@@ -63,14 +63,14 @@ class FeatureLeaves final : public LeafQuestion {
         Array<Record> built;   ///< in the order of LeafMembers
         Array<Record> sorted;  ///< by physical row
         float reach = 0;       ///< the leaf's largest |coordinate|
-        float farthest = 0;    ///< what is asked of any pair in the leaf
+        float farthest = 0;    ///< largest distance requested for a pair of the leaf
         CandidateChunk candidates;
         Array<std::uint32_t> left;                   ///< candidates that no direction separates, packed
-        Array<float> distance;                       ///< of each test, where vertices have radii
+        Array<float> distance;                       ///< requested distance of each test, if vertices have radii
         std::array<Array<std::uint32_t>, 2> listed;  ///< see ListedTests
         std::array<Array<FeatureTest>, feature_kinds> tests;
         RowLists hits;
-        std::int64_t unit = 0;  ///< of a stream: what the hits belong to
+        std::int64_t unit = 0;  ///< unit of a stream that the hits belong to
         Statistics statistics;
     };
 
@@ -94,18 +94,19 @@ class FeatureLeaves final : public LeafQuestion {
     const FeatureKernels<moments>& kernels_;
     std::vector<std::unique_ptr<Worker>> worker_;
     std::array<std::vector<const FeatureRows*>, feature_kinds> found_;
-    // Of the call:
+    // Current call:
     const Call* call_ = nullptr;
     const FeatureRequest* query_ = nullptr;
-    FeatureStream* stream_ = nullptr;  ///< null: hits gather with the workers
+    FeatureStream* stream_ = nullptr;  ///< null: hits stay with the workers
     float distance_ = 0, share_ = 0;
     const float* radius_ = nullptr;
     std::atomic<bool> any_{false};
-    /// Place of the first pair that touches at time 0, where only the first impact is asked for: none can be earlier,
-    /// so that pairs behind it need not be decided. Slides within a plane touch there all over, and are slow to decide.
+    /// Rank (place_of()) of the first pair found that touches at time 0, if only the first impact is requested: no
+    /// impact is earlier, so pairs of higher rank need not be decided. Faces that slide within a plane touch all over
+    /// at time 0, and are slow to decide.
     static constexpr std::uint64_t no_place = UINT64_MAX;
     std::atomic<std::uint64_t> first_at_start_{no_place};
-    std::atomic<std::uint64_t> first_time_{0};  ///< the earliest of the impacts that are known, by its bits, or 1
+    std::atomic<std::uint64_t> first_time_{0};  ///< bits of the earliest toi found so far, or of 1
 };
 
 extern template class FeatureLeaves<1>;

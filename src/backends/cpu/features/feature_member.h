@@ -1,6 +1,6 @@
 #pragma once
 
-// One member of a leaf by itself, for questions about features: what `build` makes of it.
+// Steps of `build` for one member of a leaf, for queries about features.
 
 #include "backends/cpu/stages/layout.h"
 #include "filters/features/feature_record.h"
@@ -9,7 +9,7 @@
 
 namespace crumple::cpu {
 
-/// The normalised corners of a triangle: at the start, then those at the end.
+/// Reads the normalised corners of a triangle: those at the start, then those at the end.
 template <int moments>
 void corners_of(const BuildInput& in, std::int32_t triangle, Vec3d (&p)[3 * moments]) {
     const std::int32_t* corner = in.corners + 3 * std::int64_t{triangle};
@@ -19,7 +19,7 @@ void corners_of(const BuildInput& in, std::int32_t triangle, Vec3d (&p)[3 * mome
     }
 }
 
-/// By how much its box is widened.
+/// Returns the inflation of a triangle's box. `p`: see corners_of().
 template <int moments>
 float widening(const BuildInput& in, std::int32_t triangle, const Vec3d (&p)[3 * moments]) {
     float way = 0;
@@ -28,7 +28,7 @@ float widening(const BuildInput& in, std::int32_t triangle, const Vec3d (&p)[3 *
     return in.inflation.of(triangle)(way);
 }
 
-/// The member in the leaf's frame, with its box widened.
+/// Returns the member in the leaf's frame, with its box inflated.
 template <int moments>
 InFrame<3 * moments> widened(const BuildInput& in, std::int32_t triangle, const Vec3d (&p)[3 * moments]) {
     InFrame<3 * moments> member(p, in.frame);
@@ -39,7 +39,7 @@ InFrame<3 * moments> widened(const BuildInput& in, std::int32_t triangle, const 
     return member;
 }
 
-/// What its features are called, and which of them it owns.
+/// Writes the indices of a triangle's features, and which of them it owns.
 template <int moments>
 void write_names(const BuildInput& in, std::int32_t triangle, const SceneFeatures& features,
                  FeatureRecord<moments>& record) {

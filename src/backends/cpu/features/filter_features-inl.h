@@ -1,4 +1,5 @@
-// Tests of features that are no answer for certain, one a lane: lanes for filters/features/feature_filters.h.
+// SIMD counterpart of filters/features/feature_filters.h: drops tests of features that are certainly too far apart, one
+// test per lane.
 
 #if defined(CRUMPLE_FEATURES_CPU_FILTER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_FEATURES_CPU_FILTER_INL_H_
@@ -15,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::features {
 namespace HWY_NAMESPACE {
 
-/// As SeenFeatures, one a lane.
+/// Counterpart of SeenFeatures for one test per lane.
 template <class V, int moments>
 struct Seen {
     Point<V> to[moments][3];
@@ -28,7 +29,7 @@ struct Seen {
     }
 };
 
-/// Differences of rows, rounded once: float64 ones are subtracted before they are.
+/// Return the difference of two rows, rounded once: float64 rows are rounded after the subtraction.
 HWY_INLINE V4 row_difference(const Points32& points, std::int64_t to, std::int64_t from) {
     return hn::Sub(hn::Load(Four(), points.rows + 4 * to), hn::Load(Four(), points.rows + 4 * from));
 }
@@ -51,7 +52,8 @@ HWY_INLINE void load_seen(D d, const Points& points, std::int64_t ends, const st
         }
 }
 
-/// Where the second feature lies beyond the first one by more than `gap`, at one moment: above or below.
+/// Sets the lanes in which the second feature lies above, or below, the first one by more than `gap` along n, at one
+/// time sample.
 template <FeatureKind kind, class V, class M = decltype(hn::Gt(V(), V()))>
 HWY_INLINE void compare_places(const Point<V>& n, const Point<V> (&to)[3], V gap, M& above, M& below) {
     const V p0 = dot(n, to[0]), p1 = dot(n, to[1]), p2 = dot(n, to[2]);
@@ -65,7 +67,7 @@ HWY_INLINE void compare_places(const Point<V>& n, const Point<V> (&to)[3], V gap
     }
 }
 
-/// As separates() of one pair.
+/// Counterpart of separates() for one test per lane.
 template <FeatureKind kind, int moments, class V>
 HWY_INLINE auto separates(const Point<V>& n, const Seen<V, moments>& seen, const Point<V>& reach, V distance) {
     const hn::DFromV<V> d;
@@ -90,7 +92,7 @@ HWY_INLINE Point<V> between_middles(const Point<V> (&to)[3]) {
         return subtract(add(to[1], to[2]), to[0]);
 }
 
-/// As most_at_start() of one pair.
+/// Counterpart of most_at_start() for one test per lane.
 template <FeatureKind kind, class V, int moments>
 HWY_INLINE V most_at_start(const Seen<V, moments>& seen) {
     const hn::DFromV<V> d;
@@ -108,7 +110,7 @@ HWY_INLINE V most_at_start(const Seen<V, moments>& seen) {
     return hn::MulAdd(hn::Sqrt(hn::Add(least, hn::Set(d, least_square))), hn::Set(d, up), errors);
 }
 
-/// As first_edge() and second_edge() of one pair.
+/// Counterparts of first_edge() and second_edge() for one test per lane.
 template <FeatureKind kind, class V>
 HWY_INLINE Point<V> first_edge(const Point<V> (&to)[3]) {
     if constexpr (kind == FeatureKind::vertex_face)
@@ -127,7 +129,7 @@ HWY_INLINE V volume_bound(V magnitude) {
     return hn::MulAdd(hn::Set(d, volume_error), magnitude, hn::Set(d, volume_slack));
 }
 
-/// As never_in_a_plane() of one pair.
+/// Counterpart of never_in_a_plane() for one test per lane.
 template <class V>
 HWY_INLINE auto never_in_a_plane(const Seen<V, 2>& seen, V magnitude) {
     const hn::DFromV<V> d;
@@ -142,7 +144,7 @@ HWY_INLINE auto never_in_a_plane(const Seen<V, 2>& seen, V magnitude) {
     return hn::Or(hn::Gt(low, bound), hn::Lt(high, hn::Neg(bound)));
 }
 
-/// As plane_is_far() of one pair.
+/// Counterpart of plane_is_far() for one test per lane.
 template <FeatureKind kind, class V>
 HWY_INLINE auto plane_is_far(const Seen<V, 1>& seen, V magnitude, V distance) {
     constexpr bool face = kind == FeatureKind::vertex_face;
@@ -157,16 +159,16 @@ HWY_INLINE auto plane_is_far(const Seen<V, 1>& seen, V magnitude, V distance) {
     return hn::Gt(hn::Abs(dot(cross(p[0], p[1]), p[2])), hn::MulAdd(distance, most, volume_bound(magnitude)));
 }
 
-/// What the filters know of a test, one a lane.
+/// Input of the filters, one test per lane.
 template <class V, int moments>
 struct SeenTests {
     Seen<V, moments> seen;
-    Point<V> reach;  ///< of the three vectors, together
+    Point<V> reach;  ///< sum of seen.reach() of the three vectors
     V magnitude;     ///< see never_in_a_plane()
-    V asked;         ///< the distance, with what `up` adds
+    V asked;         ///< requested distance, times `up`
 };
 
-/// As surely_far_coarse() of one pair.
+/// Counterpart of surely_far_coarse() for one test per lane.
 template <FeatureKind kind, int moments, class V>
 HWY_INLINE auto surely_far_coarse(const SeenTests<V, moments>& tests, bool contact) {
     const auto& [seen, reach, magnitude, distance] = tests;
@@ -186,7 +188,7 @@ HWY_INLINE auto surely_far_coarse(const SeenTests<V, moments>& tests, bool conta
     return hn::Or(far, separates<kind>(Point<V>{zero, zero, one}, seen, reach, distance));
 }
 
-/// As beside() of one edge.
+/// Counterpart of beside() for one edge per lane.
 template <class V>
 HWY_INLINE Point<V> beside(const Point<V>& way, const Point<V>& edge) {
     const V square = dot(edge, edge), along = dot(way, edge);
@@ -194,7 +196,7 @@ HWY_INLINE Point<V> beside(const Point<V>& way, const Point<V>& edge) {
             hn::MulSub(square, way.z, hn::Mul(along, edge.z))};
 }
 
-/// Of directions that have to do with one moment, as surely_far_fine() of one pair.
+/// Counterpart of surely_far_fine() for one test per lane, limited to the directions of one time sample.
 template <FeatureKind kind, int moments, class V>
 HWY_INLINE auto surely_far_fine(const SeenTests<V, moments>& tests, int moment) {
     const auto& [seen, reach, magnitude, distance] = tests;
@@ -217,8 +219,9 @@ HWY_INLINE auto surely_far_fine(const SeenTests<V, moments>& tests) {
     return far;
 }
 
-/// Calls keep(i, next) for each test that is not `far`, in order: it is to be the next of those that are left. Returns
-/// how many. `vertices_of(i, room)`: where the vertices of test i stand, if nowhere else then in `room`.
+/// Calls keep(i, next) for each test i that is not `far`, in order; `next` counts these tests from 0. Returns their
+/// number. `vertices_of(i, room)` returns the vertices of test i; `room` is memory for them, if they are not stored
+/// elsewhere.
 template <FeatureKind kind, int moments, class D, class Points, class VerticesOf, class Far, class Keep>
 HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, AskedDistance distance,
                                  std::size_t count, VerticesOf vertices_of, Far far, Keep keep) {
@@ -250,7 +253,7 @@ HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, A
     return left;
 }
 
-/// Of tests that are written out: those that are left move to the front.
+/// Moves the tests that are not `far` to the front, and returns their number.
 template <FeatureKind kind, int moments, class D, class Points, class Far>
 HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, AskedDistance distance,
                                  FeatureTest* test, std::size_t count, Far far) {
@@ -259,7 +262,7 @@ HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, A
         [&](std::size_t from, std::size_t to) { test[to] = test[from]; });
 }
 
-/// Calls filter(d, points) with the rows as they are.
+/// Calls filter(d, points) with the rows in their own type.
 template <class Filter>
 HWY_INLINE std::size_t with_points(const PointRows& points, Filter filter) {
     const hn::ScalableTag<float> d;
@@ -281,7 +284,7 @@ std::size_t filter(const PointRows& points, std::int64_t ends, AskedDistance dis
     });
 }
 
-/// Few of the tests that are listed pass, and only these are written out.
+/// Writes out only the listed tests that pass the coarse filter, which are few; the fine filter then reads these.
 template <FeatureKind kind, int moments>
 std::size_t filter_listed(const PointRows& points, std::int64_t ends, AskedDistance distance,
                           const PairsLeft<moments>& pairs, ListedTests& listed, FeatureTest* test) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t features_at_once = 4096;
 
-// A counting sort by first feature, then those of each by the second, on all threads.
+// Sorts rows: by first feature in a counting sort, then the rows of each first feature by the second, on all threads.
 void write_rows(std::span<const FeatureRows* const> found, std::int64_t firsts, Workers& workers,
                 FeatureBuffers& buffers, FeatureRows& rows) {
     Array<std::int64_t>& place = buffers.place;
@@ -79,7 +79,7 @@ void search(const Call& call, const FeatureRequest&, FeatureLeaves<moments>&) {
     search(call);
 }
 
-/// Calls work(leaves) with those of the request, which have read it.
+/// Calls work(leaves) with the leaves that serve the request, after passing it to them.
 template <class Work>
 void with_leaves(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, Work work) {
     const auto ask = [&](auto& leaves) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// The stages in the service of requests about features: which touch in a step, are near, or have boxes that overlap.
+// Runs the stages for requests about features: which touch in a step, are near, or have boxes that overlap.
 
 #include <span>
 
@@ -10,7 +10,7 @@
 
 namespace crumple::cpu {
 
-/// Kept from call to call, beside the stages' buffers.
+/// Memory that calls reuse, in addition to the stages' buffers.
 struct FeatureBuffers {
     FeatureBuffers(MemoryMeter* m, int workers, const FeatureTables& kernels, const CandidateKernels& candidate_kernels)
         : at_rest(m, workers, kernels),
@@ -24,26 +24,27 @@ struct FeatureBuffers {
     FeatureLeaves<2> moving;
     CandidateBuffers candidates;
     Array<float> vertex_radius, triangle_radius;  ///< FeatureRequest::radii in normalised coordinates, rounded up
-    // Members of `output`, but for candidates:
-    Array<std::int64_t> place;  ///< of the rows of each first feature
+    // For stage `output`, except that of candidates:
+    Array<std::int64_t> place;  ///< first row of each first feature
     Array<FeatureHit> placed;
 };
 
-/// By how much triangles are widened in the normalised coordinates of the scene: rounded up, and at most what holds
-/// everything.
+/// Returns the inflation of triangles in the normalised coordinates of the scene: rounded up, and limited to what
+/// covers everything.
 Inflation inflation_of(const PreparedScene& scene, const FeatureRequest& query);
 
-/// The same where each vertex has a radius; of each triangle that is in the buffers, which are to stay.
+/// Returns the inflation if each vertex has a radius. It points to radii of triangles in `buffers`, which must stay
+/// valid.
 Inflation inflation_of_radii(const PreparedScene& scene, std::span<const double> radii, Workers& workers,
                              FeatureBuffers& buffers);
 
-/// The leaves of the buffers that a call's `question` is.
+/// Returns the leaves in `buffers` that serve the request, for Call::question.
 LeafQuestion& leaves_of(const PreparedScene& scene, const FeatureRequest& query, FeatureBuffers& buffers);
 
-/// All stages; call.question is leaves_of().
+/// Runs all stages. call.question must be leaves_of().
 void find(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureResult& result);
 
-/// All stages but `output`: gives all rows to a stream.
+/// Runs all stages but `output`, and delivers all rows to a stream.
 void stream(Call call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureStream& to);
 
 }  // namespace crumple::cpu

@@ -1,6 +1,6 @@
-// The tests that pairs of triangles stand for, one pair a lane: lanes for filters/features/tests_of_pair.h. Which
-// tests those are cannot be foreseen, so a branch for each would be mispredicted more often than not; here each of the
-// fifteen adds those pairs to its list that have it.
+// SIMD counterpart of filters/features/tests_of_pair.h: lists the tests that pairs of triangles stand for, one pair per
+// lane. Which tests a pair has is unpredictable, so a branch for each would mostly be mispredicted. Instead, for each
+// of the fifteen possible tests, the pairs that have it are appended to its list.
 
 #if defined(CRUMPLE_FEATURES_CPU_LIST_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_FEATURES_CPU_LIST_INL_H_
@@ -16,9 +16,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::features {
 namespace HWY_NAMESPACE {
-using namespace cpu::HWY_NAMESPACE;  // what the stages' lanes share
+using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
-/// Corners by name, and what is owned, of one triangle a lane.
+/// Representative vertices of the corners, and ownership bits, of one triangle per lane.
 template <class V>
 struct Names {
     V vertex[3], owned;

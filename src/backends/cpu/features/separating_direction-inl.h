@@ -1,4 +1,5 @@
-// Pairs of triangles that a direction separates, one pair a lane: lanes for filters/features/separating_direction.h.
+// SIMD counterpart of filters/features/separating_direction.h: drops pairs of triangles that a direction separates, one
+// pair per lane.
 
 #if defined(CRUMPLE_FEATURES_CPU_SEPARATE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_FEATURES_CPU_SEPARATE_INL_H_
@@ -15,14 +16,14 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::features {
 namespace HWY_NAMESPACE {
 
-/// A vector of records, one a lane.
+/// Vector of records, one per lane.
 template <class V, int moments>
 struct Records {
     Point<V> at[4 * moments];                              ///< as FeatureRecord::at
-    hn::Vec<hn::RebindToSigned<hn::DFromV<V>>> vertex[3];  ///< of the corners
+    hn::Vec<hn::RebindToSigned<hn::DFromV<V>>> vertex[3];  ///< vertices of the corners
 };
 
-/// One coordinate of the record of each lane, at one moment: of the three corners and of the normal.
+/// Loads one coordinate of each lane's record at one time sample: of the three corners and of the normal.
 template <auto coordinate, class D, class RecordOf, class V = hn::Vec<D>>
 HWY_INLINE void load_column(D d, RecordOf record, int moment, V& p0, V& p1, V& p2, V& normal) {
     V row[4];
@@ -54,7 +55,7 @@ HWY_INLINE void load_columns(D d, RecordOf record, Records<V, moments>& out) {
     for (int k = 0; k < 3; ++k) out.vertex[k] = hn::BitCast(di, column[k]);
 }
 
-/// The same where the lanes of a block have one record.
+/// Loads records as load_columns() does, but with one record for all lanes of a block.
 template <int moments, class D, class RecordOf, class V = hn::Vec<D>>
 HWY_INLINE void load_rows(D d, RecordOf record, Records<V, moments>& out) {
     for (int m = 0; m < moments; ++m) {
@@ -72,7 +73,7 @@ HWY_INLINE void load_rows(D d, RecordOf record, Records<V, moments>& out) {
     out.vertex[0] = hn::Broadcast<0>(v), out.vertex[1] = hn::Broadcast<1>(v), out.vertex[2] = hn::Broadcast<2>(v);
 }
 
-/// Where direction n separates a from b by more than `gap`, at each moment and the same way round.
+/// Returns the lanes in which direction n separates a from b by more than `gap` at each time sample, on the same side.
 template <int moments, class V>
 HWY_INLINE auto separates(const Point<V>& n, const Records<V, moments>& a, const Records<V, moments>& b, V gap) {
     const auto at = [&](int m, auto& above, auto& below) HWY_ATTR {
@@ -93,12 +94,12 @@ HWY_INLINE auto separates(const Point<V>& n, const Records<V, moments>& a, const
     return hn::Or(above, below);
 }
 
-/// As CommonCorner, of one pair a lane.
+/// Counterpart of CommonCorner for one pair per lane.
 template <class M>
 struct CommonCorners {
-    M of_a[3], of_b[3];  ///< where it is this corner
-    M one;               ///< where it is one
-    M any;               ///< where there are some
+    M of_a[3], of_b[3];  ///< lanes whose only common corner is this one
+    M one;               ///< lanes with exactly one common corner
+    M any;               ///< lanes with a common corner
 };
 
 template <int moments, class V, class M = decltype(hn::Gt(V(), V()))>
@@ -123,15 +124,16 @@ HWY_INLINE CommonCorners<M> common_corners(const Records<V, moments>& a, const R
     return out;
 }
 
-/// Where what is between the centroids separates a from b, or all but their one common corner on either side of that.
-/// The gap is measured in the direction's length.
+/// Returns the lanes in which the direction between the centroids separates a from b or, if they have exactly one
+/// common corner, has all their other corners on opposite sides of it. The gap is scaled by the direction's length.
 template <int moments, class V, class M>
 HWY_INLINE M separates_centroids(const Records<V, moments>& a, const Records<V, moments>& b, V gap,
                                  const CommonCorners<M>& common) {
     Point<V> n = between_centroids(a.at, b.at);
     if constexpr (moments == 2) n = add(n, between_centroids(a.at + 4, b.at + 4));
     gap = hn::Mul(gap, length(n));
-    // The extent of all corners; of all but the common one, for which its neighbour counts twice. Returns its place.
+    // Computes the extent of all corners or, with a common corner, of the others: one of these replaces the common one.
+    // Returns the place of the common corner.
     const auto extent = [&](const Point<V>* p, const M(&is_common)[3], V& low, V& high) HWY_ATTR {
         const V p0 = dot(n, p[0]), p1 = dot(n, p[1]), p2 = dot(n, p[2]);
         const V q0 = hn::IfThenElse(is_common[0], p1, p0), q1 = hn::IfThenElse(is_common[1], p2, p1),
@@ -162,7 +164,7 @@ HWY_INLINE M separates_centroids(const Records<V, moments>& a, const Records<V, 
     return hn::Or(above, below);
 }
 
-/// As most_at_start() of one pair.
+/// Counterpart of most_at_start() for one pair per lane.
 template <int moments, class V>
 HWY_INLINE V most_at_start(const Records<V, moments>& a, const Records<V, moments>& b) {
     V square[3][3];
@@ -183,7 +185,7 @@ HWY_INLINE V most_at_start(const Records<V, moments>& a, const Records<V, moment
     return hn::Sqrt(hn::Add(most, hn::Set(hn::DFromV<V>(), least_square)));
 }
 
-/// As NeededGap::of() of one pair.
+/// Counterpart of NeededGap::of() for one pair per lane.
 template <int moments, class V>
 HWY_INLINE V needed_gap(const Records<V, moments>& a, const Records<V, moments>& b, const NeededGap& gap) {
     const hn::DFromV<V> d;
@@ -218,7 +220,7 @@ std::size_t separate(const FeatureRecord<moments>* record, const CandidateChunk&
         const auto common = common_corners(a, b);
         const V needed = needed_gap(a, b, gap);
         auto apart = hn::Or(hn::RebindMask(d, hn::Eq(columns_of, dummy)), separates_centroids(a, b, needed, common));
-        // No direction separates triangles with a common corner, so often nothing is left to be told.
+        // No direction separates triangles with a common corner, so often nothing is left to test.
         if (!hn::AllTrue(d, hn::Or(apart, common.any))) {
             apart = hn::Or(apart, hn::Or(separates(a.at[3], a, b, needed), separates(b.at[3], a, b, needed)));
             if constexpr (moments == 2)

@@ -1,5 +1,5 @@
-// Squared distances of features at rest, one pair a lane: lanes for exact/proximity/enclosure.h, of what goes straight
-// through it. Whatever needs more, a refined guess, exact sums, a touch, lanes leave open.
+// Squared distances of static features, one pair per lane: SIMD counterpart of the straight path through
+// exact/proximity/enclosure.h. Pairs that need more (a refined guess, exact sums), or that touch, yield NaN.
 
 #if defined(CRUMPLE_NEAR_CPU_SQUARED_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_NEAR_CPU_SQUARED_INL_H_
@@ -19,7 +19,7 @@ namespace crumple::cpu::near {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Without a fused multiply-add a product's error takes seventeen operations, and two lanes gain nothing.
+// Without a fused multiply-add, a product's error takes seventeen operations, and two lanes would gain nothing.
 #if HWY_HAVE_FLOAT64 && HWY_NATIVE_FMA
 
 using D = hn::ScalableTag<double>;
@@ -54,7 +54,7 @@ HWY_INLINE V dot(const Vector& p, const Vector& q) {
 HWY_INLINE V length_1(const Vector& p) { return hn::Add(hn::Abs(p.x), hn::Add(hn::Abs(p.y), hn::Abs(p.z))); }
 HWY_INLINE V largest(const Vector& p) { return hn::Max(hn::Abs(p.x), hn::Max(hn::Abs(p.y), hn::Abs(p.z))); }
 
-/// As detail::combine().
+/// Counterpart of detail::combine().
 HWY_INLINE Double combine(Double w, V s, Double u, V t, Double v) {
     const Double su = two_product(s, u.high), tv = two_product(t, v.high);
     const Double first = two_sum(w.high, su.high), both = two_sum(first.high, tv.high);
@@ -62,7 +62,7 @@ HWY_INLINE Double combine(Double w, V s, Double u, V t, Double v) {
     return two_sum(both.high, hn::Add(hn::Add(first.low, both.low), low));
 }
 
-/// As detail::product() of a vector with itself.
+/// Counterpart of detail::product() of a vector with itself.
 HWY_INLINE Double square(const DoubleVector& p) {
     const Double x = two_product(p.x.high, p.x.high), y = two_product(p.y.high, p.y.high),
                  z = two_product(p.z.high, p.z.high);
@@ -73,7 +73,7 @@ HWY_INLINE Double square(const DoubleVector& p) {
     return two_sum(xyz.high, hn::Add(hn::Add(xy.low, xyz.low), lows));
 }
 
-/// The differences between two columns of points from `first` on, exactly.
+/// Returns the exact differences of two columns of points, from `first` on.
 HWY_INLINE DoubleVector difference(const GuessBatch::Column (&p)[3], const GuessBatch::Column (&q)[3],
                                    std::size_t first) {
     const auto on_axis = [&](int axis) HWY_ATTR {
@@ -82,7 +82,7 @@ HWY_INLINE DoubleVector difference(const GuessBatch::Column (&p)[3], const Guess
     return {on_axis(0), on_axis(1), on_axis(2)};
 }
 
-/// As Enclosure::rounded_slope() and Slope::pull().
+/// Counterpart of Enclosure::rounded_slope() and Slope::pull().
 HWY_INLINE V pull(const Vector& g, V error, const Vector& along, V length, hn::Mask<D> free) {
     const V of_g = hn::MulAdd(set(6 * detail::near_epsilon), largest(g), hn::Mul(set(1.1), error));
     const V value = dot(g, along), off = hn::MulAdd(of_g, length, set(detail::slope_slack));

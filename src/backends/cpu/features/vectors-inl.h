@@ -1,4 +1,4 @@
-// Arithmetic on three numbers a lane, for the filters of questions about features.
+// Arithmetic on one three-dimensional vector per lane, for the filters of queries about features.
 
 #if defined(CRUMPLE_FEATURES_CPU_VECTORS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_FEATURES_CPU_VECTORS_INL_H_
@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::features {
 namespace HWY_NAMESPACE {
-using namespace cpu::HWY_NAMESPACE;  // what the stages' lanes share
+using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
 template <class V>
 HWY_INLINE Point<V> add(const Point<V>& a, const Point<V>& b) {
@@ -35,7 +35,7 @@ template <class V>
 HWY_INLINE V dot(const Point<V>& a, const Point<V>& b) {
     return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
 }
-/// As length() of one vector.
+/// Counterpart of length() for one vector per lane.
 template <class V>
 HWY_INLINE V length(const Point<V>& a) {
     const V z = hn::MulAdd(a.z, a.z, hn::Set(hn::DFromV<V>(), least_square));
@@ -46,7 +46,7 @@ HWY_INLINE Point<V> cross(const Point<V>& a, const Point<V>& b) {
     return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
             hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
 }
-/// The products in a component of a x b, both added.
+/// Returns, for each component of a x b, the sum of its two products instead of their difference.
 template <class V>
 HWY_INLINE Point<V> product_magnitudes(const Point<V>& a, const Point<V>& b) {
     return {hn::MulAdd(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulAdd(a.z, b.x, hn::Mul(a.x, b.z)),
@@ -61,13 +61,13 @@ HWY_INLINE V greatest(V a, V b, V c) {
     return hn::Max(a, hn::Max(b, c));
 }
 
-/// From the sum of three points to that of three others.
+/// Returns the sum of three points b minus the sum of three points a.
 template <class V>
 HWY_INLINE Point<V> between_centroids(const Point<V>* a, const Point<V>* b) {
     return subtract(add(add(b[0], b[1]), b[2]), add(add(a[0], a[1]), a[2]));
 }
 
-/// Of three points' places on direction n.
+/// Computes the extent of three points along direction n.
 template <class V>
 HWY_INLINE void extent(const Point<V>& n, const Point<V>* p, V& low, V& high) {
     const V p0 = dot(n, p[0]), p1 = dot(n, p[1]), p2 = dot(n, p[2]);

@@ -1,4 +1,5 @@
-// Records and boxes of a leaf's members, one triangle in each block of 128 bits, and the records' copies at their rows.
+// Records and boxes of a leaf's members, one triangle in each block of 128 bits; and the copying of records to their
+// rows.
 
 #if defined(CRUMPLE_INTERSECT_CPU_BUILD_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_BUILD_INL_H_
@@ -13,9 +14,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
-using namespace cpu::HWY_NAMESPACE;  // what the stages' lanes share
+using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
-/// The record of a big member, one by one.
+/// Rewrites the record of a big member.
 HWY_INLINE void rewrite_big(const BuildInput& in, std::int64_t i, Record& record) {
     const std::int32_t* corner = in.corners + 3 * static_cast<std::int64_t>(in.triangle[i]);
     const Vec3d origin{in.frame.origin.x, in.frame.origin.y, in.frame.origin.z};
@@ -39,14 +40,14 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& points, Record* H
     const auto is_id =
         hn::MaskFromVec(hn::BitCast(d, hn::LoadDup128(hn::RebindToUnsigned<decltype(d)>(), first_three)));
     bounds = {};
-    // A row of four indices would end behind the array for its last triangle, so that one is copied.
+    // For the last triangle, a load of four indices would end past the array, so its indices are copied.
     const std::int32_t* last = in.corners + 3 * (in.triangles - 1);
     const std::int32_t last_copy[4] = {last[0], last[1], last[2], 0};
     const auto corners_of = [&](std::int64_t i) { return in.corners + 3 * static_cast<std::int64_t>(in.triangle[i]); };
     for (std::int64_t i = 0; i < in.members; i += blocks) {
         const std::int32_t* corner[blocks];
         for (int b = 0; b < blocks; ++b) {
-            // Members lie anywhere in memory: corners are fetched ahead, and further ahead what names them.
+            // Members are scattered in memory: prefetches corners ahead, and their indices further ahead.
             hwy::Prefetch(corners_of(i + b + 24));
             const std::int32_t* ahead = corners_of(i + b + 12);
             for (int k = 0; k < 3; ++k) hwy::Prefetch(points.row(ahead[k]));
@@ -92,7 +93,7 @@ inline void build(const BuildInput& in, Record* record, Boxes& boxes, LeafBounds
 
 inline void scatter(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted) {
     const hn::ScalableTag<float> d;
-    // Last lanes of blocks are the plane; others, ids among them, stay what they are.
+    // The last lanes of blocks are the plane; other lanes, ids among them, stay unchanged.
     HWY_ALIGN static constexpr std::uint32_t last_lane[4] = {0, 0, 0, ~0u};
     const auto is_plane =
         hn::MaskFromVec(hn::BitCast(d, hn::LoadDup128(hn::RebindToUnsigned<decltype(d)>(), last_lane)));

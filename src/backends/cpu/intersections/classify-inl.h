@@ -1,17 +1,17 @@
-// What the plane filter's signs mean. A pair is apart if all corners of one triangle but the shared ones lie, for
-// certain, on one side of the other's plane. The survivors are sorted by what can decide them:
+// Classifies pairs by the plane filter's signs. A pair is apart if all corners of one triangle, except for shared ones,
+// certainly lie on one side of the other's plane. The survivors are sorted by what can decide them:
 //
-//   edge   no shared vertex, all six signs certain                      -> edge_test
-//   hit    one shared vertex, all four other signs certain, and crossing -> done
-//   flat   other neighbours: mostly nearly coplanar ones                -> flat_test
-//   open   the rest: no shared vertex, and signs that are not certain   -> separation tests, exact arithmetic
+//   edge   no shared vertex, all six signs certain                        -> edge_test
+//   hit    one shared vertex, all four other signs certain, and crossing  -> decided
+//   flat   other adjacent triangles: mostly nearly coplanar               -> flat_test
+//   open   the rest: no shared vertex, and uncertain signs                -> separation tests, exact decision
 //
 // One shared vertex v, A = (v, a1, a2), B = (v, b1, b2), signs certain and straddling: both triangles meet the line of
-// the two planes in a segment that starts at v. They overlap iff both segments leave v in the same direction, that is
+// the two planes in a segment that starts at v. They overlap iff both segments leave v in the same direction, that is,
 // iff a1 lies on the other side of B's plane than b1 does of A's (docs/narrow.md).
 //
-// Three passes: codes of all candidates, in 8-bit lanes; those that are not 0, packed; these by kind. Survivors are one
-// in five, so the last pass, the only one with several lists, is a short one.
+// Three passes: compute the codes of all candidates, in 8-bit lanes; pack those that are not 0; sort these by kind. One
+// in five candidates survives, so the last pass, the only one that writes several lists, is short.
 
 #if defined(CRUMPLE_INTERSECT_CPU_CLASSIFY_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_CLASSIFY_INL_H_
@@ -25,12 +25,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
-using namespace cpu::HWY_NAMESPACE;  // what the stages' lanes share
+using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
-// A code's two upper bits tell edge or flat, with six bits of detail below; else it is one of the others.
+// A code's two upper bits mean edge or flat, with six bits of detail below; else the code is one of the others.
 constexpr std::uint8_t code_apart = 0, code_hit = 1, code_open = 2, code_edge = 0x40, code_flat = 0x80;
 
-/// The codes of one vector of pairs, from their nibbles.
+/// Returns the codes of one vector of pairs, from their nibbles.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V code_of(D d, V above_a, V below_a, V above_b, V below_b, V same0, V same1, V same2,
                      const NarrowPolicy& policy) {
@@ -48,14 +48,15 @@ HWY_INLINE V code_of(D d, V above_a, V below_a, V above_b, V below_b, V same0, V
                               hn::Or(hn::IfThenElseZero(some(same1), two), hn::IfThenElseZero(some(same2), four)));
     auto apart = hn::Or(hn::Or(all(hn::Or(above_a, shared_b)), all(hn::Or(below_a, shared_b))),
                         hn::Or(all(hn::Or(above_b, shared_a)), all(hn::Or(below_b, shared_a))));
-    apart = hn::And(apart, hn::Ne(shared_b, seven));  // duplicated faces are for the exact test
+    apart = hn::And(apart, hn::Ne(shared_b, seven));  // duplicated faces are left to the exact test
     const auto neighbours = some(shared_b);
     if (policy.skip_neighbours) apart = hn::Or(apart, neighbours);
 
     const auto certain =
         all(hn::And(hn::Or(hn::Or(above_a, below_a), shared_b), hn::Or(hn::Or(above_b, below_b), shared_a)));
     auto by_direction = hn::And(certain, hn::And(single(shared_a), single(shared_b)));
-    // Two segments that end in the same point cross no inside, so `proper` has to look closer.
+    // A common segment that starts at the shared vertex may cross no interior, so `proper` leaves these pairs to the
+    // flat test.
     if (policy.proper) by_direction = hn::And(by_direction, some(zero));
     const auto a1 = some(hn::And(below_b, next_corner(shared_a))), b1 = some(hn::And(below_a, next_corner(shared_b)));
     const V direction = hn::IfThenElseZero(hn::Xor(a1, b1), hn::Set(d, code_hit));
@@ -67,7 +68,7 @@ HWY_INLINE V code_of(D d, V above_a, V below_a, V above_b, V below_b, V same0, V
                               hn::IfThenElse(by_direction, direction, hn::IfThenElse(neighbours, flat, strangers)));
 }
 
-/// Codes of all candidates, and of up to `padding` more.
+/// Writes the codes of all candidates, and of up to `padding` more.
 inline void write_codes(const PlaneSigns& signs, std::int64_t count, const NarrowPolicy& policy,
                         std::uint8_t* HWY_RESTRICT out) {
     const hn::ScalableTag<std::uint8_t> d;
@@ -75,7 +76,7 @@ inline void write_codes(const PlaneSigns& signs, std::int64_t count, const Narro
     constexpr auto lanes = static_cast<std::int64_t>(hn::MaxLanes(hn::ScalableTag<std::uint8_t>()));
     static_assert(2 * lanes <= 2 * padding);
     const V seven = hn::Set(d, 7);
-    // A byte holds the nibbles of two pairs; the even ones and the odd ones are two vectors.
+    // A byte holds the nibbles of two pairs; even and odd pairs go to separate vectors.
     for (std::int64_t i = 0; 2 * i < count; i += lanes) {
         const auto even = [&](const Array<std::uint8_t>& stream) {
             return hn::And(hn::LoadU(d, stream.data() + i), seven);
@@ -122,7 +123,7 @@ inline void sort_survivors(std::size_t count, std::uint16_t dummy, Verdicts& out
     for (std::size_t s = 0; s < count; s += lanes) {
         const auto packed = hn::LoadU(d, out.survivor.data() + s), code = hn::LoadU(d, out.survivor_code.data() + s);
         const auto column = hn::ShiftRight<16>(packed);
-        // A big row's NaN keeps padding.
+        // Padding survives in rows of big members, whose NaN decide nothing.
         const auto valid = hn::And(hn::FirstN(d, count - s), hn::Ne(column, hn::Set(d, std::uint32_t{dummy})));
         const auto kind = hn::And(code, hn::Set(d, 0xc0u)), detail = hn::And(code, hn::Set(d, 0x3fu));
         const auto is_edge = hn::And(valid, hn::Eq(kind, hn::Set(d, std::uint32_t{code_edge})));

@@ -1,11 +1,11 @@
-// Second filter of `narrow`: pairs of which no plane separates, with all six signs certain and no shared vertex.
+// Second filter of `narrow`: pairs that no plane separates, with all six signs certain and no shared vertex.
 //
 // Each triangle has one corner alone on its side of the other's plane, p1 and p2; orders (p1, q1, r1) and (p2, q2, r2)
 // are chosen so that p1 lies above plane 2 and p2 above plane 1. Both triangles meet the line of the planes in an
 // interval, and these overlap iff det(q1 - p1, p2 - p1, q2 - p1) <= 0 and det(r1 - p1, r2 - p1, p2 - p1) <= 0 (Guigue
-// and Devillers 2003). Determinants in float32 carry a bound (docs/narrow.md); what it leaves open is undecided.
+// and Devillers 2003). Determinants in float32 carry a bound (docs/narrow.md); pairs within it stay undecided.
 //
-// Intervals that overlap mean a proper intersection unless they are the same: then edges meet edges at both ends. So a
+// Intervals that overlap mean a proper intersection unless they are equal: then edges meet edges at both ends. So a
 // query for proper intersections leaves hits undecided.
 
 #if defined(CRUMPLE_INTERSECT_CPU_EDGE_TEST_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -22,7 +22,7 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
-/// Appends to out.hit and out.undecided. `reach`: the leaf's largest coordinate.
+/// Appends to out.hit and out.undecided. `reach`: the leaf's largest |coordinate|.
 inline void edge_test(const Record* record, const CandidateChunk& candidates, float reach, bool proper, Verdicts& out) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
@@ -40,7 +40,7 @@ inline void edge_test(const Record* record, const CandidateChunk& candidates, fl
     const V delta = hn::Set(d, corner_error(reach)), delta3 = hn::Mul(delta, hn::Set(d, 3.0f));
     const V delta6 = hn::Mul(hn::Mul(delta, delta), hn::Set(d, 6.0f));
     const auto norm1 = [](const Point<V>& p) { return hn::Add(hn::Abs(p.x), hn::Add(hn::Abs(p.y), hn::Abs(p.z))); };
-    // +1, -1 or undecided sign of det(a, b, c): sets of lanes.
+    // Computes the certain signs of det(a, b, c), as sets of lanes.
     const auto determinant = [&](const Point<V>& a, const Point<V>& b, const Point<V>& c, auto& positive,
                                  auto& negative) {
         const V m1 = hn::Mul(b.y, c.z), m2 = hn::Mul(b.z, c.y), m3 = hn::Mul(b.z, c.x), m4 = hn::Mul(b.x, c.z),

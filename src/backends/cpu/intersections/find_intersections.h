@@ -1,6 +1,6 @@
 #pragma once
 
-// The stages in the service of one question: which triangles intersect.
+// Runs the stages to find which triangles intersect.
 
 #include "backends/cpu/intersections/intersection_leaves.h"
 #include "backends/cpu/order.h"
@@ -9,10 +9,10 @@
 
 namespace crumple::cpu {
 
-/// What is asked, and where the pairs go.
+/// Call with a query, and the destination of its pairs.
 struct IntersectCall : Call {
     const IntersectionQuery& query;
-    IntersectLeaves& leaves;  ///< the same as `question`
+    IntersectLeaves& leaves;  ///< same object as `question`
     OutputScratch& output;
 
     const PairSink* sink = nullptr;       ///< see NarrowContext
@@ -20,22 +20,22 @@ struct IntersectCall : Call {
     PairStream* stream = nullptr;         ///< see IntersectLeaves::Asked
 };
 
-/// As search() of order.h: pairs gather with the workers, unless the sink takes them.
+/// Runs search() of order.h. Pairs stay in `leaves`, unless the sink takes them.
 void search_pairs(const IntersectCall& call);
 
-/// Stage `output`: the result from the pairs that the workers hold.
+/// Runs stage `output`: makes the result from the pairs in `leaves`.
 void write_result(const IntersectCall& call, Intersections& result);
 
-/// What belongs to the pairs of `result`: where they meet, if that is asked for.
+/// Computes the contacts of the pairs in `result`, if the query requests them.
 void write_contacts(const IntersectCall& call, Intersections& result);
 
-/// All stages.
+/// Runs all stages.
 void find(const IntersectCall& call, Intersections& result);
 
-/// All stages but `output`: gives all pairs to a stream.
+/// Runs all stages but `output`, and delivers all pairs to a stream.
 void stream(IntersectCall call, PairStream& to);
 
-/// Whether there is any pair; ends at the first.
+/// Returns true if there is any pair. Ends soon after the first one.
 bool any(IntersectCall call);
 
 }  // namespace crumple::cpu

@@ -1,9 +1,11 @@
-// Third filter of `narrow`: neighbours that lie nearly in one plane, by far the most frequent pairs of a smooth mesh.
+// Third filter of `narrow`: adjacent triangles that are nearly coplanar, by far the most frequent pairs of a smooth
+// mesh.
 //
-// Seen along the largest component of A's normal, an edge line through the shared vertices that has the rest of A
-// strictly on one side and the rest of B strictly on the other separates them but for what they share: then they do
-// not collide. With one shared vertex v, A = (v, p, q), B = (v, r, t), the lines through v and each of p, q, r, t may
-// do; with two, the line through both. What this does not settle, odd neighbours ([a, a, b]) among it, is undecided.
+// In the projection along the largest component of A's normal, take an edge line through the shared vertices. If it has
+// the rest of A strictly on one side and the rest of B strictly on the other, the triangles have only their shared
+// vertices or edge in common, and do not collide. With one shared vertex v, A = (v, p, q), B = (v, r, t), the lines
+// through v and each of p, q, r, t are candidates; with two, the line through both. All other pairs stay undecided, odd
+// ones ([a, a, b]) among them.
 
 #if defined(CRUMPLE_INTERSECT_CPU_FLAT_TEST_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_FLAT_TEST_INL_H_
@@ -20,7 +22,7 @@ namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
 /// Appends to out.undecided. Corners come from triangles_of(record of each lane); each coordinate of a difference of
-/// two errs by at most `difference_error` beyond its own rounding.
+/// two corners errs by at most `difference_error` beyond its own rounding.
 template <class TrianglesOf>
 HWY_INLINE void flat_test_with(const Record* record, const CandidateChunk& candidates, float difference_error,
                                TrianglesOf triangles_of, Verdicts& out) {
@@ -49,11 +51,11 @@ HWY_INLINE void flat_test_with(const Record* record, const CandidateChunk& candi
         const VI shared = hn::BitCast(di, hn::LoadU(du, out.flat_shared.data() + k));
         const VI shared_b = hn::And(shared, seven), shared_a = hn::ShiftRight<3>(shared);
         const VI apex_a = hn::Xor(shared_a, seven), apex_b = hn::Xor(shared_b, seven);
-        const auto edge = hn::And(is_single(apex_a), is_single(apex_b));  // two shared vertices each
+        const auto edge = hn::And(is_single(apex_a), is_single(apex_b));  // two shared vertices in each triangle
         const auto settled = hn::Or(edge, hn::And(is_single(shared_a), is_single(shared_b)));
 
-        // v: the shared vertex; of a shared edge the one behind the apex, so that p is its other end and q the apex.
-        // Corner 0 where there is no such thing: what those lanes say is not asked.
+        // v: the shared vertex; of a shared edge, the one that follows the apex, so that p is its other end and q the
+        // apex. Lanes without either get corner 0; their results are ignored.
         const auto pivot = [&](VI e, VI apex) {
             const VI corner = hn::IfThenElse(edge, next(hn::ShiftRight<1>(apex)), hn::ShiftRight<1>(e));
             return hn::IfThenElseZero(settled, corner);
@@ -105,7 +107,7 @@ HWY_INLINE void flat_test_with(const Record* record, const CandidateChunk& candi
     out.undecided.resize(undecided);
 }
 
-/// `reach`: the leaf's largest coordinate.
+/// Runs the flat test. `reach`: the leaf's largest |coordinate|.
 inline void flat_test(const Record* record, const CandidateChunk& candidates, const PointRows& points, float reach,
                       Verdicts& out) {
     with_triangles(points, reach, [&](float difference_error, auto triangles_of) {

@@ -1,9 +1,9 @@
 #pragma once
 
-// The inner loops of this question on the cpu, as a table of functions beside those of the stages
-// (backends/cpu/stages/kernels.h): plain C++ (intersection_kernels_scalar.cpp, from the per-pair sources that host and
-// device share) and one table for each SIMD instruction set, which overrides it (intersection_lanes.cpp). All tables
-// give the same pairs.
+// Inner loops of intersection queries on the cpu, as tables of functions like those of the stages
+// (backends/cpu/stages/kernels.h): one in plain C++ (intersection_kernels_scalar.cpp, from the per-pair sources that
+// host and device share), and one for each SIMD instruction set (intersection_lanes.cpp). All tables yield the same
+// pairs.
 
 #include <cstdint>
 #include <vector>
@@ -19,26 +19,28 @@ namespace crumple::cpu {
 struct IntersectKernels {
     const char* name;
 
-    /// Records (plane not yet scaled) and boxes of a leaf's members: both at once, since what they cost is to gather
-    /// the corners.
+    /// Computes records (planes not yet scaled) and boxes of a leaf's members, both at once because gathering the
+    /// corners is the main cost.
     void (*build)(const BuildInput& input, Record* record, Boxes& boxes, LeafBounds& bounds);
 
     /// Copies record i to sorted[position[i]], its plane times `scale`.
     void (*scatter)(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted);
 
-    /// Filters: sorts each candidate into hit, undecided or (silently) apart. `record`: by physical row.
+    /// Filters candidates: lists each as hit or undecided, or drops it as apart. `record`: by physical row.
     void (*filter)(const Record* record, const CandidateChunk& candidates, const PointRows& points,
                    const NarrowPolicy& policy, float reach, Verdicts& verdicts);
 
-    /// The triangles of packed pairs (column << 16 | row), lower id first. Reads and writes up to `padding` more.
+    /// Writes the triangles of packed pairs (column << 16 | row), lower id first. Reads and writes up to `padding`
+    /// more.
     void (*name_pairs)(const std::uint32_t* packed, std::size_t count, const RowLink* rows, const RowLink* columns,
                        Pair* out);
 };
 
-/// The table for an instruction set; throws backend_unavailable if the build or the machine lacks it.
+/// Returns the table of an instruction set. Throws Error (backend_unavailable) if the build or the machine lacks it.
 const IntersectKernels& intersect_kernels(Simd simd);
 
-/// Every table that build and machine have, the plain one first, in the order of all_stage_kernels(): for tests.
+/// Returns all tables that both the build and the machine support, the plain one first, in the order of
+/// all_stage_kernels(). For tests.
 std::vector<const IntersectKernels*> all_intersect_kernels();
 
 extern const IntersectKernels scalar_intersect;

@@ -1,5 +1,5 @@
-// Plain C++ for every kernel of this question: what a machine without a known SIMD instruction set runs, and the text
-// to read first. The arithmetic for one triangle or pair is in filters/intersection/, shared with devices.
+// Kernels of intersection queries in plain C++, for machines without a supported SIMD instruction set; the version to
+// read first. The arithmetic for one triangle or pair is in filters/intersection/, shared with devices.
 
 #include "backends/cpu/intersections/intersection_kernels.h"
 

@@ -1,5 +1,5 @@
-// This question's kernels, one table for each instruction set, from one source: Highway includes this file once a
-// target. Lanes override the per-pair sources of filters/intersection/, with the same bounds, and are tested against
+// Kernels of intersection queries, one table for each instruction set, from one source: Highway includes this file once
+// per target. They replace the per-pair sources of filters/intersection/, with the same bounds, and are tested against
 // them.
 
 #include "backends/cpu/intersections/intersection_kernels.h"
@@ -10,10 +10,10 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "backends/cpu/intersections/intersection_lanes.cpp"
 #include "hwy/foreach_target.h"
-// foreach_target.h comes first.
+// Must follow foreach_target.h.
 #include "hwy/highway.h"
 
-// One-lane vectors have no fixed tags: the plain kernels serve there.
+// One-lane vectors have no fixed tags: those targets use the plain kernels.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 #include "backends/cpu/intersections/build_triangles-inl.h"
 #include "backends/cpu/intersections/classify-inl.h"

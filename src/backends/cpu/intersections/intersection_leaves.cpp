@@ -20,7 +20,7 @@ void IntersectLeaves::begin(const Call& call) {
         worker->narrow.pairs.clear();
         worker->narrow.statistics = {};
     }
-    // The SIMD filters form 4 vertex in 32 bits.
+    // The SIMD filters compute 4 * vertex in 32 bits.
     const bool huge = call.scene.vertex_count() >= std::int64_t{1} << 29;
     context_.emplace(NarrowContext{call.scene, *asked_.query, call.rule, call.kernels,
                                    huge ? scalar_intersect : kernels_, call.points(), call.cancellation, asked_.sink,
@@ -35,7 +35,7 @@ void IntersectLeaves::leave_out(const Call& call, Levels& levels) {
     copies_.leave_out(b.included);
 }
 
-// And for more than its share of the pairs.
+// Also reserves for twice the worker's average share of the last call's pairs.
 void IntersectLeaves::make_room(const Call&, std::int64_t members, std::int64_t rows, std::size_t worker) {
     std::int64_t most = 0;
     for (const auto& each : worker_) most = std::max(most, each->narrow.most_candidates);

@@ -1,6 +1,6 @@
 #pragma once
 
-// This question in the order of the stages: records from `align` to `narrow`, and the pairs that were found.
+// Intersection query as a LeafQuestion: records from `align` to `narrow`, and the pairs found.
 
 #include <atomic>
 #include <memory>
@@ -19,12 +19,12 @@ class IntersectLeaves final : public LeafQuestion {
    public:
     IntersectLeaves(MemoryMeter* meter, int workers, const IntersectKernels& kernels);
 
-    /// What is asked, and where pairs go, from begin() on; what is pointed to has to stay.
+    /// Query and destination of pairs, from begin() on. The pointers must stay valid.
     struct Asked {
         const IntersectionQuery* query = nullptr;
         const PairSink* sink = nullptr;       ///< see NarrowContext
         std::atomic<bool>* enough = nullptr;  ///< see NarrowContext
-        PairStream* stream = nullptr;         ///< takes the pairs of each unit; null: there are none
+        PairStream* stream = nullptr;         ///< receives the pairs of each unit; null: no stream
     };
     void ask(const Asked& asked) { asked_ = asked; }
 
@@ -41,15 +41,15 @@ class IntersectLeaves final : public LeafQuestion {
     void fail() override { asked_.stream->fail(); }
     void finish(Statistics& statistics) override;
 
-    /// Gives the pairs of a worker, and those of copies, to the stream.
+    /// Delivers the pairs of a worker, and those of duplicate triangles, to the stream.
     void deliver(NarrowScratch& scratch);
 
-    /// The pairs of each worker that no sink has taken; of copies of a triangle only the first is there.
+    /// Pairs of each worker that no sink has taken; of duplicate triangles, only the first occurs in them.
     std::span<const Array<Pair>* const> found() const { return found_; }
     Array<Pair>& found(std::size_t worker) { return worker_[worker]->narrow.pairs; }
     const Copies& copies() const { return copies_; }
 
-    std::size_t pairs_before = 0;  ///< pairs of the call before
+    std::size_t pairs_before = 0;  ///< number of pairs of the previous call
 
    private:
     struct Worker {

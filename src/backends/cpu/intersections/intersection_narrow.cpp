@@ -8,7 +8,8 @@
 namespace crumple::cpu {
 namespace {
 
-// Turns one chunk's verdicts into pairs.
+// Turns one chunk's verdicts into pairs: drops pairs that the leaf does not own or the pair filter excludes, and
+// decides undecided ones exactly.
 void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, NarrowScratch& scratch) {
     const CandidateChunk& candidates = scratch.candidates;
     const auto ours = [&](std::int64_t row, std::int64_t column) {

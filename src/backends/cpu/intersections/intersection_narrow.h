@@ -18,11 +18,11 @@ namespace crumple::cpu {
 
 struct NarrowScratch;
 
-/// Called after each chunk that has been narrowed, by the worker that did it, with its scratch, whose pairs from
-/// `before` on are new. It may take them out of the list; what it leaves there gathers.
+/// Callback after each narrowed chunk, in the worker that narrowed it. `scratch`: the worker's, whose pairs from
+/// `before` on are new. The callback may remove pairs from the list; those that it leaves accumulate.
 using PairSink = FunctionRef<void(NarrowScratch& scratch, std::size_t before)>;
 
-/// What narrow needs to know about the call.
+/// Data of the call that `narrow` needs.
 struct NarrowContext {
     const PreparedScene& scene;
     const IntersectionQuery& query;
@@ -31,26 +31,26 @@ struct NarrowContext {
     const IntersectKernels& kernels;
     PointRows points;
     Cancellation& cancellation;
-    const PairSink* sink = nullptr;       ///< null: pairs gather in NarrowScratch::pairs
-    std::atomic<bool>* enough = nullptr;  ///< not null: everybody stops once it is set
+    const PairSink* sink = nullptr;       ///< null: pairs accumulate in NarrowScratch::pairs
+    std::atomic<bool>* enough = nullptr;  ///< if not null: all workers stop once it is set
 
-    /// Asked before each chunk. Throws if the call was cancelled.
+    /// Returns true if the search may end. Called before each chunk. Throws if the call was cancelled.
     bool stop() const {
         cancellation.check();
         return enough && enough->load(std::memory_order_relaxed);
     }
 };
 
-/// Scratch and findings of one worker.
+/// Scratch and results of one worker.
 struct NarrowScratch {
     explicit NarrowScratch(MemoryMeter* m) : candidates(m), verdicts(m), pairs(m) {}
     CandidateChunk candidates;
     Verdicts verdicts;
     Array<Pair> pairs;      ///< joint numbering, lower id first
-    std::int64_t unit = 0;  ///< of a stream: what they belong to
+    std::int64_t unit = 0;  ///< unit of a stream that the pairs belong to
     Statistics statistics;  ///< counts and times of sweep and narrow
 
-    std::int64_t most_candidates = 0;  ///< of all chunks so far
+    std::int64_t most_candidates = 0;  ///< largest count of a chunk so far
 };
 
 /// Sweeps rows [first, last) of a leaf and appends the colliding pairs that the leaf owns.

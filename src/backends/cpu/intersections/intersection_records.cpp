@@ -3,7 +3,7 @@
 namespace crumple::cpu {
 namespace {
 
-// A record that no filter can mistake for a triangle: all corners lie above its plane.
+// Record that no filter can mistake for a triangle: all corners lie above its plane.
 constexpr Record no_triangle{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {-1, -1, -1}, -2};
 
 }  // namespace

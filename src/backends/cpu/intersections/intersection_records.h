@@ -1,7 +1,6 @@
 #pragma once
 
-// The records of a leaf's members on their way from `align` to `narrow`: as `build` makes them, and at their rows once
-// the boxes are sorted.
+// Records of a leaf's members from `align` to `narrow`: as built, and at their rows once the boxes are sorted.
 
 #include "backends/cpu/intersections/intersection_kernels.h"
 #include "backends/cpu/stages/leaf_members.h"
@@ -14,16 +13,16 @@ struct LeafRecords {
     Array<Record> sorted;  ///< by physical row, planes scaled
     float reach = 0;       ///< the leaf's largest |coordinate|
 
-    /// Makes room for a leaf of so many members and, with dummies, rows.
+    /// Reserves memory for a leaf with these numbers of members and, with dummies, of rows.
     void make_room(std::int64_t members, std::int64_t rows) {
         built.resize_discard(static_cast<std::size_t>(members + padding));
         sorted.resize_discard(static_cast<std::size_t>(rows + padding));
     }
 
-    /// Beside `align`: records and boxes of a leaf's members.
+    /// Completes `align`: computes records and boxes of a leaf's members.
     void build(const IntersectKernels& kernels, const BuildInput& input, LeafMembers& members);
 
-    /// Beside `sort`: each record to its member's row.
+    /// Completes `sort`: copies each record to its member's row.
     void sort(const IntersectKernels& kernels, const SortedLeaf& leaf);
 };
 

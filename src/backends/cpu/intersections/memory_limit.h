@@ -1,14 +1,14 @@
 #pragma once
 
-// What happens under a memory limit: first-level clusters one after another, on one worker, and twice: pairs are
-// counted, then written to their places ([MZ] sec. 3.1's use of prefix sums). Nothing is stored but records and the
-// result.
+// Search under a memory limit: first-level clusters run one after another, on one worker, and twice: pairs are counted,
+// then written to their places (as [MZ] sec. 3.1 uses prefix sums). Only records and the result are stored.
 
 #include "backends/cpu/intersections/find_intersections.h"
 
 namespace crumple::cpu {
 
-/// As find(), in as little memory as may be. Throws MemoryMeter::Exceeded, or ResultExceeds, if that is too much.
+/// Does what find() does, in as little memory as possible. Throws MemoryMeter::Exceeded, or ResultExceeds, if that
+/// exceeds the limit.
 void find_in_chunks(IntersectCall call, Intersections& result);
 
 }  // namespace crumple::cpu

@@ -1,4 +1,4 @@
-// Packed pairs of rows and columns to pairs of triangles, lower id first: the end of `narrow`.
+// End of `narrow`: converts packed pairs of rows and columns to pairs of triangles, lower id first.
 
 #if defined(CRUMPLE_INTERSECT_CPU_PAIRS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_PAIRS_INL_H_
@@ -12,7 +12,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
-using namespace cpu::HWY_NAMESPACE;  // what the stages' lanes share
+using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
 inline void name_pairs(const std::uint32_t* HWY_RESTRICT packed, std::size_t count, const RowLink* rows,
                        const RowLink* columns, Pair* HWY_RESTRICT out) {
@@ -24,7 +24,7 @@ inline void name_pairs(const std::uint32_t* HWY_RESTRICT packed, std::size_t cou
         return hn::GatherIndex(d, &links->triangle, hn::BitCast(d, hn::Add(index, index)));
     };
     for (std::size_t i = 0; i < count; i += lanes) {
-        // Lanes behind the end name row 0, which is there.
+        // Lanes past the end refer to row 0, which exists.
         const auto pair = hn::IfThenElseZero(hn::FirstN(du, count - i), hn::LoadU(du, packed + i));
         const auto a = triangle_of(rows, hn::And(pair, hn::Set(du, 0xffffu)));
         const auto b = triangle_of(columns, hn::ShiftRight<16>(pair));

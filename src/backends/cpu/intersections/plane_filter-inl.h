@@ -1,10 +1,9 @@
-// First filter of `narrow`: on which side of each triangle's plane do the other's corners lie?
+// First filter of `narrow`: computes on which side of each triangle's plane the other's corners lie.
 //
-// A vector holds one, two or four records (128, 256, 512 bits), one of a candidate's in each block of four lanes. After
-// a transpose of blocks, X, Y, Z hold x, y, z of the three corners and of the normal of every candidate, so that
-// n_row . p - c_row for all corners is three multiply-adds, and the other plane three more with lanes broadcast. There
-// is no branch and no gather; what is found goes, as one nibble a pair, into words for 16 pairs, which `classify`
-// reads.
+// A vector holds records of one, two or four candidates (128, 256, 512 bits), each in a block of four lanes. After a
+// transpose of blocks, X, Y, Z hold x, y, z of the three corners and of the normal of every candidate. Then n_row . p -
+// c_row for all corners is three multiply-adds, and the other plane takes three more with lanes broadcast. There is no
+// branch and no gather. Each result is stored as one nibble per pair, which `classify` reads.
 
 #if defined(CRUMPLE_INTERSECT_CPU_PLANE_FILTER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_PLANE_FILTER_INL_H_
@@ -19,8 +18,8 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
-/// Stores the nibbles of `mask`, those of candidates `pair` and on. Where these are whole bytes, a mask goes straight
-/// to memory, and no arithmetic on masks competes with that on vectors.
+/// Stores the nibbles of `mask`, those of candidates from `pair` on. If they fill whole bytes, the mask is stored
+/// directly, so that no arithmetic on masks competes with that on vectors.
 template <class D, class M>
 HWY_INLINE void put_nibbles(D d, M mask, std::int64_t pair, std::uint8_t* HWY_RESTRICT stream) {
     std::uint8_t* bytes = stream + pair / 2;

@@ -1,4 +1,4 @@
-// Records of any order in vectors: what the filters of `narrow` load.
+// Loads records, in any order, into vectors, for the filters of `narrow`.
 
 #if defined(CRUMPLE_INTERSECT_CPU_RECORDS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_RECORDS_INL_H_
@@ -12,10 +12,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
-using namespace cpu::HWY_NAMESPACE;  // what the stages' lanes share
+using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
-/// Record *record(b) in block b, transposed: X = x0 x1 x2 nx | ..., I = id0 id1 id2 c | ... Shuffles are what filters
-/// would wait for, so halves of vectors are joined in loading, which is none.
+/// Loads record *record(b) into block b, transposed: X = x0 x1 x2 nx | ..., I = id0 id1 id2 c | ... Filters would wait
+/// for shuffles, so halves of vectors are combined while loading, which takes none.
 template <class D, class RecordOf, class V>
 HWY_INLINE void load_records(D d, RecordOf record, V& X, V& Y, V& Z, V& I) {
     const auto at = [&](int b) { return reinterpret_cast<const float*>(record(b)); };
@@ -35,14 +35,14 @@ HWY_INLINE void load_records(D d, RecordOf record, V& X, V& Y, V& Z, V& I) {
     }
 }
 
-/// A vector of triangles, one a lane.
+/// Vector of triangles, one per lane.
 template <class D>
 struct Triangles {
     using V = hn::Vec<D>;
     Point<V> corner[3], normal;
     hn::Vec<hn::RebindToSigned<D>> id[3];
 
-    /// The corner that each lane names.
+    /// Returns corner `which` of each lane.
     HWY_INLINE Point<V> at(hn::Vec<hn::RebindToSigned<D>> which) const {
         const D d;
         const hn::RebindToSigned<D> di;
@@ -55,8 +55,8 @@ struct Triangles {
     }
 };
 
-/// The triangle of *record(lane) in each lane: four loads of blocks, transposed. A gather would fetch each number by
-/// itself.
+/// Loads the triangle of *record(lane) into each lane, by four loads of blocks and a transpose. A gather would fetch
+/// each number by itself.
 template <class D, class RecordOf>
 HWY_INLINE Triangles<D> load_triangles(D d, RecordOf record) {
     using V = hn::Vec<D>;
@@ -75,11 +75,11 @@ HWY_INLINE Triangles<D> load_triangles(D d, RecordOf record) {
     return t;
 }
 
-/// The same with corners from normalised float32 rows, which are exact.
+/// Loads triangles as above, but with corners from normalised float32 rows, which are exact.
 template <class D, class RecordOf>
 HWY_INLINE Triangles<D> load_exact_triangles(D d, RecordOf record, const float* points) {
     using V = hn::Vec<D>;
-    Triangles<D> t = load_triangles(d, record);  // for normals and ids
+    Triangles<D> t = load_triangles(d, record);  // provides normals and ids
     for (int k = 0; k < 3; ++k) {
         V row[4], unused;
         for (int r = 0; r < 4; ++r)
@@ -91,9 +91,10 @@ HWY_INLINE Triangles<D> load_exact_triangles(D d, RecordOf record, const float* 
     return t;
 }
 
-/// Calls test(difference_error, triangles_of), where triangles_of(record of each lane) has the best corners at hand: of
-/// the normalised rows where these are float32, and so exact, otherwise of the records. Each coordinate of a difference
-/// of two corners errs by at most `difference_error` beyond its own rounding. `reach`: the leaf's largest coordinate.
+/// Calls test(difference_error, triangles_of), where triangles_of(record of each lane) loads the best corners
+/// available: from the normalised rows if these are float32, and so exact, otherwise from the records. Each coordinate
+/// of a difference of two corners errs by at most `difference_error` beyond its own rounding. `reach`: the leaf's
+/// largest |coordinate|.
 template <class Test>
 HWY_INLINE void with_triangles(const PointRows& points, float reach, Test test) {
     const hn::ScalableTag<float> d;

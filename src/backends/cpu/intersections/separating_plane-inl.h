@@ -1,10 +1,10 @@
-// Last filters of `narrow`: a separating plane or a separating edge line, for any pair that the others left open, first
-// in float32 from the records, then, for what is left, in float64 straight from the normalised vertices.
+// Last filters of `narrow`: a separating plane or a separating edge line, for any pair that the others leave undecided;
+// first in float32, then, for pairs still left, in float64 from the normalised vertices.
 //
-// A pair is apart if the corners of one that the other does not share lie strictly on one side of its plane (float64
-// only; the plane filter has tried it in float32), or if, seen along the largest component of A's normal, an edge line
-// of one separates them but for shared corners on that line. Pairs that intersect, and ties, stay undecided. Bounds:
-// docs/narrow.md.
+// A pair is apart if the corners of one triangle that the other does not share lie strictly on one side of the other's
+// plane (float64 only; the plane filter has tried it in float32), or if, in the projection along the largest component
+// of A's normal, an edge line of one separates them except for shared corners on that line. Pairs that intersect, and
+// ties, stay undecided. Bounds: docs/narrow.md.
 
 #if defined(CRUMPLE_INTERSECT_CPU_SEPARATION_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_SEPARATION_INL_H_
@@ -19,11 +19,11 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
-/// A vector of triangles.
+/// Corners of a vector of triangles.
 template <class D>
 struct Corners {
     hn::Vec<D> p[3][3];     ///< [corner][axis]
-    hn::Mask<D> shared[3];  ///< the other triangle names this corner, too
+    hn::Mask<D> shared[3];  ///< the other triangle has this corner, too
 };
 
 template <class D>
@@ -31,8 +31,8 @@ struct Sides {
     hn::Mask<D> left, right;
 };
 
-/// Sign of the cross product of two differences of corners, each coordinate of which errs by at most `delta` beyond its
-/// own rounding.
+/// Returns the certain signs of the cross product of two differences of corners, each coordinate of which errs by at
+/// most `delta` beyond its own rounding.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE Sides<D> side_of(D d, V au, V aw, V bu, V bw, hn::TFromD<D> delta, hn::TFromD<D> tiny) {
     using T = hn::TFromD<D>;
@@ -46,7 +46,7 @@ HWY_INLINE Sides<D> side_of(D d, V au, V aw, V bu, V bw, hn::TFromD<D> delta, hn
     return {hn::Gt(value, error), hn::Lt(value, hn::Neg(error))};
 }
 
-// Which pairs an edge line of t separates in the projection (u, w).
+// Returns the pairs that an edge line of t separates in the projection (u, w).
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE hn::Mask<D> separated_by_edge(D d, const Corners<D>& t, const V tu[3], const V tw[3],
                                          const Corners<D>& other, const V ou[3], const V ow[3], hn::TFromD<D> delta,
@@ -56,7 +56,7 @@ HWY_INLINE hn::Mask<D> separated_by_edge(D d, const Corners<D>& t, const V tu[3]
         const int end = (k + 1) % 3, apex = (k + 2) % 3;
         const V eu = hn::Sub(tu[end], tu[k]), ew = hn::Sub(tw[end], tw[k]);
         const auto own = side_of(d, eu, ew, hn::Sub(tu[apex], tu[k]), hn::Sub(tw[apex], tw[k]), delta, tiny);
-        auto left = own.right, right = own.left;  // where the other triangle must be: opposite to the apex
+        auto left = own.right, right = own.left;  // where the other triangle must lie: opposite to the apex
         for (int j = 0; j < 3; ++j) {
             const auto side = side_of(d, eu, ew, hn::Sub(ou[j], tu[k]), hn::Sub(ow[j], tw[k]), delta, tiny);
             left = hn::And(left, hn::Or(other.shared[j], side.left));
@@ -85,7 +85,7 @@ HWY_INLINE hn::Mask<D> separated_by_edges(D d, const Corners<D>& a, const Corner
                   separated_by_edge(d, b, bu, bw, a, au, aw, delta, tiny));
 }
 
-/// Sets shared[] of both; returns the pairs of which one names nothing that the other does not.
+/// Sets shared[] of both triangles; returns the pairs in which each corner of one triangle is a corner of the other.
 template <class D, class VI>
 HWY_INLINE hn::Mask<D> compare_ids(D d, const VI id_a[3], const VI id_b[3], Corners<D>& a, Corners<D>& b) {
     const auto named_by = [&](VI id, const VI other[3]) {
@@ -99,7 +99,7 @@ HWY_INLINE hn::Mask<D> compare_ids(D d, const VI id_a[3], const VI id_b[3], Corn
                   hn::And(b.shared[0], hn::And(b.shared[1], b.shared[2])));
 }
 
-// Runs `apart(packed)`, a mask of pairs to drop, over out.undecided.
+// Drops the pairs of out.undecided that the mask `apart(packed)` selects.
 template <class D, class Apart>
 HWY_INLINE void drop_undecided(D d, Verdicts& out, Apart apart) {
     constexpr std::size_t lanes = hn::MaxLanes(D());
@@ -141,8 +141,8 @@ HWY_INLINE void separation_test_with(const Record* record, const CandidateChunk&
     });
 }
 
-/// Corners come from the normalised rows where these are float32, and so exact; otherwise from the records, whose
-/// corners were rounded when the leaf's origin was subtracted.
+/// Drops pairs that an edge line separates in float32. Reads corners from the normalised rows if these are float32, and
+/// so exact; otherwise from the records, whose corners were rounded when the leaf's origin was subtracted.
 inline void separation_test_float(const Record* record, const CandidateChunk& candidates, const PointRows& points,
                                   float reach, Verdicts& out) {
     with_triangles(points, reach, [&](float difference_error, auto triangles_of) {
@@ -152,7 +152,7 @@ inline void separation_test_float(const Record* record, const CandidateChunk& ca
 
 using Doubles = hn::ScalableTag<double>;
 
-/// Coordinate `axis` of vertices, as float64, from either kind of rows.
+/// Gathers coordinate `axis` of vertices, as float64, from either type of rows.
 template <class VIds>
 HWY_INLINE hn::Vec<Doubles> gather_axis(const PointRows& points, VIds vertex, int axis) {
     const Doubles d;
@@ -162,7 +162,7 @@ HWY_INLINE hn::Vec<Doubles> gather_axis(const PointRows& points, VIds vertex, in
     return hn::GatherIndex(d, points.d, hn::PromoteTo(hn::RebindToSigned<Doubles>(), at));
 }
 
-// Which pairs the plane of t separates; n: its normal.
+// Returns the pairs that the plane of t separates, and writes its normal n.
 HWY_INLINE hn::Mask<Doubles> separated_by_plane(const Corners<Doubles>& t, const Corners<Doubles>& other,
                                                 hn::Vec<Doubles> n[3], double slack) {
     const Doubles d;
@@ -203,7 +203,7 @@ inline void separation_test_double(const Record* record, const CandidateChunk& c
     const auto* columns = reinterpret_cast<const std::int32_t*>(record + candidates.columns) + 12;
     drop_undecided(d, out, [&](const std::uint32_t* packed) {
         const auto both = hn::LoadU(bits, packed);
-        const auto offset = [&](auto id) { return hn::BitCast(ids, hn::ShiftLeft<4>(id)); };  // 16 numbers a record
+        const auto offset = [&](auto id) { return hn::BitCast(ids, hn::ShiftLeft<4>(id)); };  // 16 numbers per record
         const auto row = offset(hn::And(both, hn::Set(bits, 0xffffu))), column = offset(hn::ShiftRight<16>(both));
         Corners<Doubles> a, b;
         hn::Vec<decltype(wide)> id_a[3], id_b[3];

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the filters of `narrow` say of a chunk's candidates, and what they hand to each other on the cpu.
+// Results of the filters of `narrow` for a chunk's candidates, and data that the filters pass to each other on the cpu.
 
 #include <array>
 #include <cstdint>
@@ -10,11 +10,12 @@
 
 namespace crumple::cpu {
 
-/// Where the corners of candidates lie: one nibble a pair, its three low bits one a corner; the fourth means nothing.
+/// Sides on which the corners of candidates lie: one nibble per pair, with its three low bits for the corners; the
+/// fourth bit is undefined.
 struct PlaneSigns {
-    Array<std::uint8_t> above_a, below_a;  ///< the column's corners against the row's plane, where certain
-    Array<std::uint8_t> above_b, below_b;  ///< the row's corners against the column's plane
-    Array<std::uint8_t> same[3];           ///< the column's corners that are the row's corner 0, 1, 2
+    Array<std::uint8_t> above_a, below_a;  ///< column's corners relative to the row's plane, if certain
+    Array<std::uint8_t> above_b, below_b;  ///< row's corners relative to the column's plane, if certain
+    Array<std::uint8_t> same[3];           ///< column's corners that equal the row's corner 0, 1, 2
     explicit PlaneSigns(MemoryMeter* m)
         : above_a(m),
           below_a(m),
@@ -27,16 +28,16 @@ struct PlaneSigns {
     }
 };
 
-/// What the filters of `narrow` say, and what they hand to each other. Pairs are packed as column << 16 | row.
+/// Results of the filters of `narrow`, and data that they pass to each other. Pairs are packed as column << 16 | row.
 struct Verdicts {
-    Array<std::uint32_t> hit;        ///< collide for certain
+    Array<std::uint32_t> hit;        ///< certainly collide
     Array<std::uint32_t> undecided;  ///< for exact arithmetic
-    std::int64_t edge_tests = 0;     ///< pairs that no plane separated
-    std::int64_t double_tests = 0;   ///< pairs that float32 filters left open
+    std::int64_t edge_tests = 0;     ///< number of pairs that no plane separates
+    std::int64_t double_tests = 0;   ///< number of pairs unresolved by the float32 filters
     // Between the SIMD filters:
     PlaneSigns signs;
-    Array<std::uint8_t> code;                      ///< what `classify` makes of each candidate
-    Array<std::uint32_t> survivor, survivor_code;  ///< those that no plane separates
+    Array<std::uint8_t> code;                      ///< code of each candidate, by `classify`
+    Array<std::uint32_t> survivor, survivor_code;  ///< candidates that no plane separates
     Array<std::uint32_t> edges, edge_signs;        ///< pairs for edge_test; below_a | below_b << 3
     Array<std::uint32_t> flat, flat_shared;        ///< pairs for flat_test; shared_b | shared_a << 3
     explicit Verdicts(MemoryMeter* m)
@@ -59,7 +60,7 @@ struct Verdicts {
     }
 };
 
-/// Corner orders for the edge test, by below_a | below_b << 3.
+/// Corner orders for the edge test, indexed by below_a | below_b << 3.
 inline constexpr std::array<std::int32_t, 64> edge_orders = [] {
     std::array<std::int32_t, 64> orders{};
     for (int bits = 0; bits < 64; ++bits) orders[static_cast<std::size_t>(bits)] = edge_order(bits & 7, bits >> 3);

@@ -1,11 +1,11 @@
-// Sums over an overlap, in double words and in lanes, a table for each instruction set, from one source: Highway
-// includes this file once a target.
+// Sums over an overlap, in double words and SIMD lanes, one table for each instruction set, from one source: Highway
+// includes this file once per target.
 //
-// A bound goes with each number, in float64. u = 2^-53: a sum of words is off by at most 3.01 u² of itself, a product
-// by 7 u², a quotient by 15.01 u². So, of exact differences, a component of a cross product is off by 10.1 u² of the
-// sum of the magnitudes of its terms, and a determinant by 24 u². The factors below are larger, so that they cover the
-// roundings of the bounds themselves. Underflow adds less than they are larger, for coordinates in the range of double
-// words: a nonzero difference is at least 2^-202, and every bound at least 2^-1012.
+// Each number has an error bound in float64. With u = 2^-53, a sum of words errs by at most 3.01 u² of itself, a
+// product by 7 u², a quotient by 15.01 u². So, from exact differences, a component of a cross product errs by 10.1 u²
+// of the sum of the magnitudes of its terms, and a determinant by 24 u². The factors below are larger, so that they
+// cover the roundings of the bounds themselves. Their excess also covers underflow, for coordinates in the range of
+// double words: a nonzero difference is at least 2^-202, and every bound at least 2^-1012.
 
 #include "backends/cpu/overlaps/overlap_lanes.h"
 #include "backends/cpu/simd/tables.h"
@@ -15,7 +15,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "backends/cpu/overlaps/overlap_lanes.cpp"
 #include "hwy/foreach_target.h"
-// foreach_target.h comes first.
+// Must follow foreach_target.h.
 #include "hwy/highway.h"
 
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
@@ -29,9 +29,10 @@ namespace HWY_NAMESPACE {
 using cpu::HWY_NAMESPACE::bits_of;
 
 constexpr double uu = 0x1p-106;  // u²
-/// Ends of segments that are known less precisely, as a share of their edge, are uncertain.
+/// Segment ends whose parameter along their edge has a larger error are uncertain.
 constexpr double largest_share_error = 0x1p-80;
-/// Roundings of a sum of a block: 3.01 u² of all terms for each addition, of which a vector of segments has three.
+/// Roundings of the sum over a block: 3.01 u² of all terms for each addition; each vector of segments has three
+/// additions.
 constexpr double of_additions = 5 * SegmentBlock::size * uu;
 
 struct Total {
@@ -60,7 +61,7 @@ struct Totals {
     HWY_INLINE void store(WordSum (&to)[3]) const { x.store(to[0]), y.store(to[1]), z.store(to[2]); }
 };
 
-/// A number and what it may be off by.
+/// Number with a bound on its error.
 struct Bounded {
     Word value;
     V error;
@@ -92,7 +93,7 @@ HWY_INLINE Words choose(Mask mask, const Words& p, const Words& q) {
     return {part(p.x, q.x), part(p.y, q.y), part(p.z, q.z)};
 }
 
-/// An exact vector times one that is off by `error`.
+/// Returns the dot product of an exact vector and one that errs by `error`.
 HWY_INLINE Bounded product(const Words& exact, const Words& p, const Sizes& error) {
     const Sizes size = size_of(exact);
     return {dot(exact, p), dot(size, error + 16 * uu * (size_of(p) + error))};
@@ -101,12 +102,12 @@ HWY_INLINE Sizes error_of_product(const Bounded& b, const Sizes& size, const Siz
     return hn::MulAdd(set(16 * uu), b.size(), b.error) * size + b.size() * error;
 }
 
-/// End of a segment, from the origin.
+/// End of a segment, relative to the origin.
 struct End {
     Words at;
     Sizes size, error;
     hn::Mask<D> certain;
-    Words edge_end;  ///< the corner to which its edge leads
+    Words edge_end;  ///< corner at which its edge ends
 };
 
 HWY_INLINE End end_of(const SegmentBlock& block, const Vec3d& origin, int e, int i) {
@@ -125,7 +126,7 @@ HWY_INLINE End end_of(const SegmentBlock& block, const Vec3d& origin, int e, int
     V error = hn::MulAdd(hn::Div(distance_error, least), set(2.1), set(20 * uu));
     End end;
     end.certain = hn::Or(at_vertex, hn::And(hn::Gt(least, hn::Zero(D())), hn::Le(error, set(largest_share_error))));
-    // Shares that are not computed, or uncertain, may be NaN.
+    // Quotients that are not needed, or uncertain, may be NaN.
     const auto computed = hn::AndNot(at_vertex, end.certain);
     const Word share{hn::IfThenElse(computed, quotient.high, hn::Max(known, hn::Zero(D()))),
                      hn::IfThenElseZero(computed, quotient.low)};
@@ -186,7 +187,7 @@ HWY_INLINE std::uint64_t segments(const SegmentBlock& block, const Vec3d& origin
                                 error_of_product(between, middle_size, s.error + e.error + 4 * uu * middle_size);
             moment.add(only(counts, term), only(counts, error));
         }
-        // Where an end lies on edge 12 of a face.
+        // Adds the terms of an end that lies on edge 12 of a face.
         const auto add_edge = [&](const End& end, int number) HWY_ATTR {
             const V jump = hn::Load(d, block.jump[number] + i);
             if (hn::AllTrue(d, hn::Eq(jump, hn::Zero(d)))) return;
@@ -195,7 +196,7 @@ HWY_INLINE std::uint64_t segments(const SegmentBlock& block, const Vec3d& origin
             const Sizes normal_size = cross(size_of(end.edge_end), size_of(first));
             Bounded cone{scaled(dot(end.at, normal), jump),
                          hn::Mul(hn::Abs(jump), dot(normal_size, end.error + 28 * uu * end.size))};
-            // Its terms may cancel: what counts is their magnitude.
+            // The terms of the cone may cancel, so errors are relative to their magnitudes.
             const V size = dot(normal_size, end.size);
             cone = only(counts, cone);
             volume.add(cone.value, cone.error);

@@ -1,6 +1,6 @@
 #pragma once
 
-// The kernels of overlaps of an instruction set, or null for the plain one, which has none.
+// Kernels for sums over overlaps of an instruction set; null for plain C++, which has none.
 
 #include "backends/overlap_kernels.h"
 #include "crumple/options.h"

@@ -63,10 +63,10 @@ HWY_INLINE Word operator/(Word x, Word y) {
     const V remainder = hn::Add(hn::Sub(x.high, product.high), hn::Sub(x.low, product.low));
     return fast_two_sum(quotient, hn::Div(remainder, y.high));
 }
-/// Times a power of two, or 0.
+/// Returns x times `factor`, a power of two or 0.
 HWY_INLINE Word scaled(Word x, V factor) { return {hn::Mul(x.high, factor), hn::Mul(x.low, factor)}; }
 
-/// Three words, and three bounds or magnitudes.
+/// Vectors of three words, and of three bounds or magnitudes.
 struct Words {
     Word x, y, z;
 };
@@ -90,13 +90,13 @@ HWY_INLINE Sizes operator*(double s, const Sizes& p) { return set(s) * p; }
 HWY_INLINE V dot(const Sizes& p, const Sizes& q) {
     return hn::MulAdd(p.x, q.x, hn::MulAdd(p.y, q.y, hn::Mul(p.z, q.z)));
 }
-/// An upper bound of each cross product of vectors of these magnitudes, term by term.
+/// Returns upper bounds on the components of the cross product of vectors with these magnitudes, term by term.
 HWY_INLINE Sizes cross(const Sizes& p, const Sizes& q) {
     return {hn::MulAdd(p.y, q.z, hn::Mul(p.z, q.y)), hn::MulAdd(p.z, q.x, hn::Mul(p.x, q.z)),
             hn::MulAdd(p.x, q.y, hn::Mul(p.y, q.x))};
 }
 
-/// p − q, exactly, of points in three arrays.
+/// Returns p − q, exactly, for points stored in one array per axis.
 template <int size>
 HWY_INLINE Words difference(const double (&p)[3][size], const double (&q)[3][size], int i) {
     const D d;

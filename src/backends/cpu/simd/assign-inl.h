@@ -1,10 +1,11 @@
 // Membership of balls in clusters (stage `subdivide`), a vector of balls at a time.
 //
-// The first pass over the centres finds the nearest one. Many centres are then asked the looser but cheaper rule
-// d_k <= d_min + 2 r, as d_k^2 <= (d_min + 2 r)^2, which nearly all fail for all balls of a vector, since neighbours in
-// the array tend to be neighbours in space; the few left, by their bits, so that only the loop's exit is
-// mispredicted, are asked the bisector rule, whose factor |v_k - v_nearest| is gathered. Few centres, as the second
-// level has, are all asked the bisector rule at once: their factors fit a register.
+// The first pass over the centres finds the nearest one. If there are many centres, a looser but cheaper rule comes
+// first: d_k <= d_min + 2 r, as d_k^2 <= (d_min + 2 r)^2. Nearly all centres fail it for all balls of a vector, since
+// neighbours in the array tend to be neighbours in space. Bits list the few centres that are left, so that only the
+// loop's exit is mispredicted; for these, the bisector rule decides, whose factor |v_k - v_nearest| is gathered. If
+// there are few centres, as in the second level, the bisector rule decides for all of them at once: their factors fit a
+// register.
 
 #if defined(CRUMPLE_CPU_SIMD_ASSIGN_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_ASSIGN_INL_H_
@@ -97,7 +98,7 @@ inline std::int64_t list_members(const std::uint64_t* mask, std::int64_t begin, 
     const auto low_bit = hn::Set(du, static_cast<std::uint32_t>(bit)),
                high_bit = hn::Set(du, static_cast<std::uint32_t>(bit >> 32)), none = hn::Zero(du);
     const auto iota = hn::Iota(d, 0);
-    // What lies behind `end` is another thread's, who may be writing it.
+    // Another thread may be writing what lies past `end`.
     HWY_ALIGN std::uint64_t rest[hn::MaxLanes(d)] = {};
     const std::int64_t whole = end - (end - begin) % lanes;
     std::copy(mask + whole, mask + end, rest);

@@ -1,5 +1,5 @@
-// Balls around triangles (stage `bounds`), one triangle in each block of 128 bits. And whether triangles name a vertex
-// twice, a vector of triangles at a time.
+// Balls around triangles (stage `bounds`), one triangle in each block of 128 bits; and a test for repeated vertices, a
+// vector of triangles at a time.
 
 #if defined(CRUMPLE_CPU_SIMD_BALLS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_BALLS_INL_H_
@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
 namespace HWY_NAMESPACE {
 
-/// `stop`: where the corners are at the end, if they move.
+/// Computes balls. `stop`: the end positions, if the corners move.
 template <bool moving, class Points>
 HWY_INLINE void balls_from(const Points& points, const Points& stop, const std::int32_t* HWY_RESTRICT corners,
                            std::int64_t begin, std::int64_t end, float more, Ball* HWY_RESTRICT ball) {
@@ -28,7 +28,7 @@ HWY_INLINE void balls_from(const Points& points, const Points& stop, const std::
     for (std::int64_t t = begin; t < end; t += blocks) {
         const std::int32_t* corner[blocks];
         for (int b = 0; b < blocks; ++b) {
-            // Many corners were written by another core just now.
+            // Another core may just have written many of the corners.
             const std::int32_t* ahead = corners + 3 * std::min(t + b + 32, end - 1);
             for (int k = 0; k < 3; ++k) {
                 hwy::Prefetch(points.row(ahead[k]));

@@ -1,5 +1,5 @@
-// Boxes of a leaf's members in its frame (stage `align`), one member in each block of 128 bits, and what `sort` makes
-// of them. A question's `build` turns its corners here while it has them at hand.
+// Boxes of a leaf's members in its frame (stage `align`), one member in each block of 128 bits, and their quantisation
+// for `sort`. A query's `build` calls BoxLanes while it has the corners in registers.
 
 #if defined(CRUMPLE_CPU_SIMD_BOXES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_BOXES_INL_H_
@@ -22,7 +22,7 @@ class BoxLanes {
     using V = hn::Vec<D>;
 
    public:
-    /// The box of one member in each block.
+    /// Boxes, one member in each block.
     struct Box {
         V low, high;
     };
@@ -36,30 +36,30 @@ class BoxLanes {
           greatest_(hn::Set(D(), -LeafBounds::most)),
           reach_(hn::Zero(D())) {}
 
-    /// A corner of each member, relative to the origin, along the frame's axes.
+    /// Returns a corner of each member in the frame's axes. `p`: the corner relative to the origin.
     HWY_INLINE V turn(V p) const {
         return hn::MulAdd(column_x_, hn::Broadcast<0>(p),
                           hn::MulAdd(column_y_, hn::Broadcast<1>(p), hn::Mul(column_z_, hn::Broadcast<2>(p))));
     }
 
-    /// Stores the boxes of the members from i on, and up to a vector's more.
+    /// Stores the boxes of the members from i on; writes up to a vector's length.
     static HWY_INLINE void store(const Box& box, std::int64_t i, Boxes& boxes) {
         hn::StoreU(box.low, D(), &boxes.low[static_cast<std::size_t>(i)].x);
         hn::StoreU(box.high, D(), &boxes.high[static_cast<std::size_t>(i)].x);
     }
 
-    /// `size`: the largest |coordinate| of each member's corners, axis by axis.
+    /// Returns true if a member may be big. `size`: the largest |coordinate| of each member's corners, by axis.
     HWY_INLINE bool any_big(V size) const { return HWY_UNLIKELY(!hn::AllTrue(D(), hn::Le(size, big_))); }
 
-    /// Takes boxes and sizes into account.
+    /// Updates the leaf's bounds by boxes and sizes.
     HWY_INLINE void count(const Box& box, V size) {
         least_ = hn::Min(least_, box.low);
         greatest_ = hn::Max(greatest_, box.high);
         reach_ = hn::Max(reach_, size);
     }
 
-    /// What goes before that where some may be big: these are widened one by one, rewrite(i) is called for each, and
-    /// they are taken out of `box` and `size`. Not a part of the loop, and not of *this, whose vectors are to stay in
+    /// Takes big members out before count(), if any_big(): widens their boxes one by one, calls rewrite(i) for each,
+    /// and removes them from `box` and `size`. Kept out of the loop, and static, so that the vectors of *this stay in
     /// registers.
     template <class Rewrite>
     static HWY_NOINLINE void take_out_big(const BuildInput& in, std::int64_t first, Box& box, V& size, Boxes& boxes,
@@ -84,7 +84,7 @@ class BoxLanes {
         size = hn::IfThenElseZero(keep, size);
     }
 
-    /// Adds what was counted to `bounds`.
+    /// Merges the counted bounds into `bounds`.
     HWY_INLINE void finish(LeafBounds& bounds) const {
         HWY_ALIGN float lanes[3][4 * blocks];
         hn::Store(least_, D(), lanes[0]);
@@ -99,7 +99,7 @@ class BoxLanes {
     }
 
    private:
-    /// Of the rotation: what one coordinate adds to each axis.
+    /// Returns a column of the rotation: what one coordinate contributes to each axis.
     static HWY_INLINE V column(const LeafFrame& frame, int coordinate) {
         HWY_ALIGN const float lanes[4] = {frame.axis[0][coordinate], frame.axis[1][coordinate],
                                           frame.axis[2][coordinate], 0};
@@ -122,7 +122,7 @@ inline void quantise(const Boxes& boxes, std::int64_t n, const Quantisation& by,
     };
     for (std::int64_t i = 0; i < n; i += blocks) {
         const auto low = to_16_bits(boxes.low[i], base_low), high = to_16_bits(boxes.high[i], base_high);
-        // Both in one lane, and x last: the rest lies as `sort` copies it.
+        // Packs low and high in one lane, and moves x last: the rest is then laid out as the RowBox that `sort` copies.
         const auto pairs = hn::Shuffle0321(hn::Or(low, hn::ShiftLeft<16>(high)));
         hn::StoreU(pairs, di, reinterpret_cast<std::int32_t*>(out + i));
     }

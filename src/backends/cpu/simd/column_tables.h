@@ -1,6 +1,7 @@
 #pragma once
 
-// What turns the selected columns of a step of the sweep into a list, where no instruction does.
+// Tables that turn the selected columns of a step of the sweep into a list, for instruction sets without a compress
+// instruction.
 
 #include <array>
 #include <bit>
@@ -9,17 +10,17 @@
 
 namespace crumple::cpu {
 
-/// A selection has a bit a column. Those of 32 columns come from two vectors whose halves were packed one by one, in
-/// the order of columns 0 to 7, 16 to 23, 8 to 15, 24 to 31.
+/// Tables for selections of columns, which have a bit per column. Selections of 32 columns come from two vectors whose
+/// halves were packed one by one, in the order of columns 0 to 7, 16 to 23, 8 to 15, 24 to 31.
 template <std::size_t columns>
 struct ColumnTables {
     static constexpr std::size_t eights = columns / 8;
 
     std::array<std::uint32_t, columns + 1> first{};  ///< selects the first n columns
-    /// Numbers of the selected ones among eight columns, packed to the front, by the eights' position and their bits.
+    /// Numbers of the selected columns, packed to the front: by position of a group of eight columns and by its bits.
     alignas(64) std::uint16_t numbers[eights][256][8]{};
 
-    /// Where the bits of each eight columns start.
+    /// Returns the bit at which a group of eight columns starts.
     static constexpr int position(std::size_t eight) {
         return 8 * static_cast<int>(columns == 32 && (eight == 1 || eight == 2) ? 3 - eight : eight);
     }
@@ -35,7 +36,8 @@ struct ColumnTables {
             }
     }
 
-    /// The bits of eight columns, as an offset in `numbers`: 16 bytes each. One rotation and one mask.
+    /// Returns the bits of a group of eight columns as an offset in `numbers`, 16 bytes per entry: one rotation and one
+    /// mask.
     static constexpr std::uint32_t offset(std::uint32_t selection, std::size_t eight) {
         return std::rotr(selection, position(eight) - 4) & 0xff0;
     }

@@ -1,4 +1,5 @@
-// What the SIMD kernels share. Included once for each instruction set, between HWY_BEFORE_NAMESPACE and its end.
+// Helpers that the SIMD kernels share. Included once for each instruction set, between HWY_BEFORE_NAMESPACE and
+// HWY_AFTER_NAMESPACE.
 
 #if defined(CRUMPLE_CPU_SIMD_COMMON_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_COMMON_INL_H_
@@ -19,7 +20,7 @@ namespace crumple::cpu {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The mask as the low bits of an integer.
+/// Returns the mask as the low bits of an integer.
 template <class D, class M>
 HWY_INLINE std::uint64_t bits_of(D d, M mask) {
     std::uint64_t bits = 0;
@@ -27,16 +28,16 @@ HWY_INLINE std::uint64_t bits_of(D d, M mask) {
     return bits;
 }
 
-/// Repeats a list's last pair for a vector's length behind its end, so that no lane reads what was not written.
+/// Repeats a list's last pair past its end for a vector's length, so that no lane reads unwritten memory.
 HWY_INLINE void repeat_last(Array<std::uint32_t>& list, std::size_t lanes) {
     const std::size_t count = list.size();
     std::fill_n(list.data() + count, lanes, count ? list[count - 1] : 0u);
 }
 
-/// Blocks of 128 bits in a vector: rows of four that are handled at once.
+/// Number of 128-bit blocks in a vector: rows of four that are processed at once.
 constexpr int blocks = static_cast<int>(hn::MaxLanes(hn::ScalableTag<float>())) / 4;
 
-/// Blocks 0 and 2, or 1 and 3, of two vectors of four.
+/// Return blocks 0 and 2, or 1 and 3, of two vectors of four blocks each.
 #if HWY_TARGET <= HWY_AVX3
 template <class V>
 HWY_INLINE V even_blocks(V low, V high) {
@@ -48,7 +49,7 @@ HWY_INLINE V odd_blocks(V low, V high) {
 }
 #endif
 
-/// Four vectors of four blocks, transposed; its own inverse.
+/// Transposes four vectors of four blocks; its own inverse.
 template <class D, class V>
 HWY_INLINE void transpose_blocks(D d, V& a, V& b, V& c, V& e) {
     // Rows 0 and 2, 1 and 3 are joined first, so that the interleaving of blocks restores the order.

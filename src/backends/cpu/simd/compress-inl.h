@@ -1,8 +1,8 @@
 // Packs the selected lanes of a vector.
 //
-// compress_to(d, v, mask, out) writes the lanes that `mask` selects, packed, to `out`, and up to a full vector of
-// rubbish behind them; it returns their number. Lanes have 32 bits, with AVX-512 also 16. Each instruction set has its
-// own way.
+// compress_to(d, v, mask, out) writes the lanes that `mask` selects, packed, to `out`, and garbage behind them, up to a
+// full vector; it returns their number. Lanes have 32 bits, with AVX-512 also 16. Each instruction set has its own
+// implementation.
 
 #if defined(CRUMPLE_CPU_SIMD_COMPRESS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_COMPRESS_INL_H_
@@ -45,7 +45,7 @@ HWY_INLINE std::size_t compress_to(D d, V v, M mask, hn::TFromD<D>* HWY_RESTRICT
 
 #else
 
-// 128 bits by a byte shuffle. Highway's own tables are copied to the stack here by g++ 12, at each call.
+// Packs 128 bits by a byte shuffle. g++ 12 would copy Highway's own tables to the stack at each call.
 template <class D, class V, class M>
 HWY_INLINE std::size_t compress_to(D d, V v, M mask, hn::TFromD<D>* HWY_RESTRICT out) {
     const hn::Repartition<std::uint8_t, D> bytes;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What packs the selected lanes of a vector to the front, by the mask's bits.
+// Shuffles that pack the selected lanes of a vector to the front, by the mask's bits.
 
 #include <array>
 #include <cstddef>
@@ -8,7 +8,8 @@
 
 namespace crumple::cpu {
 
-/// A shuffle for each mask of `lanes` lanes: entry by entry, which one comes there, in pieces of `pieces` bytes.
+/// Shuffle for each mask of `lanes` lanes: for each destination entry, the index of its source, in pieces of `pieces`
+/// bytes.
 template <std::size_t lanes, std::size_t pieces>
 struct CompressTable {
     alignas(64) std::uint8_t order[std::size_t{1} << lanes][lanes * pieces];
@@ -25,7 +26,7 @@ struct CompressTable {
     constexpr const std::uint8_t* operator[](std::uint64_t mask) const { return order[mask]; }
 };
 
-inline constexpr CompressTable<4, 4> compress_shuffles_32;  ///< bytes of four lanes of 32 bits
-inline constexpr CompressTable<8, 1> compress_orders_32;    ///< eight lanes of 32 bits
+inline constexpr CompressTable<4, 4> compress_shuffles_32;  ///< byte indices, for four lanes of 32 bits
+inline constexpr CompressTable<8, 1> compress_orders_32;    ///< lane indices, for eight lanes of 32 bits
 
 }  // namespace crumple::cpu

@@ -1,6 +1,5 @@
-// Corners of triangles as rows of four, (x, y, z, -), one triangle in each block of 128 bits: what the kernels that
-// visit triangles in any order share. Corners come from scattered rows, so nothing wider than a row can be loaded at
-// once.
+// Corners of triangles as rows of four, (x, y, z, -), one triangle in each block of 128 bits: shared by the kernels
+// that visit triangles in any order. Corners come from scattered rows, so no load can be wider than a row.
 
 #if defined(CRUMPLE_CPU_SIMD_CORNERS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_CORNERS_INL_H_
@@ -19,7 +18,7 @@ namespace HWY_NAMESPACE {
 using Four = hn::FixedTag<float, 4>;
 using V4 = hn::Vec<Four>;
 
-/// The vector whose block b is f(b).
+/// Returns the vector whose block b is f(b).
 template <class D, class F>
 HWY_INLINE hn::Vec<D> gather_blocks(D d, F f) {
     if constexpr (blocks == 1) {
@@ -37,7 +36,7 @@ struct Point {
     V x, y, z;
 };
 
-/// Rows of four, transposed in each block: lane r of block b comes from block b of row[r].
+/// Transposes rows of four in each block: lane r of block b comes from block b of row[r].
 template <class D, class V>
 HWY_INLINE void transpose_rows(D d, const V (&row)[4], V& x, V& y, V& z, V& w) {
     const V low02 = hn::InterleaveLower(d, row[0], row[2]), low13 = hn::InterleaveLower(d, row[1], row[3]);
@@ -48,7 +47,7 @@ HWY_INLINE void transpose_rows(D d, const V (&row)[4], V& x, V& y, V& z, V& w) {
     w = hn::InterleaveUpper(d, high02, high13);
 }
 
-/// (x, y, z, w) -> (y, z, x, w) in each block.
+/// Permutes (x, y, z, w) to (y, z, x, w) in each block.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V rotate_axes(D d, V v) {
     alignas(16) static constexpr std::uint8_t order[16] = {4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 12, 13, 14, 15};
@@ -56,21 +55,21 @@ HWY_INLINE V rotate_axes(D d, V v) {
     return hn::BitCast(d, hn::TableLookupBytes(hn::BitCast(bytes, v), hn::LoadDup128(bytes, order)));
 }
 
-/// The sum of each block's lanes, in all of them.
+/// Returns the sum of each block's lanes, in all of its lanes.
 template <class V>
 HWY_INLINE V sum_of(V v) {
     const V pairs = hn::Add(v, hn::Shuffle2301(v));
     return hn::Add(pairs, hn::Shuffle1032(pairs));
 }
 
-/// The largest of each block's lanes, in all of them.
+/// Returns the largest of each block's lanes, in all of its lanes.
 template <class V>
 HWY_INLINE V largest_of(V v) {
     const V pairs = hn::Max(v, hn::Shuffle2301(v));
     return hn::Max(pairs, hn::Shuffle1032(pairs));
 }
 
-/// Stores four rows of each block, one behind the other, from out[block] on.
+/// Stores four rows of each block, one after the other, from out[block] on.
 template <class D, class V>
 HWY_INLINE void store_rows(D d, V r0, V r1, V r2, V r3, float* const (&out)[blocks]) {
     constexpr std::size_t lanes = hn::MaxLanes(d);
@@ -99,9 +98,9 @@ struct LocalCorners {
     V q0, q1, q2, a, b;
 };
 
-/// float32 rows: exact, and so is what is subtracted from each other within a factor of two; other differences err by
-/// at most u of the result. `corner[b]` points to the three indices of block b's triangle. The origin lies ready to be
-/// loaded: what has just been stored in pieces cannot be loaded whole without a stall.
+/// Reads float32 rows, which are exact. A difference is exact if its operands are within a factor of two, and else errs
+/// by at most u of the result. `corner[b]` points to the three indices of block b's triangle. `origin` is in memory,
+/// ready to be loaded: loading it right after it was stored in pieces would stall.
 struct Points32 {
     const float* rows;
     HWY_ALIGN float origin[4] = {};
@@ -121,7 +120,7 @@ struct Points32 {
     }
 };
 
-/// float64 rows: subtracted in float64 and rounded once, so that differences err by at most u of the result, too.
+/// Reads float64 rows: subtracts in float64 and rounds once, so differences err by at most u of the result, too.
 struct Points64 {
     const double* rows;
     double origin[4] = {};

@@ -1,4 +1,5 @@
-// The stages' kernels, one table for each instruction set, from one source: Highway includes this file once a target.
+// Kernels of the stages, one table for each instruction set, from one source: Highway includes this file once per
+// target.
 
 #include "backends/cpu/simd/tables.h"
 #include "backends/cpu/stages/kernels.h"
@@ -8,10 +9,10 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "backends/cpu/simd/simd.cpp"
 #include "hwy/foreach_target.h"
-// foreach_target.h comes first.
+// Must follow foreach_target.h.
 #include "hwy/highway.h"
 
-// One-lane vectors have no fixed tags: the plain kernels serve there.
+// One-lane vectors have no fixed tags: those targets use the plain kernels.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 #include "backends/cpu/simd/assign-inl.h"
 #include "backends/cpu/simd/balls-inl.h"

@@ -1,4 +1,5 @@
-// Stage `sweep`: rows, one by one, against their columns, in 16-bit lanes. Each row's candidates are padded to fours.
+// Stage `sweep`: tests rows, one by one, against their columns, in 16-bit lanes. Each row's candidates are padded to a
+// multiple of four.
 
 #if defined(CRUMPLE_CPU_SIMD_SWEEP_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_SWEEP_INL_H_

@@ -1,11 +1,12 @@
-// One row of the sweep: its box against a vector of columns, and the numbers of those that overlap and are the leaf's.
+// One row of the sweep: tests its box against a vector of columns, and lists the columns that overlap and whose pairs
+// the leaf owns.
 //
-// Two intervals are apart iff one starts after the other's end, that is iff a saturated difference is not zero. So four
-// differences and the common ownership bits, ORed, are zero exactly for candidates that are ours.
+// Two intervals are apart iff one starts after the other's end, that is, iff a saturated difference is not zero. So
+// four differences and the common ownership bits, ORed, are zero exactly for the candidates that the leaf owns.
 //
-// AVX-512 compares one axis straight to masks instead, for comparisons and differences go to different units there, and
-// each has half of them; the numbers are packed by an instruction. Elsewhere two vectors are packed to bytes, whose
-// signs select columns, and each eight of their bits look up the numbers that they select.
+// AVX-512 compares one axis straight to masks instead: comparisons and differences run on different units, which then
+// share the work; an instruction packs the column numbers. Elsewhere, two vectors are packed to bytes, whose comparison
+// with zero yields selection bits, and each eight of these bits look up the column numbers that they select.
 
 #if defined(CRUMPLE_CPU_SIMD_SWEEP_ROW_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_SWEEP_ROW_INL_H_
@@ -24,13 +25,13 @@ namespace HWY_NAMESPACE {
 using Columns = hn::ScalableTag<std::uint16_t>;
 using ColumnVector = hn::Vec<Columns>;
 
-/// Boxes across the sweep direction, a column each, and ownership bits.
+/// Extents of the boxes across the sweep direction, one array each, and ownership bits.
 struct BoxColumns {
     const std::uint16_t *HWY_RESTRICT low_y, *HWY_RESTRICT high_y, *HWY_RESTRICT low_z, *HWY_RESTRICT high_z,
         *HWY_RESTRICT lower;
 };
 
-/// A row's box and bits in all lanes.
+/// Row's box and ownership bits, broadcast to all lanes.
 struct RowLanes {
     ColumnVector low_y, high_y, low_z, high_z, lower;
 
@@ -41,13 +42,14 @@ struct RowLanes {
           high_z(hn::Set(Columns(), of.high_z[row])),
           lower(hn::Set(Columns(), of.lower[row])) {}
 
-    /// Not zero for the columns from j on that are apart from the row along y.
+    /// Returns nonzero lanes for the columns from j on that are apart from the row along y.
     HWY_INLINE ColumnVector apart_in_y(const BoxColumns& of, std::int64_t j) const {
         const Columns d;
         return hn::Or(hn::SaturatedSub(hn::Load(d, of.low_y + j), high_y),
                       hn::SaturatedSub(low_y, hn::Load(d, of.high_y + j)));
     }
-    /// The same for z, and for the columns that another leaf has.
+    /// Returns nonzero lanes for the columns that are apart from the row along z, or whose pair with it another leaf
+    /// owns.
     HWY_INLINE ColumnVector apart_otherwise(const BoxColumns& of, std::int64_t j) const {
         const Columns d;
         const auto z = hn::Or(hn::SaturatedSub(hn::Load(d, of.low_z + j), high_z),
@@ -56,8 +58,8 @@ struct RowLanes {
     }
 };
 
-/// Lists the candidates among the columns [begin, end) of a row, counted from `origin` on, at out[count] and behind it,
-/// followed by up to 32 of rubbish. Returns the new count.
+/// Lists the candidates among the columns [begin, end) of a row, as offsets from `origin`, from out[count] on; writes
+/// up to 32 entries of garbage behind them. Returns the new count.
 #if HWY_TARGET <= HWY_AVX3
 
 HWY_INLINE std::int64_t sweep_row(const BoxColumns& of, std::int64_t row, std::int64_t begin, std::int64_t end,
@@ -74,7 +76,7 @@ HWY_INLINE std::int64_t sweep_row(const BoxColumns& of, std::int64_t row, std::i
     const auto step = hn::Set(d, static_cast<std::uint16_t>(lanes));
     std::int64_t j = begin & -lanes;
     auto number = hn::Iota(d, static_cast<std::uint16_t>(j - origin));
-    // Lanes before `begin` are out in the first vector, lanes from `end` on in the last.
+    // Masks out lanes before `begin` in the first vector, and lanes from `end` on in the last.
     const auto lanes_from = [](std::int64_t n) { return hn::Mask<Columns>{static_cast<__mmask32>(~0u << n)}; };
     const auto lanes_to = [](std::int64_t n) { return hn::Mask<Columns>{static_cast<__mmask32>(~0u >> (31 - n))}; };
     auto candidates = hn::And(candidates_from(j), lanes_from(begin - j));
@@ -94,10 +96,10 @@ HWY_INLINE std::int64_t sweep_row(const BoxColumns& of, std::int64_t row, std::i
 constexpr std::int64_t columns_a_step = 2 * hn::MaxLanes(Columns());
 constexpr const auto& column_order = column_tables<columns_a_step>;
 
-/// Bits of the columns that are zero in two vectors, in the order of `column_order`.
+/// Returns a bit for each column that is zero in two vectors, in the order of `column_order`.
 HWY_INLINE std::uint32_t zeros(ColumnVector first, ColumnVector second) {
     const hn::Repartition<std::int8_t, Columns> bytes;
-    // Both in one vector, of AVX2 half by half; saturation keeps zero and all else apart.
+    // Packs both in one vector, with AVX2 half by half; saturation keeps zero zero, and nonzero nonzero.
 #if HWY_TARGET == HWY_AVX2
     const hn::VFromD<decltype(bytes)> packed{_mm256_packs_epi16(first.raw, second.raw)};
 #elif HWY_TARGET == HWY_SSE4
@@ -132,7 +134,7 @@ HWY_INLINE std::int64_t sweep_row(const BoxColumns& of, std::int64_t row, std::i
         }
         start = hn::Add(start, step);
     };
-    // Columns before `begin` are out in the first step, columns from `end` on in the last.
+    // Masks out columns before `begin` in the first step, and columns from `end` on in the last.
     std::uint32_t candidates = candidates_from(j) & ~column_order.first[begin - j];
     const std::int64_t last_step = (end - 1) & -columns_a_step;
     while (j != last_step) {

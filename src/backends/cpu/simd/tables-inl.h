@@ -1,6 +1,6 @@
-// The tables of a foreach_target file, best first: `table` of each target's namespace. Included once, in the namespace
-// around these, where `Kernels` is the tables' type. What Highway left out of the build for this architecture is left
-// out here; the last entry runs nowhere, for an array must have one.
+// Tables of a foreach_target file, best first: `table` of each target's namespace. Included once, in the namespace that
+// encloses these, where `Kernels` is the type of the tables. Targets that Highway does not build for this architecture
+// are left out. The last entry never runs: an array must have an element.
 
 constexpr Table<Kernels> tables[] = {
 #if HWY_TARGETS & HWY_AVX3_DL

@@ -1,6 +1,7 @@
 #pragma once
 
-// Tables of kernels, one an instruction set, and how one is chosen. The stages have such tables, and each question.
+// Tables of kernels, one per instruction set, and their selection. The stages have such tables, and so does each kind
+// of query.
 
 #include <span>
 #include <vector>
@@ -11,13 +12,14 @@
 
 namespace crumple::cpu {
 
-/// Those that this machine has; asked once, since a virtual machine takes some 10 us to tell.
+/// Returns the Highway targets that this machine supports. Cached, since in a virtual machine the query takes some 10
+/// us.
 inline std::int64_t targets_here() {
     static const std::int64_t targets = hwy::SupportedTargets();
     return targets;
 }
 
-/// A table that Highway has compiled for a target.
+/// Table of kernels that Highway has compiled for a target.
 template <class Kernels>
 struct Table {
     std::int64_t target;
@@ -27,7 +29,8 @@ struct Table {
     bool runs_here() const { return (targets_here() & target) != 0; }
 };
 
-/// The best of the tables, which come best first, for `simd`, or the plain one.
+/// Returns the first table, in order of preference, that runs here and suits `simd`, or the plain one. Throws Error
+/// (backend_unavailable) if a particular instruction set is requested and unavailable.
 template <class Kernels>
 const Kernels& choose(std::span<const Table<Kernels>> tables, const Kernels& plain, Simd simd) {
     if (simd == Simd::scalar) return plain;
@@ -38,7 +41,7 @@ const Kernels& choose(std::span<const Table<Kernels>> tables, const Kernels& pla
                 "the instruction set asked for is not one that both this build and this machine have", Element::option);
 }
 
-/// All that run here, the plain one first.
+/// Returns all tables that run here, the plain one first.
 template <class Kernels>
 std::vector<const Kernels*> all_of(std::span<const Table<Kernels>> tables, const Kernels& plain) {
     std::vector<const Kernels*> all{&plain};

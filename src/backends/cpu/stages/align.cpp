@@ -19,7 +19,7 @@ LeafFrame leaf_frame(const Array<Ball>& balls, const PointRows& points, const st
     Vec3d mean;
     double radius = 0;
     for (std::int64_t i = 0; i < samples; ++i) {
-        if (i % edges_every == 0) __builtin_prefetch(corner(i));  // and what it leads to below: both lie far apart
+        if (i % edges_every == 0) __builtin_prefetch(corner(i));  // indices; below, the vertices: both are scattered
         mean = mean + share * centroid(i);
         radius += share * ball(i).r;
     }

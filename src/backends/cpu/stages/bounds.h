@@ -1,7 +1,7 @@
 #pragma once
 
-// Stage `bounds`: normalised vertices, and a ball around each triangle: its centroid and the largest distance from
-// there to a corner ([MZ] eq. 5, but one for each triangle).
+// Stage `bounds`: normalised vertices, and a ball around each triangle: its centroid, and the largest distance from
+// there to a corner ([MZ] eq. 5, but per triangle).
 //
 // Centroid and radius are float32; the radius is widened so that the ball about the rounded centroid holds the
 // triangle.
@@ -13,11 +13,13 @@
 
 namespace crumple::cpu {
 
-/// Of a scene that moves, balls hold the triangle all the way. Returns whether a triangle names a vertex twice.
+/// Computes normalised vertices and balls. If the scene moves, a ball holds the swept volume of its triangle. Returns
+/// true if a triangle has a repeated vertex.
 bool compute_bounds(const PreparedScene& scene, const Inflation& inflation, const StageKernels& kernels,
                     Workers& workers, Points& points, Array<Ball>& balls);
 
-/// Between two meshes: included[t] is whether the triangle's ball reaches the other mesh's box. Others cannot collide.
+/// For two meshes: sets included[t] to 1 if the triangle's ball reaches the other mesh's box, else to 0. Excluded
+/// triangles cannot collide.
 void exclude_far(const PreparedScene& scene, Workers& workers, const Array<Ball>& balls, Array<std::uint8_t>& included);
 
 }  // namespace crumple::cpu

@@ -1,13 +1,13 @@
 #pragma once
 
-// Copies of triangles that name a vertex twice: faces such as (0, 0, 0) that pad an array, and what is left of a mesh
+// Duplicates of triangles with a repeated vertex: faces such as (0, 0, 0) that pad an array, and remains of a mesh
 // whose vertices were merged.
 //
 // Two triangles with the same vertices, fewer than three distinct ones, do not collide (docs/contract.md), however many
-// lie at one place; and whether one of them collides with another triangle depends on its vertices and its group alone.
-// So one of each class is searched, and the pairs that it is found in are repeated for the others. A class has the same
-// corners in the same order, so that also balls and memberships in parts, which rounding makes depend on the order, are
-// the same: the vertices of a segment make six classes at most.
+// lie at one place. Whether one of them collides with another triangle depends only on its vertices and its group. So
+// one triangle of each class of duplicates is searched, and the pairs in which it is found are repeated for the others.
+// Triangles of a class have the same corners in the same order: rounding makes balls and memberships in parts depend on
+// the order, so this makes them equal, too. The vertices of a segment make six classes at most.
 //
 // Layout: next[t] is the class's next triangle after t, by ascending id, or -1. Empty if no class has two members.
 
@@ -28,21 +28,21 @@ class Copies {
    public:
     explicit Copies(MemoryMeter* meter) : next_(meter), table_(meter) {}
 
-    /// Finds the classes among the triangles t with included[t], or among all if that is null; members of a class also
-    /// have the same masks of the levels above the scene. Two passes over the corners, so call it only if some triangle
-    /// names a vertex twice; clear() if not.
+    /// Finds the classes among the triangles t with included[t], or among all if `included` is null. Triangles of a
+    /// class also have equal masks in the levels above the scene. Costs two passes over the corners, so call it only if
+    /// some triangle has a repeated vertex; else call clear().
     void find(const PreparedScene& scene, const GroupRule& rule, const Levels& levels, const std::uint8_t* included);
 
     void clear() { next_.clear(); }
     bool empty() const { return next_.empty(); }
 
-    /// Leaves the first of each class included only. Empty: all triangles are.
+    /// Excludes all triangles but the first of each class. An empty `included` means that all are included.
     void leave_out(Array<std::uint8_t>& included) const;
 
-    /// How many pairs a pair of first ones stands for, itself included.
+    /// Returns how many pairs a pair of first triangles stands for, itself included.
     std::int64_t count(Pair pair) const { return empty() ? 1 : size(pair.a) * size(pair.b); }
 
-    /// Calls visit for each of them, lower id first.
+    /// Calls visit for each of these pairs, lower id first.
     template <class Visit>
     void for_each(Pair pair, Cancellation& cancellation, Visit visit) const {
         if (empty()) {
@@ -55,7 +55,7 @@ class Copies {
         }
     }
 
-    /// Puts all that they stand for into the place of the pairs.
+    /// Replaces each pair by all pairs that it stands for, in any order.
     void expand(Array<Pair>& pairs, Cancellation& cancellation) const;
 
    private:

@@ -1,5 +1,5 @@
-// Plain C++ for every kernel of the stages: what a machine without a known SIMD instruction set runs, and the text to
-// read first. The arithmetic for one triangle is in geometry/, shared with devices.
+// Kernels of the stages in plain C++, for machines without a supported SIMD instruction set; the version to read first.
+// The arithmetic for one triangle is in geometry/, shared with devices.
 
 #include <algorithm>
 #include <limits>

@@ -1,17 +1,18 @@
 #pragma once
 
-// The arrays that the stages of the cpu backend hand on.
+// Arrays that the stages of the cpu backend pass on.
 //
-//   bounds      scene            -> Points (one a vertex), Balls (one a triangle)
-//   subdivide   Balls            -> Memberships: leaves, each a list of triangles
-//   align       one leaf         -> LeafFrame; the question's `build` makes Boxes there, beside records of its own
-//   sort        Boxes            -> SortedLeaf: by start along the leaf's first axis, boxes in 16 bits; and where each
-//                                   member stands, for the question's records
-//   sweep       SortedLeaf       -> Candidates: pairs whose boxes overlap, four by four
-//   narrow      Candidates       -> rows of a result, by kind of query
+//   bounds      scene            -> Points (1 per vertex), Balls (1 per triangle)
+//   subdivide   Balls            -> Subdivision: leaves, each a list of triangles
+//   align       one leaf         -> LeafFrame; the query's `build` computes Boxes in it, along with its own records
+//   sort        Boxes            -> SortedLeaf: by start along the leaf's first axis, boxes in 16 bits; and the row of
+//                                   each member, for the query's records
+//   sweep       SortedLeaf       -> CandidateChunk: pairs whose boxes overlap, in groups of four
+//   narrow      CandidateChunk   -> rows of a result, by kind of query
 //
-// Sorted members lie in blocks of `block_members`, each followed by one dummy that overlaps nothing, so that a column
-// fits 16 bits: physical position of member j = j + j / block_members. Nearly every leaf has one block.
+// Sorted members are stored in blocks of `block_members`, each followed by one dummy that overlaps nothing, so that a
+// column number fits 16 bits. The physical position of member j is j + j / block_members. Nearly every leaf has one
+// block.
 
 #include <cstdint>
 #include <limits>
@@ -42,7 +43,8 @@ struct Boxes {
     }
 };
 
-/// A box in 16 bits. Its extent across the sweep direction is what `sort` scatters at once, before it lies in columns.
+/// Box in 16 bits (QuantisedBox). `sort` scatters its extent across the sweep direction (RowBox) as a whole, before
+/// splitting it into columns.
 struct alignas(8) RowBox {
     std::uint16_t low_y, high_y, low_z, high_z;
 };
@@ -57,31 +59,31 @@ inline constexpr int block_members = block_stride - 1;
 
 inline std::int64_t physical(std::int64_t member) { return member + member / block_members; }
 
-/// Normalised vertices, if they move those of the end behind those of the start: float32 where that is exact, else
-/// float64. Rows of four, the last element 0.
+/// Normalised vertices: float32 if that is exact, else float64. If they move, all end positions follow all start
+/// positions. Rows of four, the last element 0.
 struct Points {
     Array<float> f;
     Array<double> d;
     explicit Points(MemoryMeter* meter) : f(meter), d(meter) {}
 };
 
-/// What a question's `build` reads.
+/// Input of a query's `build`.
 struct BuildInput {
     PointRows points;
-    const std::int32_t* corners;   ///< 3 a triangle
-    std::int64_t triangles;        ///< of the scene
-    const std::int32_t* triangle;  ///< the leaf's members; the last one is repeated `padding` times
+    const std::int32_t* corners;   ///< 3 per triangle
+    std::int64_t triangles;        ///< number of triangles in the scene
+    const std::int32_t* triangle;  ///< ids of the leaf's members; the last one is repeated `padding` times
     std::int64_t members;
     LeafFrame frame;
-    std::int64_t ends = 0;  ///< where a vertex's point at the end of a step lies behind that at the start
+    std::int64_t ends = 0;  ///< rows from a vertex's start position to its end position in `points`; 0: static
     Inflation inflation = {};
 };
 
-/// What `build` leaves behind beside boxes and records. Of no members: a box with its bounds the wrong way round.
+/// Bounds that `build` computes along with boxes and records. Without members: a box with low > high.
 struct LeafBounds {
     static constexpr float most = std::numeric_limits<float>::max();
-    Vec3f low{most, most, most}, high{-most, -most, -most};  ///< of the boxes of all members that are not big
-    float reach = 0;  ///< largest |coordinate| of their corners, relative to the origin; of big ones big_share of it
+    Vec3f low{most, most, most}, high{-most, -most, -most};  ///< over the boxes of all members that are not big
+    float reach = 0;  ///< largest |coordinate| of corners relative to the origin; times big_share for big members
     int big = 0;      ///< number of big members
 };
 
@@ -90,13 +92,13 @@ struct RowLink {
     std::int32_t triangle;  ///< id in the scene
 };
 
-/// A leaf after `sort`. `rows` arrays have physical positions.
+/// Leaf after `sort`. Arrays over rows are indexed by physical position.
 struct SortedLeaf {
     std::int64_t members = 0;
     std::int64_t rows = 0;         ///< physical length, dummies included
     Array<std::int32_t> position;  ///< physical position of each member, in the order of LeafMembers
     Array<std::uint16_t> low_y, high_y, low_z, high_z;
-    Array<std::uint16_t> lower;  ///< memberships in lower clusters, sides; pairs with a common bit are not ours
+    Array<std::uint16_t> lower;  ///< ownership bits; the leaf does not own pairs with a common bit
     Array<std::int32_t> begin;   ///< first row to test with; empty: the next one
     Array<RowLink> link;
     Array<std::int32_t> member;  ///< position in the subdivision's member arrays
@@ -115,12 +117,12 @@ void for_each_dummy(const SortedLeaf& leaf, Visit visit) {
     for (std::int64_t row = leaf.rows - 1; row < leaf.rows + padding; ++row) visit(row);
 }
 
-/// Candidate pairs: row[i] against column[i], as offsets from `rows` and `columns`. Four in a row, from a multiple of
-/// four on, have the same row; gaps are filled with the block's dummy. `count` is a multiple of 16.
+/// Candidate pairs: row[i] against column[i], as offsets from `rows` and `columns`. Aligned groups of four have the
+/// same row; the block's dummy fills the gaps. `count` is a multiple of 16.
 struct CandidateChunk {
     std::int64_t rows = 0, columns = 0;  ///< physical position of row 0 and column 0
     std::int64_t count = 0;
-    std::int64_t pairs = 0;   ///< without padding
+    std::int64_t pairs = 0;   ///< number of pairs without padding
     std::uint16_t dummy = 0;  ///< the padding column
     Array<std::uint16_t> row, column;
     explicit CandidateChunk(MemoryMeter* m) : row(m), column(m) {}

@@ -1,6 +1,6 @@
 #pragma once
 
-// The members of a leaf, on their way from `subdivide` to `sort`.
+// Members of a leaf, from `subdivide` to `sort`.
 
 #include "backends/cpu/stages/layout.h"
 #include "backends/cpu/stages/subdivide.h"
@@ -14,16 +14,16 @@ struct LeafMembers {
     Array<std::int32_t> triangle;  ///< id in the scene; the last one is repeated `padding` times
     Array<std::int32_t> member;    ///< position in the subdivision's member arrays
     Array<std::uint16_t> lower;    ///< ownership bits
-    bool keep_members = true;      ///< those bits do not say all: `narrow` will ask for members
+    bool keep_members = true;      ///< true if `lower` is incomplete, so that `narrow` needs SortedLeaf::member
     LeafBounds bounds;
-    bool between = false;         ///< two meshes: pairs across only
-    std::int64_t first_side = 0;  ///< members of the first mesh; they come first
+    bool between = false;         ///< two meshes: only pairs across them
+    std::int64_t first_side = 0;  ///< number of members of the first mesh, which come first
 
     std::int64_t size() const { return static_cast<std::int64_t>(member.size()); }
 
     void make_room(std::size_t n);
 
-    /// Lists the leaf's members, by id, and makes room for what the next stages write.
+    /// Lists the leaf's members, by id, and reserves the arrays that the next stages write.
     void gather(const PreparedScene& scene, const Subdivision& subdivision, const Leaf& leaf);
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Stage `output`: the pairs that the workers found, in any order, become the sorted result.
+// Stage `output`: sorts the pairs that the workers found, in any order, into the result.
 
 #include <span>
 
@@ -13,7 +13,8 @@ namespace crumple::cpu {
 
 using OutputScratch = PairSorting;
 
-/// `found[w]`: the pairs of worker w, in the joint numbering of the scene, lower id first. Fills pairs, offsets, hits.
+/// Fills pairs, offsets and hit flags of the result. `found[w]`: the pairs of worker w, in the joint numbering of the
+/// scene, lower id first.
 void write_output(const PreparedScene& scene, Workers& workers, std::span<const Array<Pair>* const> found,
                   OutputScratch& scratch, Intersections& result);
 

@@ -1,12 +1,13 @@
 #pragma once
 
-// Who handles a pair. A leaf owns it iff no lower cluster of any level holds both triangles: none of the levels above
-// the scene, if it is a part, none of the first level below k1, none of the second below k2. Triangles of one group
-// count as members of a common lower cluster, too, if only pairs between groups are wanted.
+// Decides whether a leaf owns a pair, so that each pair is handled once. A leaf owns a pair iff no lower cluster of any
+// level holds both triangles: none of the levels above the scene, if the scene is a part, none of the first level below
+// k1, and none of the second below k2. If only pairs between groups are wanted, triangles of one group count as members
+// of a common lower cluster, too.
 //
-// The sweep wants this as 16 bits a member, so that one AND tells. Up to 16 lower clusters are taken from the masks as
-// they are; of more, each that occurs in the leaf gets a bit, and in the rare leaf that meets more than 16 the rest is
-// looked up in the masks for pairs that passed the filters.
+// The sweep needs this as 16 bits per member, so that one AND decides. Up to 16 lower clusters are copied from the
+// masks. If there are more, each cluster that occurs in the leaf gets a bit; in the rare leaf with more than 16 of
+// them, the rest is looked up in the masks, for pairs that passed the filters.
 
 #include <algorithm>
 #include <array>
@@ -29,14 +30,14 @@ class Ownership {
         add_level(subdivision.mask2.data(), leaf.child, true);
     }
 
-    /// Ownership bits for the members of the leaf, written to `lower`. `groups_apart`: pairs of one group are unwanted;
-    /// the bits say so, too, where the leaf's groups are few.
+    /// Writes the ownership bits of the leaf's members to `lower`. `groups_apart`: pairs within a group are not wanted;
+    /// the bits express this, too, if the leaf has few groups.
     void bits(const std::int32_t* triangle, const std::int32_t* member, std::int64_t n, bool groups_apart,
               std::uint16_t* lower) {
         complete_ = true;
         int lane = 0;
         std::fill(lower, lower + n, std::uint16_t{0});
-        // Groups need lanes too, so clusters leave them all they can.
+        // Groups need bits, too, so clusters take as few as possible.
         const bool as_they_are = !groups_apart && clusters_ <= 16;
         for (std::size_t l = 0; l < count_; ++l) {
             const Level& level = level_[l];
@@ -55,7 +56,7 @@ class Ownership {
             lower[i] = static_cast<std::uint16_t>(lower[i] | groups.bit(scene_, triangle[i]) << lane);
     }
 
-    /// The bits say everything; otherwise ask `owns` about each pair that passed them.
+    /// True if the bits cover all clusters; otherwise call owns() for each pair that passes them.
     bool complete() const { return complete_; }
 
     bool owns(std::int32_t triangle_a, std::int32_t member_a, std::int32_t triangle_b, std::int32_t member_b) const {
@@ -69,23 +70,23 @@ class Ownership {
     }
 
    private:
-    /// Memberships in the clusters that are lower than the leaf's own.
+    /// Memberships in the clusters of a level that are lower than the leaf's own.
     struct Level {
         const std::uint64_t* masks;
-        int clusters;    ///< how many
-        bool by_member;  ///< masks[member], otherwise masks[triangle]
+        int clusters;    ///< number of these clusters
+        bool by_member;  ///< true: masks are indexed by member, else by triangle
 
         std::uint64_t of(std::int32_t i) const { return masks[i] & ((std::uint64_t{1} << clusters) - 1); }
     };
 
     void add_level(const std::uint64_t* masks, int cluster, bool by_member) {
-        if (cluster <= 0) return;  // the lowest one, or not split
+        if (cluster <= 0) return;  // the lowest cluster, or not split
         level_[count_++] = {masks, cluster, by_member};
         clusters_ += cluster;
     }
 
-    // Gives each cluster that occurs in the leaf one of the lanes that are left, and members their bits: eight clusters
-    // at a time, by a table of what their bits become.
+    // Gives each cluster that occurs in the leaf one of the remaining bits, and sets these bits of the members: eight
+    // clusters at a time, by a table from their mask bits to the ownership bits.
     void choose_lanes(const Level& level, const std::int32_t* at, std::int64_t n, int& lane, std::uint16_t* lower) {
         std::uint64_t seen = 0;
         for (std::int64_t i = 0; i < n; ++i) seen |= level.of(at[i]);
@@ -109,7 +110,7 @@ class Ownership {
         }
     }
 
-    // The groups of a leaf, if they fit the lanes that are left.
+    // Groups of a leaf, or none if they do not fit the remaining bits.
     class FewGroups {
        public:
         FewGroups(const PreparedScene& scene, const std::int32_t* triangle, std::int64_t n, int lanes) {
@@ -141,7 +142,7 @@ class Ownership {
     const PreparedScene& scene_;
     std::array<Level, max_levels + 2> level_;
     std::size_t count_ = 0;
-    int clusters_ = 0;  // lower ones of all levels
+    int clusters_ = 0;  // number of lower clusters of all levels
     bool complete_ = true;
 };
 

@@ -13,7 +13,7 @@ std::int64_t blocks_of(std::int64_t members) {
 
 constexpr int bin_bits = 10, bins = 1 << bin_bits, bin_shift = 16 - bin_bits;
 
-// A row whose box overlaps nothing.
+// Writes a row whose box overlaps nothing.
 void write_dummy(SortScratch& scratch, SortedLeaf& s, std::int64_t row) {
     constexpr std::uint16_t most = std::numeric_limits<std::uint16_t>::max();
     scratch.sorted_box[row] = {most, 0, most, 0};
@@ -26,7 +26,7 @@ int bin(std::uint16_t x) { return x >> bin_shift; }
 
 using BinStarts = std::int32_t[bins + 1];
 
-// Where each bin of the members [first, last) starts.
+// Computes where each bin of the members [first, last) starts.
 void count_bins(const QuantisedBox* box, std::int64_t first, std::int64_t last, BinStarts& start) {
     std::fill_n(start, bins + 1, 0);
     for (std::int64_t i = first; i < last; ++i) ++start[bin(box[i].low_x) + 1];
@@ -34,9 +34,9 @@ void count_bins(const QuantisedBox* box, std::int64_t first, std::int64_t last, 
     for (int b = 0; b < bins; ++b) start[b + 1] += start[b];
 }
 
-// Places one side's members, all of a leaf's if there is only one, by a counting sort of their starts; what belongs to
-// a member goes straight to its row. A row's columns are the other side's members from its start on; of equal bins, the
-// first side has them. Returns the number of interval tests.
+// Places the members of one side, or all if there is a single mesh, by a counting sort of their starts, and writes each
+// member's data straight to its row. A row's columns are the members of the other side from its start on; if both
+// starts are in one bin, the row of the first side has the pair. Returns the number of interval tests.
 template <bool one_block, bool between>
 std::int64_t place(const LeafMembers& in, int side, const BinStarts& own, const BinStarts& other, SortScratch& scratch,
                    SortedLeaf& s) {
@@ -93,8 +93,8 @@ void make_room(std::int64_t members, bool between, SortScratch& scratch, SortedL
 void sort_leaf(const LeafMembers& in, const StageKernels& kernels, SortScratch& scratch, SortedLeaf& s) {
     const LeafBounds& bounds = in.bounds;
     const auto members = in.size();
-    // Range of quantisation. Starts are moved down and ends up by the margin, both by way of the base that is
-    // subtracted (docs/align.md).
+    // Range of quantisation. The margin moves starts down and ends up, by way of the base that is subtracted
+    // (docs/align.md).
     const bool any = bounds.low.x <= bounds.high.x;
     Quantisation by{};
     for (int axis = 0; axis < 3; ++axis) {

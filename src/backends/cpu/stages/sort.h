@@ -1,8 +1,8 @@
 #pragma once
 
-// Stage `sort`: a leaf's members by the start of their interval along the sweep direction ([MZ] sec. 3).
+// Stage `sort`: sorts a leaf's members by the start of their interval along the sweep direction ([MZ] sec. 3).
 //
-// Only boxes are sorted. What a question keeps of each member, it scatters itself, by SortedLeaf::position.
+// Only boxes are sorted here. A query scatters its own records, by SortedLeaf::position.
 //
 // Boxes are quantised to 16 bits over the leaf's range, and starts are sorted by their upper ten bits: a counting sort
 // of 1,024 bins, one pass. A row's columns are then all members up to the bin that holds its end; members of one bin
@@ -14,14 +14,14 @@
 
 namespace crumple::cpu {
 
-/// Scratch of `sort`, one a worker.
+/// Scratch of `sort`, one per worker.
 struct SortScratch {
     explicit SortScratch(MemoryMeter* m) : box(m), sorted_box(m) {}
     Array<QuantisedBox> box;
     Array<RowBox> sorted_box;
 };
 
-/// Makes room for a leaf of so many members.
+/// Sizes the arrays for a leaf with this number of members.
 void make_room(std::int64_t members, bool between, SortScratch& scratch, SortedLeaf& sorted);
 
 void sort_leaf(const LeafMembers& members, const StageKernels& kernels, SortScratch& scratch, SortedLeaf& sorted);

@@ -9,21 +9,21 @@ namespace {
 
 constexpr int most_bucket_bits = 12, most_digit_bits = 11;
 
-// Of the size of a bucket: small ones share the work evenly, but a histogram of many for each piece is long.
+// Returns log2 of the bucket size. Small buckets divide the work evenly, but need a long histogram for each piece.
 int bucket_bits_for(std::int32_t firsts) {
     int bits = 10;
     while (bits < most_bucket_bits && firsts >> bits > 2048) ++bits;
     return bits;
 }
 
-// Turns counts into places: where the first of each digit goes.
+// Turns the count of each digit into the place of its first key.
 void to_places(std::int64_t* count, std::int64_t digits) {
     std::int64_t sum = 0;
     for (std::int64_t digit = 0; digit < digits; ++digit) sum += std::exchange(count[digit], sum);
 }
 
-// How pairs of a bucket are kept in one number: the second index above the first one less the bucket's first. What
-// moves is half as large then.
+// Packs a pair of a bucket in one number: the second index in the upper bits, the first index relative to the bucket's
+// first in the lower ones. With 32-bit keys, this halves the data that moves.
 template <class Key>
 struct Packing {
     int bucket_bits;
@@ -35,9 +35,9 @@ struct Packing {
     std::int32_t second(Key key) const { return static_cast<std::int32_t>(key >> bucket_bits); }
 };
 
-// Sorts the pairs of one bucket of first indices, [first, last), into out[begin, ...) and writes their offsets: a
-// counting sort by digits of the second index, an even number of passes to and fro, then by the first one. All
-// passes are stable, and all are counted at once. Where the answer goes is fetched during the pass before.
+// Sorts the pairs of one bucket of first indices, [first, last), into out[begin, ...) and writes their offsets:
+// counting sorts by the digits of the second index, an even number of passes to and fro, then by the first index. All
+// passes are stable, and are counted at once. The last pass over digits prefetches the output.
 template <class Key>
 void sort_bucket(Key* keys, Key* to, std::int64_t count, Packing<Key> packing, std::int32_t first, std::int32_t last,
                  int second_bits, std::int64_t begin, Pair* out, std::int64_t* offsets) {
@@ -87,11 +87,11 @@ void sort(Workers& workers, std::span<const Array<Pair>* const> found, PairCount
     const std::int64_t bucket_size = std::int64_t{1} << bucket_bits;
     const auto buckets = static_cast<std::size_t>((n + bucket_size - 1) / bucket_size);
 
-    // The workers' lists are of any length, so they are cut into pieces.
+    // The workers' lists differ in length, so they are cut into pieces.
     std::size_t all = 0;
     for (const auto* list : found) all += list->size();
     const std::size_t piece_size = std::max<std::size_t>(8192, all / (8 * found.size()) + 1);
-    const std::size_t most_pieces = all / piece_size + found.size();  // room for any distribution among workers
+    const std::size_t most_pieces = all / piece_size + found.size();  // enough for any distribution among workers
     scratch.pieces.clear();
     scratch.pieces.reserve(most_pieces);
     scratch.histogram.reserve(most_pieces * buckets);
@@ -120,7 +120,8 @@ void sort(Workers& workers, std::span<const Array<Pair>* const> found, PairCount
 
     pairs.resize_discard(static_cast<std::size_t>(total));
     offsets.resize_discard(static_cast<std::size_t>(n) + 1);
-    // Each worker has scratch that stays in its cache, unless buckets are so unequal that each had better have its own.
+    // Scratch is per worker, so that it stays in the cache, unless buckets are so unequal that scratch per bucket takes
+    // less memory.
     std::int64_t largest = 0;
     for (std::size_t b = 0; b < buckets; ++b) largest = std::max(largest, begin[b + 1] - begin[b]);
     const bool by_worker = !counts.frugal && largest * workers.workers() < total;

@@ -1,11 +1,10 @@
 #pragma once
 
-// Pairs of indices that the workers found, in any order, become one sorted list.
+// Sorts pairs of indices that the workers found, in any order, into one list.
 //
-// First indices are cut into buckets of 1,024 to 4,096; pairs go to their bucket, as one number each that tells the
-// rest (of 32 bits, mostly), and each bucket is sorted alone, in a few stable counting passes: by the digits of the
-// second index, then by the first one, which yields the offsets as well. Parallel over pieces of the workers' lists,
-// then over buckets.
+// First indices are cut into buckets of 1,024 to 4,096. Each pair goes to its bucket, packed in one number, mostly of
+// 32 bits, and each bucket is sorted by itself in a few stable counting passes: by the digits of the second index, then
+// by the first index, which yields the offsets as well. Parallel over pieces of the workers' lists, then over buckets.
 
 #include <span>
 
@@ -17,23 +16,23 @@ namespace crumple::cpu {
 
 struct PairSorting {
     explicit PairSorting(MemoryMeter* m) : pieces(m), histogram(m), begin(m), keys32(m), keys64(m) {}
-    Array<std::span<const Pair>> pieces;  ///< of the workers' lists
-    Array<std::int64_t> histogram;        ///< pairs by piece and bucket
+    Array<std::span<const Pair>> pieces;  ///< pieces of the workers' lists
+    Array<std::int64_t> histogram;        ///< number of pairs by piece and bucket, then their places
     Array<std::int64_t> begin;            ///< first pair of each bucket
-    Array<std::uint32_t> keys32;  ///< pairs by bucket, then scratch; where 32 bits hold all that a bucket leaves open
-    Array<std::uint64_t> keys64;  ///< elsewhere
+    Array<std::uint32_t> keys32;          ///< packed pairs by bucket, then scratch; if 32 bits suffice
+    Array<std::uint64_t> keys64;          ///< the same, if they do not
 };
 
 struct PairCounts {
-    std::int32_t firsts, seconds;     ///< indices are below these
+    std::int32_t firsts, seconds;     ///< exclusive upper bounds of the indices
     std::int32_t before_seconds = 0;  ///< subtracted from second indices
-    bool frugal = false;              ///< takes as much memory whatever the number of workers
+    bool frugal = false;              ///< low memory: memory must not depend on the number of workers
 };
 
-/// A task of its own while the buckets are sorted: one thread does it.
+/// Task that one thread runs while others sort the buckets.
 using Beside = FunctionRef<void(std::span<const std::span<const Pair>> found)>;
 
-/// Sorts what is `found` into `pairs`; those of first index i are [offsets[i], offsets[i + 1]).
+/// Sorts the `found` pairs into `pairs`; [offsets[i], offsets[i + 1]) are those of first index i.
 void sort_pairs(Workers& workers, std::span<const Array<Pair>* const> found, PairCounts counts, PairSorting& scratch,
                 Array<Pair>& pairs, Array<std::int64_t>& offsets, Beside beside);
 

@@ -10,8 +10,8 @@ namespace crumple::cpu {
 namespace {
 
 constexpr std::int64_t chunk = 4096;
-constexpr std::size_t samples1 = 1024;            // points that place the first level's centres
-constexpr std::size_t samples2_per_cluster = 32;  // points for each centre of the second level
+constexpr std::size_t samples1 = 1024;            // sample points for the centres of the first level
+constexpr std::size_t samples2_per_cluster = 32;  // sample points per centre of the second level
 
 bool pays(std::int64_t memberships, std::int64_t members, int clusters) {
     return splitting_pays(static_cast<double>(memberships), static_cast<double>(members), clusters);
@@ -19,7 +19,7 @@ bool pays(std::int64_t memberships, std::int64_t members, int clusters) {
 
 int choose_clusters(std::int64_t n, const Options& options) {
     if (options.clusters > 0) return options.clusters;
-    // Up to 8 leaves: one level. More: about as many clusters as each will have leaves.
+    // Up to 8 leaves make one level. For more, there are about as many clusters as each has leaves.
     const std::int64_t leaves = std::max<std::int64_t>(1, (n + options.leaf_size - 1) / options.leaf_size);
     const auto balanced = static_cast<std::int64_t>(std::ceil(std::sqrt(static_cast<double>(leaves))));
     return static_cast<int>(std::clamp<std::int64_t>(balanced, std::min<std::int64_t>(leaves, 8), max_clusters));
@@ -48,7 +48,7 @@ void scatter_members(std::int64_t n, int begin, int end, const StageKernels& ker
         }
     }
     s.first[static_cast<std::size_t>(end)] = total;
-    // Positions of memberships are int32. One cluster alone has no more members than there are triangles.
+    // Member positions are int32. A single cluster has no more members than there are triangles.
     if (total > std::numeric_limits<std::int32_t>::max()) throw MemoryMeter::Exceeded{};
     s.id.resize_discard(static_cast<std::size_t>(total));
     s.mask2.resize_discard(static_cast<std::size_t>(total));
@@ -64,7 +64,7 @@ void scatter_members(std::int64_t n, int begin, int end, const StageKernels& ker
     });
 }
 
-// Masks of the first level and their histogram; returns the number of memberships.
+// Computes the masks of the first level and their histogram; returns the number of memberships.
 std::int64_t assign_all(const Array<Ball>& balls, std::int64_t n, const std::uint8_t* included,
                         const StageKernels& kernels, Workers& workers, const Centres& centres, Subdivision& s) {
     const auto chunks = static_cast<std::size_t>((n + chunk - 1) / chunk);
@@ -85,7 +85,7 @@ std::int64_t assign_all(const Array<Ball>& balls, std::int64_t n, const std::uin
     return total;
 }
 
-// Lists the members [begin, end) of each child, one child behind the other. Chunk by chunk, while a chunk's masks are
+// Lists the members of each child among [begin, end), child after child. Works in chunks, so that a chunk's masks stay
 // in the cache.
 void list_children(std::int64_t begin, std::int64_t end, int children, const std::int64_t* sizes,
                    const StageKernels& kernels, const Array<std::uint64_t>& mask, Array<std::int32_t>& list) {
@@ -103,8 +103,8 @@ void list_children(std::int64_t begin, std::int64_t end, int children, const std
     }
 }
 
-// Splits cluster k if it is large and that pays: writes its members' masks and the children's sizes and lists. Returns
-// the number of children, 0 if it stays whole.
+// Splits a cluster if it is large and splitting pays: writes its members' masks and the children's sizes and lists.
+// Returns the number of children, 0 if it stays whole.
 int split_cluster(int cluster, const Array<Ball>& balls, const Options& options, const StageKernels& kernels,
                   Centres& centres, Subdivision& s, std::array<std::int64_t, max_clusters>& sizes) {
     const auto k = static_cast<std::size_t>(cluster);
@@ -142,7 +142,7 @@ void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint8_t
     Centres& centres = warm.level1;
     std::int64_t members = n;
     if (included) {
-        // Counted first: under a memory limit arrays grow by just what is asked for.
+        // Counted first, because under a memory limit arrays grow by no more than is requested.
         members = 0;
         for (std::int64_t t = 0; t < n; ++t) members += included[t];
         std::int32_t* next = s.included.resize_discard(static_cast<std::size_t>(members));
@@ -162,8 +162,8 @@ void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint8_t
     const int wanted = choose_clusters(members, options);
     s.mask1.resize_discard(static_cast<std::size_t>(n + padding));
     for (int count = wanted;; count /= 2) {
-        // A warm start has as many centres as wanted, or fewer where more did not pay: that is tried again when the
-        // scene has grown.
+        // A warm start has as many centres as wanted, or fewer if more did not pay; more are tried again once the scene
+        // has grown.
         const bool first = centres.count == 0 || centres.count > count || wanted >= 2 * warm.wanted;
         if (first) {
             warm.wanted = wanted;

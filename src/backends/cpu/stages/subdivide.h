@@ -6,7 +6,7 @@
 // A triangle joins every cluster that may hold one of its points (bisector rule; proof in docs/subdivide.md), so two
 // triangles with a common point share a cluster, at every level. A cluster handles a pair only if it is the lowest one
 // that both belong to, so each pair is handled once: leaf (k1, k2) owns a pair iff no cluster below k1 holds both in
-// the first level, and none below k2 in the second. Masks decide that, by integers alone.
+// the first level, and none below k2 in the second. Integer operations on masks decide this.
 //
 // Layout: the members of all first-level clusters lie in flat arrays, cluster k at [first[k], first[k + 1]). A leaf is
 // a list of positions in these arrays, or (cluster not split) a range of them.
@@ -21,10 +21,10 @@
 
 namespace crumple::cpu {
 
-/// What is remembered from frame to frame: [MZ] sec. 4, incremental clustering.
+/// Centres cached from call to call for warm starts ([MZ] sec. 4, incremental clustering).
 struct WarmCentres {
     Centres level1;
-    int wanted = 0;  ///< centres of the first level for the scene that level1 was started for
+    int wanted = 0;  ///< number of first-level centres wanted when level1 was started
     std::array<Centres, max_clusters> level2;
 };
 
@@ -49,15 +49,16 @@ struct Subdivision {
     Array<std::int64_t> place;                               ///< scratch: where a chunk writes its next member
     Array<Leaf> leaves;                                      ///< largest first
     Array<Vec3f> sample;                                     ///< scratch
-    Array<std::int32_t> included;                            ///< triangles, where some are left out
+    Array<std::int32_t> included;                            ///< included triangles, if some are left out
     int clusters = 0;
 };
 
-/// First level: centres and masks of triangles [0, n). Only those t with included[t], if that is not null.
+/// Computes the centres and masks of the first level for triangles [0, n), or only for those t with included[t] if
+/// `included` is not null.
 void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint8_t* included, const Options& options,
                     const StageKernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& subdivision);
 
-/// Gathers the members of clusters [begin, end), splits the large ones again, and lists the leaves of these.
+/// Gathers the members of clusters [begin, end), splits large clusters again, and lists the leaves of all of them.
 void gather_leaves(const Array<Ball>& balls, std::int64_t n, int begin, int end, const Options& options,
                    const StageKernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& subdivision);
 

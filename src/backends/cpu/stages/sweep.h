@@ -1,9 +1,9 @@
 #pragma once
 
-// Stage `sweep` of one sorted leaf, in chunks: some 16,000 candidates are collected and handed to the question's
-// `narrow`, so that candidates never leave the cache and memory stays bounded however many there are. The chunk's size
-// is exact work, not a guess: it comes from the prefix sums of `sort` ([MZ] sec. 3.1), which also cut large leaves into
-// tiles of equal work.
+// Stage `sweep` of one sorted leaf, in chunks: about 16,000 candidates are collected and passed to the query's
+// `narrow`, so that candidates stay in the cache and memory stays bounded however many there are. A chunk ends with the
+// row that fills it, so its memory is bounded without a guess. Large leaves are cut into tiles of equal work by the
+// interval tests that `sort` counts ([MZ] sec. 3.1).
 
 #include <algorithm>
 
@@ -13,15 +13,15 @@ namespace crumple::cpu {
 
 inline constexpr std::int64_t chunk_columns = 1 << 14;
 
-/// Makes room for the candidates of a leaf with so many rows.
+/// Reserves memory for a chunk of candidates of a leaf with this number of rows.
 inline void make_room(std::int64_t rows, CandidateChunk& candidates) {
     const auto longest_row = static_cast<std::size_t>(std::min<std::int64_t>(rows, block_stride));
     candidates.column.resize_discard(static_cast<std::size_t>(chunk_columns) + longest_row + 4 * padding);
     candidates.row.resize_discard(candidates.column.size());
 }
 
-/// Sweeps rows [first, last) of a leaf: calls stop() before each chunk and narrow() after it, until stop() is true.
-/// `candidates` is the chunk, and may have no pairs.
+/// Sweeps rows [first, last) of a leaf: calls stop() before each chunk and narrow() after it, until stop() returns
+/// true. `candidates` holds the current chunk, which may have no pairs.
 template <class Stop, class Narrow>
 void sweep_chunks(const StageKernels& kernels, const SortedLeaf& leaf, std::int64_t first, std::int64_t last,
                   CandidateChunk& candidates, Stop stop, Narrow narrow) {

@@ -71,7 +71,7 @@ void CandidateFinder::find_in_chunks() {
     over_chunks([&] {
         pass_.narrow(hits());
         take_hits(found);
-        if (first) {  // of each triangle by itself once, in a list that holds them
+        if (first) {  // pairs within single triangles: once; the list holds them all
             pass_.clear_counters();
             pass_.search_within(hits());
             take_hits(found);

@@ -1,6 +1,6 @@
 #pragma once
 
-// One scene searched for pairs of features whose inflated boxes overlap.
+// Search of one scene for pairs of features whose inflated boxes overlap.
 
 #include <array>
 
@@ -9,7 +9,7 @@
 
 namespace crumple::cuda {
 
-/// Per-slot state, beside RowSlot.
+/// Per-slot state, in addition to RowSlot.
 struct CandidateSlot {
     explicit CandidateSlot(MemoryMeter& meter) : values(meter) {}
 

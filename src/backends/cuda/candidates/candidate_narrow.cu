@@ -21,33 +21,33 @@ template void order_buckets(const Geometry&, cudaStream_t, std::size_t, const Ca
 
 namespace {
 
-// A hit with its rank among those of the same first feature.
+// Counts a hit, and returns it with its rank among those of the same first feature.
 __device__ RankedCandidate ranked(const CandidateHits& hits, CandidateKind kind, const Pair& pair) {
     const std::uint32_t first = hits.firsts.joint(kind, pair.a);
     return {first, pair.b, static_cast<std::uint32_t>(atomicAdd(&hits.by_first[first], 1ull))};
 }
 
-// All lanes of a warp call it together.
+// Lists a hit. All lanes of a warp call it together.
 __device__ void add(const CandidateHits& hits, bool is_hit, CandidateKind kind, const Pair& pair) {
     const unsigned long long place = append(is_hit, hits.list.count);
     if (is_hit && place < hits.list.capacity) hits.list.data[place] = ranked(hits, kind, pair);
 }
 
-// The pair as it is listed: by the type of its features, or the lesser first.
+// Returns the pair in the order of the result: by type of the features; if these are equal, the lower id first.
 __device__ Pair listed(int lane_a, std::int32_t a, int lane_b, std::int32_t b) {
     const FeatureType of_a = type_of(lane_a), of_b = type_of(lane_b);
     const bool swapped = of_b < of_a || (of_a == of_b && b < a);
     return swapped ? Pair{b, a} : Pair{a, b};
 }
 
-// The largest gap between two lanes' boxes on any axis.
+// Returns the largest gap between two boxes on any axis; it is negative if they overlap.
 __device__ float gap(const CandidateBox& a, const CandidateBox& b) {
     return max(largest(b.low - a.high), largest(a.low - b.high));
 }
 
 using HitQueue = ListQueue<RankedCandidate, 224>;
 
-/// Features of two triangles, a lane of each.
+/// Pair of features: rows of their triangles, and the lane of each.
 struct LanePair {
     Candidate rows;
     std::uint32_t a, b;
@@ -61,7 +61,7 @@ struct PairShared {
     } warp[threads / 32];
 };
 
-// The pairs of lanes that are asked about: a bit each, a's first lane with all of b's coming first.
+// Requested pairs of lanes, one bit each: bit lanes * a + b for lane a of the first triangle and lane b of the second.
 class WantedLanes {
    public:
     static constexpr int lanes = candidate_lanes - 1;
@@ -70,7 +70,7 @@ class WantedLanes {
         for (int a = 0; a < lanes; ++a)
             for (int b = 0; b < lanes; ++b) wanted_ |= std::uint64_t{asked.wants(kind_of(a, b))} << (lanes * a + b);
     }
-    // Leaves the pairs that two triangles own and that have no vertex in common.
+    // Returns the requested pairs that the two triangles own and that have no vertex in common.
     __device__ std::uint64_t of(const CandidateRow& a, const CandidateRow& b) const {
         std::uint64_t pairs = 0;
         for (int lane = 0; lane < lanes; ++lane)
@@ -89,8 +89,8 @@ class WantedLanes {
     std::uint64_t wanted_ = 0;
 };
 
-// A lane takes a pair of triangles and finds which pairs of lanes are to be tested: few of 49, which wait until there
-// is one a lane again.
+// Tests the features of pairs of triangles. Each lane of the warp takes a pair of triangles and finds the pairs of
+// features to test, few of 49. These wait in a queue until there is one per lane of the warp.
 template <int threads>
 __global__ void __launch_bounds__(threads)
     pair_kernel(AskedOfCandidates asked, const CandidateRow* row, List<Candidate> survivors, CandidateHits hits,
@@ -146,7 +146,7 @@ __global__ void within_kernel(PreparedScene scene, WantedPairs pairs, AskedOfCan
             return lane < 3 ? asked.features.point_of(t, lane)
                             : asked.features.edges_of[t][static_cast<std::size_t>(lane - 3)];
         };
-        // Whether a vertex is on the other feature, by name.
+        // True if the vertex belongs to the other feature, by representative vertices.
         const auto incident = [&](int vertex, int lane) {
             for (int k = 0; k < 3; ++k)
                 if ((corners_of(lane) >> k & 1) && name(k) == name(vertex)) return true;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Stages `narrow` and `output` for candidates: of pairs of triangles, which of the features that they own have boxes
-// that overlap. Numbered jointly, as those of other questions about features (backends/cuda/features/feature_narrow.h).
+// Stages `narrow` and `output` for candidate queries: find those features of pairs of triangles, each owned by its
+// triangle, whose inflated boxes overlap. First features have joint numbers, as in other feature queries (FirstOfKind).
 
 #include "backends/cuda/candidates/candidate_records.h"
 #include "backends/cuda/device/memory.h"
@@ -12,7 +12,7 @@
 
 namespace crumple::cuda {
 
-/// Parameters of kernels that a graph is known by (engine/graph_key.h).
+/// Parameters of kernels, part of a graph's key (engine/graph_key.h).
 struct CandidateParameters {
     AskedOfCandidates asked;
     FirstOfKind firsts;
@@ -24,9 +24,9 @@ struct CandidateParameters {
 };
 
 struct RankedCandidate {
-    std::uint32_t first;  ///< jointly numbered
+    std::uint32_t first;  ///< in joint numbering (FirstOfKind)
     std::int32_t second;
-    std::uint32_t rank;
+    std::uint32_t rank;  ///< among pairs of the same first feature
 };
 
 struct CandidateHits {
@@ -35,17 +35,17 @@ struct CandidateHits {
     FirstOfKind firsts;
 };
 
-/// Pairs of features that two triangles own.
+/// Lists the hits among features of two triangles.
 void find_candidates(const Geometry& geometry, cudaStream_t stream, const AskedOfCandidates& asked,
                      const CandidateRow* row, const List<Candidate>& survivors, const CandidateHits& hits,
                      Counters* counters);
-/// Pairs that one triangle owns: two vertices, or a vertex and the edge across.
+/// Lists the hits within single triangles: two vertices, or a vertex and the opposite edge.
 void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const WantedPairs& pairs,
                  const AskedOfCandidates& asked, const CandidateHits& hits);
 
 struct CandidateOutput : RowsByKind {
     using Key = std::int32_t;
-    BucketedPair* bucketed;  ///< in no order within a bucket
+    BucketedPair* bucketed;  ///< unsorted within a bucket
 
     void cut(Cutter& cutter, const FirstOfKind& features, std::size_t room);
 
@@ -58,11 +58,11 @@ struct CandidateOutput : RowsByKind {
     }
 };
 
-/// Turns listed hits, which are counted by first feature, into the answer. `told` as order_buckets() has it.
+/// Turns the listed hits, which are counted by first feature, into rows of the result. `told`: see order_buckets().
 void write_answer(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,
                   const CandidateOutput& output, Counters* counters, Counters* told);
 
-/// Of the scene's box.
+/// Computes the normaliser of the scene's box, and the inflation in normalised coordinates.
 void make_normaliser(cudaStream_t stream, const SceneBox* box, double inflation, Inflation* widening,
                      Normaliser* normaliser);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// A pass for candidates: their records in `sort`, then pairs of features.
+// Pass of a candidate query: adds its records to `sort`, then finds pairs of features.
 
 #include "backends/cuda/candidates/candidate_narrow.h"
 #include "backends/cuda/stages/pass.h"
@@ -19,7 +19,7 @@ class CandidatePass : public Pass {
         hits_ = c.take<RankedCandidate>(plan.hits);
     }
 
-    // One that does not move is where it ends.
+    // A scene that does not move has its end positions at the start.
     void sort() override { sort_by(Widened<2>{primitives.ends, primitives.inflation}, CandidateRows{rows_, asked}); }
     void sweep(const Slice& slice) override { sweep_by(slice, OverlapAlone{}); }
     void narrow(const CandidateHits& hits) {

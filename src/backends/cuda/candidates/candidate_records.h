@@ -1,7 +1,7 @@
 #pragma once
 
-// What stage `sort` of the cuda backend does for candidates: records by row, whose boxes have the axes of the
-// coordinates. `sweep` keeps all pairs of triangles whose boxes overlap.
+// Records that stage `sort` of the cuda backend makes for candidate queries: boxes along the coordinate axes. `sweep`
+// keeps all pairs of triangles whose boxes overlap.
 
 #include "backends/cuda/features/exact_points.h"
 #include "backends/cuda/stages/layout.h"
@@ -10,7 +10,7 @@
 
 namespace crumple::cuda {
 
-/// What kernels are told of the question. Pointers are of the device.
+/// Parameters of the query for kernels. Pointers refer to device memory.
 struct AskedOfCandidates {
     unsigned wanted = 0;  ///< a bit for each CandidateKind
     double inflation = 0;
@@ -30,7 +30,8 @@ struct AskedOfCandidates {
     __device__ unsigned owned_lanes(std::int32_t triangle) const {
         return crumple::owned_lanes(features.owned[triangle], triangle < features.faces);
     }
-    /// The box of a lane all the way, exactly. The corners are those of a triangle.
+    /// Returns the exact box of a lane's feature over the whole step, not inflated. `corner`: the vertices of the
+    /// triangle.
     __device__ FeatureBox box(const std::int32_t* corner, int lane) const {
         const unsigned corners = corners_of(lane);
         const int first = corners & 1 ? 0 : corners & 2 ? 1 : 2;
@@ -45,7 +46,7 @@ struct AskedOfCandidates {
     }
 };
 
-/// The box of a lane, and what the lane is called: keys as CandidateRecord has them.
+/// Inflated box of a lane, in keys (CandidateRecord), and the id of its feature.
 struct alignas(16) CandidateBox {
     Vec3f low;
     std::int32_t id;
@@ -53,7 +54,7 @@ struct alignas(16) CandidateBox {
     std::int32_t unused;
 };
 
-/// A triangle in a leaf, as CandidateRecord, box by box: a thread looks at one.
+/// Triangle in a leaf: a CandidateRecord, stored box by box, because a thread reads one box at a time.
 struct alignas(64) CandidateRow {
     CandidateBox box[candidate_lanes - 1];
     std::int32_t vertex[3];

@@ -15,12 +15,12 @@ unsigned long long capture_of(cudaStream_t stream) {
     return status == cudaStreamCaptureStatusActive ? id : 0;
 }
 
-// A fork that is not joined would fail the capture when its caller ends it.
+// If the fork were not joined, the capture would fail when the caller ends it.
 void CallersCapture::lead_back(cudaStream_t stream) const noexcept {
     try {
         if (capture_of(beside_.stream()) != 0) beside_.join(own_);
         order(turn_, own_, stream);
-    } catch (...) {  // the capture is spoilt, which the caller will see
+    } catch (...) {  // the capture is invalid, which the caller will notice
     }
 }
 

@@ -1,32 +1,32 @@
 #pragma once
 
-// Captures that callers have begun: which one a stream takes part in, and work of ours that becomes part of it.
+// Stream captures that callers have begun: which one a stream takes part in, and how our work becomes part of it.
 //
 //     caller's stream   ── ... ──┐                        ┌── ...
 //     our stream                 └── pass ──┬────── pass ─┘
-//     the one beside                        └── guide ─┘
+//     side branch                           └── guide ─┘
 //
-// From its fork on, a stream of ours belongs to the capture until the caller ends that.
+// Once forked, our streams belong to the capture until the caller ends it.
 
 #include "backends/cuda/device/cuda_device.h"
 
 namespace crumple::cuda {
 
-/// The number of the capture that the stream takes part in; 0: of none. Throws Error (invalid_argument) if something
-/// has spoilt that capture.
+/// Returns the id of the capture that the stream takes part in; 0: none. Throws Error (invalid_argument) if that
+/// capture has been invalidated.
 unsigned long long capture_of(cudaStream_t stream);
 
 class CallersCapture {
    public:
-    /// `beside`: a branch that work on `own` may have forked.
+    /// `beside`: side branch that work on `own` may fork.
     CallersCapture(const Device& device, cudaStream_t own, const Branch& beside)
         : own_(own), beside_(beside), turn_(make_event(device)) {}
 
-    /// Puts what enqueue() gives to our stream into the capture of `stream`, which it leaves fit to go on, if CUDA
-    /// does, whatever enqueue() throws.
+    /// Adds the work that enqueue() gives to our stream to the capture of `stream`. If enqueue() throws, joins the
+    /// streams all the same, so that the capture can go on unless CUDA has invalidated it.
     template <class Enqueue>
     void add(cudaStream_t stream, Enqueue enqueue) const {
-        const CaptureMode strict(cudaStreamCaptureModeThreadLocal);  // allocating or waiting meanwhile is an error
+        const CaptureMode strict(cudaStreamCaptureModeThreadLocal);  // allocating or waiting is an error meanwhile
         order(turn_, stream, own_);
         try {
             enqueue();

@@ -13,12 +13,12 @@ namespace {
 
 std::string unavailable(const std::string& reason) { return "the cuda backend is not available: " + reason; }
 
-/// How many there are; if none, `reason` is set.
+/// Returns the number of devices. If there are none, sets `reason`.
 int count_devices(std::string& reason) {
-    int count = 0;  // without a driver it is left unwritten
+    int count = 0;  // not written if there is no driver
     const cudaError_t error = cudaGetDeviceCount(&count);
     if (error != cudaSuccess) {
-        cudaGetLastError();  // or the next check would meet it
+        cudaGetLastError();  // else the next check would report it
         reason = unavailable(cudaGetErrorString(error));
         return 0;
     }
@@ -40,7 +40,7 @@ Device::Device(int index) : index_(index) {
     if (index < 0 || index >= count)
         refuse(unavailable("device " + std::to_string(index) + " of " + std::to_string(count) + " does not exist"));
     const Current current(*this);
-    // A device that this build has no code for tells so at the first kernel.
+    // Fails if this build has no code for the device.
     cudaFuncAttributes attributes;
     const cudaError_t error = cudaFuncGetAttributes(&attributes, do_nothing);
     if (error != cudaSuccess) {
@@ -58,8 +58,8 @@ Geometry Device::geometry() const {
 }
 
 Device::Current::Current(const Device& device) {
-    // What the caller's thread has left behind, say cudaErrorNotReady, would look like a failure of CUB's launches,
-    // which ask for the last error. It cannot be put back (docs/cuda.md).
+    // Clears the last error of the caller's thread, say cudaErrorNotReady: CUB's launches query the last error, and
+    // would report it as theirs. It cannot be restored (docs/cuda.md).
     cudaGetLastError();
     CRUMPLE_CUDA(cudaGetDevice(&before_));
     if (before_ == device.index_) return;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The device that a backend works on, and the handles that live there.
+// Device of a backend, and owners of its streams and events.
 
 #include <type_traits>
 
@@ -12,13 +12,14 @@ namespace crumple::cuda {
 
 class Device {
    public:
-    /// Throws Error (backend_unavailable) if there is no such device, with the reason.
+    /// Throws Error (backend_unavailable), with the reason, if there is no such device or this build cannot use it.
     explicit Device(int index);
 
-    /// Threads of a block, and how many blocks keep the device busy.
+    /// Returns the threads per block, and the number of blocks that keep the device busy.
     Geometry geometry() const;
 
-    /// Makes the device this thread's current one while it lives, and has it leave other threads' captures alone.
+    /// Makes the device this thread's current one for the object's lifetime, in relaxed capture mode, which leaves
+    /// other threads' captures alone.
     class Current {
        public:
         explicit Current(const Device& device);
@@ -38,10 +39,10 @@ class Device {
     int index_;
 };
 
-/// Threads of a block, for devices made from now on; for tests: 64 or 256.
+/// Threads per block that Device::geometry() returns: 64 or 256. Only tests change it.
 extern unsigned block_threads;
 
-/// Runs work() with the device as this thread's. A device that has no memory left is an Error (device).
+/// Runs work() with the device as this thread's current one. Turns OutOfDeviceMemory into Error (device).
 template <class Work>
 std::invoke_result_t<Work> with_device(const Device& device, Work work) {
     const Device::Current current(device);
@@ -53,14 +54,14 @@ std::invoke_result_t<Work> with_device(const Device& device, Work work) {
 }
 
 Stream make_stream(const Device& device);
-/// Without times.
+/// Makes an event without timing.
 Event make_event(const Device& device);
 
-/// Makes what `then` is given from now on wait for what `first` was given.
+/// Makes work that is enqueued on `then` from now on wait for the work that `first` has so far.
 void order(const Event& event, cudaStream_t first, cudaStream_t then);
 
-/// A second stream, whose work begins where another stream is and ends where that one waits for it: what lies between
-/// runs beside. In a capture it is a branch of the graph.
+/// Second stream, which forks from another stream and joins it later. Work in between runs in parallel; in a capture it
+/// is a branch of the graph.
 class Branch {
    public:
     explicit Branch(const Device& device) : stream_(make_stream(device)), turn_(make_event(device)) {}
@@ -76,13 +77,13 @@ class Branch {
     Event turn_;
 };
 
-/// Times of the stages: an event at the start of each.
+/// Timing of the stages, by an event at the start of each and one at the end.
 class StageEvents {
    public:
     explicit StageEvents(const Device& device);
     void begin(Stage stage, cudaStream_t stream);
     void end(cudaStream_t stream);
-    /// After the stream was synchronised.
+    /// Adds the times to the statistics. The stream must have been synchronized.
     void read(Statistics& statistics) const;
 
    private:

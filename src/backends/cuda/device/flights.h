@@ -1,12 +1,12 @@
 #pragma once
 
-// Launches whose answers nobody has asked for yet, oldest first. Each has one of two slots, in turn:
+// Launches in flight, whose results have not been waited for yet, oldest first. Launches take two slots in turn:
 //
 //     launch 1   launch 2   wait     launch 3   wait     ...
 //     slot 0     slot 1     slot 0   slot 0     slot 1
 //
-// What a launch leaves for its wait() lies in its slot, so it stays until the second launch after it. All else is
-// shared, so passes run one after the other, whatever streams they are on.
+// A slot holds the data that a launch leaves for its wait(), so they remain valid until the second launch after it. All
+// other data are shared, so passes run one after the other, on whatever streams.
 
 #include <array>
 #include <cstddef>
@@ -25,33 +25,34 @@ class Flights {
     bool full() const { return count_ == slots; }
     bool holds(std::size_t slot) const { return count_ == slots || (count_ == 1 && slot == newest_); }
     std::size_t newest() const { return newest_; }
-    /// Of those in flight.
+    /// Returns the slot of the oldest launch; there must be one.
     std::size_t oldest() const { return count_ == slots ? next() : newest_; }
-    /// The slot that was used longest ago; it is free unless all are in flight.
+    /// Returns the least recently used slot. It is free unless all are in flight.
     std::size_t next() const { return (newest_ + 1) % slots; }
 
-    /// Makes what the stream is given from now on wait for all passes in flight.
+    /// Makes work that is enqueued on the stream from now on wait for all passes in flight.
     void queue(cudaStream_t stream) const {
         if (count_ > 0) CRUMPLE_CUDA(cudaStreamWaitEvent(stream, done_[newest_].get(), 0));
     }
-    /// The stream was given the pass of a slot that is free.
+    /// Records that the pass of a free slot has been enqueued on the stream.
     void add(std::size_t slot, cudaStream_t stream) {
         CRUMPLE_CUDA(cudaEventRecord(done_[slot].get(), stream));
         newest_ = slot;
         ++count_;
     }
-    /// Takes the oldest out, of one at least, waits for it, and returns its slot.
+    /// Removes the oldest launch, of which there must be one, waits for its pass, and returns its slot.
     std::size_t land() {
         const std::size_t landed = oldest();
         --count_;
         CRUMPLE_CUDA(cudaEventSynchronize(done_[landed].get()));
         return landed;
     }
-    /// Waits for all passes; they stay in flight.
+    /// Synchronizes with all passes; they stay in flight.
     void settle() const {
         if (count_ > 0) CRUMPLE_CUDA(cudaEventSynchronize(done_[newest_].get()));
     }
-    /// Forgets those in flight, once they are over or because the device has failed.
+    /// Drops the launches in flight, once their passes have completed; forget() does not wait, for a device that has
+    /// failed.
     void finish() {
         settle();
         forget();

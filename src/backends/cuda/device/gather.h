@@ -1,6 +1,6 @@
 #pragma once
 
-// Exact coordinates of pairs, brought to the host for what only the host can do: rational arithmetic.
+// Download of the exact coordinates of pairs, for rational arithmetic, which only the host can do.
 
 #include <algorithm>
 #include <vector>
@@ -12,7 +12,7 @@
 
 namespace crumple::cuda {
 
-/// The triangles of pairs [0, n), a's and b's in turn. `second` is added to b.
+/// Writes the triangles of pairs [0, n): a and b alternately, 2 n in all. `second` is added to each b.
 void gather(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Pair* pairs, std::size_t n,
             std::int32_t second, Triangle* triangles);
 
@@ -21,13 +21,13 @@ class Gathered {
     Gathered(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, MemoryMeter& meter)
         : geometry_(geometry), stream_(stream), scene_(scene), block_(meter) {}
 
-    /// Calls use(i, a, b) for the triangles of each pair, a few thousand pairs at a time.
+    /// Downloads the triangles of all pairs, a few thousand pairs at a time, and calls use(i, a, b) for each pair.
     template <class Use>
     void each(const Pair* pairs, std::size_t n, std::int32_t second, Use use) {
         std::vector<Triangle> host(2 * std::min(n, batch));
         Triangle* device = nullptr;
         lay_out(block_, [&](Cutter& c) { device = cut(c, n); });
-        // A Triangle's last bytes hold nothing, and are copied all the same.
+        // Initialises the padding of the Triangles, which is downloaded, too.
         fill(stream_, device, 0, host.size() * sizeof(Triangle));
         for (std::size_t begin = 0; begin < n; begin += batch) {
             const std::size_t count = std::min(batch, n - begin);
@@ -39,7 +39,7 @@ class Gathered {
         }
     }
 
-    /// The device memory that each() takes.
+    /// Cuts the device memory that each() needs.
     static Triangle* cut(Cutter& cutter, std::size_t n) { return cutter.take<Triangle>(2 * std::min(n, batch)); }
 
    private:

@@ -1,14 +1,15 @@
 #pragma once
 
-// Work that is given to a stream again and again, as CUDA graphs. What is made of it depends on how it was met before:
+// Cache of CUDA graphs for work that is enqueued again and again. How the work is enqueued depends on whether it, or
+// work of the same shape, has been enqueued before:
 //
-//     never, nor any of its shape      launch by launch, which also loads its kernels
-//     never, but work of its shape     the one graph for work that moves, which is given the new addresses and lengths
-//     once                             a graph of its own from now on
+//     never, nor any of its shape      launch by launch, which also loads the kernels
+//     never, but work of its shape     one shared graph, updated with the new addresses and lengths
+//     once                             a graph of its own, made now
 //     more often                       that graph
 //
-// So arrays that lie elsewhere in each frame, and lists that grow, cost no new graph; frames that come again cost one
-// launch; and no kernel is loaded while a stream captures.
+// So arrays that move from frame to frame, and lists that grow, need no new graph; a repeated frame costs one launch;
+// and no kernel is loaded during a capture.
 
 #include <algorithm>
 #include <array>
@@ -20,10 +21,10 @@
 
 namespace crumple::cuda {
 
-/// What `enqueue` gives to `stream`, as a graph.
+/// Captures the work that enqueue() gives to `stream`, and returns it as a graph.
 template <class Enqueue>
 Graph capture(cudaStream_t stream, Enqueue enqueue) {
-    const CaptureMode strict(cudaStreamCaptureModeThreadLocal);  // allocating or waiting meanwhile is an error
+    const CaptureMode strict(cudaStreamCaptureModeThreadLocal);  // allocating or waiting is an error meanwhile
     CRUMPLE_CUDA(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
     cudaGraph_t made = nullptr;
     try {
@@ -43,16 +44,16 @@ inline GraphExec instantiate(const Graph& graph) {
     return GraphExec(executable);
 }
 
-/// Has it do what `graph` does, if that has the same nodes, from its next launch on. False if it has not.
+/// Makes the executable run `graph` from its next launch on. Returns false if `graph` has other nodes.
 inline bool update(const GraphExec& executable, const Graph& graph) {
     cudaGraphExecUpdateResultInfo result{};
     const cudaError_t error = cudaGraphExecUpdate(executable.get(), graph.get(), &result);
     if (error != cudaErrorGraphExecUpdateFailure) CRUMPLE_CUDA(error);
-    if (error != cudaSuccess) cudaGetLastError();  // or the next check would meet it
+    if (error != cudaSuccess) cudaGetLastError();  // else the next check would report it
     return error == cudaSuccess;
 }
 
-/// Makes of a caller's address what kernels are chosen by: whether there is an array, and how it is aligned. For
+/// Reduces an address to what the choice of kernels depends on: whether it is null, and its alignment. For
 /// Key::shape().
 template <class T>
 void forget_place(T*& place) {
@@ -60,19 +61,20 @@ void forget_place(T*& place) {
     if (place) place = reinterpret_cast<T*>(alignment + reinterpret_cast<std::uintptr_t>(place) % alignment);
 }
 
-/// `Key`: all that the work depends on. `Key::shape()`: what its kernels depend on, as a key.
+/// Cached graphs of one kind of work. `Key`: all that the work depends on. Key::shape(): the key, reduced to what the
+/// choice of kernels depends on.
 template <class Key>
 class GraphCache {
    public:
     GraphCache(const Device& device, cudaStream_t own) : own_(own), turn_(make_event(device)) {}
 
-    /// Gives the work to `stream`; `enqueue` gives it to our own.
+    /// Enqueues the work on `stream`. enqueue() enqueues it on our own stream.
     template <class Enqueue>
     void run(const Key& key, cudaStream_t stream, Enqueue enqueue) {
         const auto found =
             std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.met && kept.key == key; });
         const bool met = found != kept_.end();
-        // The latest comes first, and the last one goes.
+        // Moves the entry to the front; a new one replaces the last.
         std::rotate(kept_.begin(), met ? found : std::prev(kept_.end()), met ? std::next(found) : kept_.end());
         Kept& kept = kept_[0];
         if (met) {
@@ -93,7 +95,7 @@ class GraphCache {
         kept.met = true;
     }
 
-    /// The same for work that will not come again: launch by launch.
+    /// Enqueues work that will not be repeated, launch by launch.
     template <class Enqueue>
     void run_once(cudaStream_t stream, Enqueue enqueue) const {
         order(turn_, stream, own_);
@@ -115,8 +117,8 @@ class GraphCache {
 
     cudaStream_t own_;
     Event turn_;
-    std::array<Kept, 8> kept_;  ///< for two slots, and simulations that write their frames to several buffers in turn
-    Kept moving_;               ///< by shape
+    std::array<Kept, 8> kept_;  ///< most recently used first; enough for two slots and a few buffers in turn
+    Kept moving_;               ///< shared graph; its key is a shape
 };
 
 }  // namespace crumple::cuda

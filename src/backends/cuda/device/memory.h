@@ -1,6 +1,6 @@
 #pragma once
 
-// Memory of the device, and pinned memory of the host, counted by the detector's meter.
+// Device memory, counted by the detector's meter, and pinned host memory.
 
 #include <algorithm>
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace crumple::cuda {
 
-/// A block of device memory that keeps its place until more is asked for; growth loses what was there.
+/// Block of device memory. Its address changes only if it has to grow, which loses the contents.
 class Block {
    public:
     explicit Block(MemoryMeter& meter) : meter_(meter) {}
@@ -46,7 +46,7 @@ class Block {
         const cudaError_t error = cudaMalloc(&memory, bytes);
         if (error != cudaSuccess) {
             meter_.add(-static_cast<std::int64_t>(bytes));
-            cudaGetLastError();  // or the next check would meet it
+            cudaGetLastError();  // else the next check would report it
             if (error == cudaErrorMemoryAllocation) throw OutOfDeviceMemory{"cudaMalloc", bytes};
             check(error, "cudaMalloc");
         }
@@ -59,7 +59,7 @@ class Block {
     std::size_t capacity_ = 0;
 };
 
-/// Whether there was memory for the work.
+/// Runs work(). Returns false if device memory or the memory limit did not suffice.
 template <class Work>
 bool fits(Work work) {
     try {
@@ -71,7 +71,8 @@ bool fits(Work work) {
     return false;
 }
 
-/// Bytes that lists of chunks may take: a quarter of what is left, for members and what is found grow, too.
+/// Returns the bytes that lists of chunks may take: a quarter of the memory left, because members and results grow,
+/// too.
 inline std::int64_t bytes_for_lists(const MemoryMeter& meter) {
     std::size_t free = 0, total = 0;
     CRUMPLE_CUDA(cudaMemGetInfo(&free, &total));
@@ -79,7 +80,7 @@ inline std::int64_t bytes_for_lists(const MemoryMeter& meter) {
     return (meter.limit > 0 ? std::clamp<std::int64_t>(meter.limit - meter.used, 0, left) : left) / 4;
 }
 
-/// Copies n elements; done when it returns, whichever side the memory is on.
+/// Copies n elements, and returns once the copy is complete.
 template <class T>
 void copy_now(cudaStream_t stream, T* to, const T* from, std::size_t n, cudaMemcpyKind kind) {
     if (n == 0) return;
@@ -87,7 +88,7 @@ void copy_now(cudaStream_t stream, T* to, const T* from, std::size_t n, cudaMemc
     CRUMPLE_CUDA(cudaStreamSynchronize(stream));
 }
 
-/// Cuts a block into arrays: once without memory, to learn how much it takes, then in earnest.
+/// Cuts a block into arrays. Without a block, only measures how much memory the arrays need.
 class Cutter {
    public:
     explicit Cutter(std::byte* block = nullptr) : block_(block) {}
@@ -106,12 +107,14 @@ class Cutter {
     std::size_t used_ = 0;
 };
 
-/// Whether a block may grow: not for work that goes into a caller's capture, where nothing may be allocated.
+/// Permission of a block to grow. Blocks are fixed for work that goes into a caller's capture, during which nothing may
+/// be allocated.
 enum class Room : std::uint8_t { grows, fixed };
-/// Thrown where something would have to grow, or be brought, that is fixed.
+/// Thrown if memory would have to grow, or data to be uploaded, in spite of Room::fixed.
 struct NoRoom {};
 
-/// Lays arrays out in the block: cut(cutter) names them one after the other, first to measure, then to place them.
+/// Makes the arena layout of a block. Calls cut(cutter), which takes one array after the other, twice: to measure, then
+/// to place them.
 template <class Cut>
 void lay_out(Block& block, Cut cut, Room room = Room::grows) {
     Cutter measure;
@@ -121,7 +124,7 @@ void lay_out(Block& block, Cut cut, Room room = Room::grows) {
     cut(cutter);
 }
 
-/// One T in pinned memory of the host: what graphs copy to and from.
+/// One T in pinned host memory, which graphs write to.
 template <class T>
 class Pinned {
     static_assert(std::is_trivially_copyable_v<T>);

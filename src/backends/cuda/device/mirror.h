@@ -1,7 +1,7 @@
 #pragma once
 
-// An array of the host's and its copy on the device. Frames of a simulation bring the same one again, and have no time
-// to wait for a copy: so it is made only where the contents differ from those that lie there.
+// Device copy of a host array, uploaded only if the contents have changed: frames of a simulation mostly pass the same
+// contents, and should not wait for a copy.
 
 #include <algorithm>
 #include <span>
@@ -16,8 +16,8 @@ class Mirror {
    public:
     explicit Mirror(MemoryMeter& meter) : block_(meter), there_(&meter) {}
 
-    /// Where the device finds the array; the host's need not last. Throws NoRoom if that is fixed and another one lies
-    /// there.
+    /// Returns the device's copy of `host`, which need not outlive the call. Throws NoRoom if an upload is needed, but
+    /// `room` is fixed.
     const T* bring(cudaStream_t stream, std::span<const T> host, Room room = Room::grows) {
         const void* const before = block_.data();
         T* device = nullptr;
@@ -25,7 +25,7 @@ class Mirror {
             block_, [&](Cutter& c) { device = c.take<T>(host.size()); }, room);
         if (block_.data() == before && std::ranges::equal(there_, host)) return device;
         if (room == Room::fixed) throw NoRoom{};
-        there_.clear();  // of a copy that fails nothing is known
+        there_.clear();  // if the copy fails, the contents are unknown
         copy_now(stream, device, host.data(), host.size(), cudaMemcpyHostToDevice);
         std::ranges::copy(host, there_.resize_discard(host.size()));
         return device;

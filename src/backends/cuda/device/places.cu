@@ -8,11 +8,11 @@
 namespace crumple::cuda {
 namespace {
 
-/// Where an array lies that the device cannot read, or nothing.
+/// Returns where an array lies that the device cannot read; empty if the device can read it.
 std::string wrong_place(const void* array, int device) {
     cudaPointerAttributes attributes{};
     const cudaError_t error = cudaPointerGetAttributes(&attributes, array);
-    if (error == cudaErrorInvalidValue) {  // CUDA's word for memory of the host, before 11
+    if (error == cudaErrorInvalidValue) {  // reported for host memory before CUDA 11
         cudaGetLastError();
         attributes.type = cudaMemoryTypeUnregistered;
     } else {
@@ -29,7 +29,7 @@ std::string wrong_place(const void* array, int device) {
         default:
             break;
     }
-    int reads_all = 0;  // devices that page the host's memory in
+    int reads_all = 0;  // some devices can read pageable host memory
     check(cudaDeviceGetAttribute(&reads_all, cudaDevAttrPageableMemoryAccess, device), "cudaDeviceGetAttribute");
     return reads_all ? "" : "in host memory";
 }

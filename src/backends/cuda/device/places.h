@@ -1,7 +1,7 @@
 #pragma once
 
-// Where a caller's arrays lie: a kernel that reads an address the device does not know ends every later call of the
-// process, so each is asked for before.
+// Checks that the device can read the caller's arrays. A kernel that reads an invalid address makes all later CUDA
+// calls of the process fail, so every address is checked before.
 
 #include <array>
 #include <string>
@@ -15,12 +15,12 @@ class Places {
    public:
     explicit Places(int device) : device_(device) {}
 
-    /// Throws Error (invalid_argument) that names the first array that the device cannot read. Arrays of the call
-    /// before are known, so that frames of a simulation ask for nothing.
+    /// Throws Error (invalid_argument) that names the first array that the device cannot read. Addresses of the
+    /// previous call are cached, so that frames of a simulation query nothing.
     void check(const MeshView& a, const MeshView* b);
-    /// Of all that a shape has.
+    /// Checks all arrays of a shape.
     void check(const Shape& shape);
-    /// The same for an array that is called `name`.
+    /// Checks one array, which the error calls `name`.
     void check(const char* name, const void* array);
 
    private:

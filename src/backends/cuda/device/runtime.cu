@@ -12,7 +12,7 @@ std::string OutOfDeviceMemory::message() const {
 
 void check(cudaError_t error, const char* call) {
     if (error == cudaSuccess) return;
-    cudaGetLastError();  // so that the next call does not meet it again
+    cudaGetLastError();  // else the next check would report it again
     const std::string text = std::string(call).substr(0, std::string(call).find('('));
     if (error == cudaErrorMemoryAllocation) throw OutOfDeviceMemory{text};
     throw Error(ErrorCode::device, text + ": " + cudaGetErrorString(error) + " (" + cudaGetErrorName(error) + ")");

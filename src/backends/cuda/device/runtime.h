@@ -1,7 +1,8 @@
 #pragma once
 
-// The CUDA runtime, wrapped: calls that throw, launches, owners of streams, events and graphs. The same text compiles
-// with nvcc and, with the headers of cuda_on_cpu/shim on the include path, as plain C++ (cuda_on_cpu/README.md).
+// Wrappers of the CUDA runtime: calls that throw, launches, owners of streams, events and graphs. The same source
+// compiles with nvcc and, with the headers of cuda_on_cpu/shim on the include path, as plain C++
+// (cuda_on_cpu/README.md).
 
 #include <cuda_runtime.h>
 
@@ -12,11 +13,10 @@
 
 namespace crumple::cuda {
 
-/// Thrown where the device has no more memory, whichever call it was: launches take some, too. `find` then works in
-/// chunks.
+/// Thrown by any call, even a launch, if the device has too little memory. `find` then searches in chunks.
 struct OutOfDeviceMemory {
     std::string call;
-    std::size_t bytes = 0;  ///< that were asked for; 0: not known
+    std::size_t bytes = 0;  ///< requested; 0: unknown
 
     std::string message() const;
 };
@@ -25,7 +25,8 @@ struct OutOfDeviceMemory {
 void check(cudaError_t error, const char* call);
 #define CRUMPLE_CUDA(call) ::crumple::cuda::check(call, #call)
 
-/// The block's dynamic shared memory: one struct a kernel. The one place where the two compilers see different text.
+/// Returns the block's dynamic shared memory, which holds one struct per kernel. Only here do the two compilers see
+/// different source.
 template <class T>
 __device__ T& dynamic_shared() {
 #ifdef __CUDACC__
@@ -36,13 +37,13 @@ __device__ T& dynamic_shared() {
 #endif
 }
 
-/// Sets bytes of the device. None are fine, even in a capture, where CUDA itself refuses them.
+/// Sets bytes of device memory. Zero bytes are allowed; CUDA itself refuses them in a capture.
 inline void fill(cudaStream_t stream, void* memory, int value, std::size_t bytes) {
     if (bytes > 0) CRUMPLE_CUDA(cudaMemsetAsync(memory, value, bytes, stream));
 }
 
-/// How the calling thread minds captures, while it lives. Relaxed: what we allocate, free or wait for does not spoil
-/// the capture of another thread, and is not refused because of it.
+/// Sets the calling thread's capture mode for the object's lifetime. In relaxed mode, allocating, freeing and waiting
+/// do not invalidate another thread's capture, and are not refused because of it.
 class CaptureMode {
    public:
     explicit CaptureMode(cudaStreamCaptureMode mode) : mode_(mode) { cudaThreadExchangeStreamCaptureMode(&mode_); }
@@ -51,7 +52,7 @@ class CaptureMode {
     ~CaptureMode() { cudaThreadExchangeStreamCaptureMode(&mode_); }
 
    private:
-    cudaStreamCaptureMode mode_;  ///< the one before
+    cudaStreamCaptureMode mode_;  ///< previous mode
 };
 
 struct Launch {
@@ -74,20 +75,21 @@ struct Launch {
 
 inline constexpr unsigned whole_warp = 0xffffffffu;
 
-/// How kernels are launched. Tests choose fewer threads, so that blocks and warps meet in other ways.
+/// Sizes of launches. Tests choose fewer threads, so that blocks and warps meet in other ways.
 struct Geometry {
-    unsigned threads = 256;  ///< of a block: 64 or 256
+    unsigned threads = 256;  ///< per block: 64 or 256
     unsigned resident = 0;   ///< blocks that fill the device
     unsigned multiprocessors = 0;
 
-    /// Blocks for one thread an element, no more than fill the device: kernels stride on.
+    /// Returns the number of blocks for one thread per element, but at most as many as fill the device: kernels use
+    /// grid-stride loops.
     unsigned blocks(std::size_t elements) const {
         const std::size_t wanted = (elements + threads - 1) / threads;
         return static_cast<unsigned>(wanted < 1 ? 1 : wanted < resident ? wanted : resident);
     }
 
-    /// Blocks of one kernel that the device holds at once, by its registers and shared memory: more would wait for
-    /// them. `own`: threads of its blocks, if they are others.
+    /// Returns how many blocks of a kernel the device holds at once, given its registers and shared memory. `own`:
+    /// threads per block, if not `threads`.
     template <class... Parameters>
     unsigned fitting(void (*kernel)(Parameters...), std::size_t shared = 0, unsigned own = 0) const {
         int blocks = 0;
@@ -97,11 +99,11 @@ struct Geometry {
     }
 };
 
-/// First element and stride of a thread that shares a loop with the whole grid.
+/// Return the first element and the stride of a thread in a grid-stride loop.
 __device__ inline std::size_t grid_thread() { return std::size_t{blockIdx.x} * blockDim.x + threadIdx.x; }
 __device__ inline std::size_t grid_stride() { return std::size_t{gridDim.x} * blockDim.x; }
 
-/// The segment that holds an item, by prefix sums: the last whose first item is not behind it.
+/// Returns the segment that contains an item: the last one with first[segment] <= item.
 __device__ inline std::size_t segment_of(unsigned long long item, const unsigned long long* first,
                                          std::size_t segments) {
     std::size_t begin = 0, end = segments;
@@ -115,8 +117,8 @@ __device__ inline std::size_t segment_of(unsigned long long item, const unsigned
     return begin;
 }
 
-/// Gives each lane that wants one a place of its own behind *counter; all lanes of the warp call it together. The
-/// counter counts on when places run out, so that the host learns how many were wanted.
+/// Returns a place of its own, counted by *counter, to each lane with `wants`. All lanes of the warp call it together.
+/// The counter may exceed the capacity of a list, so that the host learns how many places were needed.
 __device__ inline unsigned long long append(bool wants, unsigned long long* counter) {
     const unsigned wanting = __ballot_sync(whole_warp, wants), lane = threadIdx.x % 32;
     unsigned long long first = 0;
@@ -125,14 +127,14 @@ __device__ inline unsigned long long append(bool wants, unsigned long long* coun
     return first + static_cast<unsigned long long>(__popc(wanting & ((1u << lane) - 1)));
 }
 
-/// Counts the lanes that hold, for all lanes of the warp together. No lane waits for the sum.
+/// Adds the number of lanes with `holds` to *counter. All lanes of the warp call it together; none waits for the sum.
 __device__ inline void tally(bool holds, unsigned long long* counter) {
     const unsigned holding = __ballot_sync(whole_warp, holds);
     if (threadIdx.x % 32 == 0 && holding) atomicAdd(counter, static_cast<unsigned long long>(__popc(holding)));
 }
 
-/// Whether something has been counted, so that the rest of the work need not be done; null: go on whatever there is.
-/// One lane looks, and all lanes of the warp, which call it together, go the same way.
+/// Returns true if *counter is not 0, so that the remaining work can be skipped; false if `counter` is null. All lanes
+/// of the warp call it together. One lane reads the counter, so that all take the same branch.
 __device__ inline bool has_ended(unsigned long long* counter) {
     if (!counter) return false;
     unsigned long long count = 0;
@@ -140,8 +142,8 @@ __device__ inline bool has_ended(unsigned long long* counter) {
     return __shfl_sync(whole_warp, count, 0) != 0;
 }
 
-/// Owner of a handle that is created and destroyed by functions of the runtime. Destroys it in relaxed mode:
-/// in another, destroying a graph executable invalidates captures, of this thread or of others (cuda_on_cpu/README.md).
+/// Owner of a handle that functions of the runtime create and destroy. Destroys it in relaxed mode: in another mode,
+/// destroying a graph executable invalidates captures, of this thread or of others (cuda_on_cpu/README.md).
 template <class Handle, cudaError_t (*destroy)(Handle)>
 class Owner {
    public:

@@ -1,8 +1,8 @@
 #pragma once
 
-// Records that the lanes of a warp need from memory, each another one. If each lane read its own, every access would
-// touch 32 lines; here neighbouring lanes copy the pieces of one record side by side, so an access touches a few. The
-// copies go to shared memory without a register, and a lane waits once for all of them.
+// Gather of one record per lane of a warp from device memory. If each lane read its own record, every access would
+// touch 32 cache lines; instead, neighbouring lanes copy neighbouring pieces of one record, so that an access touches a
+// few. The copies go to shared memory without using registers, and a lane waits once for all of them.
 
 #include <cuda_pipeline.h>
 
@@ -12,11 +12,11 @@
 
 namespace crumple::cuda {
 
-/// Room in shared memory for a record a lane. All lanes of the warp call its functions together.
+/// Shared memory for one record per lane. All lanes of the warp call its functions together.
 template <class Record>
 class GatherRoom {
    public:
-    /// Starts to copy record[index]. Lanes that need none name one that is there.
+    /// Starts to copy record[index]. Lanes that need none pass any valid index.
     __device__ void start(const Record* record, std::uint32_t index) {
         const unsigned lane = threadIdx.x % 32;
         for (unsigned k = 0; k < pieces; ++k) {
@@ -26,7 +26,7 @@ class GatherRoom {
             __pipeline_memcpy_async(&piece_[of * pieces + place(of, piece)], from, sizeof(Piece));
         }
     }
-    /// The lane's record, once all copies are done.
+    /// Returns the lane's record. All copies must be complete.
     __device__ Record own() const {
         const unsigned lane = threadIdx.x % 32;
         Piece read[pieces];
@@ -44,8 +44,9 @@ class GatherRoom {
     static_assert(sizeof(Record) % sizeof(Piece) == 0 && alignof(Record) % alignof(Piece) == 0);
     static_assert(pieces % 2 == 1 || pieces == 4 || pieces == 8);
 
-    // Eight lanes that read the same piece at once find it in other banks: where a record's pieces are odd in number of
-    // themselves, else since they lie in another order in each.
+    // Returns the place of a piece, such that eight lanes that read the same piece of their records hit different
+    // banks. An odd number of pieces ensures that by itself; otherwise the order of pieces differs from record to
+    // record.
     __device__ static unsigned place(unsigned of, unsigned piece) {
         if constexpr (pieces % 2 == 1) return piece;
         return piece ^ (of / (8 / pieces) % pieces);
@@ -54,7 +55,7 @@ class GatherRoom {
     Piece piece_[32 * pieces];
 };
 
-/// Two records of each lane, one after the other through the same room.
+/// Two records of each lane. gathered_pair() gathers them one after the other through the same GatherRoom.
 template <class Record>
 struct RecordPair {
     Record a, b;

@@ -1,15 +1,16 @@
 #pragma once
 
-// Queues of a warp, in its shared memory. What few lanes have at a time waits there until there is one a lane, so that
-// lanes are busy; or until there is much, so that one atomic is little for its places in a list of the device. There is
-// no barrier beyond the warp's.
+// Queues of a warp, in shared memory. Elements that only few lanes produce at a time wait until there is one per lane,
+// so that all lanes are busy (WarpQueue), or until there are enough to reserve places in a device list with one atomic
+// (ListQueue). There is no barrier beyond the warp's.
 
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/stages/layout.h"
 
 namespace crumple::cuda {
 
-/// All lanes of the warp call its functions together. No more than 31 elements may wait when some are added.
+/// Queue of elements for the lanes of a warp, which call its functions together. At most 31 elements may wait when some
+/// are added.
 template <class T>
 class WarpQueue {
    public:
@@ -19,17 +20,17 @@ class WarpQueue {
 
     __device__ unsigned size() const { return size_; }
 
-    /// Adds the elements of those lanes that want it.
+    /// Adds the elements of the lanes with `wants`.
     __device__ void add(bool wants, const T& element) { add(wants, element, __ballot_sync(whole_warp, wants)); }
-    /// The same where the lanes that want it are known.
+    /// Adds them; `wanting`: the ballot of `wants`.
     __device__ void add(bool wants, const T& element, unsigned wanting) {
         if (wants) places_[size_ + static_cast<unsigned>(__popc(wanting & ((1u << lane_) - 1)))] = element;
         size_ += static_cast<unsigned>(__popc(wanting));
         __syncwarp();
     }
 
-    /// Takes the last elements, up to 32, for as many first lanes; the other lanes see one that is another's. Returns
-    /// how many there are, of which there must be one.
+    /// Removes the last elements, up to 32, and returns their number. The first lanes get one each, the other lanes a
+    /// copy of another lane's. The queue must not be empty.
     __device__ unsigned take(T& element) {
         const unsigned taken = min(size_, 32u);
         size_ -= taken;
@@ -43,8 +44,8 @@ class WarpQueue {
     unsigned lane_, size_ = 0;  // the size is the same in all lanes
 };
 
-/// Elements on their way to a list, so many at once. A device does the atomics on one address one after the other,
-/// about one a nanosecond. All lanes of the warp call its functions together.
+/// Elements on their way to a list, which are appended `at_once` or more at a time, because a device serialises atomics
+/// on one address, at about one per nanosecond. All lanes of the warp call its functions together.
 template <class T, unsigned at_once>
 class ListQueue {
    public:
@@ -55,7 +56,7 @@ class ListQueue {
     __device__ unsigned size() const { return size_; }
     __device__ const List<T>& list() const { return list_; }
 
-    /// Adds the elements of those lanes that want it.
+    /// Adds the elements of the lanes with `wants`.
     __device__ void add(bool wants, const T& element) {
         const unsigned wanting = __ballot_sync(whole_warp, wants);
         if (wants) places_[size_ + static_cast<unsigned>(__popc(wanting & ((1u << lane_) - 1)))] = element;
@@ -63,13 +64,13 @@ class ListQueue {
         __syncwarp();
         if (size_ >= at_once) move();
     }
-    /// Moves all that wait.
+    /// Appends all waiting elements to the list.
     __device__ void move() {
         unsigned long long place = 0;
         if (lane_ == 0 && size_) place = atomicAdd(list_.count, static_cast<unsigned long long>(size_));
         write(__shfl_sync(whole_warp, place, 0));
     }
-    /// Writes them to places of the list that have been counted as theirs.
+    /// Writes all waiting elements to the list from `place` on. The list's count must include them already.
     __device__ void write(unsigned long long place) {
         for (unsigned i = lane_; i < size_ && place + i < list_.capacity; i += 32) list_.data[place + i] = places_[i];
         size_ = 0;

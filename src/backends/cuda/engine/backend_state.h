@@ -18,8 +18,8 @@ namespace crumple::cuda {
 struct BackendState {
     BackendState(const Options& asked, MemoryMeter& m, Cancellation& c) : options(asked), meter(m), cancellation(c) {}
 
-    /// Makes our stream wait for what the caller's was given. Throws Error if that is being captured, since waiting for
-    /// it would spoil the capture; `whose`: "a mesh's".
+    /// Makes our stream wait for the work on the caller's stream. Throws Error if that stream is being captured, since
+    /// waiting for it would invalidate the capture. `whose`: begins the message, as in "a mesh's".
     void follow(void* callers_stream, const char* whose) const {
         const auto callers = static_cast<cudaStream_t>(callers_stream);
         if (capture_of(callers) != 0)
@@ -33,10 +33,10 @@ struct BackendState {
     Cancellation& cancellation;
     const Device device{options.device};
     const Geometry geometry = device.geometry();
-    const Stream stream = make_stream(device);  ///< ours
+    const Stream stream = make_stream(device);  ///< the backend's own stream
     const Event before = make_event(device);
     Flights flights{device};
-    /// By slot. A slot belongs to one launch at a time, of any query.
+    /// Inputs by slot. A slot belongs to one launch at a time, of any query.
     std::array<Input, Flights::slots> inputs{Input(device.index(), stream.get(), meter),
                                              Input(device.index(), stream.get(), meter)};
 };

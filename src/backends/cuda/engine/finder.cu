@@ -20,7 +20,7 @@ Finder::Finder(BackendState& state, Pass& stages)
       guides_(state.meter),
       work_(state.meter) {}
 
-// ---- A pass: the whole of [MZ] Algorithm 1, given to our stream. Where nobody times the stages, `watch` is null.
+// ---- A pass: the whole of [MZ] Algorithm 1, enqueued on our stream. `watch` is null if stages are not timed.
 
 void Finder::enqueue(StageEvents* watch) {
     Counters* const host_counters = slot().counters.get();
@@ -40,7 +40,7 @@ void Finder::enqueue(StageEvents* watch) {
             cudaMemcpyAsync(host_counters, stages_.counters, sizeof(Counters), cudaMemcpyDeviceToHost, stream_));
 }
 
-// Leaves the work that a guided pass does beside forked, but not joined.
+// Leaves the side branch of a warm-started pass forked, but not joined.
 void Finder::enqueue_until_sorted(Clearing& clearing, StageEvents* watch) {
     stages_.clear(clearing);
     input().clear(clearing);
@@ -78,7 +78,7 @@ bool Finder::pass_without_rows(FunctionRef<void()> rounds, Counters& counters) {
     return complete;
 }
 
-// Returns true if the slot's pass was complete. If not, changes the plan, unless another launch has changed it since.
+// Returns true if the slot's pass was complete. If not, adapts the plan, unless another launch has changed it since.
 bool Finder::accept() {
     const Counters counters = *slot().counters;
     input().throw_error(counters);
@@ -86,7 +86,7 @@ bool Finder::accept() {
     const bool latest = stages_.plan == plan;
     const bool complete = plan.accepts(counters, scene().triangle_count(), options_, !wants_any());
     if (latest) stages_.plan = plan;
-    // If one hit is enough, lists may have been too short: each hit is a proof of its own.
+    // If one hit is enough, lists may have been too short: any hit found is valid by itself.
     const bool proven = wants_any() && counters.hits > 0;
     if (!complete && !proven) return false;
     unsigned long long total = counters.hits;
@@ -97,8 +97,8 @@ bool Finder::accept() {
     return true;
 }
 
-// Has the host decide what the device could not, and adds the hits to the rows. Returns false if the list has no room
-// for them, or if a later pass has written there.
+// Decides on the host what the device could not, and adds the hits to the rows. Returns false if the list cannot hold
+// them, or if a later pass has overwritten it.
 bool Finder::add_beyond(const Counters& counters, unsigned long long& total) {
     if (lists_of_ != now_) return false;
     const std::size_t decided = decide_beyond(static_cast<std::size_t>(counters.beyond));
@@ -118,7 +118,7 @@ bool Finder::add_beyond(const Counters& counters, unsigned long long& total) {
     return true;
 }
 
-// Has the next pass begin with what this one, which was complete, has left.
+// Makes the next pass warm-start from what this one, which was complete, has left.
 void Finder::guide_next() {
     stages_.plan.cold = false;
     stages_.plan.guided = true;
@@ -141,11 +141,11 @@ void Finder::count(const Counters& c, const Plan& plan) {
     count_tests(c, s);
 }
 
-// ---- Calls: a pass at once, launched, or in a caller's graph.
+// ---- Calls: a pass run at once, launched, or put into a caller's graph.
 
 void Finder::find() {
     statistics_ = {};
-    state_.flights.settle();  // passes work on the same lists
+    state_.flights.settle();  // passes in flight use the same lists
     if (slot().low_memory || !fits_at_once([&] { find_at_once(); })) {
         refuse_worlds();
         in_chunks([&] { find_in_chunks(); });
@@ -189,7 +189,7 @@ void Finder::capture(cudaStream_t stream) {
     captured_ = true;
 }
 
-// A pass ends by writing all counters, and no answer has so many long rows.
+// A pass ends by writing all counters. `never` is no possible number of parts, so it marks that none has ended since.
 bool Finder::has_replayed() {
     constexpr unsigned long long never = ~0ull;
     return std::exchange(slot().counters->parts, never) != never;
@@ -200,7 +200,7 @@ bool Finder::accept_replay() {
     bool complete = false;
     try {
         complete = accept();
-    } catch (const MeshChanged&) {  // a graph cannot take other features
+    } catch (const MeshChanged&) {  // a graph is bound to its features
     }
     if (!complete) grown_ = std::exchange(stages_.plan, slot().plan);
     return complete;
@@ -249,7 +249,7 @@ Finder::Layout Finder::layout() const {
 
 void Finder::lay_out_lists() {
     if (laid_out_ == layout()) return;
-    state_.flights.settle();  // passes work on what may move now
+    state_.flights.settle();  // passes in flight use memory that may move now
     laid_out_.reset();
     lists_of_ = nobody;
     lay_out(guides_, [&](Cutter& c) { stages_.guides.cut(c, stages_.plan); });
@@ -265,7 +265,7 @@ void Finder::lay_out_rows(Room room) {
     lists_of_ = now_;
 }
 
-// Lists, and room for rows, for a pass that this slot reports.
+// Prepares lists and memory for rows, for a pass whose result this slot holds.
 void Finder::prepare_pass() {
     plan();
     lay_out_lists();

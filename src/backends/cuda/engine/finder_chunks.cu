@@ -1,4 +1,4 @@
-// A search in chunks: cluster by cluster, each in as many slices as the lists demand.
+// A search in chunks: cluster by cluster, each in as many slices as the lists require.
 
 #include "backends/cuda/engine/finder.h"
 
@@ -19,7 +19,7 @@ void Finder::in_chunks(FunctionRef<void()> work) {
     if (slot().low_memory || !fits([&] { with_shortest(false); })) with_shortest(true);
 }
 
-// The scene's clusters, for which members of one at a time are listed.
+// Lays out lists and finds the scene's clusters, whose members are then listed one cluster at a time.
 void Finder::lay_out_chunks() {
     lay_out(guides_, [&](Cutter& c) { stages_.guides.cut(c, stages_.plan); });
     lay_out(work_, [&](Cutter& c) { stages_.cut(c); });
@@ -55,7 +55,7 @@ void Finder::over_chunks(FunctionRef<bool()> slice) {
     }
 }
 
-// A slice is halved until its pairs of triangles fit their list; then all lists do.
+// Halves a slice until its pairs of triangles fit their list; then all other lists fit, too.
 bool Finder::over_slices(FunctionRef<bool()> narrow_slice) {
     for (Slice slice{}; slice.turn < slice.turns;) {
         cancellation_.check();

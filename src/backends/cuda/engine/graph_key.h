@@ -14,11 +14,11 @@
 
 namespace crumple::cuda {
 
-/// Parameters of a query's own kernels. Each kind has operator== and forget_places(), which makes of addresses and
-/// lengths what kernels are chosen by.
+/// Parameters of a query's own kernels. Each kind has operator== and forget_places(), which reduces addresses and
+/// lengths to what the choice of kernels depends on.
 using KernelParameters = std::variant<IntersectionParameters, FeatureParameters, CandidateParameters>;
 
-/// Everything that the commands of a guided pass are made of. While it stays the same, they are the same.
+/// Everything that the commands of a warm-started pass depend on: equal keys mean equal commands.
 struct GraphKey {
     PreparedScene scene;
     WantedPairs wanted;
@@ -28,7 +28,7 @@ struct GraphKey {
     const void *work = nullptr, *rows = nullptr, *guides = nullptr, *counters = nullptr;
     friend bool operator==(const GraphKey&, const GraphKey&) = default;
 
-    /// The same without places and lengths of lists. Which kernels there are follows from it.
+    /// Returns the key without addresses and lengths of lists. It determines which kernels are launched.
     GraphKey shape() const {
         GraphKey shape = *this;
         for (VertexReader& reader : shape.scene.reader) forget_place(reader.data);

@@ -29,7 +29,7 @@ LaunchNumber Launches::launch(Finder& finder, cudaStream_t stream, cudaStream_t 
     return ++newest_;
 }
 
-// Nothing is allocated, freed, copied or waited for, and NoRoom is thrown where that does not do.
+// Allocates, frees, copies and waits for nothing; where it would have to, NoRoom is thrown and turned into an Error.
 LaunchNumber Launches::launch_in_capture(Finder& finder, bool of_worlds, bool same_capture, cudaStream_t stream,
                                          FunctionRef<void()> bind) {
     if (flights_.count() > 0) refuse("a launch in a capture comes after wait() for the one before");
@@ -67,7 +67,7 @@ Launches::Outcome Launches::wait(Finder& finder, std::uint64_t revision) {
     return Outcome::lost;
 }
 
-// The stream that it was on is done, says the caller.
+// The caller has waited for the stream of the replay.
 Launches::Outcome Launches::wait_for_replay(Finder& finder) {
     refuse_open_capture();
     if (!finder.has_replayed()) refuse("wait() needs a replay of the captured launch before it");
@@ -81,12 +81,12 @@ bool Launches::capture_is_open() const {
     return status != cudaStreamCaptureStatusNone;
 }
 
-// Streams of ours take part in a capture that is open, and what they are given now would, too.
+// Our streams take part in an open capture, and any work enqueued on them now would, too.
 void Launches::refuse_open_capture() const {
     if (capture_is_open()) refuse("the capture that a launch was put into has not ended");
 }
 
-// A launch in a capture ends here, and so does download().
+// Ends a launch in a capture, and the report of a wait, which download() needs.
 void Launches::end_state() {
     if (phase_ == Phase::captured) refuse_open_capture();
     phase_ = Phase::idle;

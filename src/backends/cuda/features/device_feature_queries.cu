@@ -29,14 +29,14 @@ void FeatureCalls::find_all(const PreparedScene& scene, const FeatureRequest& re
         launches_.finish();
         result.clear();
         result.statistics.backend = "cuda";
-        if (scene.triangle_count() == 0) return;  // lists have a least size, which no limit need hold for nothing
+        if (scene.triangle_count() == 0) return;  // lists have a minimum size, which may exceed a small limit
         RowFinder& finder = finder_for(request);
         finder.bring(finder.current(), scene, request);
         finder.find();
         finder.copy_to(result);
     });
 }
-// Of a part all pairs are found, and those that another part owns are left out.
+// Finds all pairs of a part, then drops those that another part owns.
 void FeatureCalls::find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) {
     if (!request.part) return find_all(scene, request, result);
     FeatureRequest all = request;
@@ -58,7 +58,7 @@ void FeatureCalls::copy_to_host(const DeviceShape& mesh, Copied what, HostShape&
     });
 }
 
-// Returns false where the features are others.
+// Returns false if the mesh has other features than the request.
 bool FeatureCalls::find_in_slot(RowFinder& finder, const DeviceShape& mesh, const FeatureRequest& request) {
     try {
         state_.follow(mesh.stream, "a mesh's");

@@ -1,6 +1,7 @@
 #pragma once
 
-// Calls about features: of scenes on the host, and of meshes on the device, whose results go to the host or stay there.
+// Feature queries: on scenes on the host, and on meshes on the device, whose results are copied to the host or stay on
+// the device.
 
 #include <array>
 #include <optional>
@@ -26,7 +27,7 @@ class FeatureCalls final : public DeviceFeatureCalls {
     std::optional<DeviceAnswer> find_again(LaunchNumber launch, const DeviceShape& mesh,
                                            const FeatureRequest& request) override;
 
-    /// Gives back all that is kept between calls.
+    /// Frees all that is kept between calls.
     void release();
 
    private:
@@ -39,7 +40,7 @@ class FeatureCalls final : public DeviceFeatureCalls {
     FeaturesOnDevice features_there_;
     FeatureFinder features_;
     CandidateFinder candidates_;
-    std::array<RowFinder*, most_in_flight> launched_{};  ///< by number of a launch
+    std::array<RowFinder*, most_in_flight> launched_{};  ///< finder of each launch, by its number modulo most_in_flight
 };
 
 }  // namespace crumple::cuda

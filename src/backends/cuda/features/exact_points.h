@@ -1,6 +1,6 @@
 #pragma once
 
-// The points of features, as decisions read them.
+// Coordinates of feature vertices, as exact decisions read them.
 
 #include "backends/cuda/features/feature_parameters.h"
 #include "backends/cuda/stages/positions.h"
@@ -8,7 +8,7 @@
 
 namespace crumple::cuda {
 
-/// What the caller gave.
+/// Access to the caller's own coordinates; filters read normalised ones.
 struct ExactPoints {
     PreparedScene scene;
     bool aligned;

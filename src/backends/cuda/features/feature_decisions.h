@@ -1,8 +1,8 @@
 #pragma once
 
-// How a device decides a test of features: quickly, in registers; closely, with expansions or pairs of numbers; what
-// both leave open is for the host. Each question is a struct of two functions. The host calls them, too, to check a
-// device (backends/cuda/known_answers.h).
+// Decision of a feature test on a device: quick() works in registers, close() with expansions or double-double numbers,
+// and what both leave open is decided on the host. Each kind of query is a struct with these two functions. The host
+// calls them, too, to check a device (backends/cuda/known_answers.h).
 
 #include "backends/cuda/features/exact_points.h"
 #include "backends/cuda/features/feature_parameters.h"
@@ -32,8 +32,8 @@ constexpr bool of_triangles(FeatureKind kind) {
 }
 constexpr FeatureKinds kinds_of_constant(FeatureKind kind) { return static_cast<FeatureKinds>(kind); }
 
-/// When features touch. Of vertices with edges and vertices next to none do, and to tell how far they stay apart is
-/// quick. Those that touch at the start come no closer.
+/// Decision of contact: when features first touch. Vertices rarely touch edges or other vertices, and a lower bound on
+/// their distance is cheap. Features that touch at the start cannot approach.
 struct ImpactQuestion {
     static constexpr bool closely = true;
     ExactPoints points;
@@ -74,7 +74,8 @@ struct ImpactQuestion {
     }
 };
 
-/// When features come within a distance. Whether those that start there come closer is for the host.
+/// Decision of approach: when features come within a distance. With `approaching_only`, the host decides about those
+/// that start within it.
 struct SeparationQuestion {
     static constexpr bool closely = false;
     ExactPoints points;
@@ -95,7 +96,7 @@ struct SeparationQuestion {
     }
 };
 
-/// Which features are near, and how near.
+/// Decision of a proximity: whether features are near, and their distance.
 struct NearQuestion {
     static constexpr bool closely = true;
     ExactPoints points;

@@ -8,7 +8,7 @@
 namespace crumple::cuda {
 namespace {
 
-constexpr std::size_t batch = 4096;  // cases that the host decides at once
+constexpr std::size_t batch = 4096;  // cases that are copied to the host at once
 
 }  // namespace
 
@@ -75,7 +75,7 @@ bool FeatureFinder::write_rows(Counters* host_counters) {
     return wants_all() || wants_earliest();
 }
 
-// Their places in the list are ranked anew with all others.
+// Appends the hits of the host, and ranks all hits anew.
 void FeatureFinder::append_decided(std::size_t count, unsigned long long before) {
     Block block(meter_);
     RankedHit* device = nullptr;
@@ -83,17 +83,17 @@ void FeatureFinder::append_decided(std::size_t count, unsigned long long before)
     copy_now(stream_, device, decided_.data(), count, cudaMemcpyHostToDevice);
     append_hits(geometry_, stream_, device, count, before, hits());
     rank_hits(geometry_, stream_, hits());
-    CRUMPLE_CUDA(cudaStreamSynchronize(stream_));  // before the block goes
+    CRUMPLE_CUDA(cudaStreamSynchronize(stream_));  // before the block is freed
 }
 
-// Decides in rational arithmetic what no filter of the device could.
+// Decides on the host, in rational arithmetic, what the device left open.
 std::size_t FeatureFinder::decide_beyond(std::size_t count) {
     decided_.clear();
     std::vector<PackedFeatures> cases(std::min(count, batch));
     Block block(meter_);
     PackedFeatures* device = nullptr;
     lay_out(block, [&](Cutter& c) { device = c.take<PackedFeatures>(cases.size()); });
-    fill(stream_, device, 0, cases.size() * sizeof(PackedFeatures));  // what lies between members is copied, too
+    fill(stream_, device, 0, cases.size() * sizeof(PackedFeatures));  // padding is copied, too
     for (std::size_t begin = 0; begin < count; begin += batch) {
         const std::size_t some = std::min(batch, count - begin);
         pack_cases(geometry_, stream_, pass_.scene, pass_.asked, pass_.beyond() + begin, some, device);
@@ -134,7 +134,7 @@ void FeatureFinder::find_in_chunks() {
     write_sorted(found);
 }
 
-// False once nothing more is wanted.
+// Appends the hits of a slice. Returns false if the search can end.
 bool FeatureFinder::take_slice(Array<RankedHit>& found) {
     narrow();
     const Counters counters = read_counters();

@@ -1,6 +1,6 @@
 #pragma once
 
-// One scene searched for impacts or proximities.
+// Search of one scene for impacts or proximities.
 
 #include <array>
 #include <vector>
@@ -56,7 +56,7 @@ class FeatureFinder final : public RowFinder {
 
     FeaturePass pass_;
     std::array<FeatureSlot, Flights::slots> own_;
-    std::vector<RankedHit> decided_;  ///< by the host
+    std::vector<RankedHit> decided_;  ///< hits that the host has decided
 };
 
 }  // namespace crumple::cuda

@@ -12,7 +12,7 @@ namespace {
 
 __device__ bool is_finite(double x) { return std::abs(x) <= 1.7976931348623157e308; }
 
-// Radii and shapes at rest that the caller has on the device.
+// Checks of radii and rest shapes that the caller has on the device.
 __global__ void check_radii_kernel(const double* radius, std::size_t n, Counters* counters) {
     for (std::size_t v = grid_thread(); v < n; v += grid_stride())
         if (!(radius[v] >= 0 && is_finite(radius[v])))

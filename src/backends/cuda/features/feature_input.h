@@ -1,7 +1,7 @@
 #pragma once
 
-// What a question about features brings beside the scene, on the device: which features triangles own, radii, the shape
-// at rest, rings of neighbours.
+// Input of feature queries on the device, beside the scene: which features triangles own, radii, the rest shape, and
+// rings of adjacent vertices.
 
 #include "backends/cuda/device/flights.h"
 #include "backends/cuda/device/graph_cache.h"
@@ -13,17 +13,17 @@
 
 namespace crumple::cuda {
 
-/// The features of a scene, and rings of neighbours, kept on the device while they stay the same.
+/// Device copies of a scene's features and vertex rings, cached while these stay the same.
 class FeaturesOnDevice {
    public:
     FeaturesOnDevice(cudaStream_t stream, MemoryMeter& meter, const Flights& flights)
         : stream_(stream), flights_(flights), block_(meter), rings_(meter) {}
 
-    /// Of the host's; done when it returns. Valid until the next call. Where they are others than those that lie here,
-    /// passes in flight are waited for, or NoRoom is thrown.
+    /// Uploads the host's features or rings; complete on return, valid until the next call. If they differ from the
+    /// cached ones, waits for passes in flight, or throws NoRoom for Room::fixed.
     const FeatureTable& bring(const SceneFeatures& features, std::int64_t vertices, Room room = Room::grows);
     RingTable bring(const VertexRings* rings, Room room = Room::grows);
-    /// What bring() was given, of a mesh by itself.
+    /// Returns the topology of the mesh whose features bring() has uploaded.
     const KnownMesh& known() const { return known_; }
     void release();
 
@@ -39,13 +39,14 @@ class FeaturesOnDevice {
     std::uint64_t rings_revision_ = 0;
 };
 
-/// Joint numbers of what the request lists. Throws Error if there are too many.
+/// Returns the joint numbering of first features for the kinds that the request lists. Throws Error if there are too
+/// many.
 FirstOfKind firsts_of(const FeatureRequest& query);
 
-/// Parameters of kernels that a graph is known by (engine/graph_key.h).
+/// Kernel parameters that are part of a graph's key (engine/graph_key.h).
 struct FeatureParameters {
     AskedOfFeatures asked;
-    VertexReader rest;  ///< the shape at rest that lies on the device
+    VertexReader rest;  ///< the caller's rest shape, if it lies on the device
     FirstOfKind firsts;
     Extent extent;
     bool all_kinds;
@@ -57,17 +58,17 @@ struct FeatureParameters {
     }
 };
 
-/// What may be another in each call.
+/// Input that may change in each call.
 class FeatureInput {
    public:
     FeatureInput(cudaStream_t stream, MemoryMeter& meter) : stream_(stream), block_(meter), rest_(&meter) {}
 
-    /// Copies what the host has; done when it returns.
+    /// Uploads the input from the host; complete on return.
     void bring(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features);
-    /// The same where radii and the shape at rest lie on the device, as the caller gave them.
+    /// Binds radii and a rest shape that the caller has on the device.
     void view(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features, Room room);
 
-    /// Work that each pass begins with, once the scene's box is known.
+    /// Enqueues the work that each pass begins with, after the scene's box has been computed.
     void enqueue(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const SceneBox* box,
                  Counters* counters) const;
 
@@ -84,8 +85,8 @@ class FeatureInput {
 
     cudaStream_t stream_;
     Block block_;
-    Array<double> rest_;       ///< positions at rest, on their way to the device
-    VertexReader given_rest_;  ///< those that view() was given on the device
+    Array<double> rest_;       ///< rest positions, staged for the upload
+    VertexReader given_rest_;  ///< rest positions on the device, from view()
     bool viewed_ = false;
     AskedOfFeatures asked_;
     FirstOfKind firsts_;

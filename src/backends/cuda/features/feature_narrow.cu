@@ -10,7 +10,7 @@
 namespace crumple::cuda {
 namespace {
 
-/// Whether a test may be an answer, by float32 and by rules about neighbours.
+/// Filter of tests: drops pairs that float32 proves far, and pairs joined by vertex rings.
 template <int moments>
 struct TestFilter {
     PointRows points;
@@ -23,7 +23,8 @@ struct TestFilter {
     }
 
    private:
-    // The sum of both features' radii, which are those of their vertices. Sums round by less than radii are in excess.
+    // Sum of both features' radii, each the largest of its vertices'. The sum's rounding error is below the excess of
+    // the rounded-up radii.
     template <FeatureKind kind>
     __device__ float distance(const std::int32_t (&v)[4]) const {
         const float* radius = asked.vertex_radius;
@@ -33,7 +34,7 @@ struct TestFilter {
     }
     template <FeatureKind kind>
     __device__ bool far(const FeatureTest& test) const {
-        // Vertices with edges and vertices are vertices and faces that are edges and vertices.
+        // Edges and vertices against vertices are handled as degenerate faces.
         constexpr FeatureKind as = kind == FeatureKind::edge_edge ? kind : FeatureKind::vertex_face;
         SeenFeatures<moments> seen;
         for (int m = 0; m < moments; ++m) {
@@ -55,15 +56,15 @@ struct TestFilter {
     }
 };
 
-/// Tests of one kind that wait for a warp to have 32 of them.
+/// Queue of tests of one kind, which a warp filters 32 at a time.
 template <FeatureKind kind, int moments>
 class TestQueue {
    public:
     __device__ TestQueue(FeatureTest* waiting, const TestFilter<moments>& filter, const List<FeatureTest>& list)
         : waiting_(waiting), filter_(filter), list_(list), lane_(threadIdx.x % 32) {}
 
-    /// The tests of each lane's bits; `last`: and all that wait. All lanes call it together. It is called in one place,
-    /// for its code is long.
+    /// Queues the tests of each lane's bits; with `last`, also filters all that wait. All lanes of a warp call it
+    /// together. Called from a single place, because its code is long.
     __device__ void add(const FeatureRecord<moments>* a, const FeatureRecord<moments>* b, unsigned bits, bool last) {
         for (;;) {
             const unsigned having = __ballot_sync(whole_warp, bits != 0);
@@ -83,7 +84,7 @@ class TestQueue {
     __device__ unsigned long long listed() const { return listed_; }
 
    private:
-    // The last ones, up to 32.
+    // Filters the last tests of the queue, up to 32.
     __device__ void test() {
         const unsigned n = min(count_, 32u);
         count_ -= n;
@@ -134,8 +135,8 @@ __global__ void __launch_bounds__(threads) list_kernel(FeatureSurvivors<moments>
     if (threadIdx.x % 32 == 0 && all) atomicAdd(listed, all);
 }
 
-// The same where edges and points are listed: tests of all kinds, by a thread's own stack. Such scenes are rods and
-// particles, and few of their pairs are near.
+// Lists tests of all kinds, for scenes with listed edges and points. Each thread keeps its tests on its stack: such
+// scenes are rods and particles, in which few pairs are near.
 template <int moments>
 __global__ void listed_kernel(FeatureSurvivors<moments> survivors, TestFilter<moments> filter, TestLists tests,
                               FeatureHits hits, unsigned long long* listed) {
@@ -167,7 +168,7 @@ __global__ void listed_kernel(FeatureSurvivors<moments> survivors, TestFilter<mo
     }
 }
 
-// All lanes of a warp call it together.
+// Adds a hit. All lanes of a warp call it together.
 __device__ void add(const FeatureHits& hits, bool is_hit, FeatureKind kind, const Pair& pair, const Decided& found) {
     if (hits.any) return tally(is_hit, hits.list.count);
     std::uint32_t first = 0, rank = 0;
@@ -179,7 +180,7 @@ __device__ void add(const FeatureHits& hits, bool is_hit, FeatureKind kind, cons
     if (is_hit && place < hits.list.capacity) hits.list.data[place] = {first, pair.b, rank, found.flag, found.value};
 }
 
-// Decides tests of one kind, a thread a test; what is left open becomes left_open(test) in a list of its own.
+// Decides tests of one kind, one per thread. Appends left_open(test) to `open` for each test that is left open.
 template <FeatureKind kind, class Decide, class Open, class LeftOpen>
 __device__ void decide_each(const List<FeatureTest>& tests, const FeatureHits& hits, Decide decide,
                             const List<Open>& open, LeftOpen left_open) {
@@ -198,7 +199,7 @@ __device__ void decide_each(const List<FeatureTest>& tests, const FeatureHits& h
     }
 }
 
-// Calls work<kind>() for the kinds of triangles' features, or for those that only lists have.
+// Calls work<kind>() for the kinds that triangles' features have, or for those that only listed features have.
 template <bool of_lists, class Work>
 __device__ void for_each_kind(Work work) {
     if constexpr (of_lists) {
@@ -287,7 +288,7 @@ __global__ void inflation_kernel(const SceneBox* box, double distance, double sh
     *inflation = made;
 }
 
-// Calls work(question type) of what is asked.
+// Calls work<Question>() with the type for this query.
 template <class Work>
 void with_question(const AskedOfFeatures& asked, Work work) {
     if (!asked.motion)

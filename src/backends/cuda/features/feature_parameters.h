@@ -1,6 +1,6 @@
 #pragma once
 
-// What kernels are told of a question about features. Pointers are of the device.
+// Kernel parameters of a feature query. Pointers are to device memory.
 
 #include <cstdint>
 
@@ -10,9 +10,9 @@
 
 namespace crumple::cuda {
 
-/// See VertexRings.
+/// Device copy of VertexRings.
 struct RingTable {
-    const std::int32_t* of = nullptr;  ///< null: there are none
+    const std::int32_t* of = nullptr;  ///< null: no rings
     const std::int64_t* first = nullptr;
     friend bool operator==(const RingTable&, const RingTable&) = default;
 
@@ -30,9 +30,9 @@ struct RingTable {
     }
 };
 
-/// See RestShape.
+/// Device copy of RestShape.
 struct RestTable {
-    const double* position = nullptr;  ///< three a vertex; null: there is no such shape
+    const double* position = nullptr;  ///< 3 values per vertex; null: no rest shape
     const std::int32_t* body = nullptr;
     double radius = 0;
     friend bool operator==(const RestTable&, const RestTable&) = default;
@@ -46,7 +46,7 @@ struct RestTable {
     }
 };
 
-/// An address that stands for any.
+/// Returns a non-null address that stands for any array.
 template <class T>
 const T* unknown() {
     return reinterpret_cast<const T*>(alignof(T));
@@ -55,7 +55,7 @@ const T* unknown() {
 struct AskedOfFeatures {
     bool motion = false, strict = false, approaching_only = false;
     double distance = 0, share = 0;
-    const double* radii = nullptr;  ///< by vertex; null: `distance` is asked for
+    const double* radii = nullptr;  ///< by vertex; null: `distance` holds for all
     RestTable rest;
     RingTable rings;
     FeatureTable features;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A pass for questions about features: records and directions in `sort` and `sweep`, then `narrow`.
+// Pass of a feature query: adds its records to `sort`, its filter by separating directions to `sweep`, then `narrow`.
 
 #include "backends/cuda/features/feature_narrow.h"
 #include "backends/cuda/stages/pass.h"
@@ -33,7 +33,7 @@ class FeaturePass : public Pass {
         primitives.moving ? work.template operator()<2>() : work.template operator()<1>();
     }
 
-    void* records_ = nullptr;  ///< FeatureRecords of one moment, or of two where the scene moves
+    void* records_ = nullptr;  ///< FeatureRecords of one time sample, or of two if the scene moves
     FeatureTest *tests_[feature_kinds] = {}, *open_[feature_kinds] = {};
     OpenTest* beyond_ = nullptr;
     RankedHit* hits_ = nullptr;

@@ -1,7 +1,7 @@
 #pragma once
 
-// What stages `sort` and `sweep` of the cuda backend do for questions about features: records by row, and whether a
-// direction parts two triangles, before a pair is listed.
+// Parts of stages `sort` and `sweep` that are specific to feature queries: records by row, and a filter by separating
+// directions that runs before a pair is listed.
 
 #include <limits>
 
@@ -30,7 +30,7 @@ struct FeatureRows {
     }
 };
 
-/// Drops pairs that a direction parts by more than what is asked for.
+/// Filter that drops pairs which some direction separates by more than the distance of the query.
 template <int moments>
 struct SeparationTest {
     const FeatureRecord<moments>* record;

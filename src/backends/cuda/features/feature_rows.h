@@ -1,6 +1,6 @@
 #pragma once
 
-// Stage `output` for questions about features: all lists in order, one behind the other, with their values.
+// Stage `output` for feature queries: the lists of all kinds in order, concatenated, with their values.
 
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/features/feature_narrow.h"
@@ -31,17 +31,18 @@ struct FeatureOutput : RowsByKind {
     }
 };
 
-/// Turns listed hits, which are counted by first feature, into the answer. `told` as order_buckets() has it.
+/// Turns listed hits, counted by first feature, into the result. `told`: see order_buckets().
 void write_answer(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits, const FeatureOutput& output,
                   Counters* counters, Counters* told);
 
-/// The first impact among listed hits: least value, then first in the order of the answer.
+/// Earliest impact among listed hits: the least value, ties broken by the order of the result.
 struct Earliest {
-    unsigned long long value, pair;  ///< bits of a number that is not negative; first and second feature
+    unsigned long long value, pair;  ///< bits of a non-negative double; first and second feature
     unsigned long long flag;
 };
 void clear(Clearing& clearing, Earliest* earliest);
-/// `told`: memory of the host that the device can write.
+/// Finds the earliest impact. `told`: receives a copy of the counters, in host memory that the device can write; or
+/// null.
 void find_earliest(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits, Earliest* earliest,
                    Counters* counters, Counters* told);
 

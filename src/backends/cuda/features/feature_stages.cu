@@ -1,4 +1,4 @@
-// The stages that take a part of the question into their kernels, for questions about features.
+// Instances of the stages whose kernels contain parts of the query, for feature queries.
 
 #include "backends/cuda/features/feature_records.h"
 #include "backends/cuda/stages/sort_kernel.h"

@@ -29,7 +29,7 @@ void RowFinder::view(std::size_t to, const Shape& shape, const FeatureRequest& r
     adopt(request);
 }
 
-// Keeps what accepting a result takes.
+// Stores what accepting a result needs.
 void RowFinder::adopt(const FeatureRequest& request) {
     RowSlot& found = this->found();
     found.request.emplace(request);
@@ -89,7 +89,7 @@ void RowFinder::begin_on_host() {
     found().first = {};
 }
 
-// Lists that were found in chunks, where they would be if they had been found at once.
+// Uploads lists that were found in chunks to where a single pass would have left them.
 void RowFinder::upload() {
     RowSlot& found = this->found();
     found.ends = {};

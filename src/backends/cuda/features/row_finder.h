@@ -1,7 +1,7 @@
 #pragma once
 
-// One scene searched for pairs of features, whatever decides about them: input and result of each slot. Rows lie on the
-// device, or on the host if they were found in chunks.
+// Base of searches for pairs of features by any criterion: input and result of each slot. Rows lie on the device, or on
+// the host if they were found in chunks.
 
 #include <array>
 #include <optional>
@@ -18,23 +18,23 @@ namespace crumple::cuda {
 struct RowSlot {
     explicit RowSlot(MemoryMeter& meter) : host(&meter) {}
 
-    std::optional<FeatureRequest> request;  ///< scene, features and rule are the caller's
-    RestShape rest;                         ///< the request's
-    // Found when rows were accepted:
+    std::optional<FeatureRequest> request;  ///< refers to features, rule and arrays of the caller
+    RestShape rest;                         ///< copy of the request's rest shape
+    // Set when rows are accepted:
     ListEnds ends;
     bool any = false;
     FirstImpact first;
-    FeatureResult host;  ///< the lists, if they were found in chunks
+    FeatureResult host;  ///< lists of rows, if they were found in chunks
 };
 
 class RowFinder : public Finder {
    public:
-    /// Works on a slot, whose last rows go, and brings the request: of a scene on the host, or of a mesh on the device
-    /// whose counts are those of the features.
+    /// Make a slot current, drop its last rows, and bind the request: for a scene on the host, or for a mesh on the
+    /// device whose counts match the features.
     void bring(std::size_t slot, const PreparedScene& scene, const FeatureRequest& request);
     void view(std::size_t slot, const Shape& shape, const FeatureRequest& request, Room room = Room::grows);
     void copy_to(FeatureResult& result);
-    /// Where the rows lie on the device; brings them there if they do not.
+    /// Returns the rows on the device; uploads them if they lie on the host.
     DeviceAnswer show();
     /// Result of an incomplete replay.
     DeviceAnswer show_incomplete() const;
@@ -44,7 +44,7 @@ class RowFinder : public Finder {
    protected:
     RowFinder(BackendState& state, Pass& pass, FeaturesOnDevice& features);
 
-    /// Brings all of the request but its features, for the scene of the input. `viewed`: true if arrays lie on the
+    /// Binds all of the request but its features, for the scene of the input. `viewed`: true if its arrays lie on the
     /// device.
     virtual void bring_request(const FeatureRequest& request, bool viewed, Room room) = 0;
     virtual RowsByKind& rows() = 0;
@@ -52,7 +52,7 @@ class RowFinder : public Finder {
     RowSlot& found() { return found_[current()]; }
     const RowSlot& found() const { return found_[current()]; }
     const FeatureRequest& request() const { return *found().request; }
-    /// Begins a result that is found in chunks.
+    /// Begins a result that is found in chunks, on the host.
     void begin_on_host();
 
     bool wants_any() const override { return request().extent == Extent::any; }

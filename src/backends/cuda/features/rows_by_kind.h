@@ -1,6 +1,6 @@
 #pragma once
 
-// Rows about features: a list for each kind, one behind the other.
+// Rows of feature queries: the lists of all kinds, concatenated.
 
 #include <algorithm>
 #include <array>
@@ -14,9 +14,9 @@
 
 namespace crumple::cuda {
 
-/// Features are numbered jointly, those that come first in a pair of one kind behind those of the kind before: then one
-/// order of pairs is that of all lists. `base`: where those of each kind begin, by CandidateKind; and the end. There
-/// are none of a kind that is not listed.
+/// Joint numbering of the features that come first in a pair, kind after kind: ordering all pairs by joint number
+/// orders all lists at once. `base`: first joint number of each CandidateKind; and the end. A kind that is not listed
+/// has no numbers.
 struct FirstOfKind {
     std::uint32_t base[candidate_kinds + 1] = {};
     friend bool operator==(const FirstOfKind&, const FirstOfKind&) = default;
@@ -28,14 +28,14 @@ struct FirstOfKind {
     CRUMPLE_HD std::uint32_t joint(FeatureKind kind, std::int32_t feature) const {
         return joint(candidate_kind(kind), feature);
     }
-    /// The pair whose first feature has that joint number.
+    /// Returns the pair whose first feature has that joint number.
     CRUMPLE_HD Pair pair(std::uint32_t joint, std::int32_t second) const {
         std::uint32_t first = 0;
         for (const std::uint32_t begin : base)
             if (begin <= joint) first = begin;
         return {static_cast<std::int32_t>(joint - first), second};
     }
-    /// The kind of an impact whose first feature has that joint number.
+    /// Returns the kind of an impact whose first feature has that joint number.
     FeatureKind kind_of_impact(std::uint32_t joint) const {
         auto kind = FeatureKind::vertex_face;
         for (const auto other : {FeatureKind::edge_edge, FeatureKind::vertex_edge, FeatureKind::vertex_vertex})
@@ -47,10 +47,10 @@ struct FirstOfKind {
 struct RowsByKind : RowsOfOutput {
     FirstOfKind firsts;
     Pair* pairs;
-    double* value;       ///< null of candidates
-    std::uint8_t* flag;  ///< null of candidates
+    double* value;       ///< null for candidates
+    std::uint8_t* flag;  ///< null for candidates
 
-    /// `valued`: true if rows have values and flags.
+    /// Cuts the lists. `valued`: true if rows have values and flags.
     void cut_lists(Cutter& c, std::size_t room, bool valued) {
         pairs = c.take<Pair>(room);
         value = valued ? c.take<double>(room) : nullptr;
@@ -73,7 +73,7 @@ struct RowsByKind : RowsOfOutput {
     __device__ void set_flags(std::size_t, Key) const {}
 };
 
-/// Where the list of each kind begins among all rows; and the end.
+/// First row of each kind's list among all rows; and the end.
 struct ListEnds {
     std::array<unsigned long long, candidate_kinds + 1> at{};
 
@@ -96,7 +96,7 @@ struct ListEnds {
     void append(std::size_t kind, std::size_t rows) { at[kind + 1] = at[kind] + rows; }
 };
 
-/// Appends the first `n` hits of a list of the device.
+/// Appends the first `n` hits of a list on the device to `found`.
 template <class Hit>
 void download(cudaStream_t stream, const List<Hit>& hits, std::size_t n, Array<Hit>& found) {
     const std::size_t before = found.size();
@@ -104,7 +104,7 @@ void download(cudaStream_t stream, const List<Hit>& hits, std::size_t n, Array<H
     copy_now(stream, found.data() + before, hits.data, n, cudaMemcpyDeviceToHost);
 }
 
-/// Calls take(kind, pair, hit) for all hits, in the order of the result.
+/// Sorts the hits and calls take(kind, pair, hit) for each, in the order of the result.
 template <class Hit, class Take>
 void for_each_sorted(Array<Hit>& found, const FirstOfKind& firsts, Take take) {
     const auto pair = [](const Hit& hit) { return std::pair(hit.first, hit.second); };

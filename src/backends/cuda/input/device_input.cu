@@ -15,7 +15,7 @@ namespace {
 constexpr std::int32_t no_vertex = -1;
 constexpr unsigned empty_slot = ~0u;
 
-// One mesh's corners in joint numbering; those that name no vertex become no_vertex, which `bounds` reports.
+// Writes one mesh's corners in joint numbering. Indices out of range become no_vertex, which `bounds` reports.
 template <class Reader>
 __global__ void join_kernel(Reader read, std::size_t triangles, std::int64_t vertices, std::int64_t offset,
                             std::int32_t* corners) {
@@ -25,13 +25,14 @@ __global__ void join_kernel(Reader read, std::size_t triangles, std::int64_t ver
     }
 }
 
-// Open addressing, linear probing, half full at most. A slot holds the lowest vertex at its position.
+// Fills a hash table of positions, with open addressing and linear probing, at most half full. A slot holds the lowest
+// vertex at its position.
 __global__ void fill_table_kernel(PreparedScene scene, PositionHash hash, unsigned* table, std::size_t slots) {
     const auto n = static_cast<std::size_t>(scene.vertex_count());
     for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {
         const auto vertex = static_cast<unsigned>(v);
         const Vec3d p = scene.position(vertex);
-        if (!(p == p)) continue;  // NaN equals nothing, so each would look at all that came before
+        if (!(p == p)) continue;  // NaN equals nothing: each would probe past all earlier ones
         std::size_t slot = hash(p) & (slots - 1);
         for (;; slot = (slot + 1) & (slots - 1)) {
             const unsigned holder = atomicCAS(&table[slot], empty_slot, vertex);
@@ -61,14 +62,14 @@ template <class T>
 void copy(cudaStream_t stream, T* to, const T* from, std::size_t n) {
     if (n == 0) return;
     CRUMPLE_CUDA(cudaMemcpyAsync(to, from, n * sizeof(T), cudaMemcpyHostToDevice, stream));
-    CRUMPLE_CUDA(cudaStreamSynchronize(stream));  // the host's arrays need not last
+    CRUMPLE_CUDA(cudaStreamSynchronize(stream));  // the host's arrays need not outlive the call
 }
 
 std::size_t bytes_of(const VertexReader& reader, std::int64_t vertices) {
     return 3 * static_cast<std::size_t>(vertices) * reader.scalar_bytes();
 }
 
-// Vertices row by row without gaps.
+// Returns the vertices as rows without gaps: the caller's array, or else a copy in `packed`.
 const std::byte* pack(const VertexReader& reader, std::int64_t vertices, Array<std::byte>& packed) {
     if (reader.contiguous()) return reader.data;
     const std::size_t size = reader.scalar_bytes();
@@ -86,7 +87,7 @@ bool is_int32_rows(const TriangleView& view) {
 
 }  // namespace
 
-// What an earlier call was given.
+// Drops the input of an earlier call.
 void Input::forget() {
     mesh_[0] = mesh_[1] = {};
     known_shape_ = {};
@@ -98,7 +99,7 @@ void Input::forget() {
 void Input::bring(const PreparedScene& host) {
     forget();
     scene_ = host;
-    // The vertices of both meshes, and where those of the first one end.
+    // Vertices of both meshes, and end positions of the first.
     struct Vertices {
         const VertexReader* from;
         VertexReader* to;
@@ -275,7 +276,7 @@ void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* cou
     compare(geometry, stream, *known_shape_, known_, counters);
 }
 
-// In the order in which the host looks.
+// Checks errors in the host's order.
 void Input::throw_error(const Counters& counters) const {
     if (posed_) return posed_->throw_error(stream_, poses_, counters);
     constexpr unsigned long long none = ~0ull;

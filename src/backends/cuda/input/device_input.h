@@ -1,7 +1,7 @@
 #pragma once
 
-// What a call is given, brought into the device's memory: a scene that the host has checked and joined, meshes that lie
-// on the device already, which are checked, joined and welded there, or poses of bodies that lie there.
+// Input of a call in device memory: a scene that the host has validated and joined, meshes on the device, which are
+// validated, joined and welded there, or bodies under poses on the device.
 
 #include <memory>
 #include <optional>
@@ -33,34 +33,34 @@ class Input {
           classes_(meter),
           packed_(&meter) {}
 
-    /// A scene in host memory; done when it returns.
+    /// Uploads a scene from host memory, and returns once the copies are complete.
     void bring(const PreparedScene& host);
-    /// One mesh or two in device memory. Throws Error (invalid_argument) for shapes that make no sense and for arrays
-    /// that lie elsewhere; contents are checked by the work that enqueue() gives to the stream.
+    /// Binds one or two meshes in device memory. Throws Error (invalid_argument) for invalid counts, pointers or groups
+    /// and for arrays that the device cannot read; the work of enqueue() validates the contents.
     void view(const MeshView& a, const MeshView* b, bool weld, Room room = Room::grows);
-    /// One mesh in device memory whose features are asked about. Counts are as they are known; else Error, or what was
-    /// seen of it is no use.
+    /// Binds a mesh in device memory for a feature query. Its counts of triangles, edges and points must match the
+    /// cached mesh; the work of enqueue() compares the contents.
     void view(const Shape& shape, const KnownMesh& known, Room room = Room::grows);
-    /// Bodies under poses in device memory, which enqueue()'s work reads. `pairs`: whether the answer on the device
-    /// names pairs by bodies. Throws Error (invalid_argument) for poses that lie elsewhere.
+    /// Binds bodies under poses in device memory, which the work of enqueue() reads. `pairs`: true if the result on the
+    /// device names pairs by bodies. Throws Error (invalid_argument) for poses that the device cannot read.
     void pose(std::shared_ptr<const PosedWorlds> worlds, const DevicePoses& poses, bool weld, bool pairs,
               Room room = Room::grows);
-    /// The query's rules, or those of the world that the scene is made of.
+    /// Sets the pair filter: the query's, or that of the world that the scene is made of.
     void want(const IntersectionQuery& query, Room room = Room::grows);
     void want(const GroupRule& rule, Room room = Room::grows);
 
-    /// What is to be cleared before enqueue()'s work.
+    /// Adds the arrays that the work of enqueue() requires cleared to `clearing`.
     void clear(Clearing& clearing) const;
-    /// Work that each pass begins with: meshes of the device are joined, welded and measured. Bad elements are noted by
-    /// the counters.
+    /// Enqueues the work that each pass begins with: validates, joins and welds meshes on the device, or poses bodies,
+    /// and finds their box. Records invalid elements in the counters.
     void enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters);
 
-    /// Throws the Error that the counters tell of, if any, or MeshChanged.
+    /// Throws the Error that the counters report, if any, or MeshChanged.
     void throw_error(const Counters& counters) const;
 
     void release();
 
-    /// What enqueue()'s work depends on beside the scene: while it is equal, so is the work.
+    /// All that the work of enqueue() depends on besides the scene: equal values mean equal work.
     struct Work {
         TriangleView triangles[2];
         const void *groups[2] = {}, *lists[2] = {}, *block = nullptr, *poses = nullptr;
@@ -77,7 +77,7 @@ class Input {
     const SceneBox* box() const { return box_; }
     const Worlds& worlds() const { return worlds_; }
     const WantedPairs& wanted() const { return wanted_; }
-    /// Null where the scene is no worlds under poses.
+    /// Returns the bodies; null unless the scene is made of bodies under poses on the device.
     const PosedWorlds* posed() const { return posed_.get(); }
     const WorldNames& names() const { return names_; }
 
@@ -96,20 +96,20 @@ class Input {
     Mirror<BodyClass> classes_;
     Array<std::byte> packed_;
     PreparedScene scene_;
-    std::optional<MeshView> mesh_[2];   ///< on the device; none: the host has checked and joined
-    std::optional<Shape> known_shape_;  ///< or one whose features are known
+    std::optional<MeshView> mesh_[2];   ///< meshes on the device; none for the other kinds of input
+    std::optional<Shape> known_shape_;  ///< or a mesh with cached features, `known_`
     KnownMesh known_;
-    std::shared_ptr<const PosedWorlds> posed_;  ///< or bodies, under
+    std::shared_ptr<const PosedWorlds> posed_;  ///< or bodies, under `poses_`
     DevicePoses poses_;
     WorldNames names_;
-    std::byte* vertices_ = nullptr;  ///< of these
+    std::byte* vertices_ = nullptr;  ///< posed vertices
     bool weld_ = false;
     PositionHash hash_;
     SceneBox* box_ = nullptr;
     std::int32_t *corners_ = nullptr, *groups_ = nullptr;
-    unsigned* table_ = nullptr;  ///< of welding
+    unsigned* table_ = nullptr;  ///< hash table for welding
     std::size_t slots_ = 0;
-    WantedPairs wanted_;  ///< on the device
+    WantedPairs wanted_;  ///< pair filter, with lists on the device
 };
 
 }  // namespace crumple::cuda

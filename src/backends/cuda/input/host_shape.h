@@ -1,6 +1,6 @@
 #pragma once
 
-// Meshes of the device, copied to the host.
+// Download of meshes from the device.
 
 #include "backends/cuda/device/runtime.h"
 #include "backends/device_shape.h"
@@ -8,7 +8,8 @@
 
 namespace crumple::cuda {
 
-/// Done when it returns. Rows keep their strides, so what lies between them comes along.
+/// Copies a shape to the host, and returns once the copies are complete. Rows keep their strides, so bytes between rows
+/// are copied, too.
 void copy_to_host(const Shape& device, Copied what, cudaStream_t stream, HostShape& host);
 
 }  // namespace crumple::cuda

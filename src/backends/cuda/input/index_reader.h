@@ -1,6 +1,6 @@
 #pragma once
 
-// A mesh's indices, wherever the caller has them.
+// Reads a mesh's indices from the caller's memory, in any type and with any strides.
 
 #include <cstdint>
 #include <cstring>
@@ -10,7 +10,7 @@
 
 namespace crumple::cuda {
 
-/// A device copies single bytes where indices are not aligned.
+/// Reader of indices; byte by byte if they are not aligned, because a device loads aligned values only.
 template <class Index, bool aligned>
 struct IndexReader {
     const std::byte* data;
@@ -29,7 +29,7 @@ struct IndexReader {
     }
 };
 
-/// Calls work(reader) with the one for the view.
+/// Calls work(reader) with the reader for the view.
 template <class Work>
 void with_reader(const TriangleView& view, Work work) {
     with_index_type(view.type, [&](auto index) {

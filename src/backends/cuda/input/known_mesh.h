@@ -1,8 +1,8 @@
 #pragma once
 
-// A mesh in device memory whose triangles, and listed edges and points, the host has seen and made features of
-// (SceneFeatures). What was seen lies on the device, and is what passes read; each begins by comparing the caller's
-// arrays with it. So nothing that they say has to be trusted, nor checked again.
+// Cached mesh in device memory. The host has downloaded and validated the caller's triangles, and lists of edges and
+// points, once, and has made features of them (SceneFeatures). Passes read a copy on the device, and each begins by
+// comparing the caller's arrays with this copy. So the caller's arrays need not be trusted, nor validated again.
 
 #include <cstdint>
 
@@ -11,22 +11,22 @@
 
 namespace crumple::cuda {
 
-/// Thrown where the caller's triangles, edges or points turn out to be others.
+/// Thrown if the caller's triangles, edges or points differ from the cached ones.
 struct MeshChanged {};
 
-/// Pointers are of the device.
+/// Corners, edges and points of a cached mesh. Pointers refer to device memory.
 struct KnownMesh {
-    const std::int32_t* corners = nullptr;  ///< 3 a triangle, then those of carriers
+    const std::int32_t* corners = nullptr;  ///< 3 per triangle, then 3 per proxy triangle
     std::int64_t faces = 0, carriers = 0;
-    const Edge* edges = nullptr;  ///< of the triangles, or as listed
+    const Edge* edges = nullptr;  ///< the caller's list, or else those of the triangles
     std::int64_t edge_count = 0;
-    const std::int32_t* points = nullptr;  ///< as listed
+    const std::int32_t* points = nullptr;  ///< the caller's list
     std::int64_t point_count = 0;
     std::uint64_t revision = 0;  ///< see SceneFeatures
     friend bool operator==(const KnownMesh&, const KnownMesh&) = default;
 };
 
-/// Notes in the counters what of the shape's arrays is not as it is known. Counts are.
+/// Records in the counters if the shape's arrays differ from the cached ones. Their counts must be the same.
 void compare(const Geometry& geometry, cudaStream_t stream, const Shape& shape, const KnownMesh& known,
              Counters* counters);
 

@@ -11,15 +11,16 @@
 namespace crumple::cuda {
 namespace {
 
-/// Of so many vertices the host tells the first one's body, so that the search for the others' is short.
+/// Number of vertices per tile. The host lists the body of each tile's first vertex, which shortens the search for the
+/// bodies of the others.
 constexpr std::size_t pose_tile = 256;
 
 struct Bodies {
     const RestingBody* body;
-    const std::uint32_t* first;  ///< of each tile, and one more
+    const std::uint32_t* first;  ///< body of each tile's first vertex; and the last body
     std::size_t vertices;
 
-    /// The one that has vertex v, the last that does not begin behind it.
+    /// Returns the body that contains vertex v: the last one with first_vertex <= v.
     __device__ RestingBody of(std::size_t v) const {
         std::uint32_t begin = first[v / pose_tile], end = first[v / pose_tile + 1] + 1;
         while (end - begin > 1) {
@@ -33,7 +34,7 @@ struct Bodies {
     }
 };
 
-// As Placement (scene/placement.h) has it: the identity leaves a vertex as it is.
+// Applies a pose as Placement does (scene/placement.h): the identity leaves a vertex as it is.
 template <class P>
 __device__ Vec3d posed(const P* rows, const Vec3d& p) {
     Vec3d out;
@@ -46,7 +47,7 @@ __device__ Vec3d posed(const P* rows, const Vec3d& p) {
     return identity ? p : out;
 }
 
-// A thread a vertex. T: the scene's numbers, P: those of poses.
+// Poses the vertices, one per thread. T: scalar type of the scene; P: scalar type of the poses.
 template <class T, class P>
 __global__ void pose_kernel(Bodies bodies, const T* shapes, const P* poses, T* vertices, SceneBox* box,
                             Counters* counters) {
@@ -65,7 +66,7 @@ __global__ void pose_kernel(Bodies bodies, const T* shapes, const P* poses, T* v
             p[axis] = rounded ? static_cast<double>(static_cast<float>(at[axis])) : at[axis];
             vertices[3 * v + static_cast<std::size_t>(axis)] = static_cast<T>(p[axis]);
         }
-        // Neither NaN nor an infinity is at most the largest number.
+        // NaN and infinities fail these comparisons.
         if (!(std::abs(p.x) <= most && std::abs(p.y) <= most && std::abs(p.z) <= most)) {
             atomicMin(&counters->bad_vertex[0], static_cast<unsigned long long>(v));
             continue;
@@ -78,7 +79,7 @@ __global__ void pose_kernel(Bodies bodies, const T* shapes, const P* poses, T* v
 
 std::atomic<std::uint64_t> made{0};
 
-// By tile of vertices the body that has its first one, and at the end the last body.
+// Returns the body of the first vertex of each tile; and the last body.
 std::vector<std::uint32_t> first_bodies(std::span<const RestingBody> bodies, std::size_t vertices) {
     const std::size_t tiles = (vertices + pose_tile - 1) / pose_tile;
     std::vector<std::uint32_t> first(tiles + 1, static_cast<std::uint32_t>(bodies.empty() ? 0 : bodies.size() - 1));

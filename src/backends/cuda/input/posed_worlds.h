@@ -1,11 +1,11 @@
 #pragma once
 
-// Bodies of all worlds on the device (backends/resting_worlds.h), where they stay; a call brings their poses, which lie
-// there already. The first kernel of its pass puts the vertices where they are now:
+// Bodies of all worlds, cached on the device (backends/resting_worlds.h). A call passes only their poses, which also
+// lie on the device. A kernel at the start of its pass computes the posed vertices:
 //
-//     shapes' vertices ──┐
-//     bodies of the scene ──> pose: check, box ──> vertices, of the launch ──> the pass of worlds side by side
-//     poses, the caller's ──┘                                                  corners, classes, worlds: stay
+//     shapes' vertices ─────┐
+//     bodies of the scene ──┼─> pose: check, box ──> vertices of each launch ──> the pass of worlds side by side
+//     the caller's poses ───┘                                                    corners, classes, worlds: cached
 
 #include <cstdint>
 #include <memory>
@@ -23,28 +23,28 @@ namespace crumple::cuda {
 
 class PosedWorlds {
    public:
-    /// Done with the copies when it returns.
+    /// Uploads the bodies, and returns once the copies are complete.
     PosedWorlds(std::unique_ptr<RestingWorlds> resting, cudaStream_t stream, MemoryMeter& meter);
 
     const RestingWorlds& resting() const { return *resting_; }
 
-    /// The scene; its vertices are those that pose() has written for a launch.
+    /// Returns the scene, without vertices: pose() writes those of each launch.
     const PreparedScene& scene() const { return scene_; }
     std::size_t vertex_bytes() const;
-    /// Each world's triangles, and a counter each for hits, if there are several; else null.
+    /// Return each world's triangles, and a counter of hits for each; null for a single world.
     const Segments& worlds() const { return worlds_; }
     unsigned long long* found() const { return found_; }
     const WantedPairs& wanted() const { return wanted_; }
-    /// How an answer's triangles are named on the device.
+    /// Returns the tables that translate triangles of the scene to triangles of bodies.
     const WorldNames& names() const { return names_; }
-    /// Differs from that of any other of this process.
+    /// Returns a number that is unique in this process.
     std::uint64_t number() const { return number_; }
 
-    /// Writes the posed vertices, widens the box by them and notes the first that is not finite.
+    /// Writes the posed vertices, widens the box by them and records the lowest one that is not finite in the counters.
     void pose(const Geometry& geometry, cudaStream_t stream, const DevicePoses& poses, std::byte* vertices,
               SceneBox* box, Counters* counters) const;
 
-    /// Throws the Error about a vertex that the counters note, if any.
+    /// Throws the Error about a vertex that the counters report, if any.
     void throw_error(cudaStream_t stream, const DevicePoses& poses, const Counters& counters) const;
 
    private:
@@ -57,11 +57,11 @@ class PosedWorlds {
     WorldNames names_;
     std::byte* shapes_ = nullptr;
     RestingBody* bodies_ = nullptr;
-    std::uint32_t* first_body_ = nullptr;  ///< of every pose_tile vertices
+    std::uint32_t* first_body_ = nullptr;  ///< body of the first vertex of each tile
     std::uint64_t number_;
 };
 
-/// Poses of the device as the host has them.
+/// Downloads poses, and converts them to float64.
 std::vector<Pose> to_host(cudaStream_t stream, const DevicePoses& poses);
 
 }  // namespace crumple::cuda

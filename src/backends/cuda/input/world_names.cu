@@ -13,7 +13,7 @@ __device__ BodyTriangle name_of(const WorldNames& names, std::int32_t t) {
     return {names.classes[c].body, t - names.first_of_class[c]};
 }
 
-// Pairs and worlds, a thread each.
+// Fills the arrays of worlds and those of pairs, one element per thread.
 __global__ void name_kernel(std::size_t firsts, OutputArrays out, WorldNames names, WorldArrays to) {
     const auto worlds = static_cast<std::size_t>(names.worlds);
     for (std::size_t w = grid_thread(); w <= worlds; w += grid_stride()) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// What an answer about worlds side by side has beside that about their scene: pairs by bodies, and numbers by world.
-// All follows from the pairs in their order, whose offsets tell where a world's begin.
+// Additions to a result for worlds side by side: pairs by bodies, and offsets, counts and flags by world. All follow
+// from the sorted pairs of the scene, whose offsets give the first pair of each world.
 
 #include <cstdint>
 
@@ -11,28 +11,28 @@
 
 namespace crumple::cuda {
 
-/// How a scene's triangles are named as those of bodies. Pointers of the device.
+/// Tables that translate triangles of the scene to triangles of bodies. Pointers refer to device memory.
 struct WorldNames {
-    const std::int32_t* classes_of = nullptr;      ///< by triangle
-    const BodyClass* classes = nullptr;            ///< by class
-    const std::int32_t* first_of_class = nullptr;  ///< by class: the first triangle of its body
-    const std::int64_t* first_of_world = nullptr;  ///< by world the first triangle; worlds + 1
+    const std::int32_t* classes_of = nullptr;      ///< class of each triangle
+    const BodyClass* classes = nullptr;            ///< body and group of each class
+    const std::int32_t* first_of_class = nullptr;  ///< by class: first triangle of its body
+    const std::int64_t* first_of_world = nullptr;  ///< by world: first triangle; worlds + 1
     std::int32_t worlds = -1;                      ///< -1: the scene is not made of worlds
-    bool pairs = false;                            ///< whether pairs are wanted by bodies
+    bool pairs = false;                            ///< true if pairs by bodies are requested
     friend bool operator==(const WorldNames&, const WorldNames&) = default;
 
     bool any() const { return worlds >= 0; }
 };
 
 struct WorldArrays {
-    BodyPair* bodies = nullptr;       ///< by pair
-    Pair* pairs = nullptr;            ///< triangles within these
-    std::int64_t* offsets = nullptr;  ///< worlds + 1
+    BodyPair* bodies = nullptr;       ///< bodies of each pair
+    Pair* pairs = nullptr;            ///< triangles within these bodies
+    std::int64_t* offsets = nullptr;  ///< first pair of each world; worlds + 1
     std::int64_t* counts = nullptr;
     std::uint8_t* hit = nullptr;
 };
 
-/// After the output's pairs of `firsts` first triangles are in order.
+/// Fills the arrays from the output, whose pairs must be sorted; `firsts` is its number of first triangles.
 void name_pairs(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                 const WorldNames& names, const WorldArrays& arrays);
 

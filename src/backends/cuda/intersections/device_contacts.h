@@ -1,8 +1,8 @@
 #pragma once
 
-// Contacts of the pairs of an answer, correctly rounded, on the device as far as double words reach
-// (exact/intersection/contact_on_line.h); planes in common, degenerate triangles and ties of rounding are for the
-// host.
+// Correctly rounded contacts of the pairs of a result. The device computes those for which double words suffice
+// (exact/intersection/contact_on_line.h); the host computes those of coplanar and degenerate triangles, and ties of
+// rounding.
 
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/device/runtime.h"
@@ -15,10 +15,10 @@ using Point = std::array<double, 3>;
 
 struct ContactArrays {
     ContactKind* kinds;           ///< by pair
-    unsigned long long* offsets;  ///< pairs + 1; before: how many points each has
+    unsigned long long* offsets;  ///< pairs + 1; before pack_contacts(): number of points of each pair
     Point* points;                ///< packed
-    Point* loose;                 ///< six places a pair
-    unsigned long long* open;     ///< pairs that the host has to look at
+    Point* loose;                 ///< 6 places per pair, before pack_contacts()
+    unsigned long long* open;     ///< indices of pairs that are left to the host
     unsigned long long* open_count;
     void* scan;
     std::size_t scan_bytes;
@@ -26,15 +26,16 @@ struct ContactArrays {
     void cut(Cutter& cutter, std::size_t pairs);
 };
 
-/// What double words can tell; lists the other pairs. `second` is added to each pair's b.
+/// Computes the contacts for which double words suffice; lists the other pairs as open. `second` is added to each
+/// pair's b.
 void find_contacts(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Pair* pairs,
                    std::size_t n, std::int32_t second, const ContactArrays& contacts);
-/// Launches the same on no pairs, so that the driver gives it its stacks.
+/// Launches the kernel of find_contacts() on no pairs, so that the driver reserves its stacks.
 void reserve_contact_stack(const Geometry& geometry, cudaStream_t stream);
-/// The open pairs themselves, in the list's order.
+/// Writes the open pairs themselves, in the list's order.
 void list_open(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, const ContactArrays& contacts,
                std::size_t count, Pair* open);
-/// Contact of the i-th open pair, from the host.
+/// Contact of an open pair, computed by the host.
 struct HostContact {
     ContactKind kind;
     int count;
@@ -42,7 +43,7 @@ struct HostContact {
 };
 void add_contacts(const Geometry& geometry, cudaStream_t stream, const HostContact* found, std::size_t count,
                   const ContactArrays& contacts);
-/// Counts become offsets, and points move together.
+/// Turns counts into offsets, and packs the points.
 void pack_contacts(const Geometry& geometry, cudaStream_t stream, std::size_t n, const ContactArrays& contacts);
 
 }  // namespace crumple::cuda

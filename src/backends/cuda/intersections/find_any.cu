@@ -1,4 +1,4 @@
-// Flags instead of pairs, of a scene or of each of its worlds side by side: the work of each ends at its first hit.
+// Flags instead of pairs, for a scene or for each of its worlds side by side: work on each ends at its first hit.
 
 #include <algorithm>
 #include <cstddef>
@@ -22,9 +22,9 @@ void IntersectionFinder::flag_worlds(std::span<std::uint8_t> flags) {
     if (!fits_at_once([&] { flag_worlds_at_once(flags); })) refuse_worlds();
 }
 
-// In two rounds, for a hit is known only after a sweep: where many collide, a sixteenth of the sweep tells, and kernels
-// of the second round end where they begin; where nothing does, the first one costs three launches. The second goes on
-// with the lists of the first, so it narrows those few once more.
+// Works in two rounds, because a hit is known only after a sweep. If many pairs collide, a sixteenth of the sweep finds
+// one, and the kernels of the second round end at once; if none does, the first round costs three launches. The second
+// round appends to the lists of the first, so those few pairs are narrowed once more.
 bool IntersectionFinder::any_at_once() {
     const auto rounds = [&] {
         unsigned long long* const found = &pass_.counters->hits;
@@ -41,9 +41,9 @@ bool IntersectionFinder::any_at_once() {
     }
 }
 
-// In two rounds, for a hit is known only after a sweep. The first one sweeps every sixteenth unit, some of each world;
-// the second one all units of those worlds that it has left. Hits stay if a list was too short, for each is a proof of
-// its own, and worlds that have one are not swept again.
+// Works in two rounds, because a hit is known only after a sweep. The first one sweeps every sixteenth unit, some of
+// each world; the second one all units of worlds without a hit. Hits remain valid if a list was too short, and worlds
+// that have one are not swept again.
 void IntersectionFinder::flag_worlds_at_once(std::span<std::uint8_t> flags) {
     const auto rounds = [&] {
         const WorldHits found{input().worlds().found(), static_cast<std::uint32_t>(pass_.plan.leaves_a_world())};
@@ -62,7 +62,7 @@ void IntersectionFinder::flag_worlds_at_once(std::span<std::uint8_t> flags) {
     input().worlds().read(stream_, flags);
 }
 
-// Flags worlds by pairs that even expansions could not hold, where nothing else was found.
+// Flags worlds by pairs that expansions could not decide; the host decides them.
 void IntersectionFinder::flag_beyond(std::size_t n, std::span<std::uint8_t> flags) {
     if (n == 0) return;
     std::vector<Pair> hits(decide_beyond(n));

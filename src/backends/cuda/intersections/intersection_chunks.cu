@@ -1,4 +1,4 @@
-// Pairs of triangles found in chunks, all of them twice: counted, then written to their places.
+// Search in chunks for pairs of triangles. Each pair is found twice: counted, then written to its place.
 
 #include "backends/cuda/intersections/intersection_finder.h"
 
@@ -6,7 +6,7 @@ namespace crumple::cuda {
 
 void IntersectionFinder::find_in_chunks() {
     answer().total = count_in_chunks();
-    // The offsets wait with the host while their block grows.
+    // The offsets are saved on the host while their block grows.
     const std::size_t n = static_cast<std::size_t>(scene().triangles[0]) + 1;
     Array<unsigned long long> offsets(&meter_);
     copy_now(stream_, offsets.resize_discard(n), answer().output.offsets, n, cudaMemcpyDeviceToHost);
@@ -42,7 +42,7 @@ unsigned long long IntersectionFinder::count_in_chunks() {
 
 bool IntersectionFinder::any_in_chunks() { return pass_over_chunks({Hits::Mode::any, {}, nullptr, nullptr}) > 0; }
 
-// Returns how many pairs there were; one is enough if any will do.
+// Returns the number of pairs. For Mode::any, stops after the first slice with a hit.
 std::size_t IntersectionFinder::pass_over_chunks(Hits hits) {
     std::size_t found = 0;
     over_chunks([&] {
@@ -62,7 +62,7 @@ std::size_t IntersectionFinder::pass_over_chunks(Hits hits) {
     return found;
 }
 
-// Throws if a result with so many pairs alone exceeds the limit.
+// Throws MemoryMeter::Exceeded if a result with so many pairs alone exceeds the limit.
 void IntersectionFinder::require_room(std::size_t pairs) const {
     const auto bytes = static_cast<std::int64_t>(Answer::bytes(scene(), pairs, query().contacts()));
     if (meter_.limit > 0 && bytes > meter_.limit) throw MemoryMeter::Exceeded{bytes};

@@ -74,8 +74,8 @@ void IntersectionFinder::count_tests(const Counters& c, Statistics& s) const {
     s.exact_tests += static_cast<std::int64_t>(c.undecided);
 }
 
-// Decides in rational arithmetic pairs that even expansions could not hold. Leaves those that collide at the front of
-// the list.
+// Decides pairs that expansions could not decide, in rational arithmetic. Leaves those that collide at the front of the
+// list.
 std::size_t IntersectionFinder::decide_beyond(std::size_t n) {
     std::vector<Pair> pairs(n), hits;
     copy_now(stream_, pairs.data(), pass_.beyond(), n, cudaMemcpyDeviceToHost);
@@ -94,11 +94,12 @@ void IntersectionFinder::append_decided(std::size_t count, unsigned long long be
     rank_hits(geometry_, stream_, pass_.hits(), answer().output.offsets);
 }
 
-// Makes something of the result. If there is no room for it, the lists go; if there is none then, the result is found
-// again in chunks, for one that was found at once has room to spare. `undo` releases what was made.
+// Runs make(), which makes something of the result. If memory does not suffice, frees the lists; if that is not enough,
+// finds the result again in chunks, since one that was found at once has unused capacity. `undo` releases what make()
+// has made.
 template <class Make, class Undo>
 void IntersectionFinder::with_room_for(Make make, Undo undo) {
-    if (captured_) return make();  // nothing may go
+    if (captured_) return make();  // nothing may be freed
     if (fits(make)) return;
     const auto clear = [&] {
         undo();

@@ -1,7 +1,7 @@
 #pragma once
 
-// One scene searched for pairs of triangles that intersect. In chunks each pair is found twice: counted, then written
-// to its place ([MZ] sec. 3.1).
+// Search of one scene for pairs of triangles that intersect. A search in chunks finds each pair twice: first to count
+// it, then to write it to its place ([MZ] sec. 3.1).
 
 #include <array>
 #include <memory>
@@ -17,24 +17,24 @@ class IntersectionFinder final : public Finder {
    public:
     explicit IntersectionFinder(BackendState& state);
 
-    /// Works on a slot, whose last rows go, and has its input bring a scene, view meshes, or pose bodies; `pairs`: see
+    /// Make a slot current, drop its last rows, and upload a scene, bind meshes, or bind bodies and poses. `pairs`: see
     /// Input::pose.
     void bring(const PreparedScene& scene);
     void view(std::size_t slot, const MeshView& a, const MeshView* b, bool weld, Room room = Room::grows);
     void pose(std::size_t slot, const std::shared_ptr<const PosedWorlds>& worlds, const DevicePoses& poses, bool weld,
               bool pairs, Room room = Room::grows);
-    /// Takes the query about the input, whichever way that came.
+    /// Binds the query, after one of these.
     void adopt(const IntersectionQuery& query, Room room = Room::grows);
 
-    /// Returns true if there is a pair: the work ends at the first one, and none is written.
+    /// Returns true if there is a pair. Ends at the first one, and lists none.
     bool any();
-    /// Sets the flags of those worlds of several in which there is a pair; the work of each ends at the first one.
+    /// Sets the flag of each of several worlds that has a pair. Work on a world ends at its first one.
     void flag_worlds(std::span<std::uint8_t> flags);
 
-    /// The contacts, if they are wanted; on the device, or with all of the result copied to the host.
+    /// Make the contacts if the query requests them; copy_to() also copies the whole result to the host.
     void make_contacts();
     void copy_to(Intersections& result);
-    /// The result that find() and make_contacts() have left.
+    /// Returns the result of find() and make_contacts(), on the device.
     DeviceIntersections show() const;
     /// Result of an incomplete replay.
     DeviceIntersections show_incomplete() const;
@@ -78,7 +78,7 @@ class IntersectionFinder final : public Finder {
 
     IntersectionPass pass_;
     std::array<Answer, Flights::slots> answers_;
-    std::array<IntersectionQuery, Flights::slots> queries_;  ///< without filters, which inputs have
+    std::array<IntersectionQuery, Flights::slots> queries_;  ///< without pair filters, which are in the inputs
 };
 
 }  // namespace crumple::cuda

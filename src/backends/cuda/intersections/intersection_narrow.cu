@@ -23,15 +23,15 @@ __device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t 
         hits.list.data[place] = {a, b, static_cast<std::uint32_t>(rank)};
 }
 
-// The same for a candidate.
+// Records a candidate if it is a hit, by world if Hits::Mode asks for that.
 __device__ void add(const Hits& hits, bool is_hit, const Pair& pair, std::int32_t second, const Sorted& sorted,
                     const Candidate& c) {
     if (hits.mode != Hits::Mode::by_world) return add(hits, is_hit, pair.a, pair.b, second);
     if (is_hit) atomicAdd(hits.worlds.of(sorted.leaf[c.row]), 1ull);
 }
 
-// Whether the candidate's world has a hit, so that it need not be decided. Each lane looks for itself, so none may go
-// another way than the warp because of it.
+// Returns true if the candidate's world already has a hit, so that it need not be decided. Lanes of a warp may get
+// different results, so the caller must not skip warp-wide operations because of it.
 __device__ bool is_decided(const Hits& hits, const Sorted& sorted, const Candidate& c) {
     return hits.mode == Hits::Mode::by_world && atomicAdd(hits.worlds.of(sorted.leaf[c.row]), 0ull) != 0;
 }
@@ -52,8 +52,8 @@ struct FilterShared {
     } warp[threads / 32];
 };
 
-// Proves what filters can, in float32 and then in float64. Few pairs need the second, and few collide: both wait until
-// there is one a lane. Where one hit ends the work, none waits.
+// Runs the filters in float32, then in float64. Few pairs need float64, and few collide: both are queued until there is
+// one for each lane. Hits are not queued if one hit ends the work.
 template <int threads>
 __global__ void __launch_bounds__(threads, 768 / threads)
     filter_kernel(PreparedScene scene, Sorted sorted, RecordRows records, PointRows points, Frames frames,
@@ -64,7 +64,7 @@ __global__ void __launch_bounds__(threads, 768 / threads)
     const unsigned lane = threadIdx.x % 32;
     const bool waits = hits.mode != Hits::Mode::any && hits.mode != Hits::Mode::by_world;
     const auto in_float = [&](const Candidate& c) {
-        // Copied by four words at a time.
+        // Copies, so that records are loaded four words at a time.
         const Record a = records.record[c.row], b = records.record[c.column];
         const PairSigns signs = pair_signs(a, b);
         const float reach = frames.reach_of(sorted.leaf[c.row]);
@@ -100,11 +100,11 @@ __global__ void __launch_bounds__(threads, 768 / threads)
     while (open.size()) decide_open();
 }
 
-// The exact decision, with expansions where it takes them. Few pairs come here: registers and stack do not matter. Each
-// goes to another warp as long as there are warps, for lanes that need not decide alike wait for each other.
+// Makes the exact decision, with expansions if necessary. Few pairs come here, so registers and stack do not matter.
+// Pairs are spread over as many warps as possible, because lanes that diverge wait for each other.
 __global__ void exact_kernel(PreparedScene scene, Sorted sorted, Neighbours neighbours, IntersectionKind intersections,
                              List<Candidate> undecided, List<Pair> beyond, Hits hits) {
-    // Right for a grid of one thread, too: tests/ptx interprets the kernel as one.
+    // Works for a grid of one thread, too: tests/ptx interprets the kernel like that.
     const unsigned long long n = undecided.filled(), warps = (grid_stride() + 31) / 32, warp = grid_thread() / 32;
     for (unsigned long long begin = warp; begin < n && !has_ended(hits.end()); begin += grid_stride()) {
         const unsigned long long i = begin + threadIdx.x % 32 * warps;
@@ -163,7 +163,7 @@ void narrow(const Geometry& geometry, cudaStream_t stream, const PreparedScene& 
 void decide_exactly(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
                     Neighbours neighbours, IntersectionKind intersections, const List<Candidate>& undecided,
                     const List<Pair>& beyond, const Hits& hits) {
-    // Its registers let one block in at a time.
+    // Registers limit the kernel to one block per multiprocessor.
     const unsigned blocks = std::min(geometry.blocks(undecided.capacity), std::max(1u, geometry.multiprocessors));
     Launch{stream, blocks, geometry.threads}(exact_kernel, scene, sorted, neighbours, intersections, undecided, beyond,
                                              hits);

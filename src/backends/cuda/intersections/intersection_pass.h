@@ -1,6 +1,6 @@
 #pragma once
 
-// A pass for this question: records and the plane filter in `sort` and `sweep`, then `narrow`.
+// Pass of an intersection query: adds its records to `sort`, the plane filter to `sweep`, then `narrow`.
 
 #include "backends/cuda/intersections/intersection_narrow.h"
 #include "backends/cuda/stages/pass.h"
@@ -21,7 +21,7 @@ class IntersectionPass : public Pass {
     List<Hit> hits() const { return {hits_, &counters->hits, plan.hits}; }
     Pair* beyond() const { return beyond_; }
 
-   protected:  // tests of the stages look at the list
+   protected:  // accessed by tests of the stages
     RecordRows records_{};
     Candidate* undecided_ = nullptr;
     Pair* beyond_ = nullptr;

@@ -1,7 +1,7 @@
 #pragma once
 
-// What stages `sort` and `sweep` of the cuda backend do for this question: records by row, and the plane filter, before
-// a pair is listed. Both run within the stages' kernels, so that they cost no launch.
+// Parts of stages `sort` and `sweep` that are specific to intersections: records by row, and the plane filter, which
+// runs before a pair is listed. Both run within the stages' kernels, so that they cost no launch.
 
 #include "backends/cuda/device/warp_gather.h"
 #include "backends/cuda/stages/layout.h"
@@ -21,7 +21,7 @@ struct RecordRows {
     }
 };
 
-/// Drops pairs that a plane separates: four of five of those whose boxes overlap.
+/// Filter that drops pairs which a plane separates: about four in five of those whose boxes overlap.
 struct PlaneTest {
     const Record* record;
     NarrowPolicy policy;

@@ -1,4 +1,4 @@
-// The stages that take a part of the question into their kernels, for this question.
+// Instances of the stages whose kernels contain parts of the query, for intersections.
 
 #include "backends/cuda/intersections/intersection_records.h"
 #include "backends/cuda/stages/sort_kernel.h"

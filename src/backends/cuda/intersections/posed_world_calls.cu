@@ -15,7 +15,7 @@ void PosedWorldCalls::release() {
     found_ = metered(&meter_);
 }
 
-// Launches in flight keep the bodies that they were given.
+// Launches in flight share ownership of the bodies that they were given.
 std::shared_ptr<const PosedWorlds> PosedWorldCalls::bodies_of(const World& world, const PairFilter& rules,
                                                               ParallelFor& workers, Room room) {
     if (known_ && known_->resting().is_of(world, rules)) return known_;

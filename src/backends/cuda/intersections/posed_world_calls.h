@@ -1,7 +1,7 @@
 #pragma once
 
-// Calls on worlds whose poses lie on the device: uploads their bodies, which stay there from call to call, and makes
-// results for the host.
+// Queries on worlds whose poses lie on the device: uploads their bodies, caches these on the device between calls, and
+// makes results for the host.
 
 #include <memory>
 
@@ -16,12 +16,12 @@ class PosedWorldCalls {
    public:
     PosedWorldCalls(IntersectionFinder& finder, cudaStream_t stream, MemoryMeter& meter);
 
-    /// The world's bodies, brought to the device unless they are those of the call before. Null if one scene cannot
-    /// hold them. Throws NoRoom if that is fixed and they are not there.
+    /// Returns the world's bodies on the device; uploads them unless they are those of the previous call. Null if one
+    /// scene cannot hold them. Throws NoRoom if `room` is fixed and they would have to be uploaded.
     std::shared_ptr<const PosedWorlds> bodies_of(const World& world, const PairFilter& rules, ParallelFor& workers,
                                                  Room room = Room::grows);
 
-    /// Fills the answer, once our stream waits for the poses; false if one scene cannot hold the worlds. Throws
+    /// Fills the result. Our stream must wait for the poses. Returns false if one scene cannot hold the worlds. Throws
     /// MemoryMeter::Exceeded if memory does not hold all of them at once.
     bool find(const World& world, const IntersectionQuery& question, ParallelFor& workers, Intersections& result);
 

@@ -73,7 +73,7 @@ std::int64_t Answer::make_contacts(const PreparedScene& scene, Cancellation& can
     return static_cast<std::int64_t>(open);
 }
 
-// Contacts that only the host can round.
+// Computes the contacts that only the host can round.
 void Answer::decide_open(const PreparedScene& scene, std::size_t n, std::int32_t second, Cancellation& cancellation) {
     Block block(meter_);
     Pair* pairs = nullptr;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A result on the device, from its arrays to the host's copy.
+// Result of an intersection query on the device: its arrays, its contacts, and its copy to the host.
 
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/input/world_names.h"
@@ -18,23 +18,22 @@ class Answer {
 
     OutputArrays output{};
     unsigned long long total = 0;  ///< pairs
-    WorldNames names;              ///< of a scene of worlds that are to be told of; set before cut()
+    WorldNames names;              ///< names of worlds and bodies, for results about worlds; set before cut()
 
-    /// Cuts the arrays of so many pairs.
+    /// Cuts the arrays for so many pairs.
     void cut(Cutter& cutter, const PreparedScene& scene, std::size_t pairs);
-    /// Bytes that these and make_contacts take.
+    /// Returns the bytes that these arrays and make_contacts() take.
     static std::size_t bytes(const PreparedScene& scene, std::size_t pairs, bool contacts);
 
-    /// What write() finds cleared, beside the counter of parts: flags, and numbers by first triangle, which are
-    /// counted before.
+    /// Adds to `clearing` what must be cleared for write(), beside the counter of parts: flags, and the counts by first
+    /// triangle, which `narrow` then fills.
     void clear(Clearing& clearing, const PreparedScene& scene) const;
-    /// Turns listed hits, counted by first triangle in output.offsets, into the answer; `told` as order_buckets() has
-    /// it.
+    /// Turns listed hits, counted by first triangle in output.offsets, into the result. `told`: see order_buckets().
     void write(const PreparedScene& scene, const List<Hit>& hits, Counters* counters, Counters* told);
-    /// Computes the contacts of the answer and leaves them on the device. Returns how many the host had to round.
+    /// Computes the contacts of the result and leaves them on the device. Returns how many the host had to round.
     std::int64_t make_contacts(const PreparedScene& scene, Cancellation& cancellation);
 
-    /// The result of a scene, or that of worlds if there are names.
+    /// Returns the result about the scene, or about worlds if there are names.
     DeviceIntersections show(const PreparedScene& scene, bool contacts) const;
     void copy_to(const PreparedScene& scene, bool contacts, Intersections& result);
 
@@ -49,7 +48,7 @@ class Answer {
     Block contact_block_;
     WorldArrays of_worlds_{};
     ContactArrays contacts_{};
-    unsigned long long points_ = 0;  ///< of all contacts
+    unsigned long long points_ = 0;  ///< number of points of all contacts
 };
 
 }  // namespace crumple::cuda

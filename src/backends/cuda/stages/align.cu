@@ -9,7 +9,7 @@
 namespace crumple::cuda {
 namespace {
 
-constexpr int threads = 256;  // and as many samples for the covariance
+constexpr int threads = 256;  // per block; also the most samples for a leaf's covariance
 
 struct FrameShared {
     cub::BlockReduce<double, threads>::TempStorage sum;
@@ -19,7 +19,7 @@ struct FrameShared {
     BinnedFrame frame;
 };
 
-// The sum, or the largest, of what the block's threads have, for all of them.
+// Returns the sum of a value over the block's threads, to all of them; block_max() returns the maximum.
 __device__ double block_sum(FrameShared& shared, double value, double& slot) {
     __syncthreads();
     const double sum = cub::BlockReduce<double, threads>(shared.sum).Sum(value);
@@ -38,7 +38,7 @@ __device__ float block_max(FrameShared& shared, float value) {
     return static_cast<float>(shared.sums[0]);
 }
 
-// Of a leaf without members, and where coordinates were brought that are not finite.
+// Frame of a leaf without members, or with coordinates that are not finite.
 __device__ BinnedFrame plain_frame() {
     BinnedFrame frame;
     frame.origin = {0, 0, 0};
@@ -55,7 +55,7 @@ __device__ bool is_finite(const BinnedFrame& f) {
            is_finite(f.base) && is_finite(f.scale);
 }
 
-// The axes of the coordinates, the first one being that which the frame's is nearest to.
+// Replaces the frame's axes by the coordinate axes, first the one nearest to the frame's first axis.
 __device__ void turn_to_coordinates(LeafFrame& frame) {
     const Vec3f along = abs(frame.axis[0]);
     const int first = along.x == largest(along) ? 0 : along.y == largest(along) ? 1 : 2;
@@ -65,7 +65,7 @@ __device__ void turn_to_coordinates(LeafFrame& frame) {
     }
 }
 
-// The frame of one leaf, by one block.
+// Computes the frame of one leaf. All threads of the block call it together.
 __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsigned long long members,
                            const std::int32_t* triangle, const PreparedScene& scene, const PointRows& points,
                            const Ball* balls, bool along_axes, BinnedFrame& result) {
@@ -110,7 +110,7 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
     }
     __syncthreads();
 
-    // The range of the members along the sweep direction, for the bins, which need not be exact.
+    // The bins cover the members' range along the sweep direction. The range need not be exact.
     float low = INFINITY, high = -INFINITY;
     for (unsigned long long m = begin + threadIdx.x; m < begin + members; m += threads) {
         const Ball b = balls[triangle[m]];

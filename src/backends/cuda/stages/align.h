@@ -1,7 +1,8 @@
 #pragma once
 
-// Stage `align`: the frame in which each leaf is swept, by PCA of its centroids ([MZ] sec. 3, eq. 1), and what a
-// triangle looks like there. Margins are derived in docs/align.md.
+// Stage `align`: computes the frame in which each leaf is swept, by PCA of its members' centroids ([MZ] sec. 3, eq. 1),
+// and the extent of the members in it: a bound on their |coordinates| relative to the frame's origin. Margins are
+// derived in docs/align.md.
 
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/stages/layout.h"
@@ -10,22 +11,25 @@
 
 namespace crumple::cuda {
 
-/// Frames of leaves [0, leaves), by their members. Whatever is brought, they are finite, for the next pass takes them
-/// as they are. `along_axes`: with the axes of the coordinates, the first one nearest to where the members spread.
+/// Computes the frames of leaves [0, leaves) from their members. Frames are finite even if coordinates are not, because
+/// the next pass uses them unchecked. `along_axes`: uses the coordinate axes, first the one nearest to the direction in
+/// which the members spread.
 void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
                  const std::int32_t* triangle, const PreparedScene& scene, const Points& points, const Ball* balls,
                  bool along_axes, BinnedFrame* frames);
 
-/// How far the members reach in frames that were made after they had been listed; finds all reaches 0.
+/// Computes the extent of each leaf's members, for frames that were made after the members had been listed. All extents
+/// must be 0 before.
 void measure_reach(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
                    const Members& members, const PreparedScene& scene, const Primitives& primitives,
                    const Points& points, const Ball* balls, const Frames& frames);
 
-/// An upper bound of any coordinate of the ball's triangle, relative to the origin.
+/// Returns an upper bound on the |coordinates| of the ball's primitive, relative to the origin.
 __device__ inline float ball_reach(const Ball& ball, const Vec3f& origin) {
     return (largest(abs(Vec3f{ball.x, ball.y, ball.z} - origin)) + ball.r) * 1.00001f;
 }
-/// What a triangle counts for in its leaf's reach, if it is big; else `bound`, which its ball has given.
+/// Returns what a triangle contributes to its leaf's extent: a small share of its own extent if it is big (big_share),
+/// else `bound`, which is derived from its ball.
 template <class Primitive>
 __device__ float exact_reach(const PreparedScene& scene, const Primitive& primitive, const PointRows& points,
                              std::int32_t triangle, const LeafFrame& frame, float bound) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double most = 1.7976931348623157e308;
 
-// Neither NaN nor an infinity is at most the largest number.
+// NaN and infinities fail these comparisons.
 __device__ bool is_finite(const Vec3d& p) {
     return std::abs(p.x) <= most && std::abs(p.y) <= most && std::abs(p.z) <= most;
 }
@@ -51,8 +51,8 @@ __device__ Vec3f in_float(const Row<T>& row) {
     return {static_cast<float>(row.x), static_cast<float>(row.y), static_cast<float>(row.z)};
 }
 
-// Rows and balls. A triangle normalises its corners once more instead of waiting for their rows, which would be a
-// kernel of its own.
+// Computes rows and balls. Each triangle normalises its corners again, because reading their rows would take another
+// kernel.
 template <bool aligned, class T>
 __global__ void bounds_kernel(PreparedScene scene, const SceneBox* box, Row<T>* rows, Ball* balls, Counters* counters) {
     auto& normaliser = dynamic_shared<Normaliser>();
@@ -73,7 +73,7 @@ __global__ void bounds_kernel(PreparedScene scene, const SceneBox* box, Row<T>* 
     }
 }
 
-// The same for what is asked of more than contact: rows at the start and at the end, and widened balls.
+// Computes rows and inflated balls for queries about features; if the scene moves, rows at the start and at the end.
 template <bool aligned, class T>
 __global__ void widened_bounds_kernel(PreparedScene scene, Primitives primitives, const SceneBox* box, Row<T>* rows,
                                       Ball* balls, Counters* counters) {
@@ -110,7 +110,7 @@ __global__ void widened_bounds_kernel(PreparedScene scene, Primitives primitives
 }  // namespace
 
 void clear(Clearing& clearing, Counters* counters) {
-    // Where the lowest wrong element is noted, nothing is all bits set.
+    // Counters of the lowest bad element begin with all bits set: no element is bad.
     constexpr std::size_t noted = offsetof(Counters, places);
     static_assert(noted == 8 * sizeof(unsigned long long));
     clearing.add(counters, noted, ~0u);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Stage `bounds`: normalised vertices, and a ball around each triangle ([MZ] sec. 5). See docs/bounds.md.
+// Stage `bounds`: computes normalised vertices, and a ball around each triangle ([MZ] sec. 5). See docs/bounds.md.
 
 #include <bit>
 
@@ -13,12 +13,13 @@
 
 namespace crumple::cuda {
 
-/// The box of all vertices, as integers in the order of the numbers they stand for, so that atomics can widen it.
+/// Box of all vertices. Its coordinates are stored as integers of the same order (`ordered`), so that integer atomics
+/// can widen it.
 struct SceneBox {
     unsigned long long low[3], high[3];
 };
 
-/// Integers in the order of the (finite) numbers.
+/// Maps a finite number to an integer; the integers have the order of the numbers. from_ordered() is the inverse.
 CRUMPLE_HD inline unsigned long long ordered(double x) {
     const auto bits = std::bit_cast<unsigned long long>(x);
     return bits >> 63 ? ~bits : bits | 1ull << 63;
@@ -37,15 +38,15 @@ CRUMPLE_HD inline Normaliser normaliser_of(const SceneBox& box) {
 }
 
 void clear(Clearing& clearing, Counters* counters);
-/// The empty box, for check_vertices().
+/// Adds the box to `clearing`, to be set to empty, as check_vertices() requires.
 void clear(Clearing& clearing, SceneBox* box);
 
-/// Widens the box by the scene's vertices, also at their ends, and notes the first that is not finite. For scenes that
-/// lie on the device; others were checked by the host.
+/// Widens the box by all vertices, at the start and at the end, and records in the counters the lowest one that is not
+/// finite. Needed for scenes on the device only; the host has validated all others.
 void check_vertices(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, SceneBox* box,
                     Counters* counters);
 
-/// Whether the triangle's corners exist; if not, notes it if it is the first.
+/// Returns true if the triangle's corners exist. If not, records the triangle in the counters, which keep the lowest.
 __device__ inline bool corners_exist(const PreparedScene& scene, std::size_t t, Counters* counters) {
     const std::int32_t* corner = scene.corners + 3 * t;
     const auto vertices = static_cast<std::uint32_t>(scene.vertex_count());
@@ -58,7 +59,8 @@ __device__ inline bool corners_exist(const PreparedScene& scene, std::size_t t, 
     return false;
 }
 
-/// Of a scene that moves, a ball holds the triangle's whole way, and rows of ends follow those of starts.
+/// Computes the rows and balls. In a moving scene a ball holds the triangle's swept volume, and the rows of end
+/// positions follow those of start positions.
 void compute_bounds(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
                     const Primitives& primitives, const SceneBox* box, const Points& points, Ball* balls,
                     Counters* counters);

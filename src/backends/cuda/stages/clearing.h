@@ -1,7 +1,7 @@
 #pragma once
 
-// What a pass begins with: arrays that are set to a value, and copies of what the pass before has left, all by one
-// kernel, for each memset or copy would be a node of its own in a graph, and wait for the one before.
+// Batched clear: sets arrays to values, and copies arrays, in one kernel. Every pass begins with one. As separate
+// memsets and copies, each would be a node of a graph that waits for the one before.
 
 #include <cstddef>
 
@@ -11,10 +11,10 @@ namespace crumple::cuda {
 
 class Clearing {
    public:
-    /// `bytes` from `memory` on are to hold `word` again and again; both are multiples of four. Ranges must not
-    /// overlap.
+    /// Adds `bytes` bytes from `memory` on, to be filled with copies of `word`. Address and size must be multiples of
+    /// four. Ranges must not overlap.
     void add(void* memory, std::size_t bytes, unsigned word = 0);
-    /// `bytes` from `from` on, a multiple of four, are copied.
+    /// Adds a copy of `bytes` bytes, a multiple of four, from `from` to `memory`.
     void copy(void* memory, const void* from, std::size_t bytes);
     void launch(const Geometry& geometry, cudaStream_t stream) const;
 
@@ -22,7 +22,7 @@ class Clearing {
         unsigned* begin;
         std::size_t words;
         unsigned word;
-        const unsigned* from;  ///< null: the word
+        const unsigned* from;  ///< source of a copy; null: fill with `word`
     };
     struct Ranges {
         Range range[24];

@@ -1,23 +1,23 @@
 #pragma once
 
-// The arrays that the stages of the cuda backend hand on, all in device memory. Structs of plain pointers, passed to
-// kernels by value; src/backends/cuda/engine/finder.h owns the memory.
+// Arrays that the stages of the cuda backend pass on, all in device memory: structs of plain pointers, passed to
+// kernels by value. Finder (engine/finder.h) owns the memory.
 //
-//   bounds      scene            -> Points (a row of four a vertex), balls (one a triangle)
-//   subdivide   balls            -> Levels: a mask an item; Members: leaf after leaf, in no order within
-//   align       members, balls   -> a Frame each leaf
-//   sort        members, frames  -> Sorted: members of each leaf by start along its first axis, and their boxes; beside
-//                                   them what the kind of query keeps of each; units of work
-//   sweep       Sorted, units    -> survivors: pairs whose boxes overlap and that the question's filter keeps
+//   bounds      scene            -> Points (one row of four per vertex), balls (one per triangle)
+//   subdivide   balls            -> Level: one mask per item; Members: leaf after leaf, each in no order
+//   align       members, balls   -> one Frame per leaf
+//   sort        members, frames  -> Sorted: members of each leaf by start along its first axis, and their boxes; the
+//                                   query's own records of the members; units of work
+//   sweep       Sorted, units    -> survivors: pairs whose boxes overlap and that the query's filter keeps
 //   narrow      survivors        -> hits
 //   output      hits             -> pairs, offsets, hit flags
 //
-// What decides cost alone (centres, frames, where members lie) is the frame's before: a pass makes it for the next one,
-// beside the stages that wait for each other (Guide).
+// Data that affects cost but not results (centres, frames, places of members) comes from the previous pass. Each pass
+// computes it for the next one, in parallel to the stages (Guide).
 //
-// How many members, survivors and hits there will be is known to the device alone. The host gives each list a capacity;
-// a kernel that meets a full list counts on without writing, and the host, when it looks (wait), grows the list and
-// runs all again. So nothing is dropped, and in a steady frame the host reads one struct of counters, at the end.
+// Only the device learns the numbers of members, survivors and hits. The host gives each list a capacity. A kernel that
+// meets a full list keeps counting without writing; when the host reads the counters (wait), it grows the list and
+// repeats the pass. So nothing is dropped, and in a steady frame the host reads one struct of counters, at the end.
 
 #include <bit>
 #include <cstddef>
@@ -31,16 +31,17 @@
 
 namespace crumple::cuda {
 
-inline constexpr int max_fan_out = 64;  ///< children of a cluster: bits of a mask
-/// The same between two meshes: a row's conflicts are lower children, of 63 at most 62, and in two bits its side.
+inline constexpr int max_fan_out = 64;  ///< most children of a cluster: bits of a mask
+/// Most children between two meshes: SortedRow::conflict then has 62 bits for lower children and two for the side.
 inline constexpr int max_fan_out_between = 63;
-inline constexpr int bins = 1024;  ///< of a leaf's sweep axis
-/// A row tells its leaf in 16 bits, and parents are rows of a grid, of which CUDA has no more.
+inline constexpr int bins = 1024;  ///< bins along a leaf's sweep axis
+/// Limit that comes from Sorted::leaf, which has 16 bits, and from CUDA: parents are rows of a grid, which has at most
+/// 65,535.
 inline constexpr int max_leaves = 65'535;
 
 using crumple::Row;
 
-/// The rows, whichever there are: one pointer is null.
+/// Rows of normalised vertices, in float32 or float64: one pointer is null.
 struct Points {
     Row<float>* f = nullptr;
     Row<double>* d = nullptr;
@@ -48,32 +49,32 @@ struct Points {
     PointRows rows() const { return {reinterpret_cast<const float*>(f), reinterpret_cast<const double*>(d)}; }
 };
 
-/// What the device counts for the host. Numbers of elements are those wanted, whether or not they fitted.
+/// Counters that the device fills for the host. Lengths of lists include the elements that did not fit.
 struct Counters {
-    unsigned long long bad_vertex[2], bad_triangle[2];  ///< lowest of each mesh, or all bits set
-    unsigned long long bad_end, bad_radius, bad_rest;   ///< the same of one mesh's vertices
-    unsigned long long changed;                         ///< lowest corner that is not the known one (known_mesh.h)
-    unsigned long long places[2];                       ///< that the members of each level ask for
-    unsigned long long units;                           ///< of the sweep
-    unsigned long long members[2];                      ///< of each level of subdivision
-    unsigned long long unplaced[2];                     ///< of these: there was no room in their child
+    unsigned long long bad_vertex[2], bad_triangle[2];  ///< lowest index in each mesh; all bits set: none
+    unsigned long long bad_end, bad_radius, bad_rest;   ///< likewise for the vertices of a single mesh
+    unsigned long long changed;      ///< lowest index that differs from the cached mesh (known_mesh.h)
+    unsigned long long places[2];    ///< places to reserve for the members of each level
+    unsigned long long units;        ///< units of the sweep
+    unsigned long long members[2];   ///< memberships of each level
+    unsigned long long unplaced[2];  ///< memberships without a place in their child
     unsigned long long interval_tests, box_overlaps;
-    unsigned long long survivors;             ///< that no plane separates
-    unsigned long long doubles;               ///< of these, undecided in float32
-    unsigned long long undecided;             ///< of these, undecided by filters in float64
-    unsigned long long beyond;                ///< what expansions cannot hold: for the host
-    unsigned long long listed;                ///< tests of features that survivors stand for
-    unsigned long long tests[feature_kinds];  ///< of these, by FeatureKind: those that filters leave
-    unsigned long long open[feature_kinds];   ///< of these: what the quick decision leaves
+    unsigned long long survivors;             ///< pairs that the filter of the sweep keeps
+    unsigned long long doubles;               ///< survivors unresolved by the float32 filter
+    unsigned long long undecided;             ///< pairs unresolved by the float64 filter
+    unsigned long long beyond;                ///< pairs, or tests of features, that the host has to decide
+    unsigned long long listed;                ///< tests of features that survivors expand to
+    unsigned long long tests[feature_kinds];  ///< tests that the filters leave, by FeatureKind
+    unsigned long long open[feature_kinds];   ///< tests that the quick decision leaves, by FeatureKind
     unsigned long long hits;
-    unsigned long long parts;  ///< of rows of the answer that are long
+    unsigned long long parts;  ///< parts of long rows of the result (RowPart)
 };
 
-/// Lists side by side, each with room to spare: list s has the places [first[s], first[s + 1]), and its elements lie in
-/// front. Firsts are multiples of 32, so that what a warp's lanes see side by side is of one list.
+/// Concatenated lists, each with spare places: list s has the places [first[s], first[s + 1]), and fills them from the
+/// front. Lists of members begin at multiples of 32, so that the lanes of a warp read one list.
 struct Segments {
-    unsigned long long* first;  ///< one more than there are lists
-    unsigned long long* count;  ///< wanted, whether or not they fitted
+    unsigned long long* first;  ///< first place of each list; and the end
+    unsigned long long* count;  ///< elements of each list, with those that did not fit
 
     CRUMPLE_HD unsigned long long end(std::size_t s) const {
         const unsigned long long all = first[s] + count[s];
@@ -81,26 +82,27 @@ struct Segments {
     }
 };
 
-/// One level of subdivision. Items are triangles on the first level, whose parents are worlds (worlds_side_by_side.h);
-/// on the second they are members of the first. Parent p has the children [p fan_out, (p + 1) fan_out).
+/// One level of subdivision. On the first level, items are triangles and parents are worlds (worlds_side_by_side.h); on
+/// the second, items are members of the first level and parents are its clusters. Parent p has the children [p fan_out,
+/// (p + 1) fan_out).
 struct Level {
     int parents, fan_out;
-    Segments items_of;               ///< of each parent; null: one parent has all items
-    unsigned long long items;        ///< where that is null
-    const std::int32_t* triangle;    ///< by item; null: the item's own number
-    const Row<float>* centre;        ///< parents * fan_out
-    Row<float>* next_centre;         ///< the same for the next pass
-    float* moved;                    ///< by parent: how far its next centres moved last
+    Segments items_of;               ///< items of each parent; null: a single parent
+    unsigned long long items;        ///< number of items, for a single parent
+    const std::int32_t* triangle;    ///< by item; null: the index of the item
+    const Row<float>* centre;        ///< centres of all children: parents * fan_out
+    Row<float>* next_centre;         ///< centres for the next pass
+    float* moved;                    ///< by parent: last movement of its next centres
     std::uint64_t* mask;             ///< by item: children that it belongs to
-    Segments members_of;             ///< of each child
-    unsigned long long* next_first;  ///< places of its members in the next pass
+    Segments members_of;             ///< members of each child
+    unsigned long long* next_first;  ///< first place of each child's members in the next pass
     CRUMPLE_HD int children() const { return parents * fan_out; }
 };
 
 /// Memberships of one level, child after child.
 struct Members {
     std::int32_t* triangle;
-    std::uint32_t* item;  ///< of the level
+    std::uint32_t* item;  ///< item of the level
     unsigned long long capacity;
 };
 
@@ -109,16 +111,16 @@ struct BinnedFrame : LeafFrame {
     float base, scale;  ///< bin of x: (x - base) scale
 };
 
-/// The same with what all members have in common.
+/// BinnedFrame with bounds for all members of the leaf.
 struct Frame : BinnedFrame {
-    float reach;   ///< no corner of a member that is not big is further from the origin, in any coordinate
-    float margin;  ///< error of a turned coordinate (docs/align.md)
+    float reach;   ///< extent: bound on |coordinates| of corners of members that are not big, from the origin
+    float margin;  ///< error bound of a coordinate in the frame (docs/align.md)
 };
 
-/// By leaf. Where members lie now decides no more than how far they reach.
+/// Frames of all leaves. `binned` may come from the previous pass; only `reach` depends on where members are now.
 struct Frames {
     const BinnedFrame* binned;
-    unsigned* reach;  ///< bits of a float, which is not negative: ordered as the numbers are
+    unsigned* reach;  ///< by leaf: extent, as bits of a float >= 0, which have the order of the numbers
 
     CRUMPLE_HD float reach_of(std::size_t leaf) const { return std::bit_cast<float>(reach[leaf]); }
     CRUMPLE_HD Frame operator[](std::size_t leaf) const {
@@ -127,39 +129,39 @@ struct Frames {
     }
 };
 
-/// What decides cost alone, never the answer.
+/// Data by which a pass warm-starts the next one. It affects cost, never the result.
 struct Guide {
-    Row<float>* centre[2];         ///< of each level
-    unsigned long long* first[2];  ///< where its members lie
+    Row<float>* centre[2];         ///< centres of each level
+    unsigned long long* first[2];  ///< first places of each level's members
     BinnedFrame* frame;            ///< by leaf
 };
 
-/// A member's extent across the sweep direction.
+/// Box of a member across the sweep direction.
 struct alignas(16) CrossBox {
     float low_y, high_y, low_z, high_z;
 };
 
-/// A member in its place. Its columns are the rows behind it up to `end`.
+/// Member in sorted order. Its columns are the rows after it, up to `end`.
 struct alignas(16) SortedRow {
     CrossBox box;
-    std::uint64_t conflict;  ///< pairs with a common bit are not ours: lower clusters of the last level, sides
+    std::uint64_t conflict;  ///< lower clusters of the last level, and the side; pairs with a common bit are dropped
     std::uint32_t end;
     std::int32_t triangle;
 };
 
-/// Members by leaf and by bin of their start; a leaf's rows are where its members were.
+/// Members sorted by leaf, then by the bin of their start. A leaf's rows have the places of its members.
 struct Sorted {
-    std::uint32_t* bin;        ///< by member: first bin, last bin << 16
-    std::uint32_t* rank;       ///< by member: place among those of its bin
-    std::uint32_t* bin_first;  ///< bins + 1 a leaf: the last one is the end of its rows
-    unsigned* binned;          ///< by leaf: members that are in their bins
+    std::uint32_t* bin;        ///< by member: first bin | last bin << 16
+    std::uint32_t* rank;       ///< by member: index among the members of its first bin
+    std::uint32_t* bin_first;  ///< bins + 1 per leaf: first row of each bin; and the end of the leaf's rows
+    unsigned* binned;          ///< by leaf: number of members binned so far
     SortedRow* row;
     std::uint16_t* leaf;  ///< by row
 };
 
-/// Rows are swept 32 at a time, against `unit_columns` columns at a time: that is a unit of work.
+/// Unit of work of the sweep: 32 rows against `unit_columns` columns, fewer at the ends.
 struct alignas(16) Unit {
-    std::uint32_t row, row_end;  ///< of one leaf
+    std::uint32_t row, row_end;  ///< first row; end of the rows of its leaf
     std::uint32_t column, column_end;
 };
 inline constexpr unsigned unit_columns = 32;
@@ -168,18 +170,18 @@ struct alignas(8) Candidate {
     std::uint32_t row, column;
 };
 
-/// A pair of the answer in the bucket of its first element.
+/// Pair of the result in the bucket of its first element.
 struct alignas(8) BucketedPair {
     std::int32_t first, second;
 };
 
-/// A colliding pair, in joint numbering, lower id first; `rank` among those of the same first triangle.
+/// Colliding pair in joint numbering, lower id first; `rank` is its index among the pairs of the same first triangle.
 struct Hit {
     std::int32_t a, b;
     std::uint32_t rank;
 };
 
-/// Hits of each world, where flags of worlds are asked for; null: they are not. Each world has as many leaves.
+/// Number of hits of each world, if the query asks for flags by world; else null. All worlds have equally many leaves.
 struct WorldHits {
     unsigned long long* count = nullptr;
     std::uint32_t leaves = 1;

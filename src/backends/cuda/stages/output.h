@@ -1,7 +1,7 @@
 #pragma once
 
-// Stage `output`: pairs in lexicographic order, offsets by first triangle, hit flags. Pairs are bucketed by their first
-// triangle, which needs the offsets only; the few of one bucket are then put in order. See docs/output.md.
+// Stage `output`: makes pairs in lexicographic order, offsets by first triangle, and hit flags. Pairs go to buckets by
+// first triangle, which needs only the offsets; then each bucket, mostly short, is sorted. See docs/output.md.
 
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/intersections/intersection_narrow.h"
@@ -11,13 +11,14 @@
 
 namespace crumple::cuda {
 
-/// A part of a row of the answer that is longer than its pairs can put in order by looking at each other.
+/// Part of a long row of the result. In a short row each pair finds its place by comparison with all others; a long one
+/// is sorted part by part, then merged.
 struct RowPart {
     std::int32_t row;  ///< first triangle
     std::uint32_t number;
 };
 
-// Sets one byte. Many threads may set the same one at once, so it is done by an atomic on its word.
+// Sets one byte to 1. Uses an atomic on its word, because other threads may set bytes of the same word.
 __device__ inline void set_flag(std::uint8_t* flags, std::size_t i) {
     atomicOr(reinterpret_cast<unsigned*>(flags) + i / 4, 1u << 8 * (i % 4));
 }
@@ -26,7 +27,7 @@ template <class Key>
 struct alignas(2 * sizeof(Key)) TwoKeys {
     Key first, second;
 };
-/// Keys of two neighbours, of which the first has an even place: read at once.
+/// Returns the keys of pairs i and i + 1, for even i, in one load.
 __device__ inline TwoKeys<std::int32_t> keys_of(const BucketedPair* bucketed, unsigned long long i) {
     struct alignas(16) Two {
         BucketedPair pair[2];
@@ -35,25 +36,25 @@ __device__ inline TwoKeys<std::int32_t> keys_of(const BucketedPair* bucketed, un
     return {two.pair[0].second, two.pair[1].second};
 }
 
-/// Numbers by first element, and the parts of long rows, as any output has them.
+/// Offsets by first element, and parts of long rows, as the outputs of all queries have them.
 struct RowsOfOutput {
-    unsigned long long* offsets;  ///< n + 1; before: pairs of each first element
-    unsigned long long* tiles;    ///< cleared; what make_offsets() counts of each `offset_tile` first elements
-    RowPart* parts;               ///< of all long rows, in any order
-    unsigned long long capacity;  ///< of pairs
+    unsigned long long* offsets;  ///< n + 1; before make_offsets(): number of pairs of each first element
+    unsigned long long* tiles;    ///< scratch of make_offsets(), which requires it cleared (offset_tiles)
+    RowPart* parts;               ///< parts of all long rows, in any order
+    unsigned long long capacity;  ///< in pairs
     unsigned long long part_capacity;
 
-    /// Pairs of the answer; none if there are more than fit, since not all of them were kept.
+    /// Returns the number of pairs; 0 if they exceed the capacity, because then some were not written.
     CRUMPLE_HD unsigned long long total(std::size_t n) const { return offsets[n] <= capacity ? offsets[n] : 0; }
 };
 
-/// Pairs of triangles.
+/// Output of pairs of triangles.
 struct OutputArrays : RowsOfOutput {
     using Key = std::int32_t;
-    unsigned long long* next;  ///< offsets, counted up while pairs are written to their buckets
-    BucketedPair* bucketed;    ///< in no order within a bucket
+    unsigned long long* next;  ///< offsets, incremented as pairs are written to their buckets (Hits::Mode::fill)
+    BucketedPair* bucketed;    ///< unsorted within a bucket
     Pair* pairs;
-    std::uint8_t *hit, *hit_second;  ///< room for a multiple of four bytes; the second mesh's, or the same
+    std::uint8_t *hit, *hit_second;  ///< of the first and the second mesh, or equal; whole_words() bytes
 
     __device__ std::int32_t first_of(unsigned long long i) const { return bucketed[i].first; }
     __device__ Key key(unsigned long long i) const { return bucketed[i].second; }
@@ -66,29 +67,28 @@ struct OutputArrays : RowsOfOutput {
     __device__ void write(unsigned long long place, std::int32_t a, Key b) const { pairs[place] = {a, b}; }
 };
 
-/// Words of RowsOfOutput::tiles, for so many first elements.
+/// Returns the words of RowsOfOutput::tiles for `firsts` first elements.
 std::size_t offset_tiles(std::size_t firsts);
 std::size_t part_capacity(std::size_t pairs);
 
-/// Bytes for so many flags: they are set by atomics on words.
+/// Returns the bytes to allocate for flags: whole words, because atomics on words set them.
 std::size_t whole_words(std::size_t flags);
 
-/// Turns numbers by first element into offsets, and lists the parts of long rows. Defined, as those that follow are, in
-/// output_kernel.h.
+/// Turns counts by first element into offsets, and lists the parts of long rows. The templates below are defined in
+/// output_kernel.h, too.
 template <class OutputArrays>
 void make_offsets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                   Counters* counters);
-/// Lists them where the offsets are known.
+/// Lists the parts of long rows, if the offsets are known.
 template <class OutputArrays>
 void list_parts(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                 Counters* counters);
 /// Writes the list's hits to their buckets.
 void fill_buckets(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const List<Hit>& hits,
                   const OutputArrays& output);
-/// What order_buckets() finds cleared, beside the list of parts.
+/// Adds the flags to `clearing`, as order_buckets() requires. The counter of parts has to be cleared, too.
 void clear_flags(Clearing& clearing, const PreparedScene& scene, const OutputArrays& output);
-/// Puts each bucket in order and sets the flags. `told`, unless it is null, is given a copy of the counters: memory of
-/// the host that the device can write.
+/// Sorts each bucket and sets the flags. Copies the counters to `told`: host memory that the device can write, or null.
 template <class OutputArrays>
 void order_buckets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                    Counters* counters, Counters* told);

@@ -1,14 +1,13 @@
 #pragma once
 
-// The kernels of `output`, for those who write rows of their own: a question includes this and instantiates
-// make_offsets(), list_parts() and order_buckets() for its output, which has, beside what Output has of numbers and
-// parts,
+// Kernels of `output`, as templates of the type of output. Each kind of query includes this file and instantiates
+// make_offsets(), list_parts() and order_buckets() for its own type, which derives from RowsOfOutput and has
 //
-//     Key, key(i), set_key(i, key) what rows are ordered by, unique in a row
+//     Key, key(i), set_key(i, key) sort key of pair i, unique in a row
 //     two_keys(i)                  key(i) and key(i + 1), where i is even
-//     first_of(i)                  first element of the pair whose key is key(i)
+//     first_of(i)                  first element of pair i
 //     set_flags(first, key)        called once for each pair
-//     write(place, first, key)     the pair's place in the answer
+//     write(place, first, key)     writes the pair to its place in the result
 
 #include <algorithm>
 
@@ -20,14 +19,14 @@
 namespace crumple::cuda {
 namespace detail {
 
-inline constexpr unsigned short_row = 256;  ///< pairs of a first element that each look at all others of it
+inline constexpr unsigned short_row = 256;  ///< most pairs of a row that is sorted by comparing all with all
 
-inline constexpr int offset_tile = 2048;  ///< first elements whose pairs a block sums up
+inline constexpr int offset_tile = 2048;  ///< first elements whose pairs one block sums up
 inline constexpr int offset_threads = 256, offsets_a_thread = offset_tile / offset_threads;
 
-inline constexpr unsigned part_pairs = 2048;  ///< of a long row, which a block sorts in shared memory
+inline constexpr unsigned part_pairs = 2048;  ///< pairs of a part, which one block sorts in shared memory
 
-// Lists the parts of first triangle `a`'s row, if it is long.
+// Lists the parts of the row of first element `a`, if the row is long.
 template <class OutputArrays>
 __device__ void list_row(const OutputArrays& out, std::size_t a, unsigned long long pairs, Counters* counters) {
     if (pairs <= short_row) return;
@@ -39,20 +38,21 @@ __device__ void list_row(const OutputArrays& out, std::size_t a, unsigned long l
 struct OffsetsShared {
     cub::BlockReduce<unsigned long long, offset_threads>::TempStorage sum;
     cub::BlockScan<unsigned long long, offset_threads>::TempStorage scan;
-    std::size_t tile;           // that the block takes
-    unsigned long long before;  // pairs of all tiles that come first
+    std::size_t tile;           // claimed by the block
+    unsigned long long before;  // pairs of all earlier tiles
 };
 
-// Waits until a tile's sum is told, and returns it. One more was told, since a tile may be empty.
+// Waits until a tile's sum is published, and returns it. The published value is larger by one, because 0 means not yet
+// published.
 __device__ inline unsigned long long told_sum(unsigned long long* tile) {
     unsigned long long told = 0;
     while ((told = atomicAdd(tile, 0ull)) == 0) __nanosleep(100);
     return told - 1;
 }
 
-// Prefix sums in one kernel. Blocks take tiles in their order, and each tells its tile's sum before it waits for those
-// of the tiles before: blocks have these that run already and wait for none behind them. That a block reads the sums of
-// all tiles before is little: there is one for 2,048 elements.
+// Computes prefix sums in one kernel. Blocks claim tiles in ascending order. A block publishes the sum of its tile
+// before it waits for the sums of all earlier tiles. These belong to blocks that already run, so no block waits
+// forever. Reading the sums of all earlier tiles costs little: there is one for 2,048 elements.
 template <class OutputArrays>
 __global__ void offsets_kernel(std::size_t n, OutputArrays out, Counters* counters) {
     auto& shared = dynamic_shared<OffsetsShared>();
@@ -92,7 +92,7 @@ __global__ void parts_kernel(std::size_t n, OutputArrays out, Counters* counters
         list_row(out, a, out.offsets[a + 1] - out.offsets[a], counters);
 }
 
-/// Where a part's pairs are.
+/// Range of the pairs of a part.
 struct PartRange {
     unsigned long long begin, end;
 };
@@ -107,14 +107,15 @@ struct PartShared {
     Key second[part_pairs];
 };
 
-// Batcher's bitonic merge sort, in the form that always puts the smaller one first, so that any length will do: what
-// lies behind the end counts as infinite and never moves.
+// Batcher's bitonic merge sort, in the variant whose comparisons always put the smaller key first. So it works for any
+// length: keys beyond the end count as infinite and never move.
 template <class Key>
 __device__ void sort_part(Key* second, unsigned n) {
     for (unsigned size = 2; size / 2 < n; size *= 2) {
         for (unsigned stride = size / 2; stride > 0; stride /= 2) {
             for (unsigned i = threadIdx.x; i < n; i += blockDim.x) {
-                // The first step of a merge compares mirror images, the others neighbours at a stride.
+                // The first step of a merge compares mirror images, the other steps compare keys at a distance of
+                // `stride`.
                 const unsigned j = stride == size / 2 ? i ^ (size - 1) : i ^ stride;
                 if (j <= i || j >= n || second[i] <= second[j]) continue;
                 const Key swap = second[i];
@@ -126,7 +127,7 @@ __device__ void sort_part(Key* second, unsigned n) {
     }
 }
 
-// Flags; the pairs of short rows in order; parts of long rows sorted, a block a part.
+// Sets the flags, writes the pairs of short rows in order, and sorts the parts of long rows, one block per part.
 template <class OutputArrays>
 __global__ void order_kernel(std::size_t n, OutputArrays out, const Counters* counters) {
     using Key = typename OutputArrays::Key;
@@ -164,7 +165,7 @@ __global__ void order_kernel(std::size_t n, OutputArrays out, const Counters* co
     }
 }
 
-// How many of the sorted values [begin, end) are less than b.
+// Returns how many of the sorted keys of the range are less than b.
 template <class OutputArrays>
 __device__ unsigned long long count_less(const OutputArrays& out, PartRange range, typename OutputArrays::Key b) {
     unsigned long long begin = range.begin, end = range.end;
@@ -178,9 +179,9 @@ __device__ unsigned long long count_less(const OutputArrays& out, PartRange rang
     return begin - range.begin;
 }
 
-// Each pair of a long row finds its place by bisection in all parts, which are merged by that: a block a part, so that
-// the longest row is the whole device's. It is a pass's last kernel, so all counters have their values, and the first
-// block tells the host.
+// Merges the parts of each long row: each pair finds its place by binary search in all other parts. One block takes one
+// part, so that many blocks share the longest row. No later kernel of the pass changes a counter that the host needs,
+// so the first block copies the counters to the host.
 template <class OutputArrays>
 __global__ void merge_kernel(std::size_t n, OutputArrays out, const Counters* counters, Counters* told) {
     if (told && blockIdx.x == 0 && threadIdx.x == 0) *told = *counters;

@@ -8,7 +8,7 @@
 namespace crumple::cuda {
 namespace {
 
-constexpr int samples_of_scene = 2048, samples_per_child = 32;  // points that place centres
+constexpr int samples_of_scene = 2048, samples_per_child = 32;  // samples for fuzzy C-means
 
 }  // namespace
 
@@ -99,7 +99,7 @@ void Pass::clear(Clearing& clearing) const {
             clearing.copy(guides.now.centre[i], it.next_centre, children * sizeof *it.centre);
             clearing.copy(it.members_of.first, it.next_first, firsts);
         } else {
-            clearing.add(it.members_of.first, firsts);  // nobody has a place yet
+            clearing.add(it.members_of.first, firsts);  // no child has places yet
         }
     }
     const auto leaves = static_cast<std::size_t>(plan.leaves());
@@ -117,7 +117,7 @@ void Pass::clear_counters() {
 
 void Pass::bounds() { compute_bounds(geometry_, stream_, scene, primitives, box, points_, balls_, counters); }
 
-// The level's centres, before they are used.
+// Computes the level's centres for this pass.
 void Pass::move_centres(int i) {
     const Level it = level(i);
     fuzzy_c_means(geometry_, stream_, it, balls_, fuzziness(i), partial_);
@@ -142,7 +142,7 @@ void Pass::subdivide_clusters(std::uint64_t listed) {
     for (int i = 0; i < plan.levels(); ++i) {
         if (!plan.guided) {
             if (i > 0) move_centres(i);
-            list_members(i, listed);  // finds no places, and counts
+            list_members(i, listed);  // no child has places: only counts
             const Level it = level(i);
             make_places(stream_, it, members_[i].capacity, &counters->places[i]);
             Clearing clearing;
@@ -157,7 +157,7 @@ void Pass::subdivide_clusters(std::uint64_t listed) {
     }
 }
 
-// What guides the next pass on this level, once its members are listed.
+// Computes the level's guide for the next pass, once its members are listed.
 void Pass::look_ahead(int i, cudaStream_t stream) {
     const Level it = level(i);
     fuzzy_c_means(geometry_, stream, it, balls_, fuzziness(i), partial_);

@@ -1,7 +1,7 @@
 #pragma once
 
-// One pass over the stages up to `sweep`, [MZ] Algorithm 1, on arrays that are cut from blocks of device memory. What
-// follows depends on the kind of query, which derives a pass that brings its records and its filter.
+// One pass over the stages up to `sweep`, [MZ] Algorithm 1, on arrays that are cut from blocks of device memory. Each
+// kind of query derives a pass, which adds its records, its filter and the later stages.
 
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/stages/bounds.h"
@@ -13,17 +13,17 @@
 
 namespace crumple::cuda {
 
-/// What one pass leaves for the next. A guided pass begins with a copy of `next` and then makes the next one, beside
-/// the stages that wait for each other:
+/// Data by which a pass warm-starts the next one. A warm-started pass (Plan::guided) begins with a copy of `next` to
+/// `now`, and then computes the following `next`, in parallel to the stages:
 ///
 ///     clear, now = next -- bounds -- members ---- sort -- sweep -- narrow -- output
 ///                                          \                                  /
 ///                                           fuzzy C-means, places, frames: next
 ///
-/// One that is not guided makes each part of it before it is used.
+/// Any other pass computes each part of `now` right before it is used.
 struct Guides {
     Guide now, next;
-    float* moved[2];  ///< of the next centres
+    float* moved[2];  ///< Level::moved of each level
 
     void cut(Cutter& cutter, const Plan& plan);
 };
@@ -34,31 +34,31 @@ class Pass {
         : geometry_(geometry), stream_(stream), options_(options) {}
     virtual ~Pass() = default;
 
-    /// What is asked. Pointers are of the device.
+    /// Input of the pass. Pointers refer to device memory.
     PreparedScene scene;
     const SceneBox* box = nullptr;
     Primitives primitives;
-    Segments worlds{};  ///< triangles of each world; null: one has all
+    Segments worlds{};  ///< triangles of each world; null: a single world
     WantedPairs wanted;
     Plan plan;
     Guides guides{};
-    const Branch* beside = nullptr;  ///< where a guided pass makes the next guide; joined by whoever needs it
+    const Branch* beside = nullptr;  ///< side branch for the next guide; the caller joins it
 
-    /// Cuts the arrays of the stages up to `sort`, and the list that `sweep` fills; their contents are lost. A query's
-    /// pass cuts those of all stages but the last.
+    /// Cuts the arrays of the stages up to `sort`, and the list that `sweep` fills; their contents are lost. Overriders
+    /// add their records and the lists of `narrow`.
     virtual void cut(Cutter& cutter);
 
     void bounds();
     void subdivide_scene();
-    /// Leaves of those clusters of the first level that have a bit in `listed`.
+    /// Lists the members of those clusters of the first level that have a bit in `listed`, and of the leaves in these.
     void subdivide_clusters(std::uint64_t listed);
     void align();
     virtual void sort() = 0;
     virtual void sweep(const Slice& slice) = 0;
 
-    /// What the stages find cleared, from subdivide_scene() or subdivide_clusters() on.
+    /// Adds to `clearing` all that has to be cleared before a pass, or before another call of subdivide_clusters().
     void clear(Clearing& clearing) const;
-    /// Between slices of one sweep: all but its units.
+    /// Clears the counters that another slice of a sweep counts anew: all but those of bad elements, places and units.
     void clear_counters();
 
     Counters* counters = nullptr;
@@ -68,7 +68,7 @@ class Pass {
     void move_centres(int i);
     void look_ahead(int i, cudaStream_t stream);
 
-   protected:  // tests of the stages look at the arrays, and bring another question
+   protected:  // tests of the stages read the arrays, and use other records and filters
     template <class Primitive, class Records>
     void sort_by(const Primitive& primitive, const Records& records) {
         sort_members(geometry_, stream_, scene, points_, plan.leaves(), members_of(last_level()),

@@ -1,7 +1,7 @@
 #pragma once
 
-// What the host chooses before a pass over the stages: clusters of each level, and room for each list. Only the device
-// learns how long the lists get; its counters tell afterwards whether the plan was good.
+// Choices of the host before a pass: the number of clusters of each level, and the capacity of each list. Only the
+// device learns how long the lists get; its counters show after the pass whether the capacities sufficed.
 
 #include <algorithm>
 #include <cstdint>
@@ -13,25 +13,25 @@
 namespace crumple::cuda {
 
 struct Plan {
-    int worlds = 1;           ///< side by side, each cut into clusters for itself
-    int fan_out[2] = {0, 0};  ///< children of each world, and of each of its clusters; 0: there is no such level
-    bool cold = true;         ///< there are no centres yet to start from
-    bool guided = false;      ///< the pass before has left centres, places and frames for this one (layout.h, Guide)
-    unsigned long long members[2] = {0, 0};  ///< places
+    int worlds = 1;           ///< worlds side by side, each subdivided separately
+    int fan_out[2] = {0, 0};  ///< children of each world, and of each of its clusters; 0: no such level
+    bool cold = true;         ///< no earlier centres to start from
+    bool guided = false;      ///< warm-started: the previous pass has left centres, places and frames (Guide)
+    unsigned long long members[2] = {0, 0};  ///< capacities: places of each level's members
     unsigned long long units = 0;
     unsigned long long survivors = 0, undecided = 0, beyond = 0, hits = 0;
-    unsigned long long tests[feature_kinds] = {}, open[feature_kinds] = {};  ///< of questions about features
+    unsigned long long tests[feature_kinds] = {}, open[feature_kinds] = {};  ///< of feature queries
 
     friend bool operator==(const Plan&, const Plan&) = default;
 
     int levels() const { return fan_out[1] > 0 ? 2 : 1; }
     int leaves_a_world() const { return fan_out[0] * std::max(1, fan_out[1]); }
     int leaves() const { return worlds * leaves_a_world(); }
-    /// Clusters of a level, of all worlds.
+    /// Returns the number of clusters of a level, in all worlds.
     int children(int level) const { return worlds * fan_out[0] * (level == 0 ? 1 : fan_out[1]); }
     unsigned long long last_members() const { return members[levels() - 1]; }
 
-    /// Clusters and room for a scene of n triangles, of one mesh or between two, that is unlike the last one.
+    /// Chooses clusters and capacities for a scene of n triangles unlike the previous one. `between`: two meshes.
     void choose(std::int64_t n, bool between, const Options& options) {
         *this = {};
         const std::int64_t leaves = std::max<std::int64_t>(1, (n + options.leaf_size - 1) / options.leaf_size);
@@ -42,18 +42,19 @@ struct Plan {
         make_room(n, 1024);
     }
 
-    /// The same for n triangles of so many worlds side by side, of which the largest has `largest`: it decides how many
-    /// clusters each gets.
+    /// Chooses clusters and capacities for `count` worlds side by side with n triangles in all. The largest world, with
+    /// `largest` triangles, determines how many clusters each world gets.
     void choose_worlds(std::int64_t n, int count, std::int64_t largest, const Options& options) {
         choose(largest, false, options);
         worlds = count;
         fan_out[0] = std::min(fan_out[0], max_leaves / worlds);
         fan_out[1] = std::min(fan_out[1], max_leaves / children(0));
         if (fan_out[1] < 2) fan_out[1] = 0;
-        // A leaf's places, and its units, come in whole warps.
+        // Each leaf's members, and its units, are rounded up to whole warps.
         make_room(n, 1024 + 64 * static_cast<unsigned long long>(leaves()));
     }
-    /// The same for a question about features; `all_kinds`: of edges and points that are listed, too.
+    /// Chooses clusters and capacities for a feature query. `all_kinds`: codimensional edges or points add tests of
+    /// further kinds.
     void choose_features(std::int64_t n, bool all_kinds, const Options& options) {
         choose(n, false, options);
         for (std::size_t k = 0; k < (all_kinds ? feature_kinds : 2u); ++k)
@@ -61,7 +62,8 @@ struct Plan {
         undecided = 0;
     }
 
-    /// Lists of few candidates, as many as `bytes` hold and no fewer than a unit may have: work is then done in slices.
+    /// Chooses short lists for a search in chunks, in slices: as many candidates as `bytes` hold, but no fewer than one
+    /// unit can have.
     void choose_chunks(std::int64_t n, bool between, const Options& options, std::int64_t bytes) {
         constexpr unsigned long long least = 32ull * unit_columns, each = 2 * sizeof(Candidate) + sizeof(Pair);
         choose(n, between, options);
@@ -73,14 +75,16 @@ struct Plan {
         hits = 0;
     }
 
-    /// The same for candidates: of pairs of triangles that overlap most have some.
+    /// Chooses clusters and capacities for a candidate query: most pairs of triangles whose boxes overlap yield
+    /// candidates.
     void choose_candidates(std::int64_t n, const Options& options) {
         choose(n, false, options);
         survivors *= 4;
         hits = 2 * survivors;
         undecided = beyond = 0;
     }
-    /// In slices: 49 features of a pair of triangles at most, and 12 of each by itself.
+    /// Chooses short lists for a candidate query in chunks: a pair of triangles has at most 49 pairs of features, and a
+    /// single triangle at most 12.
     void choose_candidate_chunks(std::int64_t n, const Options& options, std::int64_t bytes, std::size_t bytes_of_hit) {
         choose_chunks(n, false, options, 0);
         const unsigned long long least = survivors, each = sizeof(Candidate) + 49 * bytes_of_hit;
@@ -90,7 +94,7 @@ struct Plan {
         undecided = beyond = 0;
     }
 
-    /// The same for a question about features, of which a pair of triangles stands for 15 tests at most, or for 20 of
+    /// Chooses short lists for a feature query in chunks: a pair of triangles expands to at most 15 tests, or 20 if of
     /// all kinds.
     void choose_feature_chunks(std::int64_t n, bool all_kinds, const Options& options, std::int64_t bytes,
                                std::size_t bytes_of_test) {
@@ -105,15 +109,15 @@ struct Plan {
         undecided = 0;
     }
 
-    /// False if a list of members was too short, or too many triangles joined too many clusters; the plan is then
-    /// another one (docs/subdivide.md).
+    /// Returns false, and changes the plan, if a list of members was too short or triangles joined too many clusters
+    /// (docs/subdivide.md).
     bool accepts_members(const Counters& c, std::int64_t n, const Options& options) {
-        // The scene has jumped, or triangles crowd: places and centres are found anew.
+        // The scene has jumped, or triangles have crowded together: the next pass finds places and centres anew.
         if (guided && c.unplaced[0] + c.unplaced[1] > 0) {
             guided = false;
             return false;
         }
-        // A few memberships more do not matter, as where there are hardly any triangles.
+        // Tolerates 64 extra memberships, so that scenes of very few triangles pass.
         const auto pays = [](unsigned long long joined, unsigned long long items, int k) {
             return splitting_pays(static_cast<double>(joined) - 64, static_cast<double>(items), k);
         };
@@ -133,7 +137,8 @@ struct Plan {
         return accepts_places(c, 1);
     }
 
-    /// `listed`: whether the hits were.
+    /// Returns true if accepts_members() does and all other lists were long enough; else grows those that were too
+    /// short. `listed`: true if hits were listed.
     bool accepts(const Counters& c, std::int64_t n, const Options& options, bool listed = true) {
         if (!accepts_members(c, n, options)) return false;
         bool fits = grow(units, c.units);
@@ -149,9 +154,10 @@ struct Plan {
 
     bool accepts_hits(unsigned long long wanted) { return grow(hits, wanted); }
 
-    /// The same for one cluster of many: how many join it says nothing about the clusters.
+    /// Returns true if the members of a chunk, which is one cluster, had enough places. Does not judge the split into
+    /// clusters, about which one cluster says nothing.
     bool accepts_chunk(const Counters& c) { return accepts_places(c, 0) && (levels() == 1 || accepts_places(c, 1)); }
-    /// The same once it is sorted.
+    /// Returns true if the units of a sorted chunk fit their list.
     bool accepts_units(const Counters& c) { return grow(units, c.units); }
 
    private:
@@ -168,7 +174,7 @@ struct Plan {
         cold = true;
         guided = false;
     }
-    // A guided pass that has placed all members had places enough; what it counted are those of the next.
+    // A warm-started pass that has placed all members had enough places; its counters of places are for the next pass.
     bool accepts_places(const Counters& c, int level) { return guided || grow(members[level], c.places[level]); }
     static bool grow(unsigned long long& capacity, unsigned long long wanted) {
         if (wanted <= capacity) return true;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Vertices where the caller left them, as kernels read them: whole numbers where these are aligned, else byte by byte.
+// Reads the caller's vertices in kernels: number by number if they are aligned, else byte by byte.
 
 #include <cstdint>
 

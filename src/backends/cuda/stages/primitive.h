@@ -1,7 +1,8 @@
 #pragma once
 
-// What a question searches of a triangle: where it is, or where it is at one moment or all along a step, its box
-// widened by what is asked for (geometry/inflation.h). Kernels that look at corners are instantiated for each.
+// Primitives that represent a triangle in the stages: the triangle itself, or, for feature queries, its corners at one
+// or two time samples, with an inflated box (geometry/inflation.h). Kernels that read corners are instantiated for each
+// primitive.
 
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/stages/layout.h"
@@ -19,11 +20,11 @@ __device__ Vec3d position(const Row<T>* rows, std::int32_t v) {
 }
 __device__ inline Vec3d position(const PointRows& rows, std::int32_t v) { return rows[v]; }
 
-/// As intersections search it.
+/// Primitive of intersection queries: the static triangle.
 struct AtRest {
     static constexpr int corners = 3;
 
-    /// The triangle in a leaf's frame; `p`: its normalised corners.
+    /// Returns the triangle in a leaf's frame. `p` receives its normalised corners.
     template <class Rows>
     __device__ InFrame<3> in_frame(const Rows& rows, const std::int32_t* corner, std::int32_t, const LeafFrame& frame,
                                    Vec3d (&p)[3]) const {
@@ -32,12 +33,13 @@ struct AtRest {
     }
 };
 
-/// As questions about features do. The corners at the start come first, then those at the end.
+/// Primitive of feature queries: a triangle with an inflated box, at one or two time samples (`moments`). The corners
+/// at the start come first, then those at the end.
 template <int moments>
 struct Widened {
     static constexpr int corners = 3 * moments;
-    std::int32_t ends;           ///< row of the first vertex's end
-    const Inflation* inflation;  ///< on the device, where the scene's box may be known alone
+    std::int32_t ends;           ///< row of the first vertex's end position
+    const Inflation* inflation;  ///< on the device, since the host may not know the scene's box
 
     template <class Rows>
     __device__ InFrame<corners> in_frame(const Rows& rows, const std::int32_t* corner, std::int32_t triangle,
@@ -59,25 +61,25 @@ struct Widened {
     }
 };
 
-/// Which of these a pass searches.
+/// Choice of the primitive for a pass.
 struct Primitives {
     bool widened = false, moving = false;
     std::int32_t ends = 0;
     const Inflation* inflation = nullptr;
-    bool along_axes = false;  ///< boxes have the axes of the coordinates: so do leaves' frames
+    bool along_axes = false;  ///< boxes, and so the frames of leaves, have the coordinate axes
     friend bool operator==(const Primitives&, const Primitives&) = default;
 
-    /// Rows of points.
+    /// Returns the number of rows of points.
     std::size_t rows(std::int64_t vertices) const { return static_cast<std::size_t>(vertices) * (moving ? 2 : 1); }
 };
 
-/// Primitives of a query about features, which move if the scene does.
+/// Returns the primitives of a feature query, which move if the scene does.
 inline Primitives widened_primitives(const PreparedScene& scene, const Inflation* inflation, bool along_axes) {
     return {true, scene.moving, scene.moving ? static_cast<std::int32_t>(scene.vertex_count()) : 0, inflation,
             along_axes};
 }
 
-/// Calls work(primitive) with the one that is searched.
+/// Calls work(primitive) with the chosen primitive.
 template <class Work>
 void with_primitive(const Primitives& primitives, Work work) {
     if (!primitives.widened)

@@ -1,17 +1,17 @@
 #pragma once
 
-// The scene's box, as kernels widen it that meet all vertices.
+// Reduction of vertices to the scene's box, for kernels that read all vertices.
 
 #include "backends/cuda/stages/bounds.h"
 
 namespace crumple::cuda {
 
-/// A box of each warp of a block, axis by axis.
+/// Box of each warp of a block, by axis.
 struct BoxShared {
     unsigned long long low[3][32], high[3][32];
 };
 
-/// Widens the box by those of all threads. All threads of the block call it together.
+/// Widens the box by the boxes of all threads of the block, which call it together.
 __device__ inline void widen(SceneBox* box, const Vec3d& low, const Vec3d& high, BoxShared& shared) {
     for (int axis = 0; axis < 3; ++axis) {
         unsigned long long least = ordered(low[axis]), greatest = ordered(high[axis]);

@@ -10,7 +10,7 @@ __device__ std::uint32_t bin_of(float x, const Frame& frame) {
     return b > 0 ? (b < bins - 1 ? static_cast<std::uint32_t>(b) : bins - 1) : 0;
 }
 
-// Prefix sums of a round of a warp's counts, from `first` on. Returns the sum of all.
+// Writes the exclusive prefix sums of a warp's counts, starting at `first`. Returns `first` plus the sum of all.
 __device__ std::uint32_t sum_round(std::uint32_t* place, std::uint32_t count, std::uint32_t first) {
     std::uint32_t sum = count;
     for (unsigned lanes = 1; lanes < 32; lanes *= 2) {
@@ -21,8 +21,8 @@ __device__ std::uint32_t sum_round(std::uint32_t* place, std::uint32_t count, st
     return first + __shfl_sync(whole_warp, sum, 31);
 }
 
-// Turns a leaf's numbers by bin into first rows, by one warp. It reads some rounds ahead, so that it waits for memory
-// once for all of them.
+// Turns a leaf's counts by bin into first rows, by one warp. It loads several rounds of counts ahead, so that it waits
+// for memory once for all of them.
 __device__ void sum_bins(std::uint32_t* bin_first, std::uint32_t first) {
     constexpr unsigned ahead = 16;
     const unsigned lane = threadIdx.x % 32;
@@ -33,10 +33,10 @@ __device__ void sum_bins(std::uint32_t* bin_first, std::uint32_t first) {
     }
     if (lane == 0) bin_first[bins] = first;
 }
-// First and last bin of each member, and its place among those that start in the same bin. A warp's members are of one
-// leaf, and the warp that brings the leaf's last ones sums up its bins, which is a kernel less than to wait for all
-// leaves. Fences on both sides of the counter: the last warp sees what the others have counted. The first fence is lane
-// 0's, and comes after a __syncwarp, since only then it follows what the other lanes have counted.
+// Finds the first and last bin of each member, and its rank among the members with the same first bin. A warp's members
+// belong to one leaf, and the warp that bins the last members of a leaf sums up its bins, which saves a kernel. Fences
+// on both sides of the counter ensure that this warp sees what the others have counted. Lane 0 executes the first
+// fence, after a __syncwarp, so that the fence covers the counts of the other lanes.
 template <class T, class Primitive>
 __global__ void bin_kernel(PreparedScene scene, Primitive primitive, const Row<T>* rows, int leaves,
                            Segments members_of, Members members, Frames frames, Sorted sorted) {
@@ -72,7 +72,7 @@ __global__ void bin_kernel(PreparedScene scene, Primitive primitive, const Row<T
     }
 }
 
-// Units of each group of 32 rows; a group is a warp's, and of one leaf.
+// Lists the units of each group of 32 rows. A group belongs to one warp and one leaf.
 __global__ void unit_kernel(int leaves, Segments members_of, Sorted sorted, List<Unit> units) {
     const unsigned lane = threadIdx.x % 32;
     const auto n = static_cast<std::size_t>(leaves);

@@ -1,7 +1,7 @@
 #pragma once
 
-// The kernel of `sort` that places members, for those who keep something of each: a question includes this and
-// instantiates sort_members<Records>().
+// Kernel of `sort` that places members and writes their records. Each kind of query includes this file and instantiates
+// sort_members() for its records.
 
 #include "backends/cuda/stages/align.h"
 #include "backends/cuda/stages/sort.h"
@@ -9,7 +9,7 @@
 namespace crumple::cuda {
 namespace detail {
 
-// Box and record are made from one gather of the corners.
+// Makes box and record of each member from one gather of its corners.
 template <class T, class Primitive, class Records>
 __global__ void place_kernel(PreparedScene scene, const Row<T>* rows, int leaves, Segments members_of, Members members,
                              Frames frames, Ownership ownership, Sorted sorted, Primitive primitive, Records records,

@@ -11,7 +11,7 @@
 namespace crumple::cuda {
 namespace {
 
-constexpr int tile = 128;  ///< samples of which one block sums the memberships
+constexpr int tile = 128;  ///< samples whose memberships one block sums
 
 __host__ __device__ int tiles_of(const Fuzziness& f) { return (f.samples + tile - 1) / tile; }
 
@@ -45,12 +45,12 @@ __global__ void start_kernel(Level level, const Ball* balls, Fuzziness f) {
 }
 
 struct SumShared {
-    Row<float> point[tile];  // of the samples
+    Row<float> point[tile];  // samples
     Row<float> centre[max_fan_out];
-    float weight[tile][max_fan_out + 1];  // membership^t; a column more, against bank conflicts
+    float weight[tile][max_fan_out + 1];  // membership^t; one more column to avoid bank conflicts
 };
 
-// One tile of samples of one parent: memberships (eq. 3), and the sums of eq. 4 over the tile.
+// Computes the memberships (eq. 3) of a tile of samples of one parent, and the sums of eq. 4 over the tile.
 __global__ void sum_kernel(Level level, const Ball* balls, Fuzziness f, Row<float>* partial) {
     auto& shared = dynamic_shared<SumShared>();
     const unsigned parent = blockIdx.y, fan_out = static_cast<unsigned>(level.fan_out);
@@ -64,7 +64,7 @@ __global__ void sum_kernel(Level level, const Ball* balls, Fuzziness f, Row<floa
     const float distance_power = 1.0f / (f.t - 1.0f);
     for (unsigned i = threadIdx.x; i < here; i += blockDim.x) {
         const Vec3f p = sample(level, items, balls, begin + i, samples);
-        // The centroid of a triangle that does not exist is 0, which does no harm.
+        // A triangle with an index out of range has its centroid at 0, which does no harm.
         shared.point[i] = {p.x, p.y, p.z, 0};
         float total = 0;
         for (unsigned k = 0; k < fan_out; ++k) {
@@ -98,7 +98,7 @@ struct MoveShared {
     unsigned moved;
 };
 
-// Centres move to their weighted means (eq. 4).
+// Moves the centres to their weighted means (eq. 4).
 __global__ void move_kernel(Level level, const Row<float>* partial, unsigned tiles, float stop) {
     auto& shared = dynamic_shared<MoveShared>();
     const unsigned parent = blockIdx.x, fan_out = static_cast<unsigned>(level.fan_out);
@@ -117,7 +117,7 @@ __global__ void move_kernel(Level level, const Row<float>* partial, unsigned til
         const float moved = largest(abs(next - Vec3f{centre.x, centre.y, centre.z}));
         if (!(moved < INFINITY)) continue;
         centre = {next.x, next.y, next.z, 0};
-        atomicMax(&shared.moved, __float_as_uint(moved));  // not negative: ordered as its bits are
+        atomicMax(&shared.moved, __float_as_uint(moved));  // bits of floats >= 0 have their order
     }
     __syncthreads();
     if (threadIdx.x == 0 && !done) level.moved[parent] = __uint_as_float(shared.moved);
@@ -125,14 +125,14 @@ __global__ void move_kernel(Level level, const Row<float>* partial, unsigned til
 
 struct MembersShared {
     Row<float> centre[max_fan_out];
-    float bisector[max_fan_out][max_fan_out + 1];  // the reach of each pair's; a column more, against bank conflicts
+    float bisector[max_fan_out][max_fan_out + 1];  // bisector_reach(); one more column to avoid bank conflicts
     unsigned count[max_fan_out];
     unsigned long long place[max_fan_out];
-    Row<float> origin[max_fan_out];  // of the children's frames, and from where on members are big
+    Row<float> origin[max_fan_out];  // origin and, as `unused`, LeafFrame::big of the children's frames
     unsigned reach[max_fan_out];
 };
 
-// The children whose cell may hold a point of the ball. None for a radius that is NaN.
+// Returns a mask of the children whose cell may contain a point of the ball; 0 if the radius is NaN.
 __device__ std::uint64_t children_of(const Ball& ball, const MembersShared& shared, int fan_out) {
     if (!(ball.r >= 0)) return 0;
     const Row<float>* centre = shared.centre;
@@ -153,8 +153,9 @@ __device__ std::uint64_t children_of(const Ball& ball, const MembersShared& shar
     return mask;
 }
 
-// Finds the children of all items and lists the members. A block counts its own first, so that it asks for places once
-// a child, not once a member; it counts in 32 bits, for shared memory adds no more at once.
+// Finds the children of all items and lists the members. Each block counts its own members first, so that it reserves
+// places by one global atomic per child, not one per member. It counts in 32 bits, because atomics in shared memory add
+// no more at once.
 template <bool reaching, class Primitive>
 __global__ void members_kernel(Level level, const Ball* balls, std::uint64_t listed, Members members, Reaching how,
                                Primitive primitive, unsigned long long* total, unsigned long long* unplaced) {
@@ -222,8 +223,8 @@ struct PlacesShared {
     typename cub::BlockScan<unsigned long long, threads>::TempStorage scan;
 };
 
-// Prefix sums of the children's sizes; at most 4096 of them in one world, so one block does. A child that is empty gets
-// no place: it rarely has members in the next pass.
+// Computes prefix sums of the children's sizes. One block suffices, since a single world has at most 4096 children. An
+// empty child gets no places, since it rarely has members in the next pass.
 template <int threads>
 __global__ void places_kernel(Level level, unsigned long long capacity, unsigned long long* wanted) {
     auto& shared = dynamic_shared<PlacesShared<threads>>();
@@ -247,7 +248,7 @@ __global__ void places_kernel(Level level, unsigned long long capacity, unsigned
 }  // namespace
 
 void clear(Clearing& clearing, const Level& level) {
-    // A centre's movement is forgotten between frames: each frame iterates anew.
+    // Each pass iterates anew, so the last movement starts at infinity.
     clearing.add(level.moved, static_cast<std::size_t>(level.parents) * sizeof *level.moved,
                  std::bit_cast<unsigned>(std::numeric_limits<float>::infinity()));
 }

@@ -1,8 +1,8 @@
 #pragma once
 
-// Stage `sweep`: pairs of rows whose boxes overlap ([MZ] sec. 3.1), that the leaf owns, whose groups (or bodies) are
-// wanted, and that the question's filter keeps. A filter while a pair's rows are in the cache saves the list most of
-// its length.
+// Stage `sweep`: finds the pairs of rows whose boxes overlap ([MZ] sec. 3.1), that the leaf owns, whose groups (or
+// bodies) the pair filter selects, and that the query's filter keeps. Filtering while a pair's rows are in the cache
+// makes the list much shorter.
 
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/stages/layout.h"
@@ -12,8 +12,9 @@
 
 namespace crumple::cuda {
 
-/// The part that one call sweeps of all units, or of every `step`th one: `count` of `turns` parts, from number `turn`
-/// on. Ends early once `found`, unless it is null, is not 0; leaves out worlds with a hit, where these are counted.
+/// Share of the units that one call sweeps. It takes every `step`th unit, splits these into `turns` parts, and sweeps
+/// `count` parts from part `turn` on. It ends early once *found is not 0, unless `found` is null, and skips worlds that
+/// have a hit in `decided`.
 struct Slice {
     unsigned long long turn = 0, turns = 1, count = 1;
     unsigned long long* found = nullptr;
@@ -21,9 +22,9 @@ struct Slice {
     WorldHits decided{};
 };
 
-/// `Filter`: has a function of the device keeps(has, candidate, room) that tells of the candidate of each lane that has
-/// one whether it goes on; all lanes of a warp call it together, with a Filter::Room in shared memory. Lanes that have
-/// none name another's. Defined in sweep_kernel.h.
+/// Lists the survivors. `Filter` has a device function keeps(has, candidate, room), which returns true if `has` and the
+/// lane's candidate is kept. All lanes of a warp call it together, with a Filter::Room in shared memory. A lane without
+/// a candidate passes that of another lane. Defined in sweep_kernel.h.
 template <class Filter>
 void sweep(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
            const List<Unit>& units, const Ownership& ownership, const WantedPairs& wanted, const Filter& filter,

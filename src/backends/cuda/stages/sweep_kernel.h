@@ -1,13 +1,14 @@
 #pragma once
 
-// The kernel of `sweep`, for those who bring a filter: a question includes this and instantiates sweep<Filter>().
+// Kernel of `sweep`, as a template of the filter. Each kind of query includes this file and instantiates sweep() for
+// its filter.
 //
-// A block takes some of all units, and its warps take these one by one. A unit is 32 rows and 32 columns. A lane is a
-// column, which it holds; the rows, in shared memory, come one after the other, and those that have ended before these
-// columns do not come at all: rows differ much in length. A lane's overlaps are the bits of one word, which takes no
-// branch and no vote a row. They wait in a queue of the warp until there are 32 candidates, one a lane again, for the
-// tests that gather from memory; what these leave waits until there is so much that one atomic is little for its places
-// in the list.
+// Each block has a share of the units, and its warps take these one by one. A unit is 32 rows and 32 columns. A lane
+// holds one column; the rows lie in shared memory and are tested in turn. Rows that end before the unit's first column
+// are skipped, because intervals differ much in length. A lane collects its overlaps as the bits of one word, without a
+// branch or a vote per row. Overlaps wait in a queue of the warp until there are 32 candidates, one per lane, for the
+// tests that gather from memory. Survivors wait in a second queue until there are enough to append them to the list
+// with one atomic.
 
 #include "backends/cuda/device/warp_queue.h"
 #include "backends/cuda/stages/sweep.h"
@@ -32,13 +33,13 @@ struct SweepShared {
     unsigned long long overlaps, place;  // of the whole block
 };
 
-// Tells whether the boxes of a column and of a row before it overlap, and no lower cluster has both.
+// Returns true if the boxes of a column and of an earlier row overlap, and no conflict bit (SortedRow) is set in both.
 __device__ inline bool overlap(const SortedRow& a, std::uint32_t column, const SortedRow& row) {
     return !(a.conflict & row.conflict) & (column < row.end) & !(a.box.low_y > row.box.high_y) &
            !(a.box.high_y < row.box.low_y) & !(a.box.low_z > row.box.high_z) & !(a.box.high_z < row.box.low_z);
 }
 
-// The work of one warp. All lanes call its functions together.
+// Work of one warp. All lanes call its functions together.
 template <class Filter>
 struct Sweep {
     const PreparedScene& scene;
@@ -64,7 +65,7 @@ struct Sweep {
         return is_ours(sorted.leaf[c.row], a, b) && (wanted.all() || wanted(scene.group(a), scene.group(b)));
     }
 
-    // Meets the unit's columns with its rows. Returns the rows that the lane's column overlaps, a bit each.
+    // Tests the unit's columns against its rows. Returns the rows that the lane's column overlaps, one bit for each.
     __device__ unsigned overlaps_of(const Unit& unit) {
         const bool has_row = unit.row + lane < unit.row_end;
         const std::uint32_t column = unit.column + lane;
@@ -83,7 +84,7 @@ struct Sweep {
         if (__popc(open) & 1) meet();
         while (open) meet(), meet();  // two at a time, so that one does not wait for the other
         __syncwarp();
-        // A row's columns are behind it.
+        // A row's columns come after it.
         const std::uint32_t before = column - unit.row;
         if (before < 32) overlapping &= (1u << before) - 1;
         return has_column ? overlapping : 0;
@@ -106,8 +107,8 @@ struct Sweep {
     }
 };
 
-// Lists what the warps of a block still have. All blocks end at much the same time, and atomics on one address are done
-// one after the other: so it is one a block.
+// Lists the survivors that the warps of a block still have, with one atomic per block: all blocks end at about the same
+// time, and atomics on one address are serialised.
 template <int threads, class Filter>
 __device__ void list_rest(SweepShared<threads, Filter>& shared, Sweep<Filter>& sweep, Counters* counters) {
     const unsigned warp = threadIdx.x / 32;
@@ -165,7 +166,7 @@ void sweep(const Geometry& geometry, cudaStream_t stream, const PreparedScene& s
         Launch{stream, geometry.fitting(kernel, shared, threads), threads, shared}(
             kernel, scene, sorted, units, ownership, wanted, filter, survivors, slice, counters);
     };
-    // A block may have 48 KiB of shared memory without asking.
+    // Blocks get more than 48 KiB of shared memory only by opting in.
     constexpr int most = sizeof(detail::SweepShared<256, Filter>) <= 48 * 1024 ? 256 : 128;
     geometry.threads == 64 ? run.template operator()<64>() : run.template operator()<most>();
 }
