@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what is in dist/ on bare Debian, where no compiler is, and runs it: on Debian 12 a wheel and the package,
 # which brings its dependencies, and, with a compiler at last, a project that finds it; on Debian 13 the wheel of the
-# stable ABI. Takes root and debootstrap; $MIRROR is Debian's mirror. All is in a temporary folder.
+# stable ABI. Takes root and debootstrap; $MIRROR is Debian's mirror. If $PREVIOUS_DEB names the package of the release
+# before, it is installed first, and upgraded. All is in a temporary folder.
 set -euo pipefail
 . "$(dirname "$0")/common.sh"
 mirror=${MIRROR:-http://deb.debian.org/debian}
@@ -52,11 +53,27 @@ wheel() {
     no_compiler
 }
 
+# Installs the package of the release before, $PREVIOUS_DEB, which the new one then has to upgrade.
+previous() {
+    cp "$PREVIOUS_DEB" "$root/root/previous.deb"
+    quietly "$work/$suite-apt.log" in_root apt-get -qq install --no-install-recommends -y /root/previous.deb
+    in_root sh -ec 'crumple --version; dpkg --listfiles crumple | sort >/root/previous.txt'
+}
+# Fails unless the upgrade took all files of the release before away that are not in the new one.
+upgraded() {
+    in_root sh -ec 'dpkg --listfiles crumple | sort >/root/new.txt
+        comm -23 /root/previous.txt /root/new.txt | while read -r file; do test ! -f "$file" || { echo "left: $file"; exit 1; }; done
+        echo "upgrade: $(comm -12 /root/previous.txt /root/new.txt | wc -l) paths stay," \
+            "$(comm -23 /root/previous.txt /root/new.txt | wc -l) went, $(comm -13 /root/previous.txt /root/new.txt | wc -l) are new"'
+}
+
 # package: first as it is, then for those who build with it.
 package() {
     in_root apt-get -qq update
+    [[ ! ${PREVIOUS_DEB-} ]] || previous
     quietly "$work/$suite-apt.log" in_root apt-get -qq install --no-install-recommends -y "/root/dist/${deb##*/}"
     no_compiler
+    [[ ! ${PREVIOUS_DEB-} ]] || upgraded
     in_root sh -ec 'cd /root
         crumple --version
         crumple make cloth --triangles 2000 -o cloth.ply
