@@ -7,6 +7,7 @@
 #   --mpich    and what .ci/run builds that with, too
 #   --python-peers  and what packages from PyPI need that scripts/test_python.sh --all tests against
 #   --ci       and what .ci/run checks with
+#   --reference  and what scripts/reference.sh writes the API reference with
 #   --fuzz     and what scripts/fuzz.sh builds with
 #   --arm64    and what scripts/test_arm64.sh cross-compiles with
 set -euo pipefail
@@ -22,9 +23,10 @@ for option in "$@"; do
         --mpich) packages+=(libmpich-dev mpich) ;;
         --python-peers) packages+=(libegl1 libgl1 libgomp1 libusb-1.0-0 libx11-6) ;;
         --ci) packages+=(clang clang-format clang-tidy clang-tools lld) ;;
+        --reference) packages+=(doxygen python3-venv) ;;
         --fuzz) packages+=(ccache clang libclang-rt-dev llvm python3) ;;  # libFuzzer, sanitizers, names in stacks
         --arm64) packages+=(g++-aarch64-linux-gnu qemu-user-static) ;;
-        *) echo "usage: $0 [--tests] [--python] [--mpi] [--mpich] [--python-peers] [--ci] [--fuzz] [--arm64]" >&2; exit 2 ;;
+        *) echo "usage: $0 [--tests] [--python] [--mpi] [--mpich] [--python-peers] [--ci] [--reference] [--fuzz] [--arm64]" >&2; exit 2 ;;
     esac
 done
 

@@ -265,9 +265,10 @@ void bind_world(nb::module_& module) {
     nb::class_<BorrowedShape>(module, "Shape", "Triangles that bodies are made of; crumple.Shape is one.")
         .def("__init__", make_shape, "mesh"_a, "which"_a, "name"_a, "end"_a.none(), "lists"_a, "radii"_a.none(),
              "rest"_a.none())
-        .def_prop_ro("triangles", [](nb::handle self) {
-            return instance<BorrowedShape>(self, "self", "crumple.Shape").shape.triangles.rows;
-        });
+        .def_prop_ro(
+            "triangles",
+            [](nb::handle self) { return instance<BorrowedShape>(self, "self", "crumple.Shape").shape.triangles.rows; },
+            "Number of triangles.");
     nb::class_<BorrowedWorld>(module, "World", "Bodies, and where they are; crumple.World is one.")
         .def("__init__", make_world, "shapes"_a, "bodies"_a, "groups"_a, "worlds"_a, "self_collisions"_a,
              "poses"_a.none(), "end_poses"_a.none())
