@@ -76,6 +76,7 @@ wants() { [[ " ${suites[*]} " == *" $1 "* ]]; }
 scripts/install_dependencies.sh --tests --python --mpi --ci
 . scripts/ccache.sh
 step "format" formatted
+step "words" scripts/check_prose.py
 targets=() labels=''
 for suite in "${suites[@]}"; do
     [[ $suite != python && $suite != player ]] || continue

@@ -1,22 +1,21 @@
 #!/usr/bin/env python3
-"""Checks the layers of src/ (ARCHITECTURE.md, Folders), the order of the Python package's modules, and the names of files.
+"""Checks the layers of src/ (ARCHITECTURE.md, Folders), the order of the Python package's modules, and the size of folders.
 
 Includes go from a layer to itself and to those before it; backends do not include each other. Imports, those within
-functions and for types, too, go to modules before. No base name stands for two things. Folders hold at most 40 files. Prints
-each breach; exit status 1 if there are any.
+functions and for types, too, go to modules before. Folders hold at most 40 files. Prints each breach; exit status 1 if there are
+any.
 """
 
 import ast
 
 import re
 import sys
-from collections import defaultdict
 from pathlib import Path
 
 LAYERS = "base geometry exact scene partition queries filters results backends search detector distributed io".split()
 BACKENDS = "reference cpu cuda".split()
-NAMED = "include src cli scenes".split()  # folders whose base names differ
-MOST_FILES = 40
+MOST_FILES = 40  # of each folder below these
+TOPS = "include src cli scenes".split()
 MODULES = """__main__ _core _mpi _errors _versions _arrays _queries _rigid_motion _mesh _world_arrays _world _results _drawing _overlaps _intersections
     _features _feature_pairs _scene _pickle_checks _pickles _device _detector _files _ranks mpi __init__""".split()
 UPWARDS = {
@@ -66,24 +65,8 @@ def breaches_of_modules():
                     yield f"python/crumple/{path.name}:{node.lineno} imports {module}, which does not come before"
 
 
-def thing(path):
-    """Returns what tells files of one base name apart: the same step of two backends is one thing."""
-    parts = path.relative_to(root / "src").parts if path.is_relative_to(root / "src") else path.parts
-    return parts[2:] if parts[0] == "backends" and parts[1] in BACKENDS else parts
-
-
-def breaches_of_names():
-    files = defaultdict(list)  # by base name, headers and bodies apart
-    for folder in NAMED:
-        for path in sources(folder):
-            files[path.stem, path.suffix == ".h"].append(path)
-    for (name, _), paths in sorted(files.items()):
-        if len({thing(path.with_suffix("")) for path in paths}) > 1:
-            yield f"{name} is the name of " + " and ".join(str(path.relative_to(root)) for path in paths)
-
-
 def breaches_of_size():
-    for folder in sorted({path.parent for top in NAMED for path in sources(top)}):
+    for folder in sorted({path.parent for top in TOPS for path in sources(top)}):
         count = sum(path.is_file() for path in folder.iterdir())
         if count > MOST_FILES:
             yield f"{folder.relative_to(root)} has {count} files, more than {MOST_FILES}"
@@ -91,7 +74,7 @@ def breaches_of_size():
 
 def main():
     breaches = [breach for file, included in includes() if (breach := breach_of_layers(file, included))]
-    breaches += [*breaches_of_modules(), *breaches_of_names(), *breaches_of_size()]
+    breaches += [*breaches_of_modules(), *breaches_of_size()]
     print("\n".join(breaches), end="\n" if breaches else "")
     return 1 if breaches else 0
 

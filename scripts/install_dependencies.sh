@@ -17,7 +17,7 @@ packages=(cmake ninja-build g++ pkg-config
     libcli11-dev libfmt-dev nlohmann-json3-dev libtinygltf-dev libminizip-dev zlib1g-dev libexpat1-dev)
 for option in "$@"; do
     case $option in
-        --tests) packages+=(ccache libgtest-dev librapidcheck-dev libboost-context-dev) ;;
+        --tests) packages+=(ccache codespell libgtest-dev librapidcheck-dev libboost-context-dev) ;;
         --python) packages+=(python3-dev python3-venv) ;;
         --mpi) packages+=(libopenmpi-dev openmpi-bin) ;;
         --mpich) packages+=(libmpich-dev mpich) ;;
