@@ -48,7 +48,8 @@ inline std::optional<double> number_of(std::string_view word) {
     double value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (end != word.data() + word.size() || error == std::errc::invalid_argument) return std::nullopt;
-    if (error == std::errc::result_out_of_range) value = underflows(word) ? 0 : HUGE_VAL;
+    if (error == std::errc::result_out_of_range)
+        value = std::copysign(underflows(word) ? 0 : HUGE_VAL, word.starts_with('-') ? -1 : 1);
     return value;
 }
 
