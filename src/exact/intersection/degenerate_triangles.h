@@ -18,11 +18,11 @@ CRUMPLE_HD inline bool precedes(const Vec3d& p, const Vec3d& q) {
 }
 
 /// Hull of some points on one line, by its ends.
-struct Segment {
+struct CollinearHull {
     Vec3d first, last;
 
-    CRUMPLE_HD explicit Segment(const Vec3d& p) : first(p), last(p) {}
-    CRUMPLE_HD explicit Segment(const Triangle& t) : Segment(t.point[0]) {
+    CRUMPLE_HD explicit CollinearHull(const Vec3d& p) : first(p), last(p) {}
+    CRUMPLE_HD explicit CollinearHull(const Triangle& t) : CollinearHull(t.point[0]) {
         add(t.point[1]);
         add(t.point[2]);
     }
@@ -57,7 +57,7 @@ CRUMPLE_HD inline bool boxes_apart(const Triangle& a, const Triangle& b) {
 
 /// True if two segments have a point in common.
 template <class Signs>
-CRUMPLE_HD bool segments_meet(Segment s, Segment t, Signs& signs) {
+CRUMPLE_HD bool segments_meet(CollinearHull s, CollinearHull t, Signs& signs) {
     if (s.is_point()) swap_values(s, t);
     const auto& [p, q] = s;
     const bool first_on_line = collinear(p, q, t.first, signs);
@@ -73,7 +73,7 @@ CRUMPLE_HD bool segments_meet(Segment s, Segment t, Signs& signs) {
 /// True if a segment in the plane of a nondegenerate triangle meets it. If the two are disjoint, the line through an
 /// edge of one has all of the other strictly on one side; for an edge of the triangle, on the outer side.
 template <class Signs>
-CRUMPLE_HD bool segment_meets_triangle_in_plane(const Segment& s, const std::array<Vec3d, 3>& t, Signs& signs) {
+CRUMPLE_HD bool segment_meets_triangle_in_plane(const CollinearHull& s, const std::array<Vec3d, 3>& t, Signs& signs) {
     const Vec3d p = s.first, q = s.last;
     const int axis = axis_of_area(t[0], t[1], t[2], signs), inside = signs.turn(t[0], t[1], t[2], axis);
     const auto outside = [&](const Vec3d& from, const Vec3d& to) {
@@ -86,7 +86,8 @@ CRUMPLE_HD bool segment_meets_triangle_in_plane(const Segment& s, const std::arr
 
 /// True if a segment meets a nondegenerate triangle; if `proper`, only if it crosses the inside strictly.
 template <class Signs>
-CRUMPLE_HD bool segment_meets_triangle(const Segment& s, const std::array<Vec3d, 3>& t, bool proper, Signs& signs) {
+CRUMPLE_HD bool segment_meets_triangle(const CollinearHull& s, const std::array<Vec3d, 3>& t, bool proper,
+                                       Signs& signs) {
     const auto& [p, q] = s;
     const int side_p = signs.orient(t[0], t[1], t[2], p), side_q = signs.orient(t[0], t[1], t[2], q);
     if (side_p * side_q > 0 || (proper && side_p * side_q == 0)) return false;
@@ -126,11 +127,12 @@ CRUMPLE_HD_COLD bool degenerate_collide(const Triangle& d, const Marks& shared, 
     // A segment that crosses the plane of a triangle strictly and contains a corner of that triangle crosses the plane
     // there.
     if (boxes_apart(d, t) || (proper && (t_degenerate || neighbours))) return false;
-    const Segment s(d);
+    const CollinearHull s(d);
     if (!neighbours) {
-        return t_degenerate ? segments_meet(s, Segment(t), signs) : segment_meets_triangle(s, t.point, proper, signs);
+        return t_degenerate ? segments_meet(s, CollinearHull(t), signs)
+                            : segment_meets_triangle(s, t.point, proper, signs);
     }
-    Segment hull(point(d, first(shared)));
+    CollinearHull hull(point(d, first(shared)));
     for (int i = 0; i < 3; ++i) {
         if (shared[static_cast<std::size_t>(i)]) hull.add(point(d, i));
     }
