@@ -35,8 +35,10 @@ except ImportError as error:
     sys.exit(f"steps_python.py compares with IPC Toolkit, which is not installed ({error}): pip install ipctk")
 
 TOP = Path(__file__).resolve().parent.parent
-DATA = Path(os.environ.get("CRUMPLE_DATA", TOP.parent / "shared" / "data")) / "scalable-ccd"
+DATA = Path(os.environ.get("CRUMPLE_DATA", TOP.parent / "shared" / "data"))
+CCD, KICK = DATA / "scalable-ccd", DATA / "codim-ipc" / "Kick"
 FRAMES = {"cloth_ball 92": ("cloth-ball/frames/cloth_ball{}.ply", 92), "funnel 227": ("cloth-funnel/frames/{}.ply", 227)}
+KICK_FRAME = 60
 SHARE = 0.2
 
 
@@ -46,9 +48,15 @@ def steps(quick):
         start, end = (crumple.make_scene("cloth", triangles=triangles, frame=frame) for frame in (30, 31))
         yield f"cloth of {len(start.faces):,}", crumple.Mesh(start.vertices, start.faces), end.vertices
     for name, (path, frame) in FRAMES.items():
-        if (DATA / path.format(frame)).exists() and not quick:
-            start, end = (crumple.read_mesh(DATA / path.format(k)) for k in (frame, frame + 1))
+        if (CCD / path.format(frame)).exists() and not quick:
+            start, end = (crumple.read_mesh(CCD / path.format(k)) for k in (frame, frame + 1))
             yield f"{name}, {len(start.faces):,}", start, end.vertices
+    if (KICK / "meta.json").exists() and not quick:
+        meta = json.loads((KICK / "meta.json").read_text())
+        frames = np.memmap(KICK / "verts.f32", np.float32, "r", shape=(meta["frames"], meta["verts"], 3))
+        faces = np.fromfile(KICK / "faces.i32", np.int32).reshape(-1, 3)
+        mesh = crumple.Mesh(np.array(frames[KICK_FRAME]), faces)
+        yield f"kick {KICK_FRAME}, {len(faces):,}", mesh, np.array(frames[KICK_FRAME + 1])
 
 
 def toolkit(mesh, end):

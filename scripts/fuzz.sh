@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Builds fuzz targets and runs them, all at once, on seeds and on what earlier runs have found (docs/fuzzing.md).
-#   scripts/fuzz.sh readers|search|worlds|overlaps... [options of libFuzzer, as -max_total_time=60 or -runs=1000000]
+#   scripts/fuzz.sh readers|search|features|worlds|overlaps... [options of libFuzzer, as -max_total_time=60 or -runs=1000000]
 # Everything lies in build-fuzz: NAME.log, corpus/NAME, artefacts/NAME. What breaks a promise is printed, also as base64.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 names=()
-while [[ ${1-} == readers || ${1-} == search || ${1-} == worlds || ${1-} == overlaps ]]; do names+=("$1"); shift; done
+while [[ ${1-} == readers || ${1-} == search || ${1-} == features || ${1-} == worlds || ${1-} == overlaps ]]; do names+=("$1"); shift; done
 if ((${#names[@]} == 0)); then
-    echo "usage: $0 readers|search|worlds|overlaps... [options of libFuzzer]" >&2
+    echo "usage: $0 readers|search|features|worlds|overlaps... [options of libFuzzer]" >&2
     exit 2
 fi
 

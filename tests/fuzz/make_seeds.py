@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes the seed corpora of the fuzz targets: make_seeds.py FOLDER makes FOLDER/readers, FOLDER/search, FOLDER/worlds,
-FOLDER/overlaps.
+FOLDER/overlaps, FOLDER/features.
 
 Small files of every format and variant that docs/input.md names, sound and not, and scenes for the search. Byte 0 of a
 reader's input chooses the file's name (`kinds` in readers.cpp), byte 1 the options.
@@ -17,7 +17,7 @@ import zipfile
 import zlib
 from pathlib import Path
 
-from seed_searches import overlap_inputs, search_inputs, world_inputs
+from seed_searches import feature_inputs, overlap_inputs, search_inputs, world_inputs
 
 # kinds in readers.cpp
 MESH, PLY, OBJ, STL, OFF, STL_MENDED, TXT, CSV, JSON, NPZ, NPZ_MENDED, NPY = range(12)
@@ -490,6 +490,7 @@ def main():
     write(folder / "search", search_inputs())
     write(folder / "worlds", world_inputs())
     write(folder / "overlaps", overlap_inputs())
+    write(folder / "features", feature_inputs())
 
 
 if __name__ == "__main__":

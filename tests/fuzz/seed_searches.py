@@ -1,4 +1,4 @@
-"""Seeds of the fuzz targets `search`, `worlds` and `overlaps`: scenes by hand and by chance."""
+"""Seeds of the fuzz targets `search`, `features`, `worlds` and `overlaps`: scenes by hand and by chance."""
 
 import random
 
@@ -48,6 +48,15 @@ def overlap_inputs():
         for number in range(60):
             some = bytes(choose.randrange(256) for _ in range(length))
             yield bytes(8 if number % 2 else 0) + some
+
+
+def feature_inputs():
+    """Bytes as features.cpp reads them; what they mean is left to chance but for the options."""
+    choose = random.Random(10)
+    for length in (60, 120, 240):
+        for number in range(60):
+            some = bytes(choose.randrange(256) for _ in range(length))
+            yield bytes(6 if number % 2 else 0) + some
 
 
 def world_inputs():
