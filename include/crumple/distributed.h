@@ -62,17 +62,17 @@ struct DistributedOptions {
 };
 
 /// Phases of a call, in order. Each ends with a collective error check.
-enum class Phase : std::uint8_t { question, input, ids, place, members, room, search, rows, output };
+enum class Phase : std::uint8_t { query, input, ids, place, members, room, search, rows, output };
 inline constexpr int phase_count = 9;
 constexpr std::string_view phase_name(Phase phase) {
-    constexpr std::array<std::string_view, phase_count> names{"question", "input",  "ids",  "place", "members",
+    constexpr std::array<std::string_view, phase_count> names{"query", "input",  "ids",  "place", "members",
                                                               "room",     "search", "rows", "output"};
     return names[static_cast<std::size_t>(phase)];
 }
 
 /// Progress of a call on one rank.
 struct DistributedProgress {
-    Phase phase = Phase::question;
+    Phase phase = Phase::query;
     int parts_done = 0;  ///< in Phase::search: number of parts that this rank has searched
     int parts = 0;       ///< in Phase::search: number of parts to search, unless the first hit suffices
 };

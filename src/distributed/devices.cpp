@@ -75,22 +75,22 @@ PairFilter rules_of(const WantedGroups& groups) {
     return rules;
 }
 
-ImpactQuery motion_of(const FeatureRequest& query) {
+ImpactQuery motion_of(const FeatureRequest& request) {
     constexpr std::array wants{Output::any, Output::first, Output::pairs};
-    ImpactQuery question;
-    question.output = wants[static_cast<std::size_t>(query.extent)];
-    question.min_distance = query.distance, question.min_distance_share = query.share;
-    question.approaching_only = query.approaching_only;
-    question.filter = rules_of(query.rule.of_groups());
-    return question;
+    ImpactQuery query;
+    query.output = wants[static_cast<std::size_t>(request.extent)];
+    query.min_distance = request.distance, query.min_distance_share = request.share;
+    query.approaching_only = request.approaching_only;
+    query.filter = rules_of(request.rule.of_groups());
+    return query;
 }
 
-ProximityQuery near_of(const FeatureRequest& query) {
-    ProximityQuery question;
-    question.output = query.extent == Extent::all ? Output::pairs : Output::any;
-    question.radius = query.distance, question.strict = query.strict;
-    question.filter = rules_of(query.rule.of_groups());
-    return question;
+ProximityQuery near_of(const FeatureRequest& request) {
+    ProximityQuery query;
+    query.output = request.extent == Extent::all ? Output::pairs : Output::any;
+    query.radius = request.distance, query.strict = request.strict;
+    query.filter = rules_of(request.rule.of_groups());
+    return query;
 }
 
 const Array<double>& values_of(const ImpactList& list) { return list.toi; }

@@ -38,7 +38,7 @@ RankDetector::RankDetector(Transport& transport, const DistributedOptions& optio
       agree_(transport),
       clock_(time_of_day),
       share_(nullptr) {
-    agree_(Phase::question, [&] {
+    agree_(Phase::query, [&] {
         check(options.parts >= 0 && options.parts <= max_parts, "parts must be 0 (chosen) to 262144");
         check(options.round_bytes >= 1024, "round_bytes must be at least 1024");
         check(options.detector.devices.empty(), "devices must be empty: a rank has one device");
@@ -74,10 +74,10 @@ void RankDetector::answer(const MeshShare& share, const VertexView* end, Functio
     stop_ = std::move(stop);
     statistics_ = {};
     rounds_.reset_counts();
-    phase_ = Phase::question;
+    phase_ = Phase::query;
     shown_.reset();
     try {
-        agree_(Phase::question, [&] {
+        agree_(Phase::query, [&] {
             asked_ = ask();
             Share::check_shape(share);
         });
@@ -123,7 +123,7 @@ void RankDetector::settle_question(const MeshShare& share, const VertexView* end
     counts_[2 * static_cast<std::size_t>(transport_.rank())] = share.mesh.triangles.rows;
     counts_[2 * static_cast<std::size_t>(transport_.rank()) + 1] = share.mesh.vertices.rows;
     reduce(counts_, Reduction::sum);
-    agree_(Phase::question, [&] {
+    agree_(Phase::query, [&] {
         for (std::size_t i = 0; i < n; ++i)
             check(told[i] == -told[n + i], "the ranks ask different questions, or have different options");
         std::int64_t triangles = 0;

@@ -118,7 +118,7 @@ class CRUMPLE_API RankDetector {
     std::stop_token stop_;
     double (*clock_)();
     Stopwatch watch_;
-    Phase phase_ = Phase::question;
+    Phase phase_ = Phase::query;
     std::optional<Phase> shown_;  ///< latest phase of this call reported to show_
 
     // Per call:

@@ -235,7 +235,7 @@ TEST_F(Ranks, TellWhatTheyDid) {
     const Outcome outcome = ranks(2, "detect a.ply --stats -o a.txt");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.out, "");
-    for (const char* word : {"question", "input", "members", "search", "rows", "2 ranks", "parts", "balance",
+    for (const char* word : {"query", "input", "members", "search", "rows", "2 ranks", "parts", "balance",
                              "bytes sent", "triangles collide"})
         EXPECT_TRUE(contains(outcome.err, word)) << word << outcome.err;
     EXPECT_EQ(outcome.err.find("balance"), outcome.err.rfind("balance"));
@@ -254,7 +254,7 @@ TEST_F(Ranks, TellTheirPhasesIfAsked) {
             if (unit == "s" && !contains(step, " of ")) all += step + ",";
         return all;
     };
-    const std::string all = "read,question,input,ids,place,members,room,search,rows,output,write,";
+    const std::string all = "read,query,input,ids,place,members,room,search,rows,output,write,";
     EXPECT_EQ(steps("detect a.ply"), all);
     EXPECT_EQ(steps("near a.ply --radius 0.1"), all);
     EXPECT_EQ(steps("impacts a.ply a.ply"), all);

@@ -116,7 +116,7 @@ struct Detector::Implementation {
         : communicator(of), transport(communicator.get()), detector(transport, settled(options, communicator.get())) {
         // Runs within a collective error check: if the thread of one rank may not call MPI, the call ends on all ranks.
         detector.set_hook([this](Phase phase) {
-            if (phase == Phase::question) check_thread();
+            if (phase == Phase::query) check_thread();
             if (poll) poll();
         });
     }
