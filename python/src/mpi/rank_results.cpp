@@ -21,7 +21,7 @@ void bind_statistics(nb::module_& module) {
         .def_ro("milliseconds", &S::milliseconds, "Wall-clock time of the call inside the library.")
         .def_prop_ro(
             "phase_milliseconds", [](const S& s) { return milliseconds_by_name<Phase>(s, phase_count, phase_name); },
-            "Milliseconds by phase, with the communication that follows each: question, input, ids, place,\n"
+            "Milliseconds by phase, with the communication that follows each: query, input, ids, place,\n"
             "members, room, search, rows, output.")
         .def_ro("parts", &S::parts, "Parts of the scene that this rank has searched.")
         .def_ro("members", &S::members, "Triangles of these, each counted in each.")
