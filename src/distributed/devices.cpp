@@ -188,11 +188,11 @@ void Devices::on_each(const std::function<void(Rank&)>& work) {
 void Devices::find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
                    Intersections& result) {
     if (part || !is_for_all(scene)) return ForwardingBackend::find(scene, query, part, result);
-    IntersectionQuery question = query;
-    question.weld = false;  // the corners of the scene are welded already
+    IntersectionQuery welded = query;
+    welded.weld = false;  // the corners of the scene are welded already
     std::vector<const DistributedIntersections*> rows(options_.devices.size());
     on_each([&](Rank& rank) {
-        rows[static_cast<std::size_t>(rank.transport.rank())] = &rank.detector.find(rank.block.take(scene), question);
+        rows[static_cast<std::size_t>(rank.transport.rank())] = &rank.detector.find(rank.block.take(scene), welded);
     });
     result.pairs.clear();
     result.contacts.kinds.clear();
@@ -205,12 +205,12 @@ void Devices::find(const PreparedScene& scene, const IntersectionQuery& query, c
 
 bool Devices::any(const PreparedScene& scene, const IntersectionQuery& query) {
     if (!is_for_all(scene)) return ForwardingBackend::any(scene, query);
-    IntersectionQuery question = query;
-    question.weld = false;
-    question.output = Output::any;
+    IntersectionQuery welded = query;
+    welded.weld = false;
+    welded.output = Output::any;
     bool found = false;
     on_each([&](Rank& rank) {
-        const bool any = rank.detector.find(rank.block.take(scene), question).any;
+        const bool any = rank.detector.find(rank.block.take(scene), welded).any;
         if (rank.transport.rank() == 0) found = any;
     });
     return found;
@@ -231,24 +231,24 @@ const auto& Devices::ask_features(const PreparedScene& scene, FeatureResult& res
     return *found[0];
 }
 
-void Devices::find(const PreparedScene& scene, const FeatureRequest& query, FeatureResult& result) {
-    if (!is_for_all(scene, query)) return ForwardingBackend::find(scene, query, result);
-    const bool listed = query.extent == Extent::all;
-    if (query.criterion == Criterion::impact) {
-        const ImpactQuery question = motion_of(query);
+void Devices::find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) {
+    if (!is_for_all(scene, request)) return ForwardingBackend::find(scene, request, result);
+    const bool listed = request.extent == Extent::all;
+    if (request.criterion == Criterion::impact) {
+        const ImpactQuery query = motion_of(request);
         result.first = ask_features(
                            scene, result, listed,
                            [&](Rank & rank, const MeshShare& share) -> auto& {
                                MeshShare moving = share;
                                moving.mesh.end = rank.block.end();
-                               return rank.detector.find(moving, question);
+                               return rank.detector.find(moving, query);
                            })
                            .first;
     } else {
-        const ProximityQuery question = near_of(query);
+        const ProximityQuery query = near_of(request);
         ask_features(
             scene, result,
-            listed, [&](Rank & rank, const MeshShare& share) -> auto& { return rank.detector.find(share, question); });
+            listed, [&](Rank & rank, const MeshShare& share) -> auto& { return rank.detector.find(share, query); });
     }
 }
 
