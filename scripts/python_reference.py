@@ -102,7 +102,7 @@ def main(folder):
                               and name[0] != "_" and name not in crumple.__all__)
     for kind in {value for module in MODULES for value in vars(import_module(module)).values() if isinstance(value, type)}:
         describe_functions_of_properties(kind)
-    pdoc.render.configure(docformat="google", show_source=False)
+    pdoc.render.configure(docformat="numpy", show_source=False)
     pdoc.pdoc(*PACKAGES, "!.*[.]_", output_directory=Path(folder))
     missing = [name for module in MODULES for name in undocumented(pdoc.doc.Module(sys.modules[module]))]
     for name in missing:

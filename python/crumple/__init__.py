@@ -1,6 +1,16 @@
-"""Crumple finds all pairs of triangles that intersect, in one mesh, two, or a world of bodies, exactly and fast; and
-what touches on its way from one frame to the next, what is near, and how far apart bodies are.
+"""Exact collision detection between triangles.
 
+Crumple finds all pairs of triangles that intersect in one mesh, between two meshes, or in a world of bodies. It also
+finds the features (vertices, edges, faces) that touch during a time step, features within a distance, and the distances
+and overlaps of bodies.
+
+Notes
+-----
+Vertices are (n, 3) float32 or float64. Faces are (m, 3) integers, or flat. Both may be NumPy arrays or anything that
+supports DLPack. Works on any triangle soup. docs/contract.md defines what counts as a collision.
+
+Examples
+--------
     import crumple
 
     pairs = crumple.intersections(vertices, faces).pairs              # (k, 2) int32, sorted
@@ -12,12 +22,9 @@ what touches on its way from one frame to the next, what is near, and how far ap
     world = crumple.World([arm, table], worlds=[0, -1])               # bodies, poses, many configurations at once
     detector.any(world)                                               # any(scene, query), find(scene, query)
 
-    crumple.first_impact(vertices, next_vertices, faces)              # on the straight way there: .toi, or None
-    detector.proximities(vertices, faces, radius=0.01)                # features within a distance, and how near
-    detector.distances(world).squared_distance                        # of each pair of bodies, and where
-
-Vertices are (n, 3) float32 or float64, faces (m, 3) integers or flat: NumPy arrays, or anything that speaks DLPack.
-Any triangle soup will do. What counts as a collision: docs/contract.md.
+    crumple.first_impact(vertices, next_vertices, faces)              # of straight motions: .toi, or None
+    detector.proximities(vertices, faces, radius=0.01)                # features within a distance
+    detector.distances(world).squared_distance                        # of each pair of bodies
 """
 
 from __future__ import annotations
@@ -25,7 +32,7 @@ from __future__ import annotations
 import functools as _functools
 from typing import Any as _Any
 
-from . import _versions  # noqa: F401, first: it refuses two distributions that overwrite each other
+from . import _versions  # noqa: F401, first: it refuses two installed distributions
 from ._core import Part, Statistics, __version__
 from ._detector import Detector
 from ._device import DeviceArray as DeviceArray
@@ -71,7 +78,7 @@ from ._world import Body, World
 
 
 def _of_one_call(method: _Any) -> _Any:
-    """A function with the name, the arguments and the errors of a method, of a detector that lives for the call."""
+    """Returns a function with the name, arguments and errors of a method, on a detector that lives for the call."""
 
     @_functools.wraps(method)
     def call(*scene: _Any, **options: _Any) -> _Any:
@@ -79,8 +86,8 @@ def _of_one_call(method: _Any) -> _Any:
 
     call.__qualname__, call.__module__ = method.__name__, __name__
     call.__doc__ = (
-        f"{method.__doc__.splitlines()[0]}\n\nDetector.{method.__name__} of a detector that lives for this call. "
-        "For more than one call keep a\nDetector: it is faster when warm, and costs a millisecond to make."
+        f"{method.__doc__.splitlines()[0]}\n\nCalls Detector.{method.__name__} of a new detector. "
+        "For more than one call, keep a Detector: it is faster\nwhen warm, and costs a millisecond to make."
     )
     return call
 
@@ -94,7 +101,7 @@ candidates = _of_one_call(Detector.candidates)
 distances = _of_one_call(Detector.distances)
 overlaps = _of_one_call(Detector.overlaps)
 
-#: Everything that one calls or makes. Classes that are only returned, such as Contacts, are attributes of the package.
+#: Functions, and classes that callers construct. Classes that are only returned, such as Contacts, are attributes.
 __all__ = [
     "BackendUnavailable",
     "Body",

@@ -1,4 +1,4 @@
-"""`python -m crumple`, and `crumple` on the path: the C++ command line, which is part of the package."""
+"""Entry point of `python -m crumple` and of the script `crumple`: runs the C++ command line in the package."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def main() -> None:
-    """Replaces this process by the command line, so that exit status, signals and pipes are its own."""
+    """Replaces this process with the command line, which then owns exit status, signals and pipes."""
     program = str(Path(__file__).with_name("crumple"))
     if not os.access(program, os.X_OK):
         sys.exit(f"crumple: the command line is missing from this installation: {program}")

@@ -1,7 +1,9 @@
-"""Converts arrays that the library cannot read in place, if nothing is lost, and refuses the others by name.
+"""Conversion of arrays that the library cannot read in place.
 
-The extension module reads arrays in place where it can (python/src/arrays.h) and calls these functions for the
-others: Python lists, byte orders of other machines, narrow and unsigned integers, and anything invalid.
+The extension module reads arrays in place where it can (python/src/arrays.h). It calls these functions for all others:
+Python lists, foreign byte orders, narrow and unsigned integers, and invalid input. They convert an array if nothing is
+lost, and otherwise raise InvalidInput or InvalidType with its name. The parameter `which` is a prefix of that name,
+such as "first mesh: ".
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ import numpy as np
 
 from ._errors import InvalidInput, InvalidType
 
-# DLPack's device types that a CPU can read, those that the cuda backend reads in place, and the names of the others.
+# DLPack's device types: those that a CPU can read, those that the cuda backend reads in place, and names of others.
 _HOST = {1, 3, 11}
 _CUDA = {2, 13}
 _DEVICES = {4: "OpenCL", 7: "Vulkan", 8: "Metal", 10: "ROCm", 14: "oneAPI"}
@@ -40,7 +42,7 @@ def _refuse_mask(array: Any, name: str, **place: Any) -> None:
         )
 
 
-# Names in messages of what the functions below convert, and what each element belongs to.
+# Name of each kind of array in messages, and name of one of its elements.
 _NAMES = {
     "vertices": ("vertices", "vertex"),
     "end_vertices": ("end vertices", "vertex"),
@@ -59,13 +61,13 @@ _NAMES = {
 
 
 def refuse_masked(array: Any, kind: str, which: str) -> None:
-    """For arrays that are read in place. A mask that hides nothing does not count."""
+    """Raises InvalidInput for an array with masked values; for arrays that are read in place."""
     name, element = _NAMES[kind]
     _refuse_mask(array, f"{which}{name} are", element=element)
 
 
 def lies_in_cuda_memory(array: Any) -> bool:
-    """True if __dlpack_device__ says so; an array without one counts as an array in host memory."""
+    """True if `__dlpack_device__` names CUDA memory; False without that method."""
     try:
         return _kind_of_device(array.__dlpack_device__, "") in _CUDA
     except Exception:  # host_array reports it, if the array cannot be read otherwise
@@ -73,7 +75,7 @@ def lies_in_cuda_memory(array: Any) -> bool:
 
 
 def refuse_failed_dlpack(error: BaseException, stream: int, kind: str, which: str) -> None:
-    """Raises what __dlpack__ of an array in CUDA memory raised as an error that names the array."""
+    """Raises an error that names the array, from an exception that its `__dlpack__` has raised."""
     if not isinstance(error, Exception):
         raise error
     name = f"{which}{_NAMES[kind][0]}"
@@ -85,7 +87,7 @@ def refuse_failed_dlpack(error: BaseException, stream: int, kind: str, which: st
 
 
 def refuse_unannounced_cuda_memory(kind: str, which: str) -> None:
-    """Raises for an array that turned out to lie in CUDA memory after __dlpack__ was called without a stream."""
+    """Raises InvalidInput for an array in CUDA memory whose `__dlpack__` was called without a stream."""
     name = f"{which}{_NAMES[kind][0]}"
     raise InvalidInput(
         f"{name} lie in CUDA memory, but have no __dlpack_device__ that says so, and cannot be made ready on a stream"
@@ -104,7 +106,7 @@ def _length(row: Any) -> int | None:
 
 
 def _ragged(rows: Any) -> str:
-    """Which rows are of unequal length; "" if none are."""
+    """Describes two rows of unequal length; returns "" if there are none."""
     lengths = [_length(row) for row in rows]
 
     def told(i: int) -> str:
@@ -115,7 +117,7 @@ def _ragged(rows: Any) -> str:
 
 
 def _what_objects(array: Any, objects: np.ndarray) -> str:
-    """Says what an array of Python objects holds instead of numbers."""
+    """Describes what an array of Python objects contains instead of numbers."""
     if objects.ndim == 0:
         return f"not {_name_of_type(array)}"
     if objects.ndim == 1 and any(_length(row) is not None for row in objects):
@@ -131,7 +133,31 @@ def _what_objects(array: Any, objects: np.ndarray) -> str:
 
 
 def host_array(array: Any, name: str, in_place: str = "") -> np.ndarray:
-    """The array, which must lie in host memory. `in_place`: what the cuda backend reads where it lies."""
+    """Returns an array in host memory as a NumPy array, without a copy if possible.
+
+    Parameters
+    ----------
+    array : array_like
+        NumPy array, sequence, or anything that supports DLPack.
+    name : str
+        Name of the array in messages.
+    in_place : str, default ""
+        Layout that the cuda backend reads in place, for messages about arrays in CUDA memory.
+
+    Returns
+    -------
+    ndarray
+        Array of any shape and of a numeric dtype.
+
+    Raises
+    ------
+    InvalidInput
+        If the array is in device memory, is ragged, has masked values, or cannot be read.
+    InvalidType
+        If its elements are Python objects that are not numbers.
+    MemoryError
+        If there is not enough memory for a copy.
+    """
     device = getattr(array, "__dlpack_device__", None)
     if device is not None and not isinstance(array, np.ndarray):
         kind = _kind_of_device(device, name)
@@ -159,7 +185,7 @@ def host_array(array: Any, name: str, in_place: str = "") -> np.ndarray:
 
 
 def _triangles(array: np.ndarray, name: str) -> np.ndarray:
-    """The faces as (m, 3); they may be flat."""
+    """Returns (m, 3) faces from (m, 3) or flat ones. Refuses cells that are preceded by their sizes."""
     if array.ndim != 1:
         return _rows(array, 3, name)
     if len(array) and len(array) % 4 == 0 and (array[::4] == 3).all():
@@ -201,7 +227,7 @@ def _integers(array: Any, name: str, in_place: str = "") -> np.ndarray:
 
 
 def _positions(array: Any, name: str, in_place: str = "") -> np.ndarray:
-    """(n, 3) of float32 or float64, in native byte order and without odd strides."""
+    """Returns (n, 3) float32 or float64 in native byte order, contiguous and aligned."""
     result = _rows(host_array(array, name, in_place), 3, name)
     if _is_sequence(array) and result.dtype.kind in "iu":
         result = result.astype(np.float64)
@@ -213,22 +239,22 @@ def _positions(array: Any, name: str, in_place: str = "") -> np.ndarray:
 
 
 def vertices(array: Any, which: str) -> np.ndarray:
-    """(n, 3) of float32 or float64."""
+    """Converts vertices to (n, 3) float32 or float64."""
     return _positions(array, which + "vertices", "(n, 3) of float32 or float64")
 
 
 def end_vertices(array: Any, which: str) -> np.ndarray:
-    """The same."""
+    """Converts positions at the end of a step to (n, 3) float32 or float64."""
     return _positions(array, which + "end vertices", "(n, 3) of float32 or float64")
 
 
 def rest_vertices(array: Any, which: str) -> np.ndarray:
-    """The same."""
+    """Converts positions of a rest shape to (n, 3) float32 or float64."""
     return _positions(array, which + "rest vertices", "(n, 3) of float32 or float64")
 
 
 def radii(array: Any, which: str) -> np.ndarray:
-    """(n) of float64 without gaps."""
+    """Converts radii to (n,) float64, contiguous."""
     name = which + "radii"
     result = host_array(array, name, "(n) of float64 without gaps")
     if result.ndim != 1:
@@ -241,7 +267,7 @@ def radii(array: Any, which: str) -> np.ndarray:
 
 
 def faces(array: Any, which: str) -> np.ndarray:
-    """(m, 3) of int64. Nothing is truncated: indices beyond int64 are refused."""
+    """Converts faces, (m, 3) or flat, to (m, 3) int64. Refuses indices that int64 cannot hold."""
     name = which + "faces"
     result = _triangles(_integers(array, name, "(m, 3) or (3m) of int32, uint32 or int64"), name)
     if result.dtype.kind == "u" and result.dtype.itemsize == 8 and result.size:
@@ -269,7 +295,7 @@ def _int32(array: np.ndarray, name: str, what: str = "group id", element: str = 
 
 
 def groups(array: Any, which: str) -> np.ndarray:
-    """(m) of int32 without gaps."""
+    """Converts groups to (m,) int32, contiguous."""
     name = which + "groups"
     result = _integers(array, name, "(m) of int32 without gaps")
     if result.ndim != 1:
@@ -278,13 +304,13 @@ def groups(array: Any, which: str) -> np.ndarray:
 
 
 def edges(array: Any, which: str) -> np.ndarray:
-    """(k, 2) of int32, without gaps."""
+    """Converts edges to (k, 2) int32, contiguous."""
     name = which + "edges"
     return _int32(_rows(_integers(array, name, "(k, 2) of int32 without gaps"), 2, name), name, "vertex", "edge")
 
 
 def points(array: Any, which: str) -> np.ndarray:
-    """(k) of int32, without gaps."""
+    """Converts points, which are indices of vertices, to (k,) int32, contiguous."""
     name = which + "points"
     result = _integers(array, name, "(k) of int32 without gaps")
     if result.ndim != 1:
@@ -293,7 +319,7 @@ def points(array: Any, which: str) -> np.ndarray:
 
 
 def _ids(array: Any, name: str) -> np.ndarray:
-    """(n) of int64, without gaps. Others than these, such as negative ones, the library refuses."""
+    """Returns (n,) int64, contiguous. The library checks the values."""
     result = _integers(array, name)
     if result.ndim != 1:
         raise InvalidInput(f"{name} must have shape (n,), not {result.shape}")
@@ -303,22 +329,22 @@ def _ids(array: Any, name: str) -> np.ndarray:
 
 
 def triangle_ids(array: Any, which: str) -> np.ndarray:
-    """The numbers of a share's triangles over all ranks."""
+    """Converts numbers of local triangles over all ranks to (m,) int64."""
     return _ids(array, which + "triangle_ids")
 
 
 def vertex_ids(array: Any, which: str) -> np.ndarray:
-    """The same of its vertices."""
+    """Converts numbers of local vertices over all ranks to (n,) int64."""
     return _ids(array, which + "vertex_ids")
 
 
 def body_ids(array: Any, which: str) -> np.ndarray:
-    """The same of its bodies."""
+    """Converts numbers of local bodies over all ranks to (n,) int64."""
     return _ids(array, which + "body_ids")
 
 
 def poses(array: Any, which: str) -> np.ndarray:
-    """(n, 3, 4) or (n, 4, 4), or (k, n, ...) of configurations, of float64."""
+    """Converts poses to float64: (n, 3, 4) or (n, 4, 4), or with a leading axis of configurations."""
     name = which + "poses"
     result = host_array(array, name, "(n, 3, 4) of float64 or float32 without gaps")
     if result.shape == (0,):  # an empty list
@@ -331,7 +357,7 @@ def poses(array: Any, which: str) -> np.ndarray:
 
 
 def group_pairs(pairs: Any, which: str) -> np.ndarray:
-    """(n, 2) of int32, from an array or any iterable of pairs."""
+    """Converts an array or an iterable of pairs of groups to (n, 2) int32."""
     name = which + "excluded_groups"
     if isinstance(pairs, Iterable) and (isinstance(pairs, dict) or not hasattr(pairs, "__getitem__")):
         pairs = list(pairs)  # a set or a generator, which NumPy does not read
@@ -339,5 +365,5 @@ def group_pairs(pairs: Any, which: str) -> np.ndarray:
 
 
 def if_given(convert: Callable[[Any, str], np.ndarray], array: Any) -> np.ndarray | None:
-    """Converts an array by one of these functions, without a name for messages. None stays None."""
+    """Converts an array by a function of this module, without a prefix in messages. Returns None for None."""
     return None if array is None else convert(array, "")

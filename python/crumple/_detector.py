@@ -1,4 +1,4 @@
-"""Detector: the calls that take a scene and a query."""
+"""Detector: searches a scene for what a query describes."""
 
 from __future__ import annotations
 
@@ -39,46 +39,72 @@ _ALL = IntersectionQuery()
 class Detector(_core.Detector):
     """Searches scenes, exactly and completely.
 
-    detector.find(scene, query) is the one call; each query has a method beside it that takes arrays and keywords:
-    detector.impacts(start, end, faces, min_distance=0.1) is
-    detector.find(Mesh(start, faces).moving_to(end), ImpactQuery(min_distance=0.1)).
+    `find(scene, query)` is the basic call. Each query also has a method that takes arrays and keywords:
+    `detector.impacts(start, end, faces, min_distance=0.1)` is short for `detector.find(Mesh(start,
+    faces).moving_to(end), ImpactQuery(min_distance=0.1))`.
 
-    Keeps buffers and cluster centres between calls, so one detector for all frames of a simulation is faster than a new
-    one for each; the topology may change freely. Any triangle soup will do.
+    Parameters
+    ----------
+    backend : {"automatic", "cpu", "cuda", "reference"}, default "automatic"
+        "automatic" chooses "cuda" if it was built and a device is available, else "cpu". "reference" is brute force in
+        rational arithmetic, for comparisons.
+    threads : int, default 0
+        Threads of the cpu backend, started when the detector is made; 0: as many as the machine has, which is also the
+        most that are used.
+    memory_limit : int, default 0
+        Bytes that the detector may own; 0: no limit. Results that Python holds are not counted. Work that exceeds the
+        limit is cut into chunks and runs on one thread. If that does not suffice, a call raises MemoryLimit with a
+        lower bound on a sufficient limit.
+    clusters : int, default 0
+        Clusters of the first level of subdivision, 1 to 64; 0: chosen from the number of triangles.
+    leaf_size : int, default 3000
+        Target number of triangles per leaf; larger clusters are subdivided again.
+    fuzzy_c_means : FuzzyCMeans, optional
+        Parameters of the placement of cluster centres.
+    simd : {"automatic", "scalar", "sse4", "avx2", "avx512", "neon"}, default "automatic"
+        Instruction set; "automatic" chooses the best that the machine supports.
+    device : int, default 0
+        Number of the CUDA device that the cuda backend uses (list_devices).
+    devices : sequence of int, optional
+        Numbers of several CUDA devices instead of `device`. They share queries about one mesh in host memory. The first
+        one runs all other queries alone and holds arrays in device memory (docs/distributed.md).
 
-    A scene is a mesh, given as one object that as_mesh knows (crumple.Mesh, a tuple, a mesh of trimesh, meshio, Open3D
-    or PyVista); two meshes, [a, b], of which pairs across are found; a crumple.World of bodies; or a crumple.Part. A
-    mesh moves that says where to (Mesh.moving_to), a world whose bodies or shapes do. Arrays are read in place: NumPy
-    or anything on the host that speaks DLPack or the buffer protocol, float32 or float64, int32, uint32 or int64, in
-    any order and with any strides. Other integers and Python lists are converted, at the cost of a copy. Inputs are not
-    written to, and must not change until the call returns. The cuda backend also reads arrays in CUDA memory, after the
-    work of their package's current stream.
+    Raises
+    ------
+    InvalidInput
+        If an option is out of range, or `__init__` is called a second time.
+    BackendUnavailable
+        If this machine or build lacks the backend or instruction set.
 
-    Calls release the GIL. Different detectors work at the same time; calls of one detector from several threads take
-    turns. In the main thread Ctrl-C ends a call within about 50 ms, KeyboardInterrupt is raised, and the detector
-    stays usable; partition is not cut short while it clusters.
+    Notes
+    -----
+    No option changes a result, only its cost. A detector caches buffers and cluster centres between calls, so one
+    detector for all frames of a simulation is faster than a new one per frame. The topology may change freely.
 
-    Args:
-        backend: "automatic", "cpu", "cuda", or "reference", brute force in rational arithmetic to compare with.
-            "automatic" is "cuda" where it was built and a device is there, else "cpu".
-        threads: 0: as many as the machine has, which are the most that are used; they start when the detector is made.
-        memory_limit: bytes that the detector may own, 0: no limit. Results that Python holds are not counted.
-            Work that exceeds the limit is cut into chunks, on one thread; what still does not fit raises MemoryLimit,
-            which names a lower bound.
-        clusters: parts of the first level of subdivision, 1 to 64; 0: chosen from the number of triangles.
-        leaf_size: triangles that a leaf should have; larger clusters are subdivided again.
-        fuzzy_c_means: how the centres of clusters are placed, a crumple.FuzzyCMeans.
-        simd: instruction set: "automatic" takes the best that the machine has.
-        device: number of the device that the cuda backend works on.
-        devices: instead, the numbers of several, which share queries about one mesh on the host; arrays on a device
-            are on the first, which does alone what the others cannot share (docs/distributed.md).
+    A scene is one of:
 
-    No option changes a result, only its cost. A detector keeps its options: a second __init__ is refused. Raises
-    InvalidInput for options out of range, BackendUnavailable for what this machine or build lacks.
+    - a mesh, as one object that `as_mesh` takes: a Mesh, a tuple, or a mesh of trimesh, meshio, Open3D or PyVista;
+    - two meshes `[a, b]`: only pairs across them are found;
+    - a World of bodies;
+    - a Part.
 
-    Source: D. Mainzer, G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision", Algorithm 1: clusters by
-    fuzzy C-means (sec. 4, eqs. 2-4), each swept along its principal axis (sec. 3, eq. 1), then a test of each pair of
-    boxes that overlap; here that test is exact. docs/README.md names the page of each stage.
+    A mesh moves if it has positions at the end of a step (Mesh.moving_to), a world if its bodies or shapes have. Works
+    on any triangle soup.
+
+    Arrays are read in place if they are NumPy arrays, or support DLPack or the buffer protocol in host memory, and are
+    float32 or float64, int32, uint32 or int64, with any strides. Other integers and Python lists are copied. The cuda
+    backend also reads arrays in CUDA memory, after the work on the current stream of their package. Inputs are not
+    written to, and must not change until the call returns.
+
+    Calls release the GIL. Different detectors run in parallel; calls of one detector from several threads run one at a
+    time. Ctrl-C in the main thread ends a call within about 50 ms: it raises KeyboardInterrupt, and the detector stays
+    usable. `partition` does not end while it clusters.
+
+    References
+    ----------
+    .. [1] D. Mainzer and G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision", Algorithm 1: clusters by
+       fuzzy C-means (sec. 4, eqs. 2-4), a sweep of each along its principal axis (sec. 3, eq. 1), and a test of each
+       pair of boxes that overlap. Crumple's test is exact. docs/README.md lists the page of each stage.
     """
 
     __slots__ = ("__weakref__", "_options")
@@ -113,7 +139,7 @@ class Detector(_core.Detector):
 
     @property
     def options(self) -> dict[str, Any]:
-        """What the detector was made with."""
+        """Options that the detector was made with, by name."""
         try:
             return dict(self._options)
         except AttributeError:
@@ -121,19 +147,20 @@ class Detector(_core.Detector):
 
     @property
     def backend(self) -> str:
-        """The backend in use, "cpu", "cuda" or "reference": the requested one, or the one that "automatic" chose."""
+        """Backend in use, "cpu", "cuda" or "reference": the requested one, or the choice of "automatic"."""
         return super().backend
 
     @property
     def fallback(self) -> str:
-        """Why "automatic" took the cpu backend although this build has the cuda backend, in one line; else ""."""
+        """Reason in one line why "automatic" chose "cpu" although this build has the cuda backend; else ""."""
         return super().fallback
 
     def cancel(self) -> None:
-        """Asks the call that runs at this moment to end: it raises Error, code "cancelled", within some milliseconds.
+        """Ends the call in progress: it raises Error with code "cancelled" within some milliseconds.
 
-        To be called from another thread. A call that is nearly done may still return its result. Does nothing while
-        no call runs; one that waits for its turn goes on waiting. `partition` is not cut short while it clusters.
+        Call it from another thread. A call that is nearly complete may still return its result. Calls that wait for the
+        one in progress are not cancelled. `partition` does not end while it clusters. Does nothing if no call is in
+        progress.
         """
         super().cancel()
 
@@ -164,21 +191,34 @@ class Detector(_core.Detector):
     def find(self, scene: Any, query: Query = _ALL, *, copy: bool = False) -> Any:
         """Finds everything in a scene that a query describes.
 
-        Args:
-            scene: a mesh, [a, b] of two meshes, a World or a Part; see Detector. For queries about features and
-                distances two meshes are two bodies.
-            query: the type says what is searched for, and gives the type of the result.
-            copy: the result gets writable arrays of its own instead of read-only views.
+        Parameters
+        ----------
+        scene : Mesh or mesh-like, [mesh, mesh], World, or Part
+            Scene, see Detector. Queries about features and distances handle two meshes as two bodies.
+        query : Query, default IntersectionQuery()
+            Its type selects what is searched for and the type of the result.
+        copy : bool, default False
+            If True, the result has writable arrays of its own, otherwise read-only views.
 
-        Of a part the result has the rows that the part owns, with the ids of the mesh; offsets, hit flags and least
-        distances count by position in the part.
+        Returns
+        -------
+        Intersections, Impacts, FirstImpact or None, FreeStep, Proximities, Candidates, Distances, or Overlaps
+            Result of the query. For a part: the rows that the part owns, with the ids of the mesh; offsets, hit flags
+            and least distances are indexed by position in the part.
 
-        Raises InvalidInput, which names the argument, the mesh, the body or the shape, also where the query is not
-        supported for such a scene (`supports`); MemoryLimit.
+        Raises
+        ------
+        InvalidInput
+            If an argument is invalid, or the query is not supported for this scene (see `supports`). Names the
+            argument, the mesh, the body or the shape.
+        MemoryLimit
+            If records or the result exceed the memory limit.
 
-        Cost: a warm call on two threads takes about 0.1 microseconds a triangle on ordinary scenes, more with the
-        number of pairs of boxes that overlap; contacts take about a microsecond a pair. A world takes some microseconds
-        a call, and less than one a body of a named shape that is clear of all others.
+        Notes
+        -----
+        Cost: on ordinary scenes and two threads, a warm call takes about 0.1 microseconds per triangle, and more for
+        many overlapping boxes; contacts take about a microsecond per pair. A world takes some microseconds per call,
+        and less than one per body if the body's shape is named and the body is clear of all others.
         """
         return self._find(scene_of(scene), query, copy)
 
@@ -188,7 +228,7 @@ class Detector(_core.Detector):
         return show(found, scene, query, copy if copy is False else checked_copy(copy))
 
     def _call(self, delivery: str, scene: Any, query: Query, *more: Any) -> Any:
-        """Has the extension module do it, unless queries of this type are not delivered so."""
+        """Calls the extension module's method of a query and delivery; raises InvalidInput if there is none."""
         method = query._methods.get(delivery)
         if method is None:
             raise InvalidInput(f"{delivery} is not for {type(query).__name__}: docs/supported.md has the table")
@@ -202,38 +242,89 @@ class Detector(_core.Detector):
 
     @suggesting
     def supports(self, scene: Any, query: Query = _ALL) -> bool:
-        """True if find takes queries of this type about such a scene: by what it is, where it lies, and the backend.
+        """True if `find` takes queries of this type about this scene.
 
-        docs/supported.md has the table. Of options only `containment` of intersections matters; says nothing of sizes.
+        Depends on the kind of scene, the memory of its arrays and the backend; docs/supported.md has the table. Of the
+        query's options only `containment` of an IntersectionQuery matters. Does not check sizes.
+
+        Parameters
+        ----------
+        scene, query
+            As for `find`.
+
+        Returns
+        -------
+        bool
+
+        Raises
+        ------
+        InvalidInput
+            If the scene or the query is invalid.
         """
         scene = scene_of(scene)
         return self._call("supports", scene, checked_query(scene, query))
 
     @suggesting
     def any(self, scene: Any, query: Query = _ALL) -> bool:
-        """True if there is anything to find: of intersections, impacts, proximities and overlaps.
+        """True if `find` would find anything. Stops at the first pair.
 
-        Stops at the first pair. A step is free if there is no impact: not detector.any(mesh.moving_to(end),
-        ImpactQuery()). `output` does not matter. Arguments and errors as of find.
+        For intersections, impacts, proximities and overlaps. Ignores `output` of the query.
+
+        Parameters
+        ----------
+        scene, query
+            As for `find`.
+
+        Returns
+        -------
+        bool
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
+
+        Examples
+        --------
+        A step without an impact is free:
+
+            is_free = not detector.any(mesh.moving_to(end), crumple.ImpactQuery())
         """
         scene = scene_of(scene)
         return self._call("any", scene, checked_query(scene, query))
 
     @suggesting
     def stream(self, scene: Any, query: Query, take: Callable[[Any], Any], *, block_rows: int = 1 << 18) -> Statistics:
-        """Calls take(block) with one block of the result after another, for results that exceed memory.
+        """Delivers the result in blocks: for results that exceed memory.
 
-        Of intersections, impacts, proximities and candidates, of meshes and worlds in host memory.
+        For intersections, impacts, proximities and candidates of meshes and worlds in host memory, with the cpu and the
+        reference backend.
 
-        Args:
-            scene, query: as of find; not with `index`, `triangle_pairs`, `least`, or less output than pairs.
-            take: a block is a result of the same type that has its rows and nothing else. What it raises ends the call.
-                It may run in another thread, but never in two at a time, and cannot call this detector.
-            block_rows: rows of a block, of all its lists together, 1 to 2^40; the last one has fewer.
+        Parameters
+        ----------
+        scene, query
+            As for `find`. The query must not have `index`, `triangle_pairs`, `least`, or less output than pairs.
+        take : callable
+            Called as `take(block)`. A block is a result of the type that `find` returns, with rows only. An exception
+            ends the call. Calls may come from different threads, but never two at a time, and must not use this
+            detector.
+        block_rows : int, default 262144
+            Rows per block, all of its lists together, 1 to 2^40; the last block has fewer.
 
-        All blocks together have the rows of the whole result in another order: leaf by leaf, which does not depend on
-        threads. Returns the statistics of the call. Cost: that of find. Memory: that of find without its lists, and of
-        about three blocks.
+        Returns
+        -------
+        Statistics
+            Counts and times of the call.
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
+
+        Notes
+        -----
+        All blocks together have the rows of the whole result, leaf by leaf. This order does not depend on the number of
+        threads. Cost: that of `find`. Memory: that of `find` without its lists, plus about three blocks.
         """
         scene = scene_of(scene)
         query = checked_query(scene, query)
@@ -245,44 +336,81 @@ class Detector(_core.Detector):
 
     @suggesting
     def partition(self, scene: Any, query: Query = _ALL, *, count: int) -> list[_core.Part]:
-        """Cuts a scene of one mesh, or of two for intersections, into `count` (1 to 262144) independent parts.
+        """Cuts a scene into independent parts, for instance for several machines.
 
-        Each part owns rows of the result and is searched anywhere, without the mesh, by find(part, query); the results
-        together are the whole result, and no row is in two of them. Parts can be pickled, and depend only on the
-        arguments. Those for impacts and proximities serve what they were made for: no more distance than this query
-        asks for, the same `weld`, radii, rest shape and rings; for intersections the members of the query do not
-        matter.
+        Each part owns some rows of the result. `find(part, query)` returns them anywhere, without the mesh. Every row
+        belongs to exactly one part, so that all parts together have the whole result. Parts can be pickled.
 
-        Raises InvalidInput. Cost: a look at each triangle, and its copies; 230 ms for a million triangles in 64 parts
-        on one thread. Source: Mainzer and Zachmann, sec. 1.1, for parts on several machines, and sec. 4, eqs. 2-4, for
-        their centres.
+        Parameters
+        ----------
+        scene : Mesh or mesh-like, or [mesh, mesh]
+            One mesh; two meshes for intersections only.
+        query : IntersectionQuery, ImpactQuery or ProximityQuery, default IntersectionQuery()
+            Parts for impacts and proximities are limited to queries with at most this distance, and with the same
+            `weld`, radii, rest shape and rings. For intersections the members of the query do not matter.
+        count : int
+            Number of parts, 1 to 262144.
+
+        Returns
+        -------
+        list of Part
+
+        Raises
+        ------
+        InvalidInput
+            If an argument is invalid, or the scene or query does not support parts.
+
+        Notes
+        -----
+        Parts depend only on the arguments. Cost: one pass over the triangles per level, and their copies: 230 ms for a
+        million triangles in 64 parts on one thread.
+
+        References
+        ----------
+        .. [1] D. Mainzer and G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision": sec. 1.1 for parts on
+           several machines, sec. 4, eqs. 2-4 for their centres.
         """
         scene = scene_of(scene)
         return self._call("partition", scene, checked_query(scene, query), count)
 
     @suggesting
     def launch(self, scene: Any, query: Query = _ALL, *, stream: Any = None) -> Launch:
-        """Starts a query on arrays in device memory and returns at once: launch(...).wait() gives the DeviceResult.
+        """Starts a query on arrays in device memory and returns at once.
 
-        Of intersections, of meshes and of worlds whose poses lie on the device; of impacts, proximities and candidates,
-        of one mesh. Only with the cuda backend. Two launches may be in flight; they are waited for in their order.
-        Arrays must stay as they are until then.
+        For intersections of meshes, and of worlds whose poses are in device memory; for impacts, proximities and
+        candidates of one mesh. Only with the cuda backend.
 
-        Args:
-            scene, query: as of find, with all arrays on the detector's device, through DLPack. What is not of a type
-                that can be read in place is refused, for nothing is converted there. Shapes and bodies of a world lie
-                on the host, and go to the device when they are not those of the call before; at most 65,535 worlds,
-                and 2^24 triangles together.
-            stream: CUDA stream that does the work: None, the legacy default stream; or the address of another one, or a
-                stream of PyTorch, CuPy or Warp. The package that owns the arrays makes them ready on it (DLPack's
-                __dlpack__(stream=...)): the stream waits for the package's current stream, such as
-                torch.cuda.current_stream(), and for no other. A stream that is being captured makes the work a part of
-                the caller's graph: each replay is a query, after two calls like it outside of the capture. It should be
-                the package's current stream then, for a capture may not wait for streams outside of it.
+        Parameters
+        ----------
+        scene, query
+            As for `find`, with all arrays on the detector's device, through DLPack. Arrays that cannot be read in place
+            are refused. Shapes and bodies of a world are in host memory; they are uploaded if they differ from those of
+            the previous call. At most 65,535 worlds, and 2^24 triangles in total. Arrays must not change until `wait`
+            returns.
+        stream : None, int, or stream of PyTorch, CuPy or Warp, optional
+            CUDA stream that does the work, by its address or as an object; None: the legacy default stream. The package
+            that owns an array makes it ready on this stream (DLPack's `__dlpack__(stream=...)`): the stream waits for
+            the package's current stream, such as `torch.cuda.current_stream()`, and for no other.
 
-        The first launch for a mesh about features, and one with other numbers of vertices, faces, edges or points,
-        waits for the stream: the host has to see which edges there are. Raises InvalidInput; bad contents of arrays are
-        reported by wait().
+        Returns
+        -------
+        Launch
+            Its `wait` returns the DeviceResult.
+
+        Raises
+        ------
+        InvalidInput
+            If an argument is invalid or not supported. `wait` reports invalid contents of arrays.
+
+        Notes
+        -----
+        At most two launches may be in flight; wait for them in their order. The first launch about features of a mesh,
+        and one with other numbers of vertices, faces, edges or points, waits for the stream, because the host has to
+        find the edges.
+
+        If the stream is being captured, the work becomes a part of the caller's graph, and each replay is a query. Make
+        two calls of the same kind outside of the capture before. The stream should be the package's current stream
+        then, because a capture must not wait for streams outside of it.
         """
         scene = scene_of(scene)
         query = checked_query(scene, query)
@@ -292,12 +420,31 @@ class Detector(_core.Detector):
     def intersections(
         self, vertices: Any, faces: Any = None, *, groups: Any = None, copy: bool = False, **options: Any
     ) -> Intersections:
-        """Pairs of triangles that intersect: find with an IntersectionQuery, whose members are keywords.
+        """Finds pairs of triangles that intersect.
 
-        Args:
-            vertices, faces: (n, 3) float32 or float64 and (m, 3) integers, or flat; or a scene alone; or two meshes.
-            groups: (m,) integers that fit int32, one a triangle.
-            copy: as of find.
+        Short for `find` with an IntersectionQuery.
+
+        Parameters
+        ----------
+        vertices : (n, 3) array_like of float32 or float64, or scene
+            Vertices; or without `faces` a whole scene; or the first of two meshes.
+        faces : (m, 3) or (3 m,) array_like of int, optional
+            Indices of vertices; or the second mesh.
+        groups : (m,) array_like of int, optional
+            Group of each triangle, within int32.
+        copy : bool, default False
+            As for `find`.
+        **options
+            Members of the IntersectionQuery.
+
+        Returns
+        -------
+        Intersections
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
         """
         return self._find(scene_of(vertices, faces, groups), query_of(IntersectionQuery, options), copy)
 
@@ -314,12 +461,33 @@ class Detector(_core.Detector):
         copy: bool = False,
         **options: Any,
     ) -> Impacts:
-        """Features that touch on the way from `start` to `end`, and when: find with an ImpactQuery.
+        """Finds features that touch while vertices move straight from `start` to `end`, and when.
 
-        Args:
-            start, end, faces: (n, 3), (n, 3) and (m, 3); or a mesh and `end`; or a scene that moves, alone.
-            groups, edges, points: as crumple.Mesh has them.
-            copy: as of find.
+        Short for `find` with an ImpactQuery.
+
+        Parameters
+        ----------
+        start : (n, 3) array_like of float32 or float64, or mesh, or scene
+            Positions at the start; or a mesh; or alone, a scene that has positions at the end.
+        end : (n, 3) array_like of float32 or float64, optional
+            Positions at the end of the step.
+        faces : (m, 3) or (3 m,) array_like of int, optional
+            Indices of vertices.
+        groups, edges, points : array_like, optional
+            Attributes of the Mesh.
+        copy : bool, default False
+            As for `find`.
+        **options
+            Members of the ImpactQuery.
+
+        Returns
+        -------
+        Impacts
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
         """
         return self._find(step_of(start, end, faces, groups, edges, points), query_of(ImpactQuery, options), copy)
 
@@ -335,7 +503,25 @@ class Detector(_core.Detector):
         points: Any = None,
         **options: Any,
     ) -> FirstImpact | None:
-        """The first impact of a step; None: the step is free. Find with a FirstImpactQuery; arguments as of impacts."""
+        """Finds the first impact of a step. Short for `find` with a FirstImpactQuery.
+
+        Parameters
+        ----------
+        start, end, faces, groups, edges, points
+            As for `impacts`.
+        **options
+            Members of the FirstImpactQuery.
+
+        Returns
+        -------
+        FirstImpact or None
+            None: the step is free.
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
+        """
         return self._find(step_of(start, end, faces, groups, edges, points), query_of(FirstImpactQuery, options))
 
     @keywords_of(FreeStepQuery)
@@ -350,9 +536,25 @@ class Detector(_core.Detector):
         points: Any = None,
         **options: Any,
     ) -> FreeStep:
-        """A share of a step, with positions, that nothing touches on the way to. Find with a FreeStepQuery.
+        """Finds a share of a step that is free of impacts, and the positions there.
 
-        Arguments as of impacts.
+        Short for `find` with a FreeStepQuery.
+
+        Parameters
+        ----------
+        start, end, faces, groups, edges, points
+            As for `impacts`.
+        **options
+            Members of the FreeStepQuery.
+
+        Returns
+        -------
+        FreeStep
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
         """
         return self._find(step_of(start, end, faces, groups, edges, points), query_of(FreeStepQuery, options))
 
@@ -368,12 +570,31 @@ class Detector(_core.Detector):
         copy: bool = False,
         **options: Any,
     ) -> Proximities:
-        """Features whose distance is at most a radius: find with a ProximityQuery.
+        """Finds features whose distance is at most a radius.
 
-        Args:
-            vertices, faces: (n, 3) and (m, 3); or a scene alone; or two meshes.
-            groups, edges, points: as crumple.Mesh has them.
-            copy: as of find.
+        Short for `find` with a ProximityQuery.
+
+        Parameters
+        ----------
+        vertices : (n, 3) array_like of float32 or float64, or scene
+            Vertices; or without `faces` a whole scene; or the first of two meshes.
+        faces : (m, 3) or (3 m,) array_like of int, optional
+            Indices of vertices; or the second mesh.
+        groups, edges, points : array_like, optional
+            Attributes of the Mesh.
+        copy : bool, default False
+            As for `find`.
+        **options
+            Members of the ProximityQuery.
+
+        Returns
+        -------
+        Proximities
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
         """
         scene = scene_of(vertices, faces, groups=groups, edges=edges, points=points)
         return self._find(scene, query_of(ProximityQuery, options), copy)
@@ -391,33 +612,89 @@ class Detector(_core.Detector):
         copy: bool = False,
         **options: Any,
     ) -> Candidates:
-        """Features whose boxes overlap: find with a CandidateQuery.
+        """Finds features whose inflated boxes overlap.
 
-        Args:
-            vertices, faces: (n, 3) and (m, 3); or a scene alone; or two meshes.
-            end: (n, 3): where the vertices are at the end; None: they stay.
-            groups, edges, points: as crumple.Mesh has them.
-            copy: as of find.
+        Short for `find` with a CandidateQuery.
+
+        Parameters
+        ----------
+        vertices : (n, 3) array_like of float32 or float64, or scene
+            Vertices; or without `faces` a whole scene; or the first of two meshes.
+        faces : (m, 3) or (3 m,) array_like of int, optional
+            Indices of vertices; or the second mesh.
+        end : (n, 3) array_like of float32 or float64, optional
+            Positions at the end of a step; None: the mesh does not move.
+        groups, edges, points : array_like, optional
+            Attributes of the Mesh.
+        copy : bool, default False
+            As for `find`.
+        **options
+            Members of the CandidateQuery.
+
+        Returns
+        -------
+        Candidates
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
         """
         scene = scene_of(vertices, faces, end=end, groups=groups, edges=edges, points=points)
         return self._find(scene, query_of(CandidateQuery, options), copy)
 
     @keywords_of(DistanceQuery)
     def distances(self, world: Any, second: Any = None, *, copy: bool = False, **options: Any) -> Distances:
-        """Distances of the bodies of a world, or of two meshes, each pair of them: find with a DistanceQuery.
+        """Finds the distance of each pair of bodies of a world, or of two meshes.
 
-        Args:
-            world, second: a World; or two meshes.
-            copy: as of find.
+        Short for `find` with a DistanceQuery.
+
+        Parameters
+        ----------
+        world : World or mesh
+            World, or the first of two meshes.
+        second : mesh, optional
+            Second mesh.
+        copy : bool, default False
+            As for `find`.
+        **options
+            Members of the DistanceQuery.
+
+        Returns
+        -------
+        Distances
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
         """
         return self._find(scene_of(world, second), query_of(DistanceQuery, options), copy)
 
     @keywords_of(OverlapQuery)
     def overlaps(self, world: Any, second: Any = None, *, copy: bool = False, **options: Any) -> Overlaps:
-        """Overlaps of the closed bodies of a world, or of two meshes, each pair of them: find with an OverlapQuery.
+        """Finds the overlap of each pair of closed bodies of a world, or of two meshes.
 
-        Args:
-            world, second: a World; or two meshes.
-            copy: as of find.
+        Short for `find` with an OverlapQuery.
+
+        Parameters
+        ----------
+        world : World or mesh
+            World, or the first of two meshes, or one mesh.
+        second : mesh, optional
+            Second mesh.
+        copy : bool, default False
+            As for `find`.
+        **options
+            Members of the OverlapQuery.
+
+        Returns
+        -------
+        Overlaps
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
         """
         return self._find(scene_of(world, second), query_of(OverlapQuery, options), copy)

@@ -1,4 +1,4 @@
-"""Devices: those that the cuda backend can work on, launches, and results in their memory."""
+"""CUDA devices, launches, and results in device memory."""
 
 from __future__ import annotations
 
@@ -16,17 +16,23 @@ _AGAIN = "a call outside of the capture makes longer lists, or other features; c
 
 
 class DeviceArray:
-    """An array in CUDA memory that a detector owns.
+    """Array in CUDA memory that a detector owns.
 
-    What reads arrays of a device takes it, without a copy: torch.from_dlpack(array), cupy.from_dlpack(array),
-    jax.dlpack.from_dlpack(array), wp.from_dlpack(array), and by __cuda_array_interface__ cupy.asarray(array),
-    numba.cuda.as_cuda_array(array). It is ready on every stream. Valid as the result that it belongs to; copy what has
-    to last (torch.from_dlpack(array).clone()). Flags are uint8.
+    Attributes
+    ----------
+    shape : tuple of int
+        Number of elements along each axis.
+    dtype : {"<i4", "<i8", "<f8", "|u1"}
+        Type as NumPy writes it. Flags are uint8, "|u1".
+    address : int
+        Address of the first element in device memory.
 
-    Attributes:
-        shape: numbers of elements.
-        dtype: "<i4", "<i8", "<f8" or "|u1", as NumPy writes types.
-        address: of the first element, in device memory.
+    Notes
+    -----
+    Packages read it without a copy: `torch.from_dlpack(array)`, `cupy.from_dlpack(array)`,
+    `jax.dlpack.from_dlpack(array)`, `wp.from_dlpack(array)`, and through `__cuda_array_interface__`
+    `cupy.asarray(array)` and `numba.cuda.as_cuda_array(array)`. It is ready on every stream. It is valid as long as its
+    DeviceResult; copy what has to last longer (`torch.from_dlpack(array).clone()`).
     """
 
     __slots__ = ("_detector", "address", "dtype", "shape")
@@ -59,21 +65,35 @@ class DeviceArray:
 
 
 class DeviceResult:
-    """A result in device memory.
+    """Result in device memory.
 
-    Valid until the second launch after the one that it is for, or the detector's next call that is no launch and no
-    wait. Its arrays (DeviceArray) have the names of those of the result on the host, and their bytes; flags are uint8.
-    Of intersections of meshes `pairs`, `offsets`, `hit`, `hit_second`; of worlds `world_hit`, `world_counts`,
-    `world_offsets`, and where pairs were requested `pairs` and `bodies`; with contacts `contact_kinds`,
-    `contact_offsets` and `contact_points`. Of features the lists, and `edges`.
+    Attributes
+    ----------
+    any : bool
+        True if anything was found.
+    complete : bool
+        False if the result of a captured launch did not fit: then there are no arrays.
+    needed : int
+        Number of rows; of an incomplete result the number found so far, a lower bound.
+    count : int
+        Number of rows of all lists.
+    first : FirstImpact or None
+        First impact, for impacts with output "first" or "pairs".
+    statistics : Statistics
+        Counts and times of the call.
 
-    Attributes:
-        any: whether there is anything.
-        complete: False if the result did not fit in a launch that was captured: then there are no arrays.
-        needed: rows that there are; where it is not complete, those that were found, and there may be more.
-        count: rows of all lists.
-        first: of impacts, the first one (crumple.FirstImpact), or None. From output="first" on.
-        statistics: what the call did.
+    Notes
+    -----
+    Other attributes are arrays (DeviceArray) with the names and contents of those of the result in host memory; flags
+    are uint8:
+
+    - intersections of meshes: `pairs`, `offsets`, `hit`, `hit_second`;
+    - intersections of worlds: `world_hit`, `world_counts`, `world_offsets`, and `pairs` and `bodies` if pairs were
+      requested;
+    - contacts: `contact_kinds`, `contact_offsets`, `contact_points`;
+    - features: the lists, and `edges`.
+
+    Valid until the second launch after its own, or until the detector's next call that is neither a launch nor a wait.
     """
 
     def __init__(self, detector: Detector, values: Any, arrays: dict[str, Any], statistics: Statistics) -> None:
@@ -102,25 +122,36 @@ class DeviceResult:
 
 
 class Launch:
-    """A query that Detector.launch has started."""
+    """Query in flight that Detector.launch has started."""
 
     def __init__(self, detector: Detector, ticket: Any) -> None:
         self._detector, self._ticket = detector, ticket
 
     def wait(self) -> DeviceResult:
-        """Waits, and returns where the result lies on the device. The oldest launch comes first.
+        """Waits for the launch and returns its result in device memory.
 
-        The result is complete: lists that were too short are made longer and the work is done again, and what only the
-        host can decide is decided. After a launch that was captured it is that of the last replay, whose stream the
-        caller has waited for, and is not made again: see DeviceResult.complete; each replay may be waited for.
+        Wait for launches in their order, the oldest first. The result is complete: `wait` grows
+        lists that were too short, runs the query again, and does the steps that only the host can do.
 
-        Raises InvalidInput if the arrays are not what a scene can be, or there is nothing to wait for; MemoryLimit.
+        After a captured launch: returns the result of the last replay, whose stream the caller has synchronized. That
+        query does not run again, see DeviceResult.complete. Each replay may be waited for.
+
+        Returns
+        -------
+        DeviceResult
+
+        Raises
+        ------
+        InvalidInput
+            If the contents of the arrays are invalid, or there is nothing to wait for.
+        MemoryLimit
+            If the lists exceed the memory limit.
         """
         return DeviceResult(self._detector, *self._ticket.wait(self._detector))
 
 
 def stream_of(given: Any) -> int | None:
-    """The address of a stream: an integer, or what PyTorch, Warp and CuPy have for streams."""
+    """Returns the address of a stream, given as an integer or as a stream of PyTorch, Warp or CuPy; None for None."""
     for name in ("cuda_stream", "ptr", "handle"):
         given = getattr(given, name, given)
     if given is None or (isinstance(given, int) and not isinstance(given, bool)):
@@ -130,13 +161,18 @@ def stream_of(given: Any) -> int | None:
 
 
 class DeviceInfo(NamedTuple):
-    """A device that the cuda backend can work on.
+    """Device that the cuda backend can use.
 
-    Attributes:
-        number: selects it, as the option `device` of a Detector.
-        name: from its driver.
-        major, minor: its compute capability.
-        memory_bytes: all of its memory, in use or not.
+    Attributes
+    ----------
+    number : int
+        Option `device` of a Detector that selects it.
+    name : str
+        Name from the driver.
+    major, minor : int
+        Compute capability.
+    memory_bytes : int
+        Total memory of the device.
     """
 
     number: int
@@ -147,15 +183,31 @@ class DeviceInfo(NamedTuple):
 
 
 class DeviceList(NamedTuple):
-    """The devices; and if there are none, the reason in one line, otherwise ""."""
+    """Result of list_devices.
+
+    Attributes
+    ----------
+    devices : list of DeviceInfo
+        Devices; empty if there are none.
+    reason : str
+        Reason in one line why there are none; "" if there are any.
+    """
 
     devices: list[DeviceInfo]
     reason: str
 
 
 def list_devices() -> DeviceList:
-    """The devices that CUDA lists. Without a device, a driver or the backend, the list is empty and says why.
+    """Returns the devices that CUDA lists.
 
+    Without a device, a driver or the cuda backend, the list is empty and has the reason. Raises no error for that.
+
+    Returns
+    -------
+    DeviceList
+
+    Notes
+    -----
     Cost: the first call in a process starts the driver, which takes some tenths of a second.
     """
     devices, reason = _core.list_devices()

@@ -1,4 +1,4 @@
-"""Pictures of results: plain arrays of what they show, and PyVista, which is imported only here."""
+"""Pictures of results: plain arrays of what they show, and PyVista, which only this module imports."""
 
 from __future__ import annotations
 
@@ -12,14 +12,28 @@ from ._errors import InvalidInput
 from ._mesh import Mesh
 from ._results import Contacts
 
-#: Red, green, blue of the first and the second mesh's triangles, calm and colliding, and of contacts: as in files.
+#: Red, green, blue of calm and colliding triangles of the first and second mesh, and of contacts; as in files.
 CALM = ((178, 178, 178), (150, 168, 188))
 COLLIDING = ((213, 94, 0), (213, 94, 0))
 CONTACT = (20, 20, 20)
 
 
 class Painted(NamedTuple):
-    """What a picture needs of a result: meshes, the triangles that collide, and contacts."""
+    """Contents of a picture.
+
+    Attributes
+    ----------
+    first : Mesh
+        First mesh.
+    hit : (m,) ndarray of bool
+        True for triangles of the first mesh that collide.
+    contacts : Contacts or None
+        Contacts to draw.
+    second : Mesh or None
+        Second mesh.
+    hit_second : (m,) ndarray of bool or None
+        True for triangles of the second mesh that collide.
+    """
 
     first: Mesh
     hit: NDArray[np.bool_]
@@ -29,14 +43,20 @@ class Painted(NamedTuple):
 
 
 class Drawing(NamedTuple):
-    """Both meshes in one.
+    """Both meshes of a picture in one, with the contacts.
 
-    Attributes:
-        vertices: (n, 3) float64.
-        faces: (m, 3) int64.
-        colours: (m, 3) uint8, one a face.
-        lines: (s, 2, 3) float64: contact segments, and the edges of contact areas.
-        points: (p, 3) float64: contacts at a single point.
+    Attributes
+    ----------
+    vertices : (n, 3) ndarray of float64
+        Vertices of both meshes.
+    faces : (m, 3) ndarray of int64
+        Indices of vertices.
+    colours : (m, 3) ndarray of uint8
+        Red, green, blue of each face.
+    lines : (s, 2, 3) ndarray of float64
+        Contact segments, and the edges of contact areas.
+    points : (p, 3) ndarray of float64
+        Contacts at a single point.
     """
 
     vertices: NDArray[np.float64]
@@ -47,7 +67,7 @@ class Drawing(NamedTuple):
 
 
 def _arrays_of(mesh: Mesh, triangles: int):
-    """Vertices and faces as they are now; what was changed after the search may no longer fit its result."""
+    """Returns vertices and faces as they are now. Refuses a mesh that no longer fits the result."""
     vertices, faces = host_array(mesh.vertices, "vertices"), host_array(mesh.faces, "faces")
     if vertices.size % 3 == 0 and faces.size == 3 * triangles:
         vertices, faces = vertices.astype(np.float64).reshape(-1, 3), faces.astype(np.int64).reshape(-1, 3)
@@ -66,21 +86,21 @@ def _contact_lines(result: Painted):
     contacts = result.contacts
     if contacts is None or not len(contacts):
         return np.empty((0, 2, 3)), np.empty((0, 3))
-    # Within a pair each point is joined to the next, and an area's last one to its first.
+    # Within a pair each point is connected to the next one, and the last point of an area to its first.
     starts, ends = contacts.offsets[:-1], contacts.offsets[1:]
     counts = ends - starts
     following = np.arange(len(contacts.points)) + 1
     following[ends - 1] = starts
     owner = np.repeat(np.arange(len(counts)), counts)
     drawn = counts[owner] > 1
-    drawn[ends[counts == 2] - 1] = False  # a segment is drawn once
+    drawn[ends[counts == 2] - 1] = False  # draws a segment only once
     return np.stack([contacts.points[drawn], contacts.points[following[drawn]]], axis=1), contacts.points[
         starts[counts == 1]
     ]
 
 
 def drawing_of(result: Painted) -> Drawing:
-    """The meshes of a result with colliding triangles coloured, and its contacts. Copies; for pictures only."""
+    """Returns the meshes of a result, with colliding triangles coloured, and its contacts. Copies all arrays."""
     vertices, faces, colours = _coloured(result.first, result.hit, 0)
     if result.second is not None:
         more_vertices, more_faces, more_colours = _coloured(result.second, result.hit_second, 1)
@@ -91,7 +111,7 @@ def drawing_of(result: Painted) -> Drawing:
 
 
 def _in_front(actor: Any) -> None:
-    """Draws contacts a little nearer to the eye: the surfaces that they lie in would hide half of each line."""
+    """Draws contacts a little nearer to the camera: otherwise their surfaces would hide half of each line."""
     mapper = actor.mapper
     mapper.SetResolveCoincidentTopologyToPolygonOffset()
     mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -300.0)
@@ -99,7 +119,7 @@ def _in_front(actor: Any) -> None:
 
 
 def plotter(result: Painted, off_screen: bool | None) -> Any:
-    """A pyvista.Plotter that shows the result. Raises a ModuleNotFoundError that says what to install."""
+    """Returns a pyvista.Plotter of the result. Raises ModuleNotFoundError that names the package to install."""
     try:
         import pyvista
     except ModuleNotFoundError as error:
@@ -122,12 +142,12 @@ def plotter(result: Painted, off_screen: bool | None) -> Any:
 
 
 def image(result: Painted, **options: Any) -> Any:
-    """A PIL.Image, without opening a window."""
+    """Returns a PIL.Image of the result, without opening a window."""
     scene = plotter(result, off_screen=True)
     try:
         pixels = scene.screenshot(**{**options, "filename": None, "return_img": True})
     finally:
         scene.close()
-    from PIL import Image  # PyVista needs it, too
+    from PIL import Image  # a dependency of PyVista, too
 
     return Image.fromarray(pixels)

@@ -1,5 +1,6 @@
-"""Every failure of the library, with the sentence and the place that the C++ library gives; and suggestions for
-misspelt keyword arguments, as Python 3.13 makes them.
+"""Exceptions, with message and location as in the C++ library, and suggestions for misspelt keywords.
+
+The suggestions are like those that Python 3.13 makes.
 """
 
 from __future__ import annotations
@@ -13,16 +14,22 @@ from typing import Any, TypeVar
 
 
 class Error(Exception):
-    """Base of all of crumple's exceptions. The detector that raised one stays usable.
+    """Base class of all exceptions of crumple. A detector that raised one stays usable.
 
-    Attributes:
-        code: "invalid_argument", "not_finite", "index_out_of_range", "memory_limit", "backend_unavailable", "file",
-            "format", "cancelled", "device" or "communication".
-        element: what `index` counts: "vertex", "triangle", "group", "option", "line", "byte", "body",
-            "shape", "edge", "point" or "none".
-        index: the first offending element, -1 if there is none.
-        bytes_needed: MemoryLimit: no limit below so many bytes suffices; otherwise 0.
-        rank: crumple.mpi: the rank that failed; otherwise -1.
+    Attributes
+    ----------
+    code : str
+        "invalid_argument", "not_finite", "index_out_of_range", "memory_limit", "backend_unavailable", "file", "format",
+        "cancelled", "device" or "communication".
+    element : str
+        What `index` counts: "vertex", "triangle", "group", "option", "line", "byte", "body", "shape", "edge", "point"
+        or "none".
+    index : int
+        First offending element; -1 if there is none.
+    bytes_needed : int
+        For MemoryLimit, a lower bound on a sufficient limit; otherwise 0.
+    rank : int
+        For crumple.mpi, the rank that failed; otherwise -1.
     """
 
     def __init__(
@@ -55,30 +62,32 @@ def _restore(kind, message, place):
 
 
 class InvalidInput(Error, ValueError):
-    """An array, an option or a file's content makes no sense: its shape, its type, NaN, an index out of range."""
+    """Invalid array, option or content of a file: shape, type, NaN, an index out of range, or another contradiction."""
 
 
 class InvalidType(InvalidInput, TypeError):
-    """An argument is of a type that cannot be one."""
+    """Argument of the wrong type."""
 
 
 class MemoryLimit(Error, MemoryError):
-    """Records or result do not fit the detector's memory limit; `bytes_needed` tells how much is needed."""
+    """Records or a result exceed the detector's memory limit; `bytes_needed` is a lower bound on a sufficient limit."""
 
 
 class BackendUnavailable(Error):
-    """The backend or instruction set asked for was not built or is not on this machine."""
+    """Requested backend or instruction set that was not built, or that this machine lacks."""
 
 
 class FileWarning(UserWarning):
-    """A file is read, but something about it is odd. The sentence names the file and the line or byte."""
+    """Oddity of a file that is read nevertheless. The message names the file and the line or byte."""
 
 
 class FileError(Error, OSError):
-    """A file cannot be opened, read or written.
+    """File that cannot be opened, read or written.
 
-    Attributes:
-        errno, strerror: as in OSError; None if the failure is not the operating system's.
+    Attributes
+    ----------
+    errno, strerror : int, str or None
+        As in OSError; None if the operating system did not report the failure.
     """
 
     def __init__(self, message: str, *, errno: int | None = None, **place) -> None:
@@ -98,7 +107,7 @@ def _restore_file_error(message, errno, code, element, index, rank=-1):
 
 
 def name_of_type(kind: type) -> str:
-    """The name for messages, with the module of all but Python's own."""
+    """Returns the name of a type for messages, with its module unless that is builtins."""
     return f"{kind.__module__}.{kind.__qualname__}".removeprefix("builtins.")
 
 
@@ -106,7 +115,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def suggesting(function: Function) -> Function:
-    """The function, which then suggests a name for an argument that it does not know."""
+    """Decorates a function: if it is called with an unknown keyword argument, its TypeError suggests a similar name."""
 
     @functools.wraps(function)
     def call(*arguments: Any, **named: Any) -> Any:
@@ -114,7 +123,7 @@ def suggesting(function: Function) -> Function:
             return function(*arguments, **named)
         except TypeError as error:
             if error.__traceback__ is None or error.__traceback__.tb_next is not None:
-                raise  # from within
+                raise  # from inside the function
             raise TypeError(_with_suggestions(str(error), function, named)) from None
 
     return call  # type: ignore[return-value]

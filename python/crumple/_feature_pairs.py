@@ -1,4 +1,4 @@
-"""Parts of a search: candidates, for a narrow phase of your own, and exact decisions, for a broad phase of your own."""
+"""Candidates for a narrow phase of the caller, and exact decisions for a broad phase of the caller."""
 
 from __future__ import annotations
 
@@ -18,12 +18,15 @@ _KIND_OF = {name: kind for kind, name in LISTS.items()} | {f"{kind}_bodies": kin
 
 
 class Candidates(PairLists):
-    """Which features have boxes that overlap, of the requested kinds: the same bytes wherever it is computed.
+    """Result of a CandidateQuery: pairs of features whose inflated boxes overlap, of the requested kinds.
 
-    A list for each kind, sorted and unique; of worlds by body before vertex, edge or face. IPC Toolkit's face-vertex,
-    edge-face and edge-vertex candidates are `vertex_faces`, `edge_faces` and `vertex_edges` here.
+    `bool(candidates)` is True if there is any, and `len(candidates)` is the number of all.
 
-    It is true if it lists anything; `len(candidates)` is the number of all.
+    Notes
+    -----
+    There is one list for each kind. Each pair occurs once. Lists are sorted by first feature, then second; for worlds
+    by body before each feature. The same bytes from every backend, instruction set and thread count. The face-vertex,
+    edge-face and edge-vertex candidates of IPC Toolkit are `vertex_faces`, `edge_faces` and `vertex_edges`.
     """
 
     _query = "CandidateQuery"
@@ -35,16 +38,16 @@ class Candidates(PairLists):
         if kind is not None and kind not in self._request.kinds:
             self._refuse(name, f'kinds=["{kind}"]')
 
-    edge_faces = int32("(k, 2) int32: each one of `edges` and a face without a common vertex.", (2,))
-    face_faces = int32("(k, 2) int32: each two faces without a common vertex, the lower first.", (2,))
-    vertex_edges = int32("(k, 2) int32: each a vertex and one of `edges` that does not name it.", (2,))
-    vertex_vertices = int32("(k, 2) int32: each two vertices, the lower first.", (2,))
-    edge_face_bodies = int32("(k, 2) int32, of a world: the edge's body and the face's.", (2,))
-    face_face_bodies = int32("(k, 2) int32, of a world: the body of each of the two faces.", (2,))
+    edge_faces = int32("(k, 2) int32: one of `edges` and a face without a common vertex.", (2,))
+    face_faces = int32("(k, 2) int32: two faces without a common vertex, the lower first.", (2,))
+    vertex_edges = int32("(k, 2) int32: a vertex and one of `edges` that does not name it.", (2,))
+    vertex_vertices = int32("(k, 2) int32: two vertices, the lower first.", (2,))
+    edge_face_bodies = int32("(k, 2) int32, for worlds and two meshes: bodies of the edge and the face.", (2,))
+    face_face_bodies = int32("(k, 2) int32, for worlds and two meshes: bodies of the two faces.", (2,))
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """The requested kinds."""
+        """Requested kinds."""
         return self._request.kinds
 
     def __bool__(self) -> bool:
@@ -52,11 +55,25 @@ class Candidates(PairLists):
         return self._found.count > 0
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the lists that were requested as .txt, .csv, .json or .npz, by extension (docs/feature_lists.md).
+        """Writes the requested lists to a file (docs/feature_lists.md).
 
-        Edges are named by their vertices in .txt and .csv; of worlds ids are body:id there. A file appears when it is
-        complete; the old one stays until then. Ctrl-C waits until the file is written. Raises InvalidInput for other
-        extensions; FileError.
+        Files name edges by their vertices in .txt and .csv; there, for worlds, ids are body:id.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            File; its extension, .txt, .csv, .json or .npz, selects the format.
+
+        Raises
+        ------
+        InvalidInput
+            If the extension is another one.
+        FileError
+            If the file cannot be written.
+
+        Notes
+        -----
+        The file appears when it is complete; an old one stays until then. Ctrl-C waits for the end.
         """
         name = file_name(path)
         if extension_of(name) not in (".txt", ".csv", ".json", ".npz"):
@@ -70,12 +87,16 @@ class Candidates(PairLists):
 
 
 class PairImpacts(NamedTuple):
-    """What pairs of features do on their way, an element a pair.
+    """Result of pair_impacts: one element per pair.
 
-    Attributes:
-        hit: (k,) bool: whether they touch at some time in [0, 1].
-        toi: (k,) float64: the first such time, the exact one rounded down; infinite without one.
-        start: (k,) bool: whether they touch at the start; then toi is 0. It may be 0 for a later contact as well.
+    Attributes
+    ----------
+    hit : (k,) ndarray of bool
+        True if the features touch at some time in [0, 1].
+    toi : (k,) ndarray of float64
+        First such time, the exact one rounded down; infinite if there is none.
+    start : (k,) ndarray of bool
+        True if the features touch at the start; then `toi` is 0. `toi` may also be 0 for a later contact.
     """
 
     hit: NDArray[np.bool_]
@@ -84,15 +105,21 @@ class PairImpacts(NamedTuple):
 
 
 class PairDistances(NamedTuple):
-    """How far apart pairs of features are, an element a pair.
+    """Result of pair_distances: one element per pair.
 
-    Attributes:
-        squared_distance: (k,) float64: the exact one, rounded to the nearest number; infinite beyond the largest.
-        touching: (k,) bool: whether the distance is 0 exactly.
-        type: (k,) uint8: which parts are closest: a VertexFaceType, an EdgeEdgeType or a VertexEdgeType, whose EA0 and
-            E0 are the first end given, or a VertexVertexType.
-        at: (k, 2) float64: (u, v) of the face's point a + u (b - a) + v (c - a); (s, t) of the edges' points
-            a + s (b - a) and c + t (d - c); (t, 0) of the one edge's a + t (b - a); (0, 0) of two vertices.
+    Attributes
+    ----------
+    squared_distance : (k,) ndarray of float64
+        Exact squared distance, rounded to the nearest number; infinite if it overflows.
+    touching : (k,) ndarray of bool
+        True if the distance is 0 exactly.
+    type : (k,) ndarray of uint8
+        Closest parts: a VertexFaceType, EdgeEdgeType, VertexEdgeType (whose EA0 and E0 are the first end given) or
+        VertexVertexType.
+    at : (k, 2) ndarray of float64
+        Closest points, as parameters: (u, v) of the point a + u (b - a) + v (c - a) of a face, (s, t) of a + s (b - a)
+        and c + t (d - c) on two edges, (t, 0) of a + t (b - a) on one edge, (0, 0) for two vertices. Exact, then
+        rounded.
     """
 
     squared_distance: NDArray[np.float64]
@@ -102,7 +129,7 @@ class PairDistances(NamedTuple):
 
 
 def _rows(given: Any, points: int, name: str) -> NDArray[np.float64]:
-    """(k * points, 3) of float64, without gaps: float32 converts without loss."""
+    """Returns (k * points, 3) contiguous float64. Converts float32 without loss."""
     import numpy as np
 
     from ._arrays import host_array
@@ -140,21 +167,37 @@ def pair_impacts(
     approaching_only: bool = False,
     threads: int = 0,
 ) -> PairImpacts:
-    """True if and when features of pairs touch while all points go straight from their start to their end: exactly.
+    """Decides for each pair of features if and when they touch, while their points move straight from start to end.
 
-    Each pair is decided as Detector.impacts decides it. Nothing is known of a mesh, so pairs that have a vertex in
-    common touch at the start.
+    Each decision is exact, and that of Detector.impacts. The function does not know the mesh: features with a common
+    vertex touch at the start.
 
-    Args:
-        kind: "vertex_face", "edge_edge", "vertex_edge" or "vertex_vertex".
-        start, end: float64 or float32, on the host. (k, 4, 3): the vertex, then the face's three corners; or the ends
-            of the one edge, then those of the other. (k, 3, 3): the vertex, then the edge's ends. (k, 2, 3): two
-            vertices.
-        min_distance, min_distance_share, approaching_only: as of ImpactQuery.
-        threads: 0: as many as the machine has.
+    Parameters
+    ----------
+    kind : {"vertex_face", "edge_edge", "vertex_edge", "vertex_vertex"}
+        Kind of all pairs.
+    start, end : (k, p, 3) array_like of float64 or float32
+        Points of each pair at the start and at the end, in host memory. By kind: the vertex and the face's three
+        corners (p = 4); two ends of each edge (p = 4); the vertex and the edge's two ends (p = 3); two vertices (p =
+        2).
+    min_distance, min_distance_share, approaching_only
+        As for ImpactQuery.
+    threads : int, default 0
+        Number of threads; 0: as many as the machine has.
 
-    Raises InvalidInput, which names the argument, the pair and the point. Ctrl-C waits for the result. Cost: some
-    0.3 us for a pair that is apart, 2 us for one that touches, 5 to 200 us where only rational arithmetic can tell.
+    Returns
+    -------
+    PairImpacts
+
+    Raises
+    ------
+    InvalidInput
+        If an argument is invalid. Names the argument, the pair and the point.
+
+    Notes
+    -----
+    Ctrl-C waits for the result. Cost per pair: about 0.3 us if the features stay apart, 2 us if they touch, 5 to 200 us
+    if only rational arithmetic can decide.
     """
     points = _points_of(kind)
     rows = _rows(start, points, "start"), _rows(end, points, "end")
@@ -163,13 +206,28 @@ def pair_impacts(
 
 @suggesting
 def pair_distances(kind: PairKind, points: Any, *, threads: int = 0) -> PairDistances:
-    """How far apart features of pairs are, and where they are closest: exact, then rounded.
+    """Finds the distance of each pair of features, and where they are closest: exact, then rounded.
 
-    Args:
-        kind, points: as kind and start of pair_impacts.
-        threads: 0: as many as the machine has.
+    Parameters
+    ----------
+    kind : {"vertex_face", "edge_edge", "vertex_edge", "vertex_vertex"}
+        Kind of all pairs.
+    points : (k, p, 3) array_like of float64 or float32
+        Points of each pair, as `start` of pair_impacts.
+    threads : int, default 0
+        Number of threads; 0: as many as the machine has.
 
-    Raises InvalidInput, which names the argument, the pair and the point. Ctrl-C waits for the result. Cost: some
-    0.6 us a pair, microseconds where only rational arithmetic can tell.
+    Returns
+    -------
+    PairDistances
+
+    Raises
+    ------
+    InvalidInput
+        If an argument is invalid. Names the argument, the pair and the point.
+
+    Notes
+    -----
+    Ctrl-C waits for the result. Cost per pair: about 0.6 us, and microseconds if only rational arithmetic can decide.
     """
     return PairDistances(*_core.pair_distances(kind, _rows(points, _points_of(kind), "points"), threads))

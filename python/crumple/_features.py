@@ -1,4 +1,4 @@
-"""Results about pairs of features: impacts and proximities, and what they share with candidates."""
+"""Results about pairs of features: impacts and proximities, and the base class that they share with candidates."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ._results import Result, bools, extension_of, file_name, float64, int32, in
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: The list of each kind of pairs.
+#: Name of the list of each kind of pairs.
 LISTS = {
     "vertex_face": "vertex_faces",
     "edge_edge": "edge_edges",
@@ -36,49 +36,49 @@ def _is_index(name: str) -> bool:
 
 
 class PairLists(Result):
-    """Base of results that list pairs of features, a list for each kind."""
+    """Base class of results that list pairs of features, one list for each kind."""
 
     @property
     def count(self) -> int:
-        """How many pairs of features are listed, of all kinds."""
+        """Number of pairs of features that are listed, of all kinds."""
         self._check("count")
         return self._found.count
 
     def __len__(self) -> int:
-        """How many pairs of features are listed; 0 where they were not requested."""
+        """Number of pairs of features that are listed; 0 if they were not requested."""
         return self._found.count
 
     vertex_faces = int32(
-        "(k, 2) int32: each a vertex and a face that does not name it, sorted; of worlds within their bodies.", (2,)
+        "(k, 2) int32: a vertex and a face that does not name it; for worlds, indices within their bodies.", (2,)
     )
-    vertex_face_bodies = int32("(k, 2) int32, of a world: the vertex's body and the face's.", (2,))
+    vertex_face_bodies = int32("(k, 2) int32, for worlds and two meshes: bodies of the vertex and the face.", (2,))
     edge_edges = int32(
-        "(k, 2) int32: each two of `edges` without a common vertex, sorted; of worlds within their bodies.", (2,)
+        "(k, 2) int32: two of `edges` without a common vertex; for worlds, indices within their bodies.", (2,)
     )
-    edge_edge_bodies = int32("(k, 2) int32, of a world: the body of each of the two edges.", (2,))
+    edge_edge_bodies = int32("(k, 2) int32, for worlds and two meshes: bodies of the two edges.", (2,))
     edges = int32(
-        "(n, 2) int32: the vertices of each edge, the lower first; each edge once, in lexicographic order. Or as "
-        "they were listed (`edges`). Of a world those of body b are edges[first_edge[b]:first_edge[b + 1]], and an "
-        "edge counts within its body.",
+        "(n, 2) int32: vertices of each edge: the edges of the mesh (Mesh.edges) in their order, or each edge of the "
+        "faces once, the lower vertex first, in lexicographic order. For worlds, body b has "
+        "edges[first_edge[b]:first_edge[b + 1]], and indices of edges count within the body.",
         (2,),
     )
-    first_edge = int64("(bodies + 1,) int64: where each body's edges begin in `edges`; one mesh is one body.")
+    first_edge = int64("(bodies + 1,) int64: start of each body's edges in `edges`, and the end; one mesh is one body.")
     points = int32(
-        "(n,) int32: the vertices that were listed as points, in their order; then rows name vertices by place here. "
-        "Of a world those of body b are points[first_point[b]:first_point[b + 1]]; a body without any names its "
-        "vertices."
+        "(n,) int32: the points of the mesh (Mesh.points) in their order; rows then name vertices by their position "
+        "here. For worlds, body b has points[first_point[b]:first_point[b + 1]]; rows of a body without points have "
+        "indices of its vertices."
     )
-    first_point = int64("(bodies + 1,) int64: where each body's listed points begin in `points`.")
-    vertex_edge_bodies = int32("(k, 2) int32, of a world: the vertex's body and the edge's.", (2,))
-    vertex_vertex_bodies = int32("(k, 2) int32, of a world: the body of each of the two vertices.", (2,))
+    first_point = int64("(bodies + 1,) int64: start of each body's points in `points`, and the end.")
+    vertex_edge_bodies = int32("(k, 2) int32, for worlds and two meshes: bodies of the vertex and the edge.", (2,))
+    vertex_vertex_bodies = int32("(k, 2) int32, for worlds and two meshes: bodies of the two vertices.", (2,))
 
 
 class FeatureResult(PairLists):
-    """Base of Impacts and Proximities."""
+    """Base class of Impacts and Proximities."""
 
     _write: ClassVar[Callable[..., None]]
     _outputs: ClassVar[tuple[str, ...]]
-    _from: ClassVar[dict[str, int]]  # what is made from which of `_outputs` on; all else is made for the last
+    _from: ClassVar[dict[str, int]]  # least index in `_outputs` that has an attribute; others need the last one
 
     def _check_output(self, name: str) -> None:
         if name in _NOT_IN_BLOCKS and self._request.block:
@@ -102,43 +102,62 @@ class FeatureResult(PairLists):
             self._refuse(name, "index=True")
 
     vertex_edges = int32(
-        "(k, 2) int32: each a vertex and one of `edges` that is of no face, sorted; see docs/motion.md.", (2,)
+        "(k, 2) int32: a vertex and one of `edges` without a face; docs/motion.md lists the exceptions.", (2,)
     )
-    vertex_vertices = int32("(k, 2) int32: each two vertices of no face and no edge, sorted.", (2,))
+    vertex_vertices = int32("(k, 2) int32: two vertices that no face and no edge names.", (2,))
     vertex_offsets = int64(
-        "(vertices + 1,), with `index`: rows of vertex v: vertex_faces[vertex_offsets[v]:vertex_offsets[v + 1]]."
+        "(vertices + 1,) int64, with `index`: vertex v has the rows vertex_faces[vertex_offsets[v]:vertex_offsets[v + "
+        "1]]."
     )
     face_offsets = int64(
-        "(faces + 1,), with `index`: rows of face f: vertex_faces[by_face[face_offsets[f]:face_offsets[f + 1]]]."
+        "(faces + 1,) int64, with `index`: face f has the rows vertex_faces[by_face[face_offsets[f]:face_offsets[f + "
+        "1]]]."
     )
-    by_face = int64("(k,) int64, with `index`: positions in `vertex_faces`, sorted by face, then by vertex.")
+    by_face = int64("(k,) int64, with `index`: positions in `vertex_faces`, sorted by face, then vertex.")
     edge_offsets = int64(
-        "(n + 1,), with `index`: rows whose lower edge is e: edge_edges[edge_offsets[e]:edge_offsets[e + 1]]."
+        "(n + 1,) int64, with `index`: rows with lower edge e: edge_edges[edge_offsets[e]:edge_offsets[e + 1]]."
     )
-    second_edge_offsets = int64("(n + 1,), with `index`: the same for the higher edge, as ranges of `by_second_edge`.")
-    by_second_edge = int64(
-        "(k,) int64, with `index`: positions in `edge_edges`, sorted by the higher edge, then by the lower."
+    second_edge_offsets = int64("(n + 1,) int64, with `index`: offsets into `by_second_edge`, by higher edge.")
+    by_second_edge = int64("(k,) int64, with `index`: positions in `edge_edges`, sorted by higher edge, then lower.")
+    vertex_edge_offsets = int64("(vertices + 1,) int64, with `index`: offsets into `vertex_edges`, by vertex.")
+    edge_vertex_offsets = int64("(n + 1,) int64, with `index`: offsets into `by_edge`, by edge.")
+    by_edge = int64("(k,) int64, with `index`: positions in `vertex_edges`, sorted by edge, then vertex.")
+    vertex_vertex_offsets = int64(
+        "(vertices + 1,) int64, with `index`: offsets into `vertex_vertices`, by first vertex."
     )
-    vertex_edge_offsets = int64("(vertices + 1,), with `index`: as vertex_offsets, of `vertex_edges`.")
-    edge_vertex_offsets = int64("(n + 1,), with `index`: rows of edge e, as ranges of `by_edge`.")
-    by_edge = int64("(k,) int64, with `index`: positions in `vertex_edges`, sorted by edge, then by vertex.")
-    vertex_vertex_offsets = int64("(vertices + 1,), with `index`: rows whose first vertex is v, of `vertex_vertices`.")
     second_vertex_offsets = int64(
-        "(vertices + 1,), with `index`: the same for the second vertex, as ranges of `by_second_vertex`."
+        "(vertices + 1,) int64, with `index`: offsets into `by_second_vertex`, by second vertex."
     )
     by_second_vertex = int64(
-        "(k,) int64, with `index`: positions in `vertex_vertices`, sorted by the second vertex, then by the first."
+        "(k,) int64, with `index`: positions in `vertex_vertices`, sorted by second vertex, then first."
     )
-    world_hit = bools('(worlds,) bool: in which worlds there is anything. From output="any_by_world" on.')
+    world_hit = bools(
+        '(worlds,) bool: True for worlds in which anything was found. Requires output="any_by_world" or more.'
+    )
 
     def save(self, path: str | os.PathLike[str], mesh: Any = None) -> None:
-        """Writes a file of the kind that its extension names.
+        """Writes a file of the kind that its extension selects.
 
-        - .txt, .csv, .json, .npz: the lists; of worlds ids are body:id in .txt and .csv
-        - .glb: the `mesh` of the scene, its triangles coloured by time or by distance, the darkest first
+        Parameters
+        ----------
+        path : str or os.PathLike
+            File. By extension:
 
-        A file appears when it is complete; the old one stays until then. Ctrl-C waits until the file is written. Raises
-        InvalidInput for other extensions, for results that list no pairs, and for a mesh that does not fit; FileError.
+            - .txt, .csv, .json, .npz: the lists; for worlds, ids are body:id in .txt and .csv;
+            - .glb: the mesh, with triangles coloured by time or by distance, the darkest first.
+        mesh : mesh, optional
+            For .glb, the mesh of the scene.
+
+        Raises
+        ------
+        InvalidInput
+            If the extension is another one, the result lists no pairs, the scene is a part, or the mesh does not fit.
+        FileError
+            If the file cannot be written.
+
+        Notes
+        -----
+        The file appears when it is complete; an old one stays until then. Ctrl-C waits for the end.
         """
         self._check_output("what save writes")
         if self._request.scene == "part":
@@ -156,7 +175,7 @@ class FeatureResult(PairLists):
         type(self)._write(path, self, None if mesh is None else as_mesh(mesh))
 
     def _description(self, found: str) -> str:
-        """What __repr__ says."""
+        """Returns the text of __repr__."""
         listed = self._found
         if self._request.output == self._outputs[-1]:
             faces, edges = len(listed.vertex_faces), len(listed.edge_edges)
@@ -167,14 +186,20 @@ class FeatureResult(PairLists):
 
 
 class FirstImpact(NamedTuple):
-    """The first impact of a step: that of least time as rounded, then the first in the order of the result.
+    """First impact of a step: the least time as rounded; among equals the first in the order of the result.
 
-    Attributes:
-        kind: "vertex_face", "edge_edge", "vertex_edge" or "vertex_vertex".
-        pair: as a row of Impacts.vertex_faces, edge_edges, vertex_edges or vertex_vertices.
-        bodies: of a world, the bodies of the pair; else None.
-        toi: first time of contact in [0, 1], rounded down.
-        start: whether they touch at the start.
+    Attributes
+    ----------
+    kind : {"vertex_face", "edge_edge", "vertex_edge", "vertex_vertex"}
+        Kind of the two features.
+    pair : tuple of int
+        The two features, as in a row of Impacts.vertex_faces, edge_edges, vertex_edges or vertex_vertices.
+    bodies : tuple of int or None
+        For worlds and two meshes, the bodies of the pair.
+    toi : float
+        First time of contact in [0, 1], rounded down.
+    start : bool
+        True if they touch at the start.
     """
 
     kind: Literal["vertex_face", "edge_edge", "vertex_edge", "vertex_vertex"]
@@ -185,20 +210,27 @@ class FirstImpact(NamedTuple):
 
 
 class FreeStep(NamedTuple):
-    """A share of a step that is free.
+    """Result of a FreeStepQuery.
 
-    Attributes:
-        share: 0 to 1, the least of all; 1: the whole step is free; 0: contact is at the start, or too near.
-        positions: (n, 3), of the precision of the mesh: start + s (end - start) with the share s of the vertex, body or
-            world, rounded. Of a world body by body, as they are posed, in float64.
-        first: the first impact of the uncut step; None: there is none.
-        intersecting: with `triangle_pairs`, the first two triangles that intersect at the start; else None.
-        intersecting_bodies: of a world or two meshes, their bodies; else None.
-        vertex_shares: (n,) float64, with held="vertices": the share of each vertex; else None.
-        body_shares: (bodies,) float64: of a world or two meshes the share of each body, unless vertices are held; else
-            None.
-        first_vertex: (bodies + 1,) int64: rows of body b in `positions` are first_vertex[b] to first_vertex[b + 1]; of
-            a mesh None.
+    Attributes
+    ----------
+    share : float
+        Smallest of all shares, 0 to 1. 1: the whole step is free; 0: something touches at the start or too early.
+    positions : (n, 3) ndarray
+        start + s (end - start) with the share s of the vertex, its body or its world, rounded, in the precision of the
+        mesh. For worlds and two meshes: the posed vertices, body after body, in float64.
+    first : FirstImpact or None
+        First impact of the whole step, if any.
+    intersecting : tuple of int or None
+        With `triangle_pairs`, the first pair of triangles that intersect at the start, if any.
+    intersecting_bodies : tuple of int or None
+        For worlds and two meshes, the bodies of these triangles.
+    vertex_shares : (n,) ndarray of float64 or None
+        Share of each vertex, for held="vertices".
+    body_shares : (bodies,) ndarray of float64 or None
+        Share of each body, for worlds and two meshes, unless held="vertices".
+    first_vertex : (bodies + 1,) ndarray of int64 or None
+        For worlds and two meshes: body b has the rows first_vertex[b] to first_vertex[b + 1] of `positions`.
     """
 
     share: float
@@ -212,14 +244,16 @@ class FreeStep(NamedTuple):
 
 
 class Impacts(FeatureResult):
-    """What touches what on its way, and when, as much as `output` requested: the same bytes wherever it is computed.
+    """Result of an ImpactQuery: features that touch during a step, and when, as much as `output` requests.
 
-    Two lists, of vertices with faces and of edges with edges, sorted and unique; of worlds by body before vertex, face
-    or edge. Where edges or points are listed two more, of what no face and no edge covers: vertices with edges of no
-    face, and vertices with vertices of neither. A time is in [0, 1], the exact one rounded down: toi <= exact < next
-    number.
+    `bool(impacts)` is True if anything touches, and `len(impacts)` is the number of impacts.
 
-    It is true if anything touches; `len(impacts)` is the number of impacts.
+    Notes
+    -----
+    There are two lists: vertices with faces, and edges with edges. Each pair occurs once. Lists are sorted by first
+    feature, then second; for worlds by body before each feature. Meshes with `edges` or `points` have two more lists,
+    for features without a face: vertices with edges, and vertices with vertices. Times are in [0, 1], rounded down: toi
+    <= exact < next number. The same bytes from every backend, instruction set and thread count.
     """
 
     _query = "ImpactQuery"
@@ -227,30 +261,30 @@ class Impacts(FeatureResult):
     _outputs = ("any", "any_by_world", "first", "pairs")
     _from: ClassVar = {"world_hit": 1, **dict.fromkeys(("first", "world_first", *_OF_THE_WHOLE), 2)}
 
-    vertex_face_toi = float64("(k,) float64: when vertex and face first touch.")
+    vertex_face_toi = float64("(k,) float64: first time of contact of vertex and face.")
     vertex_face_start = bools(
-        "(k,) bool: whether they touch at the start; then toi is 0. It may be 0 for a later contact as well."
+        "(k,) bool: True if they touch at the start; then toi is 0. It may also be 0 for a later contact."
     )
-    edge_edge_toi = float64("(k,) float64: when the two edges first touch.")
-    edge_edge_start = bools("(k,) bool: whether they touch at the start.")
-    vertex_edge_toi = float64("(k,) float64: when vertex and edge first touch.")
-    vertex_edge_start = bools("(k,) bool: whether they touch at the start.")
-    vertex_vertex_toi = float64("(k,) float64: when the two vertices first touch.")
-    vertex_vertex_start = bools("(k,) bool: whether they touch at the start.")
+    edge_edge_toi = float64("(k,) float64: first time of contact of the two edges.")
+    edge_edge_start = bools("(k,) bool: True if they touch at the start.")
+    vertex_edge_toi = float64("(k,) float64: first time of contact of vertex and edge.")
+    vertex_edge_start = bools("(k,) bool: True if they touch at the start.")
+    vertex_vertex_toi = float64("(k,) float64: first time of contact of the two vertices.")
+    vertex_vertex_start = bools("(k,) bool: True if they touch at the start.")
     triangle_pairs = int32(
-        "(k, 2) int32, with `triangle_pairs`: triangles, a < b, sorted; of worlds within their bodies.", (2,)
+        "(k, 2) int32, with `triangle_pairs`: triangles a < b, sorted; for worlds, indices within their bodies.", (2,)
     )
-    triangle_pair_bodies = int32("(k, 2) int32: of a world, the bodies of the two triangles.", (2,))
+    triangle_pair_bodies = int32("(k, 2) int32, for worlds and two meshes: bodies of the two triangles.", (2,))
     triangle_pair_toi = float64(
-        "(k,) float64: when any of their features first touch; 0 where they intersect at the start."
+        "(k,) float64: first time of contact of their features; 0 if they intersect at the start."
     )
-    triangle_pair_start = bools("(k,) bool: whether they intersect, or some features touch, at the start.")
-    triangle_offsets = int64("(faces + 1,), with `index`: rows whose first triangle is t, of `triangle_pairs`.")
+    triangle_pair_start = bools("(k,) bool: True if they intersect, or features of theirs touch, at the start.")
+    triangle_offsets = int64("(faces + 1,) int64, with `index`: offsets into `triangle_pairs`, by first triangle.")
     second_triangle_offsets = int64(
-        "(faces + 1,), with `index`: the same for the second triangle, as ranges of `by_second_triangle`."
+        "(faces + 1,) int64, with `index`: offsets into `by_second_triangle`, by second triangle."
     )
     by_second_triangle = int64(
-        "(k,) int64, with `index`: positions in `triangle_pairs`, sorted by the second triangle, then by the first."
+        "(k,) int64, with `index`: positions in `triangle_pairs`, sorted by second triangle, then first."
     )
 
     def _check(self, name: str) -> None:
@@ -268,13 +302,13 @@ class Impacts(FeatureResult):
 
     @property
     def first(self) -> FirstImpact | None:
-        """The first impact, of all worlds; None: the step is free. From output="first" on."""
+        """First impact of all worlds; None: the step is free. Requires output "first" or "pairs"."""
         self._check_output("first")
         return self._first(self._found.first)
 
     @property
     def world_first(self) -> list[FirstImpact | None]:
-        """The first impact of each world. From output="first" on."""
+        """First impact of each world. Requires output "first" or "pairs"."""
         self._check_output("world_first")
         return [self._first(first) for first in self._found.world_first]
 
@@ -288,9 +322,10 @@ class Impacts(FeatureResult):
 
 
 class VertexFaceType(IntEnum):
-    """Which part of a face is closest to a vertex: of lowest dimension, then first in this order.
+    """Part of a face that is closest to a vertex: the one of lowest dimension, then the first in this order.
 
-    E0 is the side from the face's first corner to the second, E1 from there to the third, E2 back: IPC Toolkit's names.
+    The names are those of IPC Toolkit. E0 is the side from the face's first corner to the second, E1 from the second to
+    the third, E2 from the third to the first.
     """
 
     P_T0 = 0
@@ -303,9 +338,9 @@ class VertexFaceType(IntEnum):
 
 
 class EdgeEdgeType(IntEnum):
-    """Which parts of two edges are closest: of lowest dimension, then first in this order.
+    """Parts of two edges that are closest: those of lowest dimension, then the first in this order.
 
-    EA and EB are the edges, EA0 is the first vertex of EA in `edges`: IPC Toolkit's names.
+    The names are those of IPC Toolkit. EA and EB are the two edges; EA0 is the first vertex of EA in `edges`.
     """
 
     EA0_EB0 = 0
@@ -320,7 +355,7 @@ class EdgeEdgeType(IntEnum):
 
 
 class VertexEdgeType(IntEnum):
-    """Which part of an edge is closest to a vertex: its first vertex in `edges`, its second one, or the edge."""
+    """Part of an edge that is closest to a vertex: its first or second vertex in `edges`, or the edge."""
 
     P_E0 = 0
     P_E1 = 1
@@ -328,18 +363,23 @@ class VertexEdgeType(IntEnum):
 
 
 class VertexVertexType(IntEnum):
-    """Which parts of two vertices are closest: there is only one."""
+    """Parts of two vertices that are closest: always the vertices."""
 
     P_P = 0
 
 
 class Proximities(FeatureResult):
-    """What is near what, and how near, as much as `output` requested: the same bytes wherever it is computed.
+    """Result of a ProximityQuery: features that are near each other, and how near, as much as `output` requests.
 
-    Two lists, of vertices with faces and of edges with edges, sorted and unique; of worlds by body before vertex, face
-    or edge. A squared distance is the exact one, rounded to the nearest float64: infinite beyond the largest.
+    `bool(proximities)` is True if anything is near, and `len(proximities)` is the number of pairs.
 
-    It is true if anything is near; `len(proximities)` is the number of pairs.
+    Notes
+    -----
+    There are two lists: vertices with faces, and edges with edges. Each pair occurs once. Lists are sorted by first
+    feature, then second; for worlds by body before each feature. Meshes with `edges` or `points` have two more lists,
+    for features without a face: vertices with edges, and vertices with vertices. Squared distances are exact, then
+    rounded to the nearest float64; infinite if they overflow. The same bytes from every backend, instruction set and
+    thread count.
     """
 
     _query = "ProximityQuery"
@@ -347,12 +387,12 @@ class Proximities(FeatureResult):
     _outputs = ("any", "any_by_world", "pairs")
     _from: ClassVar = {"world_hit": 1}
 
-    vertex_face_squared_distance = float64("(k,) float64: the squared distance of vertex and face.")
+    vertex_face_squared_distance = float64("(k,) float64: squared distance of vertex and face.")
     vertex_face_touching = bools(
-        "(k,) bool: whether their distance is 0 exactly. A squared distance may also be rounded to 0."
+        "(k,) bool: True if their distance is 0 exactly. A squared distance may also be rounded to 0."
     )
-    edge_edge_squared_distance = float64("(k,) float64: the squared distance of the two edges.")
-    edge_edge_touching = bools("(k,) bool: whether their distance is 0 exactly.")
+    edge_edge_squared_distance = float64("(k,) float64: squared distance of the two edges.")
+    edge_edge_touching = bools("(k,) bool: True if their distance is 0 exactly.")
 
     def _check(self, name: str) -> None:
         if name in _LEAST and self._request.of_bodies:
@@ -362,28 +402,31 @@ class Proximities(FeatureResult):
             if name in names and option not in self._request.options:
                 self._refuse(name, f"{option}=True")
 
-    vertex_face_type = uint8("(k,) uint8, with `closest`: a VertexFaceType each.")
+    vertex_face_type = uint8("(k,) uint8, with `closest`: VertexFaceType of each pair.")
     vertex_face_at = float64(
-        "(k, 2), with `closest`: (u, v) of the face's point a + u (b - a) + v (c - a) that is closest, rounded.", (2,)
+        "(k, 2) float64, with `closest`: (u, v) of the face's closest point a + u (b - a) + v (c - a), rounded.", (2,)
     )
-    edge_edge_type = uint8("(k,) uint8, with `closest`: an EdgeEdgeType each.")
+    edge_edge_type = uint8("(k,) uint8, with `closest`: EdgeEdgeType of each pair.")
     edge_edge_at = float64(
-        "(k, 2), with `closest`: (s, t) of the edges' points a + s (b - a) and c + t (d - c), rounded.", (2,)
+        "(k, 2) float64, with `closest`: (s, t) of the edges' closest points a + s (b - a) and c + t (d - c), rounded.",
+        (2,),
     )
-    vertex_edge_squared_distance = float64("(k,) float64: the squared distance of vertex and edge.")
-    vertex_edge_touching = bools("(k,) bool: whether their distance is 0 exactly.")
-    vertex_vertex_squared_distance = float64("(k,) float64: the squared distance of the two vertices.")
-    vertex_vertex_touching = bools("(k,) bool: whether their distance is 0 exactly.")
-    vertex_edge_type = uint8("(k,) uint8, with `closest`: a VertexEdgeType each.")
-    vertex_edge_at = float64("(k, 2), with `closest`: (s, 0) of the edge's point a + s (b - a), rounded.", (2,))
-    vertex_vertex_type = uint8("(k,) uint8, with `closest`: a VertexVertexType each, 0.")
-    vertex_vertex_at = float64("(k, 2), with `closest`: zeros.", (2,))
+    vertex_edge_squared_distance = float64("(k,) float64: squared distance of vertex and edge.")
+    vertex_edge_touching = bools("(k,) bool: True if their distance is 0 exactly.")
+    vertex_vertex_squared_distance = float64("(k,) float64: squared distance of the two vertices.")
+    vertex_vertex_touching = bools("(k,) bool: True if their distance is 0 exactly.")
+    vertex_edge_type = uint8("(k,) uint8, with `closest`: VertexEdgeType of each pair.")
+    vertex_edge_at = float64(
+        "(k, 2) float64, with `closest`: (s, 0) of the edge's closest point a + s (b - a), rounded.", (2,)
+    )
+    vertex_vertex_type = uint8("(k,) uint8, with `closest`: VertexVertexType of each pair, 0.")
+    vertex_vertex_at = float64("(k, 2) float64, with `closest`: zeros.", (2,))
     vertex_distance = float64(
-        "(vertices,), with `least`: each one's least distance, over the pairs listed; rounded down; or infinite. Of "
-        "listed points in their order."
+        "(vertices,) float64, with `least`: least distance of each vertex in near pairs, including those that `rings` "
+        "and `rest` drop, rounded down; infinite if there is none. If the mesh has points, one entry per point."
     )
-    face_distance = float64("(faces,), with `least`: the same of each face.")
-    edge_distance = float64("(n,), with `least`: the same of each of `edges`.")
+    face_distance = float64("(faces,) float64, with `least`: least distance of each face, as `vertex_distance`.")
+    edge_distance = float64("(n,) float64, with `least`: least distance of each of `edges`, as `vertex_distance`.")
 
     def __repr__(self) -> str:
         found = "pairs" if self._found.count != 1 else "pair"

@@ -1,4 +1,4 @@
-"""Files of meshes, worlds, poses and pairs; and scenes made by formula."""
+"""Files of meshes, worlds, poses and pairs; and procedural scenes."""
 
 from __future__ import annotations
 
@@ -28,25 +28,52 @@ def read_mesh(
     strict: bool = False,
     unit: Literal["um", "mm", "cm", "in", "ft", "m"] | None = None,
 ) -> FileMesh:
-    """Reads PLY, OBJ, STL, OFF, glTF or 3MF, told apart by content first and extension second.
+    """Reads a mesh from PLY, OBJ, STL, OFF, glTF or 3MF.
 
-    Of glTF and 3MF all bodies, where they are, are one mesh; read_world keeps them apart.
+    Detects the format by content first, then by extension. All bodies of glTF and 3MF, in their places, are one mesh;
+    read_world keeps them apart.
 
-    Args:
-        path: the file.
-        precision: of the coordinates; "automatic" loses no bit of the file.
-        weld: whether to join vertices at equal positions; "automatic": STL only, which names no vertices.
-        group_property: PLY: the integer face property that holds the groups.
-        triangulation: how polygons become triangles. "ears": convex ones as a fan, concave ones without overlaps;
-            "fan": all from their first corner.
-        strict: raise InvalidInput for what would be a FileWarning.
-        unit: of the coordinates: files that do not say theirs, all but .3mf and glTF, are taken for it, and those in
-            another unit are converted, each coordinate rounded once. None: as the file has it.
+    Parameters
+    ----------
+    path : str or os.PathLike
+        File.
+    precision : {"automatic", "float32", "float64"}, default "automatic"
+        Precision of the coordinates; "automatic" loses no bit of the file.
+    weld : {"automatic", "yes", "no"}, default "automatic"
+        Whether to merge vertices at equal positions; "automatic": for STL only, which has no indices.
+    group_property : str, optional
+        For PLY, the integer face property that contains the groups.
+    triangulation : {"ears", "fan"}, default "ears"
+        Triangulation of polygons. "ears": convex polygons as a fan, concave ones without overlaps; "fan": all from
+        their first corner.
+    strict : bool, default False
+        If True, raises InvalidInput instead of issuing a FileWarning.
+    unit : {"um", "mm", "cm", "in", "ft", "m"}, optional
+        Unit of the result. Files that do not state a unit (all but 3MF and glTF) are assumed to use it; those in
+        another unit are converted, each coordinate rounded once. None: the unit of the file.
 
-    Returns a FileMesh of (n, 3) float32 or float64, (m, 3) int32 and, if asked for, (m,) int32; it is a Mesh that also
-    names the polygon of each triangle and the unit. Issues a FileWarning for anything odd about the file. Raises
-    FileError, and InvalidInput that names the file and the line or byte; never returns part of a mesh. Reads hundreds
-    of MB a second; Ctrl-C waits until it is done. docs/input.md tells what the readers accept, warn of and refuse.
+    Returns
+    -------
+    FileMesh
+        (n, 3) float32 or float64 vertices, (m, 3) int32 faces and, if requested, (m,) int32 groups, with the polygon of
+        each triangle, and the unit.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read.
+    InvalidInput
+        If its contents are invalid. Names the file and the line or byte.
+
+    Warns
+    -----
+    FileWarning
+        If something in the file is odd.
+
+    Notes
+    -----
+    Never returns part of a mesh. Reads hundreds of MB per second; Ctrl-C waits for the end. docs/input.md lists what
+    the readers accept, warn about and refuse.
     """
     (vertices, faces, groups, polygons), odd, unit_of_file = _core.read_mesh(
         path, precision, weld, group_property, triangulation, strict, unit
@@ -61,20 +88,53 @@ def read_mesh(
 
 
 def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
-    """Writes .ply, .obj, .stl, .off, .glb or .3mf by extension. `mesh` is what as_mesh takes, with arrays on the host.
+    """Writes a mesh to .ply, .obj, .stl, .off, .glb or .3mf, by extension.
 
-    Coordinates keep every bit, except in .stl and .glb, which hold float32; .ply keeps groups, as the face property
-    `group`. .3mf keeps the unit of a FileMesh, and .glb, which is in metres, its size; the others have no unit.
-    Raises FileError, InvalidInput; the file then stays as it was. Ctrl-C waits until the file is written.
+    Coordinates keep every bit, except in .stl and .glb, which store float32. Groups are kept in .ply, as the face
+    property `group`. The unit of a FileMesh is kept in .3mf. In .glb, which is in metres, coordinates are converted.
+    Other formats have no unit.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        File.
+    mesh : mesh
+        Anything that as_mesh takes, with arrays in host memory.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be written; an old file stays as it was.
+    InvalidInput
+        If the mesh is invalid, or the extension is another one.
+
+    Notes
+    -----
+    Ctrl-C waits until the file is written.
     """
     _core.write_mesh(path, as_mesh(mesh))
 
 
 def read_pairs(path: str | os.PathLike[str]) -> NDArray[np.int32]:
-    """(k, 2) int32: the pairs of a file, in its order.
+    """Reads pairs of triangles from a file.
 
-    .csv, .json and .npz are read as Result.save writes them; any other file is text, the first two numbers of each
-    line. Raises FileError, InvalidInput.
+    Parameters
+    ----------
+    path : str or os.PathLike
+        .csv, .json or .npz as Intersections.save writes them. Any other file is text: the first two numbers of each
+        line.
+
+    Returns
+    -------
+    (k, 2) ndarray of int32
+        Pairs in the order of the file.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read.
+    InvalidInput
+        If its contents are invalid.
     """
     return _core.read_pairs(path)
 
@@ -89,16 +149,40 @@ def read_world(
     strict: bool = False,
     unit: Literal["um", "mm", "cm", "in", "ft", "m"] | None = None,
 ) -> World:
-    """Reads glTF 2.0 (.glb, .gltf) as a World: each node of the default scene that has a mesh is a body.
+    """Reads a world of bodies from glTF 2.0 (.glb, .gltf), 3MF, or any other mesh file.
 
-    Bodies come in the order of the file's nodes, with their names and their transforms from the root. Names that are
-    missing are those of the meshes, or node7; the second of a name becomes NAME_2. Meshes over the same data are one
-    shape. Of 3MF each mesh that the build names, itself or by components, is a body, with the object's name, or that of
-    an object around it, or `object 7`. Any other mesh file is a world of one body in place. Shapes are read-only arrays
-    that detectors remember.
+    Parameters
+    ----------
+    path : str or os.PathLike
+        File.
+    precision, weld, triangulation, strict, unit
+        As for read_mesh.
 
-    World.unit is that of the file. Arguments, errors and warnings as of read_mesh; docs/input.md tells what is read,
-    skipped and refused.
+    Returns
+    -------
+    World
+        Bodies with names and poses, and the unit of the file. Shapes are read-only arrays that detectors cache.
+
+    Raises
+    ------
+    FileError, InvalidInput
+        As read_mesh.
+
+    Warns
+    -----
+    FileWarning
+        If something in the file is odd.
+
+    Notes
+    -----
+    - glTF: each node of the default scene that has a mesh is a body, in the order of the file's nodes, with its name
+      and its transform from the root. A node without a name has that of its mesh, or a name like node7. The second body
+      of a name becomes NAME_2. Meshes over the same data are one shape.
+    - 3MF: each mesh that the build references, directly or through components, is a body, with the name of its object,
+      or of an object that contains it, or a name like `object 7`.
+    - Other files: one body, with the identity as its pose.
+
+    docs/input.md lists what is read, skipped and refused.
     """
     shapes, bodies, names, poses, odd, unit_of_file = _core.read_world(
         path, precision, weld, triangulation, strict, unit
@@ -112,15 +196,28 @@ def read_world(
 
 
 def read_poses(path: str | os.PathLike[str], bodies: World | int | Sequence[str] = 1) -> NDArray[np.float64]:
-    """(k, n, 3, 4) float64: the poses of a file, n a configuration.
+    """Reads poses from a file.
 
-    Args:
-        path: .npy of float32 or float64, of a shape that ends with 12 or 3, 4 (16 or 4, 4); any other file is text, a
-            row of 12 (or 16) numbers a line, with commas or blanks between. Rows are those of each body in turn,
-            configuration after configuration.
-        bodies: how many one configuration has, or their names; of a World, those that are not at rest (-1).
+    Parameters
+    ----------
+    path : str or os.PathLike
+        .npy of float32 or float64, of a shape that ends with 12 or 3, 4 (or 16 or 4, 4). Any other file is text: a row
+        of 12 (or 16) numbers per line, with commas or blanks between. Rows are those of the bodies in order,
+        configuration after configuration.
+    bodies : World, int, or sequence of str, default 1
+        Number of bodies in a configuration, or their names; for a World, its bodies that are not in all worlds (-1).
 
-    Raises FileError, and InvalidInput that names the row and its body.
+    Returns
+    -------
+    (k, n, 3, 4) ndarray of float64
+        Poses of k configurations of n bodies.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read.
+    InvalidInput
+        If its contents are invalid. Names the row and its body.
     """
     if isinstance(bodies, World):
         names = [name or f"body {i}" for i, name in enumerate(bodies.names)]
@@ -138,7 +235,19 @@ def read_poses(path: str | os.PathLike[str], bodies: World | int | Sequence[str]
 
 
 class ProceduralScene(NamedTuple):
-    """What a procedural scene is: its default number of triangles, and how many frames it has."""
+    """Description of a procedural scene.
+
+    Attributes
+    ----------
+    name : str
+        Name for make_scene.
+    summary : str
+        Description in one line.
+    triangles : int
+        Default number of triangles.
+    frames : int
+        Number of frames.
+    """
 
     name: str
     summary: str
@@ -147,21 +256,37 @@ class ProceduralScene(NamedTuple):
 
 
 def scenes() -> list[ProceduralScene]:
-    """The scenes that make_scene knows."""
+    """Returns the descriptions of all procedural scenes of make_scene, a list of ProceduralScene."""
     return [ProceduralScene(*description) for description in _core.scenes()]
 
 
 @suggesting
 def make_scene(name: str, *, triangles: int = 0, frame: int | None = None, seed: int = 1) -> Mesh:
-    """Makes a procedural scene, the same bits on every machine.
+    """Makes a procedural scene: the same bits on every machine.
 
-    Args:
-        name: one of those that scenes() lists, for instance "cloth".
-        triangles: about how many; 0: the scene's default.
-        frame: of an animation, from 0; None: the last.
-        seed: other numbers give other scenes of the same kind.
+    Parameters
+    ----------
+    name : str
+        Name of the scene, for instance "cloth"; scenes() lists them.
+    triangles : int, default 0
+        Approximate number of triangles; 0: the default of the scene.
+    frame : int, optional
+        Frame of an animation, from 0; None: the last one.
+    seed : int, default 1
+        Seed; other seeds give other scenes of the same kind.
 
-    Returns a Mesh with groups. Raises InvalidInput. Simulated scenes take seconds to minutes, the first time; Ctrl-C
-    ends them between two frames.
+    Returns
+    -------
+    Mesh
+        Mesh with groups.
+
+    Raises
+    ------
+    InvalidInput
+        If an argument is invalid.
+
+    Notes
+    -----
+    Simulated scenes take seconds to minutes the first time; Ctrl-C ends them between two frames.
     """
     return Mesh(*_core.make_scene(name, triangles, frame, seed)[:3])

@@ -1,4 +1,4 @@
-"""The result of an IntersectionQuery: NumPy views, and files and pictures of them."""
+"""Result of an IntersectionQuery: NumPy views, and files and pictures of them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".bmp": "BMP", ".ti
 _PAIR_FILES = {".txt", ".csv", ".json", ".npz"}
 _MESH_FILES = {".ply", ".obj", ".glb", ".3mf", ".html"}
 OUTPUTS = ("any", "any_by_world", "body_pairs", "count", "pairs", "contacts")
-# The least of OUTPUTS that an array or a count is made for.
+# Least of OUTPUTS that has an attribute.
 _FROM = {
     "skipped": "any",
     "world_hit": "any_by_world",
@@ -37,17 +37,23 @@ _INDEX = ("world_offsets", "body_offsets", "first_triangle", "hit")
 
 
 class Intersections(Result):
-    """Pairs of triangles that intersect, each once: the same bytes from every backend and thread count.
+    """Result of an IntersectionQuery: pairs of triangles that intersect, each once.
 
-    Of a mesh in lexicographic order, first < second; of two meshes the index in each. Of a world in the order of first
-    body, its triangle, second body, its triangle. So worlds follow each other, and pairs among bodies that are in all
-    worlds, which come once and count for none, are last; triangles count within their bodies. Of a part (crumple.Part)
-    pairs have the ids of the whole meshes; offsets and hits, and what is shown and saved as a mesh, are of the part's
-    own triangles, in the order of part.triangles.
+    `bool(result)` is True if anything intersects, and `len(result)` is the number of rows.
 
-    `len(result)` is the number of its rows; it is true if anything intersects. It keeps meshes, or the world and its
-    poses, as they were given, for show, save and to_html: pictures show what the arrays hold by then. copy.deepcopy and
-    pickles carry them.
+    Notes
+    -----
+    The same bytes from every backend and thread count. Order and ids:
+
+    - one mesh: in lexicographic order, first < second;
+    - two meshes: in lexicographic order, an index into each mesh;
+    - a world: sorted by first body, its triangle, second body, its triangle, with indices within the bodies. So worlds
+      follow each other. Pairs among bodies that are in all worlds occur once, come last, and count for no world;
+    - a part: pairs have the ids of the whole meshes. Offsets, hit flags, pictures and mesh files have the part's own
+      triangles, in the order of Part.triangles.
+
+    The result keeps the meshes, or the world and its poses, for `show`, `save` and `to_html`. They are the caller's
+    arrays: pictures show their current contents. copy.deepcopy and pickles contain them.
     """
 
     _query = "IntersectionQuery"
@@ -83,11 +89,11 @@ class Intersections(Result):
 
     @property
     def count(self) -> int:
-        """How many pairs of triangles intersect. From output="count" on."""
+        """Number of pairs of triangles that intersect. Requires output "count" or more."""
         self._check("count")
         return self._found.count
 
-    pairs = int32('(k, 2) int32: the triangles of each pair. From output="pairs" on.', (2,))
+    pairs = int32('(k, 2) int32: triangles of each pair. Requires output="pairs" or more.', (2,))
 
     _contact_kinds = uint8("Contacts.kinds.")
     _contact_offsets = int64("Contacts.offsets.")
@@ -95,83 +101,114 @@ class Intersections(Result):
 
     @cached_property
     def contacts(self) -> Contacts | None:
-        """Where the pairs meet, or None if output="contacts" was not requested."""
+        """Contacts of the pairs, or None if output="contacts" was not requested."""
         if self._request.output != "contacts":
             return None
         return Contacts(self._contact_kinds, self._contact_offsets, self._contact_points)
 
     bodies = int32(
-        '(k, 2) int32, of a world: the bodies of each pair; of output="body_pairs" those that intersect, each once.',
+        '(k, 2) int32, for worlds: bodies of each pair; for output="body_pairs" each intersecting pair of bodies once.',
         (2,),
     )
     inside = bools(
-        '(k,) bool, with `containment` and output="body_pairs": of which of `bodies` the surfaces do not meet, and one '
-        "has a component inside the other."
+        '(k,) bool, with `containment` and output="body_pairs": True for pairs of `bodies` whose surfaces do not '
+        "meet, and of which one body has a component inside the other."
     )
     skipped = int32(
-        '(s,) int32, with `containment`: for open="skip" the bodies whose surfaces are not closed, of the wanted pairs '
+        '(s,) int32, with `containment` and open="skip": bodies whose surfaces are not closed, among selected pairs '
         "whose boxes overlap and whose surfaces do not meet."
     )
-    offsets = int64("(m + 1,) int64, of meshes: pairs whose first triangle is i are pairs[offsets[i]:offsets[i + 1]].")
+    offsets = int64("(m + 1,) int64, for meshes: pairs with first triangle i are pairs[offsets[i]:offsets[i + 1]].")
     hit = bools(
-        "(m,) bool: which triangles (of the first mesh; with `index` of all bodies of a world) are in some pair."
+        "(m,) bool: True for triangles in some pair: of the first mesh; with `index`, of all bodies of a world."
     )
-    hit_second = bools("(m of the second mesh,) bool: the same for the second mesh; empty for one mesh.")
+    hit_second = bools("(m,) bool: True for triangles of the second mesh in some pair; empty for one mesh.")
     world_hit = bools(
-        '(worlds,) bool: in which worlds, or configurations, something intersects. From output="any_by_world" on.'
+        '(worlds,) bool: True for worlds in which anything intersects. Requires output="any_by_world" or more.'
     )
-    world_counts = int64('(worlds,) int64: how many pairs of triangles each world has. From output="count" on.')
+    world_counts = int64(
+        '(worlds,) int64: number of pairs of triangles of each world. Requires output="count" or more.'
+    )
     world_offsets = int64(
-        "(worlds + 1,) int64, with `index`: the rows of world w are [world_offsets[w]:world_offsets[w + 1]]. The "
-        "rows after these are of bodies that are in all worlds."
+        "(worlds + 1,) int64, with `index`: world w has the rows [world_offsets[w]:world_offsets[w + 1]]. Rows of "
+        "bodies that are in all worlds follow."
     )
     body_offsets = int64(
-        "(n + 1,) int64, with `index`: the rows whose first body is b are [body_offsets[b]:body_offsets[b + 1]]."
+        "(n + 1,) int64, with `index`: rows whose first body is b are [body_offsets[b]:body_offsets[b + 1]]."
     )
-    first_triangle = int64("(n + 1,) int64, with `index`: where each body's triangles begin in `hit`.")
+    first_triangle = int64("(n + 1,) int64, with `index`: start of each body's triangles in `hit`, and the end.")
 
     @property
     def names(self) -> list[tuple[str, str]]:
-        """The names of `bodies`, row by row; of configurations, those of the world they are made of."""
+        """Names of `bodies`, row by row; of configurations, those of the world that they are made from."""
         world = self.world
         return [(world.names[a], world.names[b]) for a, b in world.originals[self.bodies].tolist()]
 
     @property
     def world(self) -> World:
-        """The world that was searched."""
+        """World that was searched. Raises InvalidInput for meshes."""
         if not self._of_world:
             raise InvalidInput("the scene is a mesh or two, not a world")
         return self._scene[0]
 
     def __len__(self) -> int:
-        """How many rows there are; 0 where they were not requested."""
+        """Number of rows; 0 if they were not requested."""
         return len(self._found.bodies if self._of_world else self._found.pairs)
 
     def show(self, **options: Any) -> Any:
-        """Opens a window, or a picture in a notebook: triangles that intersect coloured, contacts drawn. Needs PyVista.
+        """Shows the meshes in a window or a notebook, with colliding triangles coloured and contacts drawn.
 
-        `options` go to pyvista.Plotter.show, whose result is returned. Raises ModuleNotFoundError without PyVista.
+        Parameters
+        ----------
+        **options
+            Passed to `pyvista.Plotter.show`.
+
+        Returns
+        -------
+        object
+            Result of `pyvista.Plotter.show`.
+
+        Raises
+        ------
+        ModuleNotFoundError
+            If PyVista is not installed.
         """
         from ._drawing import plotter
 
         return plotter(self._painted(), off_screen=None).show(**options)
 
     def save(self, path: str | os.PathLike[str], **options: Any) -> None:
-        """Writes a file of the kind that its extension names.
+        """Writes a file of the kind that its extension selects.
 
-        - .txt, .csv, .json, .npz: the pairs of meshes, and contacts if there are any
-        - .ply, .obj, .glb, .3mf: the meshes with triangles that intersect coloured. Of a world .glb and .3mf have
-          bodies with names and poses, over shapes that they share, the others one mesh; of output="body_pairs" whole
-          bodies are coloured
-        - .png, .jpg, .jpeg, .bmp, .tif, .tiff: a picture, as show paints it; needs PyVista. `options`, for instance
-          window_size=(1600, 1200), go to pyvista.Plotter.screenshot
-        - .html: a page to turn and zoom, which fills the window; of meshes with the option `height`, the piece of one
-          that to_html makes
+        Parameters
+        ----------
+        path : str or os.PathLike
+            File. By extension:
 
-        A file appears when it is complete; the old one stays until then. Files that show a mesh need its arrays on the
-        host. Ctrl-C waits until the file is written. Raises InvalidInput for other extensions, for options that do not
-        belong to the extension, and for meshes that do not fit the result any more, FileError, and ModuleNotFoundError
-        without PyVista.
+            - .txt, .csv, .json, .npz: pairs of meshes, and contacts if there are any;
+            - .ply, .obj, .glb, .3mf: the meshes with colliding triangles coloured. For worlds, .glb and .3mf have
+              bodies with names and poses that share shapes; the others have one mesh. For output="body_pairs" whole
+              bodies are coloured;
+            - .png, .jpg, .jpeg, .bmp, .tif, .tiff: a picture as of `show`; needs PyVista;
+            - .html: an interactive page that fills the window.
+        **options
+            For pictures, passed to `pyvista.Plotter.screenshot`, for instance `window_size=(1600, 1200)`. For .html of
+            meshes, `height`: writes the HTML of `to_html` instead.
+
+        Raises
+        ------
+        InvalidInput
+            If the extension is another one, an option does not belong to the extension, or the meshes have changed and
+            no longer fit the result.
+        FileError
+            If the file cannot be written.
+        ModuleNotFoundError
+            If PyVista is needed and not installed.
+
+        Notes
+        -----
+        The file appears when it is complete; an old one stays until then. Files that show a mesh need its arrays in
+        host memory. Ctrl-C waits for the end.
         """
         name = file_name(path)
         extension = extension_of(name)
@@ -207,10 +244,24 @@ class Intersections(Result):
             _core.write_coloured(path, *self._meshes(), self._held())
 
     def to_html(self, height: int = 480) -> str:
-        """A self-contained piece of HTML that shows the meshes and contacts in WebGL, to turn, zoom and move.
+        """Returns self-contained HTML that shows the meshes and contacts in WebGL, to turn, zoom and pan.
 
-        Of meshes. For a notebook: IPython.display.HTML(result.to_html()). It needs no package and no network. About 100
-        bytes a triangle. `height` is in pixels. Raises InvalidInput.
+        For meshes only. In a notebook: `IPython.display.HTML(result.to_html())`. Needs no package and no network.
+
+        Parameters
+        ----------
+        height : int, default 480
+            Height in pixels.
+
+        Returns
+        -------
+        str
+            About 100 bytes per triangle.
+
+        Raises
+        ------
+        InvalidInput
+            If the scene is a world, or pairs were not requested.
         """
         if self._of_world:
             raise InvalidInput('to_html shows meshes: save("page.html") shows a world')
@@ -223,7 +274,7 @@ class Intersections(Result):
         return self._scene[0], self._scene[1]
 
     def _held(self) -> Any:
-        """The result as the extension module has it; one that came through pickle is put together once more."""
+        """Returns the extension module's result; unpickling makes one, too."""
         return self._found
 
     def _painted(self) -> Painted:

@@ -1,4 +1,4 @@
-"""Meshes as input, crumple's own and those of trimesh, meshio, Open3D and PyVista, and shapes of bodies."""
+"""Meshes as input, of crumple and of trimesh, meshio, Open3D and PyVista; and shapes of bodies."""
 
 from __future__ import annotations
 
@@ -21,19 +21,27 @@ class _Arrays(NamedTuple):
 
 
 class Mesh(_Arrays):
-    """A triangle soup: any will do, open, non-manifold, degenerate, several objects in one array. Nothing is copied.
+    """Triangle soup, with optional positions at the end of a step, edges and points. Nothing is copied.
 
-    A tuple (vertices, faces, groups), with the attributes of a step and of features beside it.
+    Works on any triangle soup: open, non-manifold, degenerate, several objects in one array. A Mesh is a tuple
+    (vertices, faces, groups) with further attributes.
 
-    Attributes:
-        vertices: (n, 3) float32 or float64: NumPy, or anything that speaks DLPack or the buffer protocol; any strides.
-        faces: (m, 3) integers, indices into `vertices`; or flat, three a triangle.
-        groups: (m,) integers that fit int32, one group a face, or None: all in group 0.
-        end: (n, 3) float32 or float64: where the vertices are at the end of a step; None: they stay. If one of both is
-            float64, all is computed in float64.
-        edges: (k, 2) integers: what is meant by edges, instead of those of the faces. Rows name them by their place.
-        points: (k,) indices of vertices: what is meant by vertices, instead of those that a face or an edge names. Rows
-            name them by their place. With either, `faces` may be empty: rods, hair, particles.
+    Attributes
+    ----------
+    vertices : (n, 3) array_like of float32 or float64
+        Positions: NumPy, or anything that supports DLPack or the buffer protocol; any strides.
+    faces : (m, 3) or (3 m,) array_like of int
+        Indices of vertices.
+    groups : (m,) array_like of int or None
+        Group of each triangle, within int32; None: all in group 0.
+    end : (n, 3) array_like of float32 or float64, or None
+        Positions at the end of a step; None: the mesh does not move. If `vertices` or `end` is float64, the computation
+        is in float64.
+    edges : (k, 2) array_like of int or None
+        Edges of queries about features, instead of those of the faces. Rows name them by their position here.
+    points : (k,) array_like of int or None
+        Vertices of queries about features, instead of all that faces and edges name. Rows name them by their
+        position here. With `edges` or `points`, `faces` may be empty: for rods, hair, particles.
     """
 
     end: Any = None
@@ -53,11 +61,21 @@ class Mesh(_Arrays):
         return mesh
 
     def moving_to(self, end: Any) -> Self:
-        """The same mesh, whose vertices go straight to `end`: (n, 3) float32 or float64."""
+        """Returns this mesh with positions at the end of a step, to which vertices move straight.
+
+        Parameters
+        ----------
+        end : (n, 3) array_like of float32 or float64
+            Positions at the end.
+
+        Returns
+        -------
+        Mesh
+        """
         return self._with(end=end)
 
     def _with(self, **changes: Any) -> Self:
-        """A copy with other arrays or attributes."""
+        """Returns a copy with other arrays or attributes."""
         arrays = [changes.pop(name, value) for name, value in zip(self._fields, self)]
         mesh = type(self)(*arrays)
         mesh.__dict__.update(self.__dict__, **changes)
@@ -65,15 +83,22 @@ class Mesh(_Arrays):
 
 
 class Polygons(NamedTuple):
-    """The polygons that a file's triangles were cut from.
+    """Polygons of a file, from which the triangles were made.
 
-    `numpy.unique(numpy.sort(polygons.of_triangle[result.pairs]), axis=0)` are the pairs of polygons of one mesh that
-    collide; (p, p) is a polygon that collides with itself.
+    Attributes
+    ----------
+    of_triangle : (m,) ndarray of int32
+        Polygon of each triangle, ascending.
+    offsets : (p + 1,) ndarray of int64
+        Polygon i has the corners corners[offsets[i]:offsets[i + 1]].
+    corners : (k,) ndarray of int32
+        Indices of vertices, in the order of the file.
 
-    Attributes:
-        of_triangle: (m,) int32, the polygon of each triangle, ascending.
-        offsets: (p + 1,) int64; the corners of polygon i are corners[offsets[i]:offsets[i + 1]].
-        corners: (k,) int32, indices into the vertices, in the order of the file.
+    Examples
+    --------
+    Pairs of polygons of one mesh that collide; (p, p) is a polygon that collides with itself:
+
+        numpy.unique(numpy.sort(polygons.of_triangle[result.pairs]), axis=0)
     """
 
     of_triangle: Any
@@ -82,11 +107,14 @@ class Polygons(NamedTuple):
 
 
 class FileMesh(Mesh):
-    """A Mesh read from a file.
+    """Mesh that was read from a file.
 
-    Attributes:
-        polygons: the file's Polygons, or None where each of its faces is a triangle.
-        unit: of the coordinates, "um", "mm", "cm", "in", "ft" or "m"; None if the file does not say.
+    Attributes
+    ----------
+    polygons : Polygons or None
+        Polygons of the file; None if all of its faces are triangles.
+    unit : {"um", "mm", "cm", "in", "ft", "m"} or None
+        Unit of the coordinates; None if the file does not state one.
     """
 
     polygons: Polygons | None = None
@@ -94,17 +122,29 @@ class FileMesh(Mesh):
 
 
 def as_mesh(mesh: Any) -> Mesh:
-    """Views another package's mesh as a Mesh, without a copy where that package's arrays allow it.
+    """Returns a mesh of another package as a Mesh, without a copy if that package's arrays allow it.
 
-    Takes a Mesh, a tuple (vertices, faces) or (vertices, faces, groups), and meshes of
+    Parameters
+    ----------
+    mesh : Mesh, tuple, or mesh of another package
+        A tuple is (vertices, faces) or (vertices, faces, groups). Other packages:
 
-    - trimesh: Trimesh
-    - meshio: Mesh; triangles, and quadrilaterals cut in two as read_mesh cuts them (concave ones without overlap), in
-      the order of its cells; vertices and lines, higher-order ones too, bound nothing and are left out
-    - Open3D: geometry.TriangleMesh and t.geometry.TriangleMesh
-    - PyVista: PolyData of triangles
+        - trimesh: Trimesh;
+        - meshio: Mesh. Triangles, and quadrilaterals that are cut in two as in read_mesh (concave ones without
+          overlap), in the order of its cells. Vertices and lines are left out;
+        - Open3D: geometry.TriangleMesh and t.geometry.TriangleMesh;
+        - PyVista: PolyData of triangles.
 
-    Raises InvalidType for anything else, InvalidInput for cells that are neither triangles nor quadrilaterals.
+    Returns
+    -------
+    Mesh
+
+    Raises
+    ------
+    InvalidType
+        If the object is anything else.
+    InvalidInput
+        If it has cells that are neither triangles nor quadrilaterals.
     """
     if isinstance(mesh, Mesh):
         return mesh
@@ -112,7 +152,7 @@ def as_mesh(mesh: Any) -> Mesh:
         return Mesh(*mesh)
     if any(base.__module__.partition(".")[0] in ("pyvista", "pyvista_wasm") for base in type(mesh).__mro__):
         return _from_pyvista(mesh)
-    if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh, and packages that use its names
+    if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh, and packages with the same names
         return Mesh(mesh.vertices, mesh.faces)
     if hasattr(mesh, "points") and hasattr(mesh, "cells_dict"):
         return _from_meshio(mesh)
@@ -131,7 +171,7 @@ def as_mesh(mesh: Any) -> Mesh:
 
 
 def is_mesh(thing: Any) -> bool:
-    """True of what as_mesh takes, False of an array of vertices or faces."""
+    """True for anything that as_mesh takes, False for an array of vertices or faces."""
     if isinstance(thing, Mesh):
         return True
     if isinstance(thing, tuple):
@@ -142,14 +182,14 @@ def is_mesh(thing: Any) -> bool:
 
 
 def _is_row(thing: Any) -> bool:
-    """True of (0, 1, 2) and of 0, which a tuple of faces has where a mesh has its vertices."""
+    """True for a row of indices or an index: the first element of a tuple of faces, where a mesh has its vertices."""
     if isinstance(thing, (list, tuple)):
         return len(thing) > 0 and not hasattr(thing[0], "__len__")
     return isinstance(thing, int)
 
 
 def mesh_of(vertices: Any, faces: Any = None, **attributes: Any) -> Mesh:
-    """A mesh that is given by its arrays, or as one object; attributes that are None are those of the object."""
+    """Returns a Mesh of arrays or of one object. Attributes that are not None replace those of the object."""
     given = {name: value for name, value in attributes.items() if value is not None}
     if faces is None and ("edges" in given or "points" in given) and not is_mesh(vertices):
         faces = []  # a mesh without faces
@@ -158,17 +198,35 @@ def mesh_of(vertices: Any, faces: Any = None, **attributes: Any) -> Mesh:
 
 
 def open_edges(vertices: Any, faces: Any = None, weld: bool = False) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """The open edges of a surface: those that triangles name more often in one direction than in the other.
+    """Finds the open edges of a surface: edges that its triangles name more often in one direction than in the other.
 
-    A surface without any is closed, as an OverlapQuery needs it. An edge of one triangle is open, and so is one along
-    which two triangles run in the same direction.
+    A surface without open edges is closed, as an OverlapQuery needs it. An edge of only one triangle is open, and so is
+    an edge that two triangles traverse in the same direction.
 
-    Args:
-        vertices, faces: (n, 3) and (m, 3), on the host; or one object that as_mesh takes.
-        weld: vertices at equal positions are one, the lowest of them.
+    Parameters
+    ----------
+    vertices : (n, 3) array_like, or mesh
+        Vertices in host memory; or one object that as_mesh takes.
+    faces : (m, 3) or (3 m,) array_like of int, optional
+        Indices of vertices.
+    weld : bool, default False
+        Merges vertices at equal positions; the lowest index represents them.
 
-    Returns (k, 2) int32, the two vertices of each edge, the lower one first, in lexicographic order; and (k,) int32,
-    the lowest triangle that names it. Raises InvalidInput, InvalidType.
+    Returns
+    -------
+    edges : (k, 2) ndarray of int32
+        Vertices of each edge, the lower one first, in lexicographic order.
+    triangles : (k,) ndarray of int32
+        Lowest triangle of each edge.
+
+    Raises
+    ------
+    InvalidInput, InvalidType
+        If the mesh is invalid.
+
+    Notes
+    -----
+    Cost: O(m log m), on one thread.
     """
     return _core.open_edges(mesh_of(vertices, faces), weld)
 
@@ -193,7 +251,7 @@ def _from_pyvista(mesh: Any) -> Mesh:
             f"a mesh of PyVista must be PolyData, not {name_of_type(type(mesh))}: "
             "call .extract_surface().triangulate() first"
         )
-    if not len(mesh.faces) and not mesh.n_strips:  # empty, or vertices and lines, which bound nothing
+    if not len(mesh.faces) and not mesh.n_strips:  # empty, or vertices and lines only
         return Mesh(mesh.points, [])
     if mesh.n_strips or not mesh.is_all_triangles:
         raise InvalidInput("the PyVista mesh has faces that are no triangles: call .triangulate() first")
@@ -207,7 +265,7 @@ def _from_meshio(mesh: Any) -> Mesh:
     if points.dtype.kind in "iu":
         points = points.astype(np.float64)
     blocks = []
-    for block in mesh.cells:  # in their order; cells_dict gathers cells by type
+    for block in mesh.cells:  # in the order of cells; cells_dict collects them by type
         kind, cells = block.type, block.data
         if kind == "triangle":
             blocks.append(cells)
@@ -225,13 +283,13 @@ def _from_meshio(mesh: Any) -> Mesh:
     return Mesh(points, faces)
 
 
-_FIRST_OWN = 2**63  # numbers of names; those below are for names that are numbers
+_FIRST_OWN = 2**63  # least number of a str or OwnName; int names are below
 _own_numbers = itertools.count(_FIRST_OWN)
 _numbers: dict[str, int] = {}
 
 
 class OwnName:
-    """The name of a shape that nobody else names, and whose arrays nobody changes."""
+    """Name of a shape that is its only user, and whose arrays never change."""
 
 
 def _number_of(name: Any) -> int:
@@ -252,35 +310,49 @@ def _number_of(name: Any) -> int:
 
 
 def name_of_number(number: int) -> str | int | None:
-    """The name that a number stands for; None: a shape's own, which has no other."""
+    """Returns the name of a number; None for an OwnName."""
     if number < _FIRST_OWN:
         return number
     return next((name for name, known in _numbers.items() if known == number), None)
 
 
 class Shape(_core.Shape):
-    """Triangles, and edges and points, that bodies are made of. Nothing is copied.
+    """Triangles, edges and points that bodies are made of. Nothing is copied.
 
-    Args:
-        vertices: (n, 3) float32 or float64; or a mesh that as_mesh knows, and then no `faces`. On the host.
-        faces: (m, 3) integers, or flat: three a triangle.
-        groups: (m,) integers that fit int32, one a triangle; None: the mesh's, or each body's own.
-        name: a str, or an int from 1 to 2**63 - 1. What it names has the same contents now and in later calls. A
-            detector checks it in the first call only and keeps what it has computed, for all bodies of that shape: one
-            that is clear of all others costs less than a microsecond. Pairs within a body are searched anew. Names
-            count for a whole process; another size or precision under a known name is an InvalidInput. A shape whose
-            vertices move gets no name, or a new one with each change.
-        end: (n, 3) float32 or float64: where they are at the end of a step, for queries about a step; None: they stay.
-            What a name promises says nothing of it, nor of what follows.
-        edges, points: as crumple.Mesh has them, for queries about features. What no face names is of
-            the body's group where the shape has no groups, else of none.
-        radii: (n,) float64 or float32, one a vertex, for a ProximityQuery, which tells what they are; None: 0, where
-            another shape has some. In the units of the world, whatever the pose.
-        rest: (n, 3) float32 or float64: where the vertices are at rest, before poses, for `rest_radius` of
-            a ProximityQuery; None: there is no such shape.
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float32 or float64, or mesh
+        Positions in host memory; or without `faces` a mesh that as_mesh takes.
+    faces : (m, 3) or (3 m,) array_like of int, optional
+        Indices of vertices.
+    groups : (m,) array_like of int, optional
+        Group of each triangle, within int32; None: the groups of the mesh, or the group of each body.
+    name : str or int, optional
+        A str, or an int from 1 to 2**63 - 1. Promises that a shape with this name has the same contents in all calls. A
+        detector validates it in the first call only and caches derived data for all bodies of the shape. Names are
+        valid for the whole process. If vertices change, use no name or a new one.
+    end : (n, 3) array_like of float32 or float64, optional
+        Positions at the end of a step, for queries about motion; None: the shape does not move. The promise of `name`
+        does not include this array and the following ones.
+    edges, points : array_like of int, optional
+        As in Mesh, for queries about features. A feature without a face is in the body's group if the shape has no
+        groups, and else in none.
+    radii : (n,) array_like of float64 or float32, optional
+        Radius of each vertex, for a ProximityQuery, in the units of the world: poses do not scale them. None: 0, if
+        another shape has radii.
+    rest : (n, 3) array_like of float32 or float64, optional
+        Rest shape, unposed, for `rest_radius` of a ProximityQuery; None: no rest shape.
 
-    Raises InvalidInput, which names the argument. Whether coordinates are finite and indices in range is looked at when
-    a search first reads the shape.
+    Raises
+    ------
+    InvalidInput
+        If an argument is invalid. Names the argument. A search that first reads the shape validates coordinates and
+        indices; it also refuses another size or precision under the same name.
+
+    Notes
+    -----
+    Cost: a body whose shape is named costs less than a microsecond per call while it is clear of all others. Pairs
+    within a body are searched anew in each call.
     """
 
     __slots__ = ("__weakref__", "_end", "_lists", "_mesh", "_name", "_radii", "_rest")
@@ -321,37 +393,37 @@ class Shape(_core.Shape):
 
     @property
     def mesh(self) -> Mesh:
-        """What the shape was made of."""
+        """Mesh that the shape was made from."""
         return self._mesh
 
     @property
     def name(self) -> int | str | None:
-        """What the shape is remembered by, if anything; None also for one that a file gave, whose name is its own."""
+        """Name of the shape; None if it has none, also for a shape from a file, which has a private name."""
         return None if isinstance(self._name, OwnName) else self._name
 
     @property
     def end(self) -> Any:
-        """Where the vertices are at the end of a step, as given; None: they stay."""
+        """Positions of the vertices at the end of a step, as given; None: the shape does not move."""
         return self._end
 
     @property
     def edges(self) -> Any:
-        """The edges that are meant, as given; None: those of the faces."""
+        """Edges of queries about features, as given; None: those of the faces."""
         return self._lists[0]
 
     @property
     def points(self) -> Any:
-        """The vertices that are meant as points, as given; None: those that a face or an edge names."""
+        """Points of queries about features, as given; None: the vertices that a face or an edge names."""
         return self._lists[1]
 
     @property
     def radii(self) -> Any:
-        """The radii of the vertices, as given, or None."""
+        """Radii of the vertices, as given, or None."""
         return self._radii
 
     @property
     def rest(self) -> Any:
-        """Where the vertices are at rest, as given, or None."""
+        """Rest shape, as given, or None."""
         return self._rest
 
     def __reduce__(self) -> Any:
@@ -380,7 +452,7 @@ class Shape(_core.Shape):
 
 
 def shape_of(given: Any, which: str, name: Any = None) -> Shape:
-    """A Shape as it is, or one of a mesh. `which` leads every message."""
+    """Returns a Shape unchanged, or makes one of a mesh. `which` is the prefix of all messages."""
     if isinstance(given, Shape):
         return given
     try:
@@ -393,7 +465,7 @@ def shape_of(given: Any, which: str, name: Any = None) -> Shape:
 
 
 def constant_shape(mesh: Mesh, which: str) -> Shape:
-    """A shape with a name of its own, whose arrays nobody can write to."""
+    """Makes a shape with a private name, and its arrays read-only."""
     for array in mesh:
         if array is not None:
             array.flags.writeable = False
@@ -413,7 +485,7 @@ def restore_shape(
     radii: Any = None,
     rest: Any = None,
 ) -> Shape:
-    """The shape of a pickle. One whose own name is nobody else's has another number here."""
+    """Returns the shape of a pickle. A private name gets a new number."""
     shape = Shape.__new__(Shape)
     name = OwnName() if isinstance(name, OwnName) else name
     shape._make(Mesh(vertices, faces, groups), name, "", end, (edges, points), radii, rest)

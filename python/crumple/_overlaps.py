@@ -1,4 +1,4 @@
-"""Overlaps of bodies: how much, where, and which way out."""
+"""Result of an OverlapQuery: relation, volume, normal, curves and derivatives."""
 
 from __future__ import annotations
 
@@ -36,11 +36,22 @@ _OPTION = {
 
 
 class OverlapRelation(IntEnum):
-    """Relation of two bodies, decided exactly; volumes are integrals of winding numbers, in magnitude.
+    """Relation of two bodies, decided exactly. Volumes are integrals of winding numbers, in magnitude.
 
-    TOUCHING: their surfaces meet, and the overlap has no volume. FIRST_INSIDE, SECOND_INSIDE, EQUAL: the overlap has
-    the volume of the first body, of the second, of each of them, which is not 0. OVERLAPPING: none of these.
-    UNDEFINED: a surface is not closed (open="curves").
+    Attributes
+    ----------
+    TOUCHING
+        The surfaces meet, and the overlap has no volume.
+    OVERLAPPING
+        None of the others.
+    FIRST_INSIDE
+        The overlap has the volume of the first body, which is not 0.
+    SECOND_INSIDE
+        The overlap has the volume of the second body, which is not 0.
+    EQUAL
+        The overlap has the volume of each body.
+    UNDEFINED
+        A surface is not closed (open="curves").
     """
 
     TOUCHING = 0
@@ -52,78 +63,82 @@ class OverlapRelation(IntEnum):
 
 
 class Overlaps(Result):
-    """How much bodies overlap: a row for each pair whose surfaces meet, or of which one has a component in the other.
+    """Result of an OverlapQuery: one row for each pair of bodies that overlap.
 
-    Rows are in the order of first body, second body, the first the lower one. So worlds follow each other, and pairs
-    among bodies that are in all worlds, which come once, are last. `len(overlaps)` is the number of rows. Volumes, area
-    vectors and torques are exact sums, rounded once; the same bytes wherever they are computed.
+    That is, whose surfaces meet, or of which one has a component inside the other. `len(overlaps)` is the number of
+    rows.
+
+    Notes
+    -----
+    Rows are sorted by first body, then second; the first is the lower one. So worlds follow each other; pairs among
+    bodies that are in all worlds occur once, and come last. Volumes, area vectors and torques are exact sums, rounded
+    once. The same bytes from every backend, instruction set and thread count.
     """
 
     _query: ClassVar[str] = "OverlapQuery"
 
-    world_hit = bools('(worlds,) bool: in which worlds there is a row. From output="any_by_world" on.')
+    world_hit = bools('(worlds,) bool: True for worlds with a row. Requires output="any_by_world" or more.')
     skipped = int32(
-        '(s,) int32: with open="skip" the bodies that are not closed, of those that are wanted with a body whose box '
-        "overlaps theirs."
+        '(s,) int32, with open="skip": bodies that are not closed, ascending, among selected pairs whose boxes '
+        "overlap; with self_overlaps, among all bodies."
     )
     bodies = int32("(k, 2) int32: the two bodies, the lower one first.", (2,))
-    relation = uint8("(k,) uint8: an OverlapRelation each.")
-    volume = float64("(k,) float64: the volume of the overlap, in the units of the world, cubed.")
-    centroid = float64("(k, 3) float64: the centroid of the overlap; NaN where the volume is 0.", (3,))
+    relation = uint8("(k,) uint8: OverlapRelation of each pair.")
+    volume = float64("(k,) float64: volume of the overlap, in the units of the world, cubed.")
+    centroid = float64("(k, 3) float64: centroid of the overlap; NaN if the volume is 0.", (3,))
     area_vector = float64(
-        "(k, 3) float64: the derivative of the volume where the first body moves: the integral of the outward normal "
-        "over what of its surface lies inside the second body.",
+        "(k, 3) float64: derivative of the volume by a translation of the first body: the integral of the outward "
+        "normal over the part of its surface inside the second body.",
         (3,),
     )
-    normal = float64("(k, 3) float64: the direction of the area vector, the contact normal; NaN where that is 0.", (3,))
-    mean_depth = float64("(k,) float64: the volume over the length of the area vector; NaN where that is 0.")
+    normal = float64("(k, 3) float64: direction of the area vector, the contact normal; NaN if that is 0.", (3,))
+    mean_depth = float64("(k,) float64: volume over the length of the area vector; NaN if that is 0.")
     torque = float64(
-        "(k, 3) float64: the derivative of the volume where the first body turns about `torque_point`.", (3,)
+        "(k, 3) float64: derivative of the volume by a rotation of the first body about `torque_point`.", (3,)
     )
-    torque_point = float64("(k, 3) float64: the centroid; where there is none, a point between the bodies.", (3,))
+    torque_point = float64("(k, 3) float64: the centroid, or a point between the bodies if there is none.", (3,))
     contact_area = float64(
-        "(k,) float64: the total common area of coplanar triangles of both bodies, whichever way they face."
+        "(k,) float64: total common area of coplanar triangles of both bodies, regardless of their orientation."
     )
 
     gradient = float64(
-        "(m, 3) float64: derivatives of volumes by vertices, those that are not 0, for OverlapQuery(gradient=True).",
-        (3,),
+        "(m, 3) float64: nonzero derivatives of the volumes by vertices, for OverlapQuery(gradient=True).", (3,)
     )
-    gradient_vertices = int32("(m, 2) int32: of each of `gradient` the body, and the vertex of its shape.", (2,))
+    gradient_vertices = int32("(m, 2) int32: for each of `gradient` the body, and the vertex of its shape.", (2,))
     gradient_offsets = int64("(k + 1,) int64: row i has gradient[gradient_offsets[i] : gradient_offsets[i + 1]].")
     curve_offsets = int64(
-        "(k + 1,) int64: for OverlapQuery(curves=True), row i has the curves from curve_offsets[i] to "
-        "curve_offsets[i + 1]. If you follow one on the first body, seen from outside it, the inside of the second is "
-        "on the left."
+        "(k + 1,) int64, for OverlapQuery(curves=True): row i has the curves from curve_offsets[i] to curve_offsets[i "
+        "+ 1]. If you follow one on the first body, seen from outside it, the inside of the second body is on the "
+        "left."
     )
-    curve_closed = bools("(c,) bool: of each curve, whether it is closed. Curves end at boundaries of open surfaces.")
+    curve_closed = bools("(c,) bool: True for closed curves. Others end at boundaries of open surfaces.")
     curve_area_vector = float64(
-        "(c, 3) float64: the contribution of each curve to the area vector, one-sided; NaN if it is open.",
-        (3,),
+        "(c, 3) float64: contribution of each curve to the area vector, one-sided; NaN if it is open.", (3,)
     )
-    curve_torque = float64("(c, 3) float64: the same of the torque.", (3,))
+    curve_torque = float64(
+        "(c, 3) float64: contribution of each curve to the torque, one-sided; NaN if it is open.", (3,)
+    )
     curve_point_offsets = int64(
         "(c + 1,) int64: curve j has curve_points[curve_point_offsets[j] : curve_point_offsets[j + 1]]."
     )
     curve_points = float64(
-        "(n, 3) float64: points of the curves, one after the other; of a closed one the last is the first.", (3,)
+        "(n, 3) float64: points of the curves, curve after curve; the last point of a closed curve is its first.", (3,)
     )
     curve_triangles = int32(
-        "(n, 2) int32: the triangles of the two bodies that cross between a point and the next; -1 at the last point "
-        "of a curve.",
+        "(n, 2) int32: triangles of the two bodies that cross between a point and the next; -1 at the last point of a "
+        "curve.",
         (2,),
     )
     windings = int32(
-        "(m,) int32: winding numbers of the other body at vertices, those that are not 0, for "
-        "OverlapQuery(windings=True)."
+        "(m,) int32: nonzero winding numbers of the other body at vertices, for OverlapQuery(windings=True)."
     )
-    winding_vertices = int32("(m, 2) int32: of each of `windings` the body, and the vertex of its shape.", (2,))
+    winding_vertices = int32("(m, 2) int32: for each of `windings` the body, and the vertex of its shape.", (2,))
     winding_offsets = int64("(k + 1,) int64: row i has windings[winding_offsets[i] : winding_offsets[i + 1]].")
     body_volume = float64(
-        "(bodies,) float64: the volume of each body, NaN of one that is not closed; of a mesh, or for "
+        "(bodies,) float64: volume of each body, NaN if it is not closed; for a mesh, or "
         "OverlapQuery(self_overlaps=True)."
     )
-    is_solid = bools("(bodies,) bool: whether all winding numbers of a body are 0 or 1; with `body_volume`.")
+    is_solid = bools("(bodies,) bool: True if all winding numbers of a body are 0 or 1; made with `body_volume`.")
 
     def _check(self, name: str) -> None:
         option = _OPTION.get(name)
@@ -135,19 +150,35 @@ class Overlaps(Result):
             self._refuse(name, f'output="{least}"')
 
     def save(self, path: str | os.PathLike[str], *scene: Any) -> None:
-        """Writes a picture in which overlaps are seen from outside: save("overlap.html", world), or (path, mesh, mesh).
+        """Writes a picture in which overlaps are visible from outside.
 
-        What lies inside another body of a row, or a second time inside its own, is opaque and in a strong colour, all
-        else is translucent. Bodies of rows are cut for that along the curves in which they cross, which are searched
-        anew, so that the file has other triangles than the scene.
+        `overlaps.save("overlap.html", world)`, or with one or two meshes instead of the world.
 
-        - .html: a page to turn and zoom, which also shows the curves
-        - .glb, .3mf: bodies with names; .obj: one mesh, with its materials in a .mtl beside it
-        - .ply, which knows nothing translucent: the surface of the overlaps alone
+        Parameters
+        ----------
+        path : str or os.PathLike
+            File. By extension:
 
-        `scene` is what was searched: a World of one configuration, or one or two meshes as as_mesh takes them. A file
-        appears when it is complete; Ctrl-C waits until then. Raises InvalidInput for other extensions, for results that
-        do not list bodies, and for a scene that does not fit; FileError.
+            - .html: an interactive page, which also shows the curves;
+            - .glb, .3mf: bodies with names;
+            - .obj: one mesh, with its materials in a .mtl file;
+            - .ply, which has no translucent colours: only the surface of the overlaps.
+        *scene : World, or one or two meshes
+            Scene that was searched: a World of one configuration, or meshes that as_mesh takes.
+
+        Raises
+        ------
+        InvalidInput
+            If the extension is another one, the result does not list bodies, or the scene does not fit the result.
+        FileError
+            If the file cannot be written.
+
+        Notes
+        -----
+        The parts of a surface that are inside another body of a row, or inside their own body a second time, are opaque
+        and in a strong colour; all others are translucent. For that, bodies of rows are cut along the curves in which
+        they cross, which are searched again. So the file has other triangles than the scene. The file appears when it
+        is complete; Ctrl-C waits for the end.
         """
         name = file_name(path)
         if extension_of(name) not in (".html", ".glb", ".3mf", ".obj", ".ply"):
@@ -161,18 +192,18 @@ class Overlaps(Result):
 
     @property
     def curves(self) -> list[list[np.ndarray]]:
-        """The curves of each row: a list of arrays (m, 3) of points, which are parts of `curve_points`."""
+        """Curves of each row: a list of (m, 3) float64 views of `curve_points`."""
         points = self.curve_points
         curves = [points[begin:end] for begin, end in pairwise(self.curve_point_offsets.tolist())]
         return [curves[begin:end] for begin, end in pairwise(self.curve_offsets.tolist())]
 
     @property
     def count(self) -> int:
-        """How many pairs of bodies are listed."""
+        """Number of pairs of bodies that are listed."""
         return self._found.count
 
     def __len__(self) -> int:
-        """How many pairs of bodies are listed."""
+        """Number of pairs of bodies that are listed."""
         return self._found.count
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""Checks that what came through pickle fits together, as far as accessors, pictures and files trust it."""
+"""Consistency checks of unpickled results, for everything that accessors, pictures and files rely on."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _LISTS = {kind: LISTS[kind] for kind in ("vertex_face", "edge_edge", "vertex_edg
 
 
 class _Check:
-    """Base of checks that all of a result fits together."""
+    """Base class of checks that the members of a result are consistent."""
 
     def __init__(self, result: Result) -> None:
         self._name, self._found, self._request = type(result).__name__, result._found, result._request
@@ -41,7 +41,7 @@ class _Check:
         self._that(offsets[-1] <= most, what)
 
     def all(self) -> None:
-        """Raises InvalidInput where something does not fit."""
+        """Raises InvalidInput if anything is inconsistent."""
         raise NotImplementedError
 
 
@@ -135,7 +135,7 @@ class _CheckFeatures(_Check):
             return self._that(not (len(first) or len(last) or len(order)), offsets)
         for column, of, name in ((0, first, offsets), (1, last, second)):
             self._that(len(of) and of[0] == 0 and of[-1] == len(pairs) and (np.diff(of) >= 0).all(), name)
-            if self._request.scene == "part":  # by position in the part
+            if self._request.scene == "part":  # offsets count positions in the part
                 continue
             self._that((pairs[:, column] < len(of) - 1).all(), name)
             counts = np.bincount(pairs[:, column], minlength=len(of) - 1)
@@ -263,7 +263,7 @@ class _CheckOverlaps(_Check):
 
 
 class _CheckIntersections(_Check):
-    """Checks of worlds, and of meshes before the extension module checks their pairs."""
+    """Checks results about worlds; for meshes, all but pairs, which the extension module checks afterwards."""
 
     def all(self) -> None:
         found, request = self._found, self._request
@@ -321,5 +321,5 @@ _CHECKS: dict[str, type[_Check]] = {
 
 
 def check_fit(result: Result) -> None:
-    """Raises InvalidInput where something of a result does not fit together."""
+    """Raises InvalidInput if the members of a result are inconsistent."""
     _CHECKS[type(result).__name__](result).all()

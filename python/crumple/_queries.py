@@ -1,12 +1,11 @@
-"""Queries: the type says what is searched for, and gives the type of the result.
+"""Queries: the type selects what is searched for, and the type of the result.
 
-A query is declared here once. Its members are the keywords of the method of Detector that asks it, and what the
+Each query is declared once. Its members are the keywords of the corresponding method of Detector, and what the
 extension module reads (python/src/queries.cpp). FuzzyCMeans is an option of detectors.
 """
 
 from __future__ import annotations
 
-import functools
 import inspect
 import math
 from collections.abc import Callable, Iterable
@@ -22,14 +21,19 @@ CandidateKind = Literal["vertex_face", "edge_edge", "edge_face", "face_face", "v
 
 @dataclass(frozen=True, kw_only=True)
 class PairFilter:
-    """Which pairs a query is about.
+    """Selection of the pairs that a query tests.
 
-    Args:
-        bodies: pairs "between" bodies, "within" one, or "both"; "both" where the scene is no world.
-        groups: the same for groups, which compare across bodies and meshes.
-        excluded_bodies: pairs of bodies of a world that are not tested against each other, by name or index: an
-            iterable of sets ({"arm", "hand"}; {"arm"}: the arm and itself) or pairs, or an array (k, 2) of integers.
-        excluded_groups: the same for groups, by number: an array or any iterable of pairs.
+    Parameters
+    ----------
+    bodies : {"both", "between", "within"}, default "both"
+        Pairs between different bodies, within one body, or both. Must be "both" for scenes other than worlds.
+    groups : {"both", "between", "within"}, default "both"
+        Pairs between different groups, within one group, or both. Groups compare across bodies and meshes.
+    excluded_bodies : iterable of pairs, or (k, 2) array_like of int, optional
+        Pairs of bodies of a world that are not tested, by name or index: sets ({"arm", "hand"}; {"arm"}: the arm with
+        itself), or sequences of two. In robotics, the allowed collision matrix.
+    excluded_groups : iterable of pairs, or (k, 2) array_like of int, optional
+        Pairs of groups that are not tested.
     """
 
     bodies: Scope = "both"
@@ -37,16 +41,16 @@ class PairFilter:
     excluded_bodies: Any = None
     excluded_groups: Any = None
 
-    _indices: ClassVar[Any] = None  # of an object: (columns of a world, excluded_bodies by its indices)
+    _indices: ClassVar[Any] = None  # per object: (columns of a world, excluded_bodies by its indices), cached
 
     def __post_init__(self) -> None:
-        """Takes a constant copy of excluded pairs that are no array, so that their indices can be kept."""
+        """Copies excluded pairs that are not an array into constants, so that their indices can be cached."""
         pairs = self.excluded_bodies
         if isinstance(pairs, Iterable) and not isinstance(pairs, (str, bytes)) and not hasattr(pairs, "dtype"):
             object.__setattr__(self, "excluded_bodies", tuple(map(_constant, pairs)))
 
     def __getstate__(self) -> dict[str, Any]:
-        """The members: pickles and copies have nothing else."""
+        """Returns the members only, so pickles and copies have no cached data."""
         return members_of(self)
 
 
@@ -57,24 +61,25 @@ def _constant(pair: Any) -> Any:
 
 
 def members_of(value: Any) -> dict[str, Any]:
+    """Returns the fields of a dataclass."""
     return {field.name: getattr(value, field.name) for field in fields(value)}
 
 
 class Query:
-    """Base of all queries."""
+    """Base class of all queries."""
 
     filter: PairFilter
-    _call: ClassVar[str]  # the name of its calls, and of the method of Detector
+    _call: ClassVar[str]  # name of the method of Detector, and part of the extension module's names
     _deliveries: ClassVar[frozenset[str]] = frozenset({"find", "supports"})
-    _methods: ClassVar[dict[str, str]]  # of the extension module's detector, by delivery
-    _read: ClassVar[Any] = None  # of an object: the query as the extension module has read it
-    _requests: ClassVar[Any] = None  # of an object: the requests of its results, by what they depend on
+    _methods: ClassVar[dict[str, str]]  # names of methods of the extension module's detector, by delivery
+    _read: ClassVar[Any] = None  # per object: cached query of the extension module
+    _requests: ClassVar[Any] = None  # per object: cached Requests of its results
 
     def __init_subclass__(cls) -> None:
         cls._methods = {delivery: f"_{delivery}_{cls._call}" for delivery in cls._deliveries}
 
     def __getstate__(self) -> dict[str, Any]:
-        """The members: pickles and copies have nothing else."""
+        """Returns the members only, so pickles and copies have no cached data."""
         return members_of(self)
 
 
@@ -83,27 +88,41 @@ _OF_PAIRS = frozenset({"find", "supports", "any", "stream", "partition", "launch
 
 @dataclass(frozen=True, kw_only=True)
 class IntersectionQuery(Query):
-    """Pairs of triangles that intersect -> Intersections.
+    """Query for all pairs of triangles that intersect; the result is Intersections.
 
-    Args:
-        output: how much is made; what is less than all pairs ends as soon as it is known. "any": whether anything
-            intersects; "any_by_world": in which worlds; "body_pairs": which bodies; "count": how many pairs; "pairs":
-            all of them; "contacts": and where each pair meets.
-        neighbours: pairs that share a vertex. "geometric": they intersect only if they meet outside the hull of what
-            they share (a fold counts, a hinge does not); "skip": never reported.
-        kind: "all": touching counts; "proper": only if an edge strictly crosses an interior.
-        weld: vertices at equal positions count as one, also those of different meshes and bodies.
-        containment: a body inside another one counts in the outputs "any", "any_by_world" and "body_pairs", never as
-            pairs of triangles; a body pair then says so (`Intersections.inside`). Two bodies count if their surfaces
-            meet, or else if a component of one has a vertex at which the winding number of the other's surface is not
-            0. Of worlds and two meshes, with `kind` "all", with the cpu and the reference backend.
-        open: with `containment`, bodies whose surfaces are not closed are an "error" in pairs whose boxes overlap and
-            whose surfaces do not meet, or nothing lies inside them, and Intersections.skipped names them ("skip").
-        filter: which pairs.
-        index: of worlds, also make offsets by world and by body, and hit flags; those of meshes are always there.
+    Parameters
+    ----------
+    output : {"any", "any_by_world", "body_pairs", "count", "pairs", "contacts"}, default "pairs"
+        How much of the result is made: whether anything intersects, in which worlds, which bodies, the number of pairs,
+        all pairs, or all pairs with the points where each meets. The search ends as soon as the output is decided.
+    neighbours : {"geometric", "skip"}, default "geometric"
+        Treatment of adjacent triangles, which share a vertex. "geometric": they intersect only if they meet outside the
+        hull of what they share (a fold does, a hinge does not); "skip": never reported.
+    kind : {"all", "proper"}, default "all"
+        "all": touching counts; "proper": only if an edge strictly crosses the interior of the other triangle.
+    weld : bool, default False
+        Vertices at equal positions count as one, including those of different meshes and bodies.
+    containment : bool, default False
+        A body inside another one counts in the outputs "any", "any_by_world" and "body_pairs", never as pairs of
+        triangles. Intersections.inside marks such pairs of bodies. Two bodies count if their surfaces meet, or else if
+        a component of one has a vertex at which the winding number of the other's surface is not 0. For worlds and two
+        meshes, with `kind` "all", with the cpu and the reference backend.
+    open : {"error", "skip"}, default "error"
+        With `containment`, treatment of bodies whose surface is not closed, in pairs whose boxes overlap and whose
+        surfaces do not meet. "error": raises InvalidInput; "skip": nothing is inside them, and Intersections.skipped
+        lists them.
+    filter : PairFilter, optional
+        Pairs to test.
+    index : bool, default False
+        For worlds, also makes offsets by world and by body, and hit flags; meshes always have them.
 
-    What an intersection is: docs/contract.md. Source: D. Mainzer, G. Zachmann, "Collision Detection Based on Fuzzy
-    Scene Subdivision", Algorithm 1.
+    Notes
+    -----
+    docs/contract.md defines an intersection.
+
+    References
+    ----------
+    .. [1] D. Mainzer and G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision", Algorithm 1.
     """
 
     output: Literal["any", "any_by_world", "body_pairs", "count", "pairs", "contacts"] = "pairs"
@@ -121,27 +140,40 @@ class IntersectionQuery(Query):
 
 @dataclass(frozen=True, kw_only=True)
 class ImpactQuery(Query):
-    """Features that touch while every vertex goes straight from the start of a step to its end, and when -> Impacts.
+    """Query for features that touch during a step, and when; the result is Impacts.
 
-    An impact is a vertex and a face that does not name it, or two edges without a common vertex, that have a point in
-    common at some time in [0, 1], closed and degenerate ones included. What runs through a face without touching vertex
-    or edge is none: an intersection.
+    In a step, every vertex moves straight from its start to its end.
 
-    Args:
-        output: how much is made; all but the last end as soon as they may. "any": whether anything touches;
-            "any_by_world": in which worlds; "first": the first impact; "pairs": all impacts.
-        min_distance: features touch where their distance is at most this, in the units of the coordinates.
-        min_distance_share: or at most this share, in [0, 1), of the pair's own distance at the start, if that is more.
-        approaching_only: leave out features that touch at the start, by the minimum distance if there is one, and come
-            no nearer than they start. If they do come nearer, `toi` is the last moment before that. Features at a
-            distance of 0 cannot come nearer: they are left out wherever they go.
-        weld: vertices at equal positions at the start and at the end count as one: their features are neighbours.
-        filter: which pairs; a vertex or edge is in the group of its lowest triangle.
-        index: of one mesh, also make offsets by vertex, face and edge.
-        triangle_pairs: also find pairs of triangles that intersect at the start, and those of whose features some pair
-            is an impact; `any` and `world_hit` count them, `first` stays that of features.
+    An impact is a vertex and a face that does not name it, or two edges without a common vertex, that have a common
+    point at some time in [0, 1]. Features are closed and may be degenerate. An edge that passes through a face without
+    touching its vertices or edges is no impact, but an intersection.
 
-    What an impact is: docs/motion.md.
+    Parameters
+    ----------
+    output : {"any", "any_by_world", "first", "pairs"}, default "pairs"
+        How much of the result is made: whether anything touches, in which worlds, the first impact, or all impacts. The
+        search ends as soon as the output is decided.
+    min_distance : float, default 0
+        Features touch if their distance is at most this, in the units of the coordinates.
+    min_distance_share : float, default 0
+        Minimum distance as a share, in [0, 1), of the pair's distance at the start. The larger of both applies.
+    approaching_only : bool, default False
+        Drops features that touch at the start (by the minimum distance if there is one) and never come nearer than they
+        are at the start. If they do come nearer, `toi` is the last time before that. Features at distance 0 cannot come
+        nearer, so they are dropped whatever their motion.
+    weld : bool, default False
+        Vertices with equal positions at start and end count as one: features with such a vertex are adjacent.
+    filter : PairFilter, optional
+        Pairs to test. A vertex or edge is in the group of its lowest triangle.
+    index : bool, default False
+        For one mesh, also makes offsets by vertex, face and edge.
+    triangle_pairs : bool, default False
+        Also finds pairs of triangles that intersect at the start, and those of which an impact names one feature each.
+        They count for `any` and `world_hit`; `first` remains an impact of features.
+
+    Notes
+    -----
+    docs/motion.md defines an impact.
     """
 
     output: Literal["any", "any_by_world", "first", "pairs"] = "pairs"
@@ -159,10 +191,12 @@ class ImpactQuery(Query):
 
 @dataclass(frozen=True, kw_only=True)
 class FirstImpactQuery(Query):
-    """The first impact of a step, of all worlds -> FirstImpact, or None.
+    """Query for the first impact of a step, of all worlds; the result is a FirstImpact, or None.
 
-    Args:
-        min_distance, min_distance_share, approaching_only, weld, filter: as ImpactQuery has them.
+    Parameters
+    ----------
+    min_distance, min_distance_share, approaching_only, weld, filter
+        As for ImpactQuery.
     """
 
     min_distance: float = 0.0
@@ -176,20 +210,30 @@ class FirstImpactQuery(Query):
 
 @dataclass(frozen=True, kw_only=True)
 class FreeStepQuery(Query):
-    """A share of a step, with positions, on the way to which nothing touches, as they are rounded -> FreeStep.
+    """Query for a share of a step that is free of impacts, and for the positions there; the result is a FreeStep.
 
-    vertices + toi * (end - vertices), computed in floating point, is another motion than the one whose toi that is.
-    Where something touches, what `held` names stops short of the time of contact, by 2**-16 of it if that suffices; the
-    share is 0 if they touch at the start, or too soon. All else goes on. Features that touch while they rest at the
-    start hold their whole world there; with `approaching_only` they do not, and if they would come nearer, what `held`
-    names stays at the start. Cost: one to three times that of a FirstImpactQuery; with held="bodies" and "vertices" that of all impacts for
-    each round of a few.
+    The motion to these positions is free, as they are rounded. Positions vertices + toi * (end - vertices), computed in
+    floating point, belong to a different motion from that of `toi`.
 
-    Args:
-        held: what is held back where something touches: all of its "worlds" (a mesh is one), the two "bodies", or the
-            "vertices" of the two features. All else goes on.
-        min_distance, min_distance_share, approaching_only, weld, filter: as ImpactQuery has them.
-        triangle_pairs: the share is 0 where triangles intersect at the start.
+    Parameters
+    ----------
+    held : {"worlds", "bodies", "vertices"}, default "worlds"
+        What is held back if two features touch: their whole world (a mesh is one), the two bodies, or the vertices of
+        the two features. Everything else goes on.
+    min_distance, min_distance_share, approaching_only, weld, filter
+        As for ImpactQuery.
+    triangle_pairs : bool, default False
+        The share is 0 if triangles intersect at the start.
+
+    Notes
+    -----
+    If two features touch, what `held` selects stops short of the time of contact, by 2**-16 of that time if this
+    suffices. The share is 0 if they touch at the start or too early. Features that touch at the start hold back their
+    whole world there. With `approaching_only` they do not; if they would come nearer, what `held` selects stays at the
+    start.
+
+    Cost: one to three times that of a FirstImpactQuery; with held="bodies" and "vertices" that of an ImpactQuery for
+    each of a few iterations.
     """
 
     held: Literal["worlds", "bodies", "vertices"] = "worlds"
@@ -205,31 +249,46 @@ class FreeStepQuery(Query):
 
 @dataclass(frozen=True, kw_only=True)
 class ProximityQuery(Query):
-    """Features whose distance is at most a radius, and their distances -> Proximities.
+    """Query for features whose distance is at most a radius, and for their distances; the result is Proximities.
 
-    Features are a vertex and a face that does not name it, or two edges without a common vertex. Two triangles that run
-    through each other need not have features that are near.
+    Features are a vertex and a face that does not name it, or two edges without a common vertex. Two triangles that
+    intersect need not have features that are near.
 
-    Args:
-        output: how much is made; the first two end as soon as they may. "any": whether anything is near;
-            "any_by_world": in which worlds; "pairs": all pairs.
-        radius: Euclidean, 0 or more, in the units of the coordinates.
-        radii: (n,) float64 or float32, instead of `radius`: one a vertex, such as half the thickness of a cloth. An
-            edge or a face has the largest of its vertices'; features are near whose distance is at most the sum of
-            both, in real numbers. Of one mesh; shapes of a world have their own.
-        strict: distances less than the radius, or the sum of radii, not equal to it.
-        closest: also tell where the features of each pair are closest.
-        least: also tell the least distance of each vertex, face and edge of one mesh. It counts pairs that `rings` or
-            `rest` leave out of the lists, so that it can bound a step; with these it takes a second search.
-        weld: vertices at equal positions count as one: their features are neighbours.
-        rings: neighbours, which are never near, are also those from one of whose vertices at most so many edges lead
-            to one of the other's: Newton's topological filter. Kept while the edges stay the same.
-        rest: (n, 3) float32 or float64: where the vertices are at rest. Of one mesh; shapes of a world have their own.
-        rest_radius: features whose distance at rest is at most this are not near.
-        filter: which pairs; a vertex or edge is in the group of its lowest triangle.
-        index: of one mesh, also make offsets by vertex, face and edge.
+    Parameters
+    ----------
+    output : {"any", "any_by_world", "pairs"}, default "pairs"
+        How much of the result is made: whether anything is near, in which worlds, or all pairs. The search ends as soon
+        as the output is decided.
+    radius : float
+        Largest Euclidean distance, 0 or more, in the units of the coordinates. Required unless there are radii.
+    radii : (n,) array_like of float64 or float32, optional
+        Replaces `radius`: one per vertex, for instance half the thickness of a cloth. The radius of an edge or a face
+        is the largest of its vertices'. Features are near if their distance is at most the sum of their radii, in real
+        numbers. For one mesh; shapes of a world have their own (Shape).
+    strict : bool, default False
+        Near only if the distance is less than the radius, or than the sum of radii.
+    closest : bool, default False
+        Also finds where the features of each pair are closest.
+    least : bool, default False
+        Also finds the least distance of each vertex, face and edge, for one mesh. Includes pairs that `rings` or `rest`
+        drop from the lists, so it can bound a step; together with these it takes a second search.
+    weld : bool, default False
+        Vertices at equal positions count as one: features with such a vertex are adjacent.
+    rings : int, default 0
+        Adjacent features are never near: those with vertices that a path of at most so many edges connects. Newton's
+        topological contact filter. Cached while the edges stay the same.
+    rest : (n, 3) array_like of float32 or float64, optional
+        Rest shape: positions of the vertices. For one mesh; shapes of a world have their own (Shape).
+    rest_radius : float, default 0
+        Features whose distance in the rest shape is at most this are never near.
+    filter : PairFilter, optional
+        Pairs to test. A vertex or edge is in the group of its lowest triangle.
+    index : bool, default False
+        For one mesh, also makes offsets by vertex, face and edge.
 
-    A scene that moves is searched as it is at the start. What nearness is: docs/nearness.md.
+    Notes
+    -----
+    A moving scene is searched at the start of the step. docs/nearness.md defines nearness.
     """
 
     output: Literal["any", "any_by_world", "pairs"] = "pairs"
@@ -251,20 +310,26 @@ class ProximityQuery(Query):
 
 @dataclass(frozen=True, kw_only=True)
 class CandidateQuery(Query):
-    """Features whose boxes overlap, for a narrow phase of one's own -> Candidates.
+    """Query for features whose inflated boxes overlap: the broad phase for a narrow phase of the caller.
 
-    A box has the axes of the coordinates and holds where the feature's vertices are at the start and, of a scene that
-    moves, at the end. Two features are a candidate if they have no vertex in common and on every axis the gap between
-    their boxes is at most twice `inflation`, in real numbers: it is a definition, so nothing is missed and nothing is
-    more than that.
+    The result is Candidates.
 
-    Args:
-        kinds: which lists are made, one name or several.
-        inflation: by how much each box is grown on all sides, 0 or more, in the units of the coordinates.
-        weld: vertices at equal positions at the start and at the end count as one, for "in common".
-        filter: which pairs.
+    Parameters
+    ----------
+    kinds : str or iterable of str, default ("vertex_face", "edge_edge")
+        Lists to make, of "vertex_face", "edge_edge", "edge_face", "face_face", "vertex_edge" and "vertex_vertex".
+    inflation : float, default 0
+        Inflation of each box on all sides, 0 or more, in the units of the coordinates.
+    weld : bool, default False
+        Vertices with equal positions at start and end count as one common vertex.
+    filter : PairFilter, optional
+        Pairs to test.
 
-    More: docs/candidates.md.
+    Notes
+    -----
+    The box of a feature is axis-aligned and contains its vertices at the start and, if the scene moves, at the end. Two
+    features are a candidate if they have no common vertex and the gap between their original boxes is at most twice
+    `inflation` on every axis, in real numbers. So the lists are well-defined and complete: docs/candidates.md.
     """
 
     kinds: CandidateKind | Iterable[CandidateKind] = ("vertex_face", "edge_edge")
@@ -278,18 +343,25 @@ class CandidateQuery(Query):
 
 @dataclass(frozen=True, kw_only=True)
 class DistanceQuery(Query):
-    """Distances of the bodies of a world, each pair of them, and where they are closest -> Distances.
+    """Query for the distance of each pair of bodies, and for where they are closest; the result is Distances.
 
-    Bodies are sets of triangles, not volumes: a body inside another one is as far from it as their surfaces. Shapes
-    that are named are remembered; then a pair takes some microseconds to some ten.
+    For a world, or two meshes. Bodies are sets of triangles, not volumes: the distance of a body inside another one is
+    that of their surfaces.
 
-    Args:
-        output: "pairs": a row for each pair of bodies; "nearest": a row for each world, with its nearest pair of bodies,
-            which costs less. Pairs among bodies that are in all worlds belong to no world then, and have no row.
-        radius: only pairs of bodies at most so far apart are listed, exactly: 0 or more, or infinite.
-        filter: which pairs of triangles count; those within a body never do.
+    Parameters
+    ----------
+    output : {"pairs", "nearest"}, default "pairs"
+        "pairs": a row for each pair of bodies. "nearest": a row for each world, with its nearest pair of bodies, which
+        costs less. Pairs among bodies that are in all worlds belong to no world then, and have no row.
+    radius : float, default inf
+        Lists only pairs of bodies whose distance is at most this, exactly: 0 or more, or infinite.
+    filter : PairFilter, optional
+        Pairs of triangles that count. Pairs within a body never do.
 
-    With the cpu and the reference backend. More: docs/nearest.md.
+    Notes
+    -----
+    With the cpu and the reference backend. Cost: with named shapes, which are cached, some microseconds to some ten per
+    pair of bodies. More in docs/nearest.md.
     """
 
     output: Literal["nearest", "pairs"] = "pairs"
@@ -301,27 +373,39 @@ class DistanceQuery(Query):
 
 @dataclass(frozen=True, kw_only=True)
 class OverlapQuery(Query):
-    """How much closed bodies of a world overlap, where, and which way out -> Overlaps.
+    """Query for the overlap of closed bodies: volume, normal, and derivatives; the result is Overlaps.
 
-    Surfaces are closed: each edge is named as often in one direction as in the other. Triangles are counter-clockwise
-    seen from outside.
+    For a world, two meshes, or one mesh with itself. Surfaces must be closed: their triangles name each edge equally
+    often in both directions. Triangles are counter-clockwise seen from outside.
 
-    Args:
-        output: "any": whether any two bodies overlap; "any_by_world": in which worlds; "body_pairs": which bodies, and
-            their relation; "pairs": all numbers.
-        min_volume: only pairs of bodies whose overlap has at least this volume, in magnitude, as it is rounded.
-        open: a body whose surface is not closed is an "error", which names an edge, or its pairs have no rows and
-            Overlaps.skipped names it ("skip"); or they have a row where surfaces meet, with the relation UNDEFINED, and
-            without numbers but for the contact area and curves ("curves").
-        weld: vertices of a shape at equal positions are one, which closes seams, as of STL files.
-        self_overlaps: also the overlap of each body with itself, whatever its self_collisions: rows (i, i), volumes of
-            bodies, and whether they are solids. Always of a scene that is one mesh.
-        gradient: also the derivatives of volumes by the vertices.
-        curves: also the curves in which surfaces cross; not of a body with itself.
-        windings: also winding numbers at the vertices.
-        filter: which pairs of bodies.
+    Parameters
+    ----------
+    output : {"any", "any_by_world", "body_pairs", "pairs"}, default "pairs"
+        How much of the result is made: whether any two bodies overlap, in which worlds, which bodies and their
+        relation, or all numbers.
+    min_volume : float, default 0
+        Least volume of an overlap, in magnitude and as it is rounded; in the units of the world, cubed.
+    open : {"error", "skip", "curves"}, default "error"
+        Treatment of bodies whose surface is not closed. "error": raises InvalidInput that names an edge; "skip": their
+        pairs have no rows, and Overlaps.skipped lists them; "curves": their pairs have a row if the surfaces meet, with
+        the relation UNDEFINED, the contact area and curves, but no other numbers.
+    weld : bool, default False
+        Merges vertices of a shape at equal positions, which closes seams, as of STL files.
+    self_overlaps : bool, default False
+        Also finds the overlap of each body with itself, whatever its self_collisions: rows (i, i), volumes of bodies,
+        and whether they are solids. Always on for a scene of one mesh.
+    gradient : bool, default False
+        Also makes the derivatives of the volumes by the vertices.
+    curves : bool, default False
+        Also makes the curves in which surfaces cross; not those of a body with itself.
+    windings : bool, default False
+        Also makes winding numbers at the vertices.
+    filter : PairFilter, optional
+        Pairs of bodies to test.
 
-    With the cpu and the reference backend. More: docs/overlap.md.
+    Notes
+    -----
+    With the cpu and the reference backend. More in docs/overlap.md.
     """
 
     output: Literal["any", "any_by_world", "body_pairs", "pairs"] = "pairs"
@@ -341,15 +425,15 @@ class OverlapQuery(Query):
 _PLAIN = {query: query() for query in Query.__subclasses__()}
 _SIMPLE = frozenset({str, bool, int, float, type(None)})
 _made: dict[Any, Query] = {}
-_keywords = {query: {f.name for f in fields(query)} for query in _PLAIN}  # of each method, for suggestions
+_keywords = {query: {f.name for f in fields(query)} for query in _PLAIN}  # keywords of each method, for suggestions
 
 
 def query_of(query: type[Query], options: dict[str, Any]) -> Query:
-    """A query with these members; the same object for the same words and numbers, which saves microseconds."""
+    """Returns a query with these members. Caches queries of strings and numbers only, which saves microseconds."""
     if not options:
         return _PLAIN[query]
     types = tuple(map(type, options.values()))
-    key = (query, types, tuple(options.items())) if _SIMPLE.issuperset(types) else None  # with types: True is not 1
+    key = (query, types, tuple(options.items())) if _SIMPLE.issuperset(types) else None  # with types, because True == 1
     made = _made.get(key)
     if made is None:
         for name in options:
@@ -366,8 +450,10 @@ def query_of(query: type[Query], options: dict[str, Any]) -> Query:
 
 
 def keywords_of(query: type[Query]) -> Callable[[Function], Function]:
-    """Gives a method whose keywords are its own and, as **options for query_of, the members of a query, a signature
-    that has them all."""
+    """Decorates a method so that its signature lists the members of a query.
+
+    The method takes these members as **options, for query_of, besides its own parameters.
+    """
 
     def with_members(method: Function) -> Function:
         signature = inspect.signature(method)
@@ -385,17 +471,25 @@ def keywords_of(query: type[Query]) -> Callable[[Function], Function]:
 
 @dataclass(frozen=True)
 class FuzzyCMeans:
-    """How fuzzy C-means places the centres of clusters: for researchers. No result depends on it.
+    """Parameters of fuzzy C-means, which places the centres of clusters: for researchers. No result depends on them.
 
-    Args:
-        fuzziness: t of eq. 2, above 1.
-        max_iterations: cap on iterations, warm-started from the centres of the call before.
-        first_iterations: the same for a first frame, which has no centres to start from.
-        stop: iteration ends when no centre moves further in any coordinate, in units of the scene's extent rounded up
-            to a power of two.
-        first_stop: the same for a first frame.
+    Parameters
+    ----------
+    fuzziness : float, default 2
+        t of [1]_, eq. 2, above 1.
+    max_iterations : int, default 2
+        Most iterations of a call that is warm-started from the centres of the previous call.
+    first_iterations : int, default 5
+        Most iterations of a first frame, which has no centres to start from.
+    stop : float, default 1e-2
+        Iteration stops when no centre moves further than this in any coordinate, in units of the scene's extent rounded
+        up to a power of two.
+    first_stop : float, default 1e-4
+        As `stop`, for a first frame.
 
-    Source: D. Mainzer, G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision", sec. 4, eqs. 2-4.
+    References
+    ----------
+    .. [1] D. Mainzer and G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision", sec. 4, eqs. 2-4.
     """
 
     fuzziness: float = 2.0
@@ -410,7 +504,7 @@ class FuzzyCMeans:
 
 
 def check_fuzzy_c_means(given: FuzzyCMeans) -> FuzzyCMeans:
-    """Returns what it is given. Raises InvalidType for another type."""
+    """Returns its argument. Raises InvalidType if it is not a FuzzyCMeans."""
     if isinstance(given, FuzzyCMeans):
         return given
     raise InvalidType(f"fuzzy_c_means must be a crumple.FuzzyCMeans, not {type(given).__name__}", element="option")

@@ -1,4 +1,7 @@
-"""Ranks of MPI: crumple.mpi.MeshShare and WorldShare, which each brings, and Intersections, Impacts, Proximities."""
+"""Classes of crumple.mpi: local meshes and worlds that each rank provides, and results.
+
+They are MeshShare and WorldShare, and Intersections, Impacts and Proximities.
+"""
 
 from __future__ import annotations
 
@@ -12,16 +15,22 @@ from ._world import World
 
 
 class MeshShare:
-    """One rank's share of a mesh: triangles with all vertices that they name.
+    """Local mesh of a rank: triangles, with all vertices that they name.
 
-    The calls that take it check it, so that their errors reach all ranks.
+    Parameters
+    ----------
+    mesh : mesh
+        Anything that crumple.as_mesh takes. Its faces are indices of this rank's vertices. May be empty.
+    triangle_ids : (m,) array_like of int64, optional
+        Number of each local triangle; over all ranks 0 to N - 1, each exactly once. None on all ranks: triangles are
+        numbered rank by rank.
+    vertex_ids : (n,) array_like of int64, optional
+        Number of each local vertex. Several ranks may have the same vertex (ghost vertices), equal bit by bit, which
+        makes their triangles adjacent. None on all ranks: vertices are numbered rank by rank, without ghost vertices.
 
-    Args:
-        mesh: what crumple.as_mesh takes; its faces count in this rank's vertices. May be empty.
-        triangle_ids: (m,) int64, which triangles these are; over all ranks 0 to N - 1, each once. None on all ranks:
-            those of rank 0, then those of rank 1, and so on.
-        vertex_ids: (n,) int64, the same of the vertices. Ranks may have copies of a vertex, equal bit by bit; they make
-            triangles of different ranks neighbours. None on all ranks: no rank has a copy of another's.
+    Notes
+    -----
+    The calls that use a local mesh validate it, so their errors reach all ranks.
     """
 
     def __init__(self, mesh: Any, triangle_ids: Any = None, vertex_ids: Any = None) -> None:
@@ -35,15 +44,19 @@ class MeshShare:
 
 
 class WorldShare:
-    """One rank's share of a world: bodies, all in world 0.
+    """Local bodies of a rank. All ranks share one world, so they are all in world 0.
 
-    The calls that take it check it, so that their errors reach all ranks.
+    Parameters
+    ----------
+    world : World
+        Bodies of this rank. Shapes must not have edges, points, radii or a rest shape. Poses are in host memory.
+    body_ids : (n,) array_like of int64, optional
+        Number of each local body; over all ranks 0 to B - 1, each exactly once. None on all ranks: bodies are numbered
+        rank by rank.
 
-    Args:
-        world: a crumple.World of this rank's bodies. Its shapes list no edges or points, and have neither radii nor a
-            shape at rest. Poses lie on the host.
-        body_ids: (n,) int64, which bodies these are; over all ranks 0 to B - 1, each once. None on all ranks: those of
-            rank 0, then those of rank 1, and so on.
+    Notes
+    -----
+    The calls that use local bodies validate them, so their errors reach all ranks.
     """
 
     def __init__(self, world: World, body_ids: Any = None) -> None:
@@ -71,7 +84,7 @@ def share_of(scene: Any, triangle_ids: Any, vertex_ids: Any, body_ids: Any) -> M
 
 
 def excluded_of_ranks(pairs: Any) -> Any:
-    """(n, 2) int32, or None. Other ranks have the bodies, too: only numbers tell them."""
+    """Returns excluded bodies as (n, 2) int32 numbers over all ranks, or None. Names are local, and refused."""
     if pairs is None:
         return None
     import numpy as np
@@ -93,14 +106,14 @@ _ROWS = ("vertex_face", "edge_edge")
 
 
 class _OfRank(Result):
-    """Base of what ranks have: rows of their own, and `any`, `count` and `first` over all ranks.
+    """Base class of results of ranks: local rows, with `any`, `count` and `first` over all ranks.
 
-    The rows of all ranks, merged, are those of crumple.Detector.find for the whole scene. Numbers of triangles,
-    vertices, edges and bodies are those over all ranks. Its arrays are read-only views.
+    The rows of all ranks, merged, are those of crumple.Detector.find for the whole scene. Triangles, vertices, edges
+    and bodies have their numbers over all ranks. Arrays are read-only views.
     """
 
     def save(self, *_: Any, **__: Any) -> None:
-        """Raises InvalidInput: the rows of one rank are not written."""
+        """Raises InvalidInput: the rows of one rank cannot be saved."""
         raise InvalidInput("the rows of one rank are not saved")
 
     def __reduce__(self) -> Any:
@@ -108,10 +121,10 @@ class _OfRank(Result):
 
 
 class Intersections(_OfRank, _intersections.Intersections):
-    """This rank's share of intersections: the pairs whose first triangle, or first body, it has brought, in order.
+    """Local rows of intersections: pairs whose first triangle or first body this rank has provided, in order.
 
-    `len(result)` is the number of this rank's rows, `count` that of all ranks; it is true if anything intersects on any
-    rank.
+    `len(result)` is the number of local rows, and `count` that over all ranks. `bool(result)` is True if anything
+    intersects on any rank.
     """
 
     def _check(self, name: str) -> None:
@@ -131,7 +144,7 @@ class Intersections(_OfRank, _intersections.Intersections):
 
 
 class _Features(_OfRank, _features.FeatureResult):
-    """A vertex and an edge belong to the rank with the lowest triangle that names them."""
+    """Base class of results about features. A vertex or edge belongs to the rank of its lowest triangle."""
 
     def _check(self, name: str) -> None:
         if not name.startswith(_ROWS) and name not in ("edges", "edge_ids", "edge_bodies", "count"):
@@ -143,13 +156,13 @@ class _Features(_OfRank, _features.FeatureResult):
         super()._check(name)
 
     edge_ids = int32(
-        "(n,) int32: the numbers of the edges that these rows name, ascending: those of one process. The vertices of "
-        "edges e are edges[numpy.searchsorted(edge_ids, e)]."
+        "(n,) int32: numbers over all ranks of the edges in local rows, ascending; those of one process. Edges e have "
+        "the vertices edges[numpy.searchsorted(edge_ids, e)]."
     )
-    edge_bodies = int32("(n,) int32: of a world, the bodies of `edge_ids`, ascending; numbers ascend within each.")
+    edge_bodies = int32("(n,) int32, for worlds: bodies of `edge_ids`, ascending; numbers ascend within each.")
 
     def __len__(self) -> int:
-        """How many rows this rank has."""
+        """Number of local rows."""
         return len(self._found.vertex_faces) + len(self._found.edge_edges)
 
     def _description(self, found: str) -> str:
@@ -160,14 +173,14 @@ class _Features(_OfRank, _features.FeatureResult):
 
 
 class Impacts(_Features, _features.Impacts):
-    """This rank's share of the impacts of a step: those whose first feature is its own, in order.
+    """Local rows of the impacts of a step: those whose first feature belongs to this rank, in order.
 
-    An edge of `first` has a number that only the rank whose rows name it can tell vertices for.
+    An edge of `first` is a number over all ranks. Only the rank whose rows contain the edge has its vertices.
     """
 
 
 class Proximities(_Features, _features.Proximities):
-    """This rank's share of what is near: those pairs whose first feature is its own, in order."""
+    """Local rows of near pairs: those whose first feature belongs to this rank, in order."""
 
 
 for _public in (MeshShare, WorldShare, Intersections, Impacts, Proximities):
@@ -176,7 +189,7 @@ _RESULTS = {"intersections": Intersections, "impacts": Impacts, "proximities": P
 
 
 def show(found: Any, query: Any, of_world: bool) -> Any:
-    """The result of a query, of the extension module's."""
+    """Wraps the extension module's result of a query."""
     listed = query.output in ("pairs", "contacts")
     options = frozenset({"closest"} if listed and getattr(query, "closest", False) else ())
     request = Request("world" if of_world else "mesh", of_world, query.output, options, (), False, False)

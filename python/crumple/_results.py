@@ -1,4 +1,4 @@
-"""The base of all results, and the results that need little more: contacts, and distances of bodies."""
+"""Base class of all results, and the results that need little more: contacts, and distances of bodies."""
 
 from __future__ import annotations
 
@@ -21,16 +21,24 @@ if TYPE_CHECKING:
 
 
 class Request(NamedTuple):
-    """The request that a result is for.
+    """Request of a result: what was searched and made.
 
-    Attributes:
-        scene: "mesh", "meshes", "world" or "part".
-        of_bodies: whether rows have bodies.
-        output: as the query has it.
-        options: members of the query that are true, such as "index".
-        kinds: of candidates.
-        copy: arrays are writable copies.
-        block: a block of a stream, which has rows and nothing else.
+    Attributes
+    ----------
+    scene : {"mesh", "meshes", "world", "part"}
+        Kind of the scene.
+    of_bodies : bool
+        True if rows have bodies.
+    output : str
+        As in the query.
+    options : frozenset of str
+        Members of the query that are true, such as "index".
+    kinds : tuple of str
+        Kinds of candidates.
+    copy : bool
+        True if arrays are writable copies.
+    block : bool
+        True for a block of a stream, which has rows only.
     """
 
     scene: str
@@ -43,12 +51,16 @@ class Request(NamedTuple):
 
 
 class Array(cached_property[Any]):
-    """An array of a result, which its pickles have, too.
+    """Descriptor of an array of a result, which its pickles contain, too.
 
-    Attributes:
-        dtype: of its elements.
-        columns: of each row.
-        found: the name that the extension module has for it: that of the attribute, without a leading underscore.
+    Attributes
+    ----------
+    dtype : str
+        Type of the elements.
+    columns : tuple of int
+        Shape of each row.
+    found : str
+        Name in the extension module: that of the attribute, without a leading underscore.
     """
 
     def __init__(self, dtype: str, about: str, columns: tuple[int, ...]) -> None:
@@ -60,7 +72,7 @@ class Array(cached_property[Any]):
         self.found = name.removeprefix("_")
 
 
-# Declare an array by the type of its elements; `about` is what help() shows of it.
+# Functions that declare an array of a result, one for each type of elements. `about` is its docstring.
 
 
 def uint8(about: str, columns: tuple[int, ...] = ()) -> cached_property[NDArray[np.uint8]]:
@@ -84,25 +96,28 @@ def bools(about: str, columns: tuple[int, ...] = ()) -> cached_property[NDArray[
 
 
 class Result:
-    """Base of all results: NumPy views of what the library found.
+    """Base class of all results: NumPy views of the library's result.
 
-    A result outlives its detector, and no later call changes it. Its arrays are read-only views of the library's memory
-    that keep that memory alive; once the last of them is gone, the detector's next call uses the memory again. With
-    `copy=True` they are writable arrays of their own. What was not requested is an InvalidInput that says how to ask.
+    Notes
+    -----
+    A result outlives its detector, and no later call changes it. Its arrays are read-only views that keep the library's
+    memory alive. When all of them are gone, the detector's next call reuses the memory. With `copy=True` arrays are
+    writable copies. An attribute that was not requested raises InvalidInput, with the option that requests it.
 
-    Results can be copied and pickled: copy.copy shares the arrays, copy.deepcopy does not; unpickling checks that all
-    of it fits together, or raises InvalidInput. What was written into the arrays of `copy=True` is not carried.
+    Results can be copied and pickled: copy.copy shares the arrays, copy.deepcopy does not. Unpickling raises
+    InvalidInput if the members are inconsistent. Copies and pickles do not contain changes to the arrays of
+    `copy=True`.
     """
 
-    _query: ClassVar[str]  # the name of the query
+    _query: ClassVar[str]  # name of the query's class
 
     def __init__(self, found: Any, request: Request, *scene: Any) -> None:
-        self._found = found  # of the extension module, or _pickles.Stored
+        self._found = found  # the extension module's result, or _pickles.Stored
         self._request = request
-        self._scene = scene  # what files and pictures need of it
+        self._scene = scene  # parts of the scene for files and pictures
 
     def _check(self, name: str) -> None:
-        """Raises InvalidInput, which says how to ask, for an array that was not requested."""
+        """Raises InvalidInput for an attribute that was not requested."""
 
     def _refuse(self, name: str, how: str) -> None:
         raise InvalidInput(f"{name} was not requested: {self._query}({how})")
@@ -114,16 +129,16 @@ class Result:
 
     @property
     def any(self) -> bool:
-        """True if there is anything at all."""
+        """True if anything was found."""
         return self._found.any
 
     @property
     def statistics(self) -> Statistics:
-        """Counts and times of the stages."""
+        """Counts and times of the call."""
         return self._found.statistics
 
     def __bool__(self) -> bool:
-        """True if there is anything at all."""
+        """True if anything was found."""
         return self._found.any
 
     def __reduce__(self) -> Any:
@@ -156,13 +171,13 @@ def file_name(path: Any) -> str:
 
 
 def extension_of(name: str) -> str:
-    """In lower case; .csv for pairs.csv.gz, whose contents are compressed."""
+    """Returns the extension in lower case; .csv for pairs.csv.gz, which is compressed."""
     path = Path(name)
     return (path.with_suffix("") if path.suffix.lower() == ".gz" else path).suffix.lower()
 
 
 class ContactKind(IntEnum):
-    """What two triangles have in common: 1, 2 or 3 to 6 extreme points."""
+    """Dimension of the intersection of two triangles, which has 1, 2, or 3 to 6 extreme points."""
 
     POINT = 1
     SEGMENT = 2
@@ -170,15 +185,23 @@ class ContactKind(IntEnum):
 
 
 class Contacts:
-    """Where the pairs of a result meet: the whole intersection of each pair by its extreme points.
+    """Contacts of the pairs of a result: the whole intersection of each pair, by its extreme points.
 
-    Each coordinate is the exact one, rounded to the nearest float64. The lexicographically smallest exact point comes
-    first; areas run counter-clockwise about the first triangle's normal.
+    `contacts[i]` has the points of pair i, and `len(contacts)` is the number of pairs.
 
-    Attributes:
-        kinds: (pairs,) uint8, a ContactKind each.
-        offsets: (pairs + 1,) int64; the points of pair i are points[offsets[i]:offsets[i + 1]], or contacts[i].
-        points: (k, 3) float64; 1, 2 or 3 to 6 a pair.
+    Attributes
+    ----------
+    kinds : (pairs,) ndarray of uint8
+        ContactKind of each pair.
+    offsets : (pairs + 1,) ndarray of int64
+        Pair i has the points points[offsets[i]:offsets[i + 1]].
+    points : (k, 3) ndarray of float64
+        1, 2, or 3 to 6 points per pair.
+
+    Notes
+    -----
+    Each coordinate is exact, then rounded to the nearest float64. The lexicographically smallest exact point comes
+    first. Areas run counter-clockwise about the first triangle's normal.
     """
 
     kinds: NDArray[np.uint8]
@@ -191,18 +214,18 @@ class Contacts:
         self.points = points
 
     def __len__(self) -> int:
-        """How many pairs."""
+        """Number of pairs."""
         return len(self.kinds)
 
     def __getitem__(self, pair: int) -> NDArray[np.float64]:
-        """(1 to 6, 3) float64: the points of a pair, a view. Raises IndexError."""
+        """Returns the points of a pair, a (1 to 6, 3) float64 view. Raises IndexError."""
         if not -len(self) <= pair < len(self):
             raise IndexError(f"there are {len(self)} contacts, none of number {pair}")
         pair %= len(self)
         return self.points[self.offsets[pair] : self.offsets[pair + 1]]
 
     def __iter__(self) -> Iterator[NDArray[np.float64]]:
-        """The points of one pair after the other, as contacts[i]."""
+        """Yields the points of each pair, as `contacts[i]`."""
         return (self[pair] for pair in range(len(self)))
 
     def __repr__(self) -> str:
@@ -210,37 +233,42 @@ class Contacts:
 
 
 class Distances(Result):
-    """How far apart bodies are: a row for each pair of them, the same bytes wherever it is computed.
+    """Result of a DistanceQuery: one row for each pair of bodies.
 
-    Rows are in the order of first body, second body, the first the lower one. So worlds follow each other, and pairs
-    among bodies that are in all worlds, which come once, are last. `len(distances)` is the number of rows.
+    `len(distances)` is the number of rows.
+
+    Notes
+    -----
+    Rows are sorted by first body, then second; the first is the lower one. So worlds follow each other; pairs among
+    bodies that are in all worlds occur once, and come last. The same bytes from every backend, instruction set and
+    thread count.
     """
 
     _query = "DistanceQuery"
 
     bodies = int32("(k, 2) int32: the two bodies, the lower one first.", (2,))
     squared_distance = float64(
-        "(k,) float64: their exact squared distance, rounded to the nearest number; 0 where triangles intersect."
+        "(k,) float64: exact squared distance, rounded to the nearest number; 0 if triangles intersect."
     )
 
     @cached_property
     def distance(self) -> NDArray[np.float64]:
-        """(k,) float64: the square root of `squared_distance`."""
+        """Square root of `squared_distance`: (k,) float64."""
         import numpy as np
 
         distance = np.sqrt(self.squared_distance)
         distance.flags.writeable = self._request.copy
         return distance
 
-    touching = bools("(k,) bool: whether the distance is 0 exactly. A squared distance may also be rounded to 0.")
-    triangles = int32("(k, 2) int32: which triangle of each body, the first of those that are at that distance.", (2,))
+    touching = bools("(k,) bool: True if the distance is 0 exactly. A squared distance may also be rounded to 0.")
+    triangles = int32("(k, 2) int32: a triangle of each body, the first pair at that distance.", (2,))
     points = float64(
-        "(k, 2, 3) float64: where these triangles are closest, a point of each body's, rounded; of such as intersect "
-        "one point of both, twice.",
+        "(k, 2, 3) float64: closest points of these triangles, one of each body, rounded; if they intersect, a common "
+        "point, twice.",
         (2, 3),
     )
     world_rows = int64(
-        '(w,) int64: the row of each world, or -1 if no pair of its bodies is within the radius; for output="nearest".'
+        '(w,) int64: row of each world, or -1 if no pair of its bodies is within the radius; for output="nearest".'
     )
 
     def _check(self, name: str) -> None:
@@ -249,20 +277,20 @@ class Distances(Result):
 
     @property
     def any(self) -> bool:
-        """True if there is any row."""
+        """True if there is a row."""
         return len(self) > 0
 
     @property
     def count(self) -> int:
-        """How many pairs of bodies are listed."""
+        """Number of pairs of bodies that are listed."""
         return len(self)
 
     def __bool__(self) -> bool:
-        """True if there is any row."""
+        """True if there is a row."""
         return len(self) > 0
 
     def __len__(self) -> int:
-        """How many pairs of bodies are listed."""
+        """Number of pairs of bodies that are listed."""
         return len(self._found.bodies)
 
     def __repr__(self) -> str:

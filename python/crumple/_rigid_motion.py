@@ -13,12 +13,15 @@ if TYPE_CHECKING:
 
 
 class RigidMotion(NamedTuple):
-    """A motion of rigid bodies in pieces, in each of which vertices go straight.
+    """Motion of rigid bodies, cut into pieces in which vertices move straight.
 
-    Attributes:
-        poses: (pieces + 1, n, 3, 4) float64: piece k goes from poses[k] to poses[k + 1].
-        min_distance: bound on how much nearer two bodies come in the motion than in its pieces: what to add to a
-            minimum distance, so that no piece misses a contact of the motion.
+    Attributes
+    ----------
+    poses : (pieces + 1, n, 3, 4) ndarray of float64
+        Piece k moves from poses[k] to poses[k + 1].
+    min_distance : float
+        Bound on how much nearer two bodies come in the motion than in its pieces. Add it to a minimum distance so that
+        no piece misses a contact of the motion.
     """
 
     poses: NDArray[np.float64]
@@ -40,18 +43,33 @@ def _poses(given: Any, name: str) -> NDArray[np.float64]:
 
 @suggesting
 def cut_rigid_motion(start: Any, end: Any, radii: Any, tolerance: float) -> RigidMotion:
-    """A rigid motion between two poses of each body, cut into pieces in which vertices go straight, so that searches of
-    the pieces miss nothing of it.
+    """Cuts a rigid motion between two poses of each body into pieces in which vertices move straight.
 
-    Each body turns about its origin by at most half a turn at a constant rate about a fixed axis, while the origin goes
-    straight. Search piece k as world.at(poses[k], poses[k + 1]), with `min_distance` added to the requested one.
+    Each body turns about its origin by at most half a turn, at a constant rate about a fixed axis, while the origin
+    moves straight. Search piece k as `world.at(poses[k], poses[k + 1])`, with `min_distance` of the result added to the
+    requested one; then the pieces miss no contact of the motion.
 
-    Args:
-        start, end: (n, 3, 4) or (n, 4, 4) float64 or float32: rotations and translations.
-        radii: (n,) float64: of each body the largest distance of a vertex from the origin of its shape.
-        tolerance: `min_distance` is at most this, and some units in the last place of the largest coordinate.
+    Parameters
+    ----------
+    start, end : (n, 3, 4) or (n, 4, 4) array_like of float64 or float32
+        Poses: rotations and translations.
+    radii : (n,) array_like of float
+        Largest distance of a vertex from the origin of its shape, for each body.
+    tolerance : float
+        Upper bound on `min_distance` of the result, plus some units in the last place of the largest coordinate.
 
-    Raises InvalidInput, which names the body. What is promised, and why: docs/motion.md. Cost: O(n) a piece.
+    Returns
+    -------
+    RigidMotion
+
+    Raises
+    ------
+    InvalidInput
+        If an argument is invalid. Names the body.
+
+    Notes
+    -----
+    Cost: O(n) per piece. docs/motion.md has the definition and the proof.
     """
     import numpy as np
 

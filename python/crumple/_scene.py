@@ -1,4 +1,4 @@
-"""Scenes, made of what the caller passes; queries, checked for them; and results, made of what was found in them."""
+"""Scenes from the arguments of calls, queries checked against them, and results."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from ._queries import (
 from ._results import Distances, Request, Result
 from ._world import World
 
-#: A scene as the extension module takes it (python/src/scene.h).
+#: Scene in the form of the extension module (python/src/scene.h).
 Scene = World | _core.Part | Mesh | tuple[Mesh, Mesh]
 _WHOLE = (World, Mesh, _core.Part)
 
@@ -33,9 +33,9 @@ _WHOLE = (World, Mesh, _core.Part)
 def scene_of(
     given: Any, second: Any = None, groups: Any = None, *, end: Any = None, edges: Any = None, points: Any = None
 ) -> Scene:
-    """A scene of one object, of two meshes, or of vertices and faces; with attributes of a mesh.
+    """Returns a scene of one object, of two meshes, or of vertices and faces, with attributes of a mesh.
 
-    One object is a crumple.World, a crumple.Part, a list or tuple of two meshes, or what as_mesh takes.
+    One object is a World, a Part, a list or tuple of two meshes, or anything that as_mesh takes.
     """
     is_plain = second is None and end is None and groups is None and edges is None and points is None
     if is_plain and isinstance(given, _WHOLE):
@@ -57,14 +57,14 @@ def scene_of(
 
 
 def step_of(start: Any, end: Any, faces: Any, groups: Any = None, edges: Any = None, points: Any = None) -> Any:
-    """The scene of (start, end, faces), (mesh, end), or one that moves by itself."""
+    """Returns the scene of (start, end, faces), of (mesh, end), or of a scene that has positions at the end."""
     if end is not None and faces is None and is_mesh(end):
         return scene_of(start, end, groups=groups, edges=edges, points=points)
     return scene_of(start, faces, end=end, groups=groups, edges=edges, points=points)
 
 
 def kind_of(scene: Scene) -> str:
-    """ "mesh", "meshes", "world" or "part"."""
+    """Returns "mesh", "meshes", "world" or "part"."""
     if isinstance(scene, World):
         return "world"
     if isinstance(scene, _core.Part):
@@ -73,7 +73,7 @@ def kind_of(scene: Scene) -> str:
 
 
 def excluded_in(scene: Scene, pairs: PairFilter) -> Any:
-    """Pairs of bodies that are excluded, by their indices; kept for callers that ask about one world many times."""
+    """Returns excluded pairs of bodies by their indices: (k, 2) int32; cached per world for callers in a loop."""
     if not isinstance(scene, World):
         raise InvalidInput("excluded_bodies are bodies of a crumple.World")
     kept = pairs._indices
@@ -88,7 +88,7 @@ def excluded_in(scene: Scene, pairs: PairFilter) -> Any:
 
 
 def with_names(scene: Scene, error: InvalidInput) -> InvalidInput:
-    """The error, which names the body if the scene is a world."""
+    """Returns the error with names of bodies and shapes in its message if the scene is a world."""
     named = _named(scene, str(error)) if isinstance(scene, World) else str(error)
     if named == str(error):
         return error
@@ -96,13 +96,13 @@ def with_names(scene: Scene, error: InvalidInput) -> InvalidInput:
 
 
 def _of_shape(number: int) -> str:
-    """What a shape's name names, in words: its number was made here if the name is a str, or is its own."""
+    """Describes a named shape by its number, which was made here for a str and for a private name."""
     name = name_of_number(number)
     return "what a file named " if name is None else f"what is named {name!r} "
 
 
 def _named(world: World, message: str) -> str:
-    """The message with names instead of numbers: of the body, if it has one, and its configuration; of a shape."""
+    """Replaces numbers in a message by names: of a body, with its configuration, and of a shape."""
     message = re.sub(r"what is named (\d+) ", lambda found: _of_shape(int(found[1])), message)
     found = re.match(r"body (\d+): ", message)
     if not found or int(found[1]) >= len(world):
@@ -122,7 +122,7 @@ def checked_copy(copy: Any) -> bool:
 
 
 def checked_query(scene: Any, query: Any) -> Any:
-    """The query, with its kinds as a tuple, and a radius that fits the scene."""
+    """Returns a query that was checked for the scene, with its kinds as a tuple."""
     if type(query) is IntersectionQuery and type(query.filter) is PairFilter:
         return query
     if not isinstance(query, Query):
@@ -162,7 +162,7 @@ def _check_radius(scene: Any, query: ProximityQuery) -> None:
         raise InvalidInput("radius cannot be given together with radii")
 
 
-#: The type of the result, by the name of the call.
+#: Type of the result, by the name of the call.
 RESULTS: dict[str, type[Result]] = {
     "intersections": Intersections,
     "impacts": Impacts,
@@ -175,8 +175,8 @@ _OPTIONS = ("index", "triangle_pairs", "closest", "least", "self_overlaps", "gra
 
 
 def show(found: Any, scene: Any, query: Any, copy: bool, block: bool = False) -> Any:
-    """The result of a query, of the extension module's."""
-    requests = query._requests  # callers use a query many times
+    """Wraps the extension module's result of a query."""
+    requests = query._requests  # cached, because callers use a query many times
     if requests is None:
         requests = query.__dict__["_requests"] = {}
     key = (type(scene), copy, block)
@@ -210,7 +210,7 @@ def _request_of(query: Any, kind: str, copy: bool, block: bool) -> Request:
 
 
 def _kept(scene: Any, kind: str) -> tuple[Any, ...]:
-    """The parts of a scene of meshes that files and pictures need: two meshes, and ids of triangles of a part."""
+    """Returns what files and pictures of meshes need: two meshes, and ids of triangles of a part."""
     if kind == "part":
         second = None if scene.second is None else Mesh(*scene.second)
         return Mesh(*scene.mesh), second, scene.triangles, None if second is None else scene.triangles_second

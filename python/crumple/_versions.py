@@ -1,4 +1,4 @@
-"""Other versions of this package: refuses two that are installed over each other, and finds what older pickles name."""
+"""Other versions of this package: refuses two installed distributions, and maps names in old pickles."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ._errors import InvalidInput
 def refuse_two(folder: str) -> None:
     """Raises ImportError if `folder`, where packages are installed, has metadata of more than one distribution.
 
-    Those with and without the cuda backend have the same files, of which the last one's are there, or some of each.
+    The distributions with and without the cuda backend overwrite each other's files.
     """
     try:
         entries = os.listdir(folder)
-    except OSError:  # imported from elsewhere than a folder
+    except OSError:  # not imported from a folder
         return
     found = {match[1] for entry in entries if (match := re.match(r"(crumple(?:_cuda\d+)?)-[^-]+\.dist-info$", entry))}
     if len(found) > 1:
@@ -31,14 +31,14 @@ def refuse_two(folder: str) -> None:
 
 
 def refuse(*_: Any) -> Any:
-    """Stands for a function that results of 0.2, which had other classes, were restored by. Raises InvalidInput."""
+    """Replaces the functions that restored results of version 0.2, whose classes are gone. Raises InvalidInput."""
     raise InvalidInput(
         "this was pickled by crumple 0.2, whose results crumple 0.3 does not read: "
         "unpickle it with crumple 0.2 and save its arrays"
     )
 
 
-# Functions and classes that pickles name by modules that are gone, and the ones that stand for them now.
+# Replacements of functions and classes that old pickles name, by their former modules.
 _MOVED = {
     "_candidates._restore": "_versions.refuse",
     "_feature_pickling.restore": "_versions.refuse",
@@ -62,7 +62,7 @@ _MOVED = {
 
 
 class _Gone(ModuleType):
-    """A module that is gone."""
+    """Replacement of a former module."""
 
     def __getattr__(self, name: str) -> Any:
         place = _MOVED.get(f"{self.__name__.removeprefix('crumple.')}.{name}")

@@ -1,4 +1,4 @@
-"""Worlds as input: bodies, and where they are."""
+"""Worlds as input: bodies and their poses."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
 from ._errors import InvalidInput, InvalidType, suggesting
-from ._mesh import Mesh, OwnName, Shape, constant_shape, shape_of  # noqa: F401, pickles of 0.2 find OwnName here
+from ._mesh import Mesh, OwnName, Shape, constant_shape, shape_of  # noqa: F401, pickles of 0.2 name OwnName here
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,16 +17,24 @@ if TYPE_CHECKING:
 
 
 class Body(NamedTuple):
-    """One body, for worlds that are put together one by one; World takes arrays for all bodies at once as well.
+    """One body, for worlds that are made body by body. World also takes arrays for all bodies.
 
-    Attributes:
-        shape: index into the world's shapes, or one of these shapes itself.
-        pose: (3, 4) or (4, 4), the latter ending in 0 0 0 1; None: as given.
-        group: of its triangles, where the shape has no groups of its own.
-        world: which world it is in; -1: in all.
-        self_collisions: whether pairs within the body are wanted.
-        name: for exclusions and messages; "": none.
-        end_pose: as `pose`, at the end of a step; None: as at its start.
+    Attributes
+    ----------
+    shape : int or Shape
+        Index into the world's shapes, or one of these shapes.
+    pose : (3, 4) or (4, 4) array_like, or None
+        Affine map; the last row of (4, 4) is 0 0 0 1. None: identity.
+    group : int
+        Group of its triangles if the shape has no groups.
+    world : int
+        World that contains the body; -1: all worlds.
+    self_collisions : bool
+        True: also pairs within the body.
+    name : str
+        Name for exclusions and messages; "": none.
+    end_pose : (3, 4) or (4, 4) array_like, or None
+        Pose at the end of a step; None: the same as `pose`.
     """
 
     shape: Any
@@ -39,34 +47,51 @@ class Body(NamedTuple):
 
 
 class World(_core.World):
-    """Bodies, each a shape under a pose; any number of them may share one shape.
+    """Bodies, each a shape under a pose. Any number of bodies may use one shape.
 
-    Args:
-        shapes: of Shape, or of meshes that as_mesh knows.
-        bodies: (n,) integers, the index of each body's shape; None: one body a shape. Or n of Body, and then none of
-            the arguments below.
-        poses: (n, 3, 4) or (n, 4, 4) of float64 or float32: affine maps, the latter ending in 0 0 0 1. None: all as
-            given. Read by each search where they lie (float64 without gaps, of three rows) or copied by it, so that
-            they may be written to between searches. Detector.find with the cuda backend also takes those in CUDA
-            memory, (n, 3, 4) without gaps, by DLPack: bodies and shapes then stay on the device from call to call of
-            Detector.find and launch, and other queries copy the poses.
-        groups: (n,) integers that fit int32, or one for all: of the triangles of shapes without groups of their own.
-        worlds: (n,) integers, ascending: which world each body is in. Bodies of different worlds never meet; -1: in all
-            worlds; such bodies come last. None: all in world 0.
-        self_collisions: True or False, or (n,) of bool: whether pairs within each body are wanted.
-        names: n of str, each once unless empty: for exclusions and messages.
-        end_poses: as `poses`, at the end of a step, for queries about a step: each vertex goes straight from where it
-            is posed at the start to where it is posed at the end. None: as `poses`.
+    Parameters
+    ----------
+    shapes : iterable of Shape or mesh
+        Shapes, or meshes that as_mesh takes.
+    bodies : (n,) array_like of int, or sequence of Body, optional
+        Index of each body's shape; None: one body per shape. With a sequence of Body, the arguments below must not be
+        given.
+    poses : (n, 3, 4) or (n, 4, 4) array_like of float64 or float32, optional
+        Affine maps; the last row of (4, 4) is 0 0 0 1. None: identity for all.
+    groups : int or (n,) array_like of int, optional
+        Groups, within int32, of the triangles of shapes without groups.
+    worlds : (n,) array_like of int, optional
+        World of each body, ascending. Bodies of different worlds are never paired. -1: in all worlds; such bodies come
+        last. None: all in world 0.
+    self_collisions : bool or (n,) array_like of bool, default False
+        True: also pairs within the body.
+    names : iterable of str, optional
+        Names for exclusions and messages, unique unless empty.
+    end_poses : array_like, optional
+        Poses at the end of a step, as `poses`, for queries about motion: each posed vertex moves straight from start to
+        end. None: the same as `poses`.
 
-    `world.poses = poses` and `world.end_poses = poses` cost next to nothing; all else stays as it is.
-    `len(world)` is the number of bodies. Raises InvalidInput, which names the argument; what is wrong with arrays
-    of shapes, which are only read by a search, that search refuses.
+    Attributes
+    ----------
+    unit : {"um", "mm", "cm", "in", "ft", "m"} or None
+        Unit of the coordinates, as read_world found it; None: unknown. Files of Intersections.save keep it.
 
-    What is answered, and what a posed vertex is to the bit: docs/worlds.md.
+    Raises
+    ------
+    InvalidInput
+        If an argument is invalid. Names the argument. Searches validate the contents of shapes.
 
-    Attributes:
-        unit: of the coordinates, "um", "mm", "cm", "in", "ft" or "m", as read_world found it; None: unknown. Pictures
-            and files that Intersections.save writes keep it.
+    Notes
+    -----
+    `len(world)` is the number of bodies. Poses may be replaced at any time (`world.poses = poses`, `world.end_poses =
+    poses`), which costs next to nothing; nothing else can change.
+
+    Each search reads the poses. It reads float64 poses of three rows without gaps in place, and copies others. So the
+    array may change between searches. With the cuda backend, Detector.find also takes poses in CUDA memory through
+    DLPack, (n, 3, 4) without gaps. Then bodies and shapes stay cached on the device between calls of Detector.find and
+    Detector.launch; other queries download the poses.
+
+    docs/worlds.md defines the results, and posed vertices to the bit.
     """
 
     unit: str | None = None
@@ -119,10 +144,23 @@ class World(_core.World):
 
     @classmethod
     def from_trimesh(cls, scene: Any) -> World:
-        """The world of a trimesh.Scene: each node that has a mesh is a body, with its name and its transform.
+        """Makes the world of a trimesh.Scene: each node with a mesh is a body, with its name and transform.
 
-        Geometry that several nodes share is one shape. Paths and points are left out. Vertices and faces are copied,
-        so that detectors can remember them: make a world once, and set its poses. Raises InvalidInput, InvalidType.
+        Several nodes that use one geometry share a shape. Paths and points are left out. Vertices and faces are copied,
+        so that detectors can cache them: make a world once, and replace its poses.
+
+        Parameters
+        ----------
+        scene : trimesh.Scene
+
+        Returns
+        -------
+        World
+
+        Raises
+        ------
+        InvalidInput, InvalidType
+            If the scene is invalid.
         """
         import numpy as np
 
@@ -135,7 +173,7 @@ class World(_core.World):
         for node in scene.graph.nodes_geometry:
             transform, geometry = scene.graph[node]
             mesh = scene.geometry[geometry]
-            if not hasattr(mesh, "faces"):  # paths and points, which bound nothing
+            if not hasattr(mesh, "faces"):  # paths and points
                 continue
             if geometry not in places:
                 places[geometry] = len(shapes)
@@ -147,18 +185,34 @@ class World(_core.World):
         return World(shapes, of, poses=np.array(poses).reshape(-1, 4, 4), names=names)
 
     def configurations(self, poses: Any, end_poses: Any = None) -> World:
-        """A world of many configurations of this one's bodies, each in a world of its own, against those at rest.
+        """Makes a world of many configurations of this world's bodies, each in a world of its own.
 
-        Args:
-            poses: (k, m, 3, 4) or (k, m, 4, 4): k configurations of the m bodies that are in world 0 here. Bodies that
-                are in all worlds (-1) stay where they are now.
-            end_poses: the same at the end of a step, for queries about a step; None: as `poses`.
+        Bodies in world 0 are repeated for each configuration. Bodies in all worlds (-1) are static: they stay as they
+        are, and can collide with each configuration.
 
-        Body b of configuration c has index c * m + b; those at rest follow. Names and indices in `excluded` are those
-        of this world, and hold in each configuration. `world.poses = poses` gives others, as many. Raises
-        InvalidInput.
+        Parameters
+        ----------
+        poses : (k, m, 3, 4) or (k, m, 4, 4) array_like
+            Poses of k configurations of the m bodies in world 0.
+        end_poses : array_like, optional
+            Poses at the end of a step, as `poses`, for queries about motion; None: the same as `poses`.
 
-        Cost: some nanoseconds a body; a search copies 96 bytes a body if there are bodies at rest.
+        Returns
+        -------
+        World
+            Body b of configuration c has index c * m + b; static bodies follow. Names and indices in `excluded_bodies`
+            are those of this world, and apply to each configuration. `world.poses = poses` sets other poses, of the
+            same shape.
+
+        Raises
+        ------
+        InvalidInput
+            If this world has other worlds than 0 and -1, is itself made of configurations, or the shape of `poses` is
+            wrong.
+
+        Notes
+        -----
+        Cost: some nanoseconds per body. With static bodies, each search copies 96 bytes per body.
         """
         if self._base is not None:
             raise InvalidInput("configurations are made of a world that is none of configurations itself")
@@ -190,9 +244,25 @@ class World(_core.World):
         return made
 
     def at(self, poses: Any, end_poses: Any = None) -> World:
-        """The same bodies under other poses, given as World and `world.poses` take them; it shares all else.
+        """Returns a world of the same bodies under other poses. It shares everything else.
 
-        Cost: next to nothing. Raises InvalidInput.
+        Parameters
+        ----------
+        poses, end_poses : array_like
+            Poses, as World takes them.
+
+        Returns
+        -------
+        World
+
+        Raises
+        ------
+        InvalidInput
+            If the shape of the poses is wrong.
+
+        Notes
+        -----
+        Cost: next to nothing.
         """
         made = World.__new__(World)
         made._pose(self, poses, end_poses)
@@ -201,11 +271,11 @@ class World(_core.World):
 
     @property
     def shapes(self) -> tuple[Shape, ...]:
-        """The shapes, as World was given them or as it made them of meshes."""
+        """Shapes as given, or as made from the given meshes."""
         return self._shapes
 
     def _column(self, name: str) -> Any:
-        """A column of the world; of configurations, that of the bodies that move repeated, and the rest of it."""
+        """Returns a column. For configurations, repeats entries of moving bodies; those of static ones follow."""
         if self._base is None:
             return self._columns[name]
         if name not in self._columns:
@@ -223,44 +293,44 @@ class World(_core.World):
 
     @property
     def originals(self) -> NDArray[np.int32]:
-        """(n,) int32: for each body, which one of the world that the configurations are made of; else itself."""
+        """For each body its index in the world that configurations are made from, else its own: (n,) int32."""
         return self._column("originals")
 
     @property
     def distinct(self) -> int:
-        """How many bodies one configuration has, those at rest included; otherwise len(world)."""
+        """Number of bodies in one configuration, including static ones; otherwise len(world)."""
         return len(self) if self._base is None else len(self._base)
 
     @property
     def bodies(self) -> NDArray[np.int32]:
-        """(n,) int32: the index of each body's shape."""
+        """Index of each body's shape: (n,) int32."""
         return self._column("bodies")
 
     @property
     def groups(self) -> NDArray[np.int32]:
-        """(n,) int32: the group of each body's triangles, where its shape has none of its own."""
+        """Group of each body's triangles, if its shape has no groups: (n,) int32."""
         return self._column("groups")
 
     @property
     def worlds(self) -> NDArray[np.int32]:
-        """(n,) int32: which world each body is in; -1: in all."""
+        """World of each body; -1: in all worlds: (n,) int32."""
         return self._column("worlds")
 
     @property
     def self_collisions(self) -> NDArray[np.bool_]:
-        """(n,) bool: whether pairs within each body are wanted."""
+        """True for bodies with pairs within: (n,) bool."""
         return self._column("self_collisions")
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the bodies; "" for one without. Of configurations, those of the world they are made of."""
+        """Names of the bodies, "" for none. For configurations, those of the world that they are made from."""
         return self._names if self._base is None else self._base._names
 
     @property
     def mesh(self) -> Mesh:
-        """All bodies as one mesh, one after the other, each vertex where a search has it; groups are the bodies.
+        """All posed bodies as one mesh, body after body; the groups are the indices of the bodies.
 
-        A copy of the whole, for pictures and files.
+        A new copy, for pictures and files. Vertices have the positions that a search uses.
         """
         return self._mesh_at(self.poses)
 
@@ -268,7 +338,7 @@ class World(_core.World):
         return Mesh(*_core.posed_mesh(self, poses, self._all_names())[:3])
 
     def _all_names(self) -> list[str]:
-        """A name for each body, for files."""
+        """Returns a name for each body, for files."""
         if self._base is None:
             return [name or f"body {body}" for body, name in enumerate(self._names)]
         own = self._base._all_names()
@@ -280,7 +350,23 @@ class World(_core.World):
         return {name: body for body, name in enumerate(self.names) if name}
 
     def index(self, name: str) -> int:
-        """The body of this name. Raises InvalidInput, which suggests the nearest name. Of configurations as `names`."""
+        """Returns the index of the body with a name.
+
+        For configurations, the index in the world that they are made from.
+
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        int
+
+        Raises
+        ------
+        InvalidInput
+            If there is no such body. Suggests the most similar name.
+        """
         try:
             return self._index[name]
         except KeyError:
@@ -295,7 +381,7 @@ class World(_core.World):
         if self._base is not None:
             import numpy as np
 
-            # Those at rest stay where they were when the configurations were made.
+            # Static bodies keep the poses that they had when the configurations were made.
             base, moving = self._base.__reduce__(), np.tile(np.eye(3, 4), (self._moving, 1, 1))
             base_world = restore_world(*base[1][:-2], np.concatenate([moving, self._poses_at_rest]))
             arguments = (base_world, own_poses, end_poses)
@@ -321,13 +407,13 @@ def restore_world(
     poses: Any,
     end_poses: Any = None,
 ) -> World:
-    """The world of a pickle."""
+    """Returns the world of a pickle."""
     columns = {"groups": groups, "worlds": worlds, "self_collisions": self_collisions, "names": names}
     return World(shapes, bodies, poses=poses, end_poses=end_poses, **columns)
 
 
 def restore_configurations(base: Any, poses: Any, end_poses: Any = None) -> World:
-    """The world of configurations of a pickle."""
+    """Returns the world of configurations of a pickle."""
     if not isinstance(base, World):
         raise InvalidType("the state of a world of configurations needs a World")
     return base.configurations(poses, end_poses)

@@ -1,4 +1,4 @@
-"""Columns of a world, one entry a body, converted if nothing is lost, and refused by name otherwise."""
+"""Columns of a world, one entry per body. Converts them if nothing is lost, else raises errors with their names."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._errors import InvalidInput, InvalidType
 
 def _column(array: Any, name: str, bodies: int | None) -> np.ndarray:
     result = host_array(array, name)
-    if result.ndim == 0 and bodies is not None:  # one for all
+    if result.ndim == 0 and bodies is not None:  # one value for all bodies
         result = np.broadcast_to(result, bodies)
     if result.ndim != 1:
         raise InvalidInput(f"{name} must have shape (bodies,), not {result.shape}")
@@ -23,7 +23,7 @@ def _column(array: Any, name: str, bodies: int | None) -> np.ndarray:
 
 
 def ids(array: Any, name: str, bodies: int | None = None) -> np.ndarray:
-    """(n,) int32 without gaps, which nobody can write to."""
+    """Returns a read-only, contiguous (n,) int32 copy."""
     result = _column(array, name, bodies)
     if result.size == 0:
         result = result.astype(np.int32)
@@ -43,7 +43,7 @@ def ids(array: Any, name: str, bodies: int | None = None) -> np.ndarray:
 
 
 def flags(array: Any, name: str, bodies: int) -> np.ndarray:
-    """(n,) bool without gaps, which nobody can write to."""
+    """Returns a read-only, contiguous (n,) bool copy."""
     result = _column(array, name, bodies)
     if result.size and result.dtype != np.bool_:
         raise InvalidType(f"{name} must be True or False, or (bodies,) of bool, not {result.dtype}")
@@ -57,7 +57,7 @@ def _constant(array: np.ndarray, dtype: Any) -> np.ndarray:
 
 
 def names(given: Any, bodies: int) -> tuple[str, ...]:
-    """n strings, each once unless it is empty."""
+    """Returns one string per body, unique unless empty."""
     if given is None:
         return ("",) * bodies
     if isinstance(given, (str, bytes)) or not isinstance(given, Iterable):
@@ -83,13 +83,13 @@ def _refuse(names: Sequence[str], body: int, what: str) -> None:
 
 
 def check_shapes(of: np.ndarray, shapes: int, names: Sequence[str]) -> None:
-    """Refuses bodies of shapes that are not there."""
+    """Refuses bodies whose shape does not exist."""
     for body in np.flatnonzero((of < 0) | (of >= shapes))[:1].tolist():
         _refuse(names, body, f"there is no shape {of[body]}; there are {shapes}")
 
 
 def check_worlds(worlds: np.ndarray, names: Sequence[str]) -> None:
-    """Refuses ids of worlds that do not ascend, or bodies after those that are in all worlds (-1)."""
+    """Refuses world ids that do not ascend, and bodies after those in all worlds (-1)."""
     for body in np.flatnonzero(worlds < -1)[:1].tolist():
         _refuse(names, body, f"its world is {worlds[body]}; worlds are 0 and up, or -1, which is all")
     order = np.where(worlds == -1, np.iinfo(np.int64).max, worlds.astype(np.int64))
@@ -100,7 +100,7 @@ def check_worlds(worlds: np.ndarray, names: Sequence[str]) -> None:
 
 
 def pose_of(pose: Any, body: int, name: str = "pose") -> np.ndarray:
-    """The pose of one crumple.Body as (3, 4); None: as given."""
+    """Returns the pose of one crumple.Body as (3, 4) float64; the identity for None."""
     if pose is None:
         return np.eye(3, 4)
     result = host_array(pose, f"body {body}: its {name}")
@@ -121,7 +121,7 @@ def pose_of(pose: Any, body: int, name: str = "pose") -> np.ndarray:
 
 
 def stacked(poses: Sequence[Any], end_poses: Sequence[Any]) -> tuple[Any, Any]:
-    """Poses and end poses of each crumple.Body, as arrays; None where no body has one."""
+    """Returns arrays of the poses and end poses of all crumple.Body; None if no body has one."""
     started = ended = None
     if any(pose is not None for pose in poses):
         started = np.stack([pose_of(pose, i) for i, pose in enumerate(poses)])
@@ -132,7 +132,7 @@ def stacked(poses: Sequence[Any], end_poses: Sequence[Any]) -> tuple[Any, Any]:
 
 
 def shapes_of(shapes: Sequence[Any], given: Sequence[Any]) -> list[int]:
-    """The index of each body's shape, which may be given as the shape itself."""
+    """Returns the index of each body's shape. Bodies may name the shape by its index or by the object."""
     places = {id(shape): i for i, shape in enumerate(shapes)}
     result = []
     for i, shape in enumerate(given):
@@ -149,8 +149,11 @@ def shapes_of(shapes: Sequence[Any], given: Sequence[Any]) -> list[int]:
 
 
 def excluded_pairs(excluded: Any, bodies: int, index: Callable[[str], int]) -> np.ndarray:
-    """(k, 2) int32 of pairs of bodies, given by index, less than `bodies`, or by name, of which there is an `index`."""
-    # The fast way: whether indices are in range is looked at where they are read.
+    """Returns pairs of bodies as (k, 2) int32, from indices below `bodies`, or names.
+
+    `index` is a function that returns the index of a name.
+    """
+    # Fast path: the extension module checks the range of these indices.
     if type(excluded) is np.ndarray and excluded.dtype == np.int32 and excluded.shape[1:] == (2,):
         return excluded
     if isinstance(excluded, (str, bytes)) or not isinstance(excluded, Iterable):
@@ -173,7 +176,7 @@ def excluded_pairs(excluded: Any, bodies: int, index: Callable[[str], int]) -> n
 
 
 def _pair(pair: Any) -> Any:
-    # A set of one is a body and itself.
+    # A set of one element is a pair of a body with itself.
     given = sorted(pair, key=str) if isinstance(pair, (set, frozenset)) else pair
     if isinstance(given, (str, bytes)) or not isinstance(given, Sequence | np.ndarray):
         raise InvalidType(f"excluded must be pairs of bodies, such as {{'arm', 'hand'}}, but {pair!r} is none")

@@ -1,20 +1,28 @@
-"""One scene on many processes of MPI, with mpi4py's communicators.
+"""Searches one scene with many MPI processes, through communicators of mpi4py.
 
+Each rank provides local triangles, with all vertices that they name, and gets the pairs whose first triangle it has
+provided. The rows of all ranks, merged, are the same bytes as those of crumple.Detector.intersections for the whole
+scene. `impacts` and `proximities` do the same for motion and nearness. Ranks may provide bodies instead (World). As in
+crumple.Detector, `find(share, query)` is the basic call.
+
+Raises
+------
+ImportError
+    If the package was built without MPI, mpi4py is missing, or mpi4py uses another MPI library.
+
+Notes
+-----
+The package has this module if it was built with MPI: `pip install . --config-settings=cmake.define.CRUMPLE_MPI=ON`.
+Importing this module initialises MPI, as mpi4py does.
+
+Examples
+--------
     from mpi4py import MPI
     import crumple.mpi
 
     with crumple.mpi.Detector(MPI.COMM_WORLD) as detector:
-        result = detector.intersections(vertices, faces)  # this rank's share of the scene
-        print(result.pairs, result.count)                 # its rows of the result; pairs over all ranks
-
-Each rank brings triangles of its own, with all vertices that they name, and gets the pairs whose first triangle it has
-brought. The rows of all ranks, merged, are the bytes of crumple.Detector.intersections of the whole scene. impacts and
-proximities do the same for motion and nearness. Ranks may bring bodies, too (crumple.World). As in crumple.Detector,
-detector.find(share, query) is the one call.
-
-The package has this module where it was built with MPI: `pip install .
---config-settings=cmake.define.CRUMPLE_MPI=ON`. mpi4py must use the same MPI; importing this module checks that, and
-initialises MPI as mpi4py does. Raises ImportError.
+        result = detector.intersections(vertices, faces)  # local mesh of this rank
+        print(result.pairs, result.count)                 # local rows; number of pairs over all ranks
 """
 
 from __future__ import annotations
@@ -48,7 +56,7 @@ try:
 except ModuleNotFoundError as error:
     raise ImportError(f"crumple.mpi needs mpi4py: {error}") from error
 
-from . import _mpi  # after mpi4py, which chooses how MPI is loaded
+from . import _mpi  # after mpi4py, which decides how MPI is loaded
 from ._ranks import Impacts, Intersections, MeshShare, Proximities, WorldShare, excluded_of_ranks, share_of, show
 
 Statistics = _mpi.Statistics
@@ -59,7 +67,7 @@ __all__ = ["Detector", "Impacts", "Intersections", "MeshShare", "Proximities", "
 
 
 def _check_library() -> None:
-    """Handles of one MPI mean nothing to another, nor to another copy of the same."""
+    """Raises ImportError unless mpi4py uses the same MPI library, because handles are valid in one library only."""
     libraries = [library.strip("\0\n ") for library in (_mpi.library(), MPI.Get_library_version())]
     ours, theirs = (" ".join(library.partition("\n")[0].partition(",")[0].split()) for library in libraries)
     if ours != theirs:
@@ -73,8 +81,11 @@ _check_library()
 
 
 def _collective(fail: Callable[..., None]) -> Callable[[Method], Method]:
-    """For methods that all ranks call: where the arguments of one are none of the method, fail(error, self, *arguments,
-    **named) tells the others, who would wait for it."""
+    """Decorates methods that all ranks call, so that invalid arguments on one rank raise an error on all.
+
+    If the arguments do not fit the signature, calls fail(error, self, *arguments, **named), which notifies the other
+    ranks. Otherwise they would wait for this one.
+    """
 
     def decorate(method: Method) -> Method:
         suggested = suggesting(method)
@@ -86,7 +97,7 @@ def _collective(fail: Callable[..., None]) -> Callable[[Method], Method]:
                 signature.bind(self, *arguments, **named)
             except TypeError:
                 try:
-                    return suggested(self, *arguments, **named)  # which says what is wrong
+                    return suggested(self, *arguments, **named)  # raises the same TypeError, with a suggestion
                 except TypeError as error:
                     fail(error, self, *arguments, **named)
                     raise
@@ -116,38 +127,56 @@ _ALL = IntersectionQuery()
 
 
 class Detector:
-    """Searches a scene of which each rank brings a share, exactly and completely: intersections, impacts, proximities.
+    """Searches a scene that is distributed over ranks, exactly and completely: intersections, impacts, proximities.
 
-    The result depends neither on the number of ranks nor on how triangles are shared out. A detector keeps parts of the
-    scene and their centres between calls: where only vertices have moved, little more than their coordinates travels.
+    Parameters
+    ----------
+    comm : mpi4py.MPI.Intracomm
+        Communicator; the detector uses a duplicate of it.
+    parts : int, default 0
+        Number of parts over all ranks, 1 to 262144; 0: chosen from the number of ranks. More parts balance the load
+        better, but overlap more.
+    round_bytes : int, default 67108864
+        Approximate size in bytes of a message batch of a rank, out and in each; at least 1024.
+    threads : int, default 0
+        Threads of this rank; 0: the cores that the rank may use, divided by the ranks that share them.
+    memory_limit : int, default 0
+        Bytes that this rank's detector may own; 0: no limit.
+    backend, clusters, leaf_size, fuzzy_c_means, simd, device
+        As for crumple.Detector.
 
-    All calls, making and closing a detector included, are collective: all ranks of the communicator make the same, in
-    the same order, with the same query; properties and `statistics` are not. A detector takes one call at a time.
-    Calls release the GIL.
+    Raises
+    ------
+    InvalidInput
+        If an option is out of range.
+    BackendUnavailable
+        If a machine or build lacks the backend or instruction set.
+    Error
+        With code "communication" if MPI fails.
 
-    If a call fails on one rank it fails on all: each raises the same Error, whose `rank` is the one that failed; where
-    an element is to blame, `index` is its number over all ranks. What is no crumple.Error, such as KeyboardInterrupt,
-    is raised where it happened, and an Error of code "cancelled" on the others. All detectors stay usable. Ctrl-C is
-    seen within about 50 ms while a rank searches, otherwise when the ranks next agree. A process that dies ends the
-    job, as with MPI it does.
+    Notes
+    -----
+    The result depends neither on the number of ranks nor on the distribution of the triangles, and no option changes
+    it. A detector caches parts and their centres between calls: if only vertices have moved, little more than their
+    coordinates is sent.
 
-    Args:
-        comm: an intracommunicator of mpi4py, of which the detector uses a duplicate.
-        parts: that the scene is cut into over all ranks, 1 to 262144; 0: chosen from the number of ranks. More parts
-            are shared out more evenly, but overlap more.
-        round_bytes: bytes that a rank may have on their way at a time, out and in each; at least 1024.
-        threads: 0: the cores that the rank may use, divided by the ranks that share them.
-        memory_limit: bytes that this rank's detector may own, 0: no limit.
+    All calls are collective, including those that make and close a detector: all ranks of the communicator make the
+    same calls, in the same order, with the same query, and with the same `parts` and `round_bytes`. Properties are not
+    collective. A detector runs one call at a time. Calls release the GIL.
 
-    Other options are those of crumple.Detector; parts and round_bytes are the same on all ranks. No option changes a
-    result. MPI must be initialised with MPI.THREAD_FUNNELED at least for calls from the main thread, with
-    MPI.THREAD_SERIALIZED for others; mpi4py asks for MPI.THREAD_MULTIPLE. Raises InvalidInput for options out of range,
-    BackendUnavailable for what a machine or build lacks, Error of code "communication" where MPI fails.
+    If a call fails on one rank, all ranks raise the same Error, whose `rank` is the one that failed; an `index` counts
+    over all ranks. Other exceptions, such as KeyboardInterrupt, are raised where they occurred, and an Error with code
+    "cancelled" on the other ranks. All detectors stay usable. Ctrl-C ends a call within about 50 ms while the rank
+    searches, otherwise at the next collective error check. A process that dies ends the job, as usual with MPI.
 
-    As a context manager it is closed at the end, unless an exception ends the block: others may not be there then, and
-    memory is freed alone.
+    MPI must be initialised with MPI.THREAD_FUNNELED at least for calls from the main thread, and with
+    MPI.THREAD_SERIALIZED for calls from others; mpi4py requests MPI.THREAD_MULTIPLE.
 
-    Cost: as that of crumple.Detector, shared by the ranks, and the way of triangles to the ranks that search them.
+    As a context manager the detector closes at the end. If an exception ends the block, it only frees memory, because
+    other ranks may not be there to close.
+
+    Cost: that of crumple.Detector, divided among the ranks, plus the transfer of triangles to the ranks that search
+    them.
     """
 
     @_collective(_fail_making)
@@ -191,51 +220,84 @@ class Detector:
 
     @property
     def options(self) -> dict[str, Any]:
-        """What the detector was made with on this rank; threads: how many it has come to; device: which."""
+        """Options of this rank's detector, with the actual number of threads and the actual device."""
         return dict(self._options)
 
     @property
     def rank(self) -> int:
-        """This rank, from 0. Raises Error, as `ranks` and `statistics`, after close()."""
+        """This rank, from 0. Like `ranks` and `statistics`, raises Error after close()."""
         return self._open().rank
 
     @property
     def ranks(self) -> int:
-        """How many ranks there are."""
+        """Number of ranks."""
         return self._open().ranks
 
     @property
     def statistics(self) -> Statistics:
-        """What the last call did on this rank."""
+        """Counts and times of the last call on this rank."""
         return self._open().statistics
 
     @_in_call
     def find(self, share: MeshShare | WorldShare, query: Query = _ALL) -> Any:
-        """Finds everything that a query describes: on each rank the rows whose first triangle, or first feature, or
-        first body, it has brought. Collective.
+        """Finds everything that a query describes. Collective.
 
-        Args:
-            share: what this rank brings: a MeshShare or a WorldShare.
-            query: an IntersectionQuery, an ImpactQuery or a ProximityQuery, the same on all ranks. For less output than
-                pairs no rows travel; "any_by_world" is as "any", for ranks share one world. Filters speak of bodies
-                (World's self_collisions, too) or of groups, not of both; excluded bodies are (n, 2) integers, numbers
-                over all ranks. Listed edges and points, radii, rest shapes, rings, least distances, pairs of triangles
-                and offsets are for one process.
+        Parameters
+        ----------
+        share : MeshShare or WorldShare
+            Local mesh or bodies of this rank.
+        query : IntersectionQuery, ImpactQuery or ProximityQuery, default IntersectionQuery()
+            The same on all ranks.
 
-        Arrays lie on the host, or, but for ids and worlds, all on the rank's device (options["device"]) where the cuda
-        backend works, which copies them to the host first. They must not change until the call returns. There may be
-        2^31 - 1 triangles, and as many vertices, over all ranks. Parts of the scene are made for one query: another
-        minimum distance, or a query of another type, begins them anew. Raises InvalidInput, which names the argument
-        and the place, and MemoryLimit, on all ranks; see Detector.
+        Returns
+        -------
+        Intersections, Impacts or Proximities
+            Rows whose first triangle, first feature or first body belongs to this rank. With less output than pairs no
+            rows are sent; "any_by_world" is the same as "any", because all ranks share one world.
 
-        Cost: see Detector. result.statistics tells what travelled, and how evenly the work was shared out. Source:
-        Mainzer and Zachmann, sec. 1.1, for parts on several machines.
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            On all ranks, see Detector. Names the argument and the place.
+
+        Notes
+        -----
+        The pair filter may select bodies (with World.self_collisions) or groups, not both. Excluded bodies are (n, 2)
+        integers, numbers over all ranks. Not supported: `edges` and `points`, radii, rest shapes, rings, least
+        distances, pairs of triangles, and `index`.
+
+        Arrays are in host memory. If the cuda backend is used, they may all be on the rank's device
+        (options["device"]), except for ids and worlds; they are then downloaded first. They must not change until the
+        call returns. At most 2^31 - 1 triangles, and as many vertices, over all ranks. Parts of the scene are made for
+        one query: a different minimum distance, or another type of query, makes new parts.
+
+        Cost: see Detector. The statistics of the result show what was sent, and how well the load was balanced.
+
+        References
+        ----------
+        .. [1] D. Mainzer and G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision", sec. 1.1, for parts
+           on several machines.
         """
         return self._find(lambda: share, lambda: query)
 
     @_in_call
     def any(self, share: MeshShare | WorldShare, query: Query = _ALL) -> bool:
-        """True if there is anything to find, on any rank. Each rank stops at its first. Collective. As find."""
+        """True if `find` would find anything on any rank. Each rank stops at its first pair. Collective.
+
+        Parameters
+        ----------
+        share, query
+            As for `find`.
+
+        Returns
+        -------
+        bool
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
+        """
         return self._call("any", lambda: share, lambda: query)[0]
 
     @_in_call
@@ -251,11 +313,27 @@ class Detector:
         body_ids: Any = None,
         **options: Any,
     ) -> Intersections:
-        """Pairs of triangles that intersect: find with an IntersectionQuery. Collective.
+        """Finds pairs of triangles that intersect: `find` with an IntersectionQuery. Collective.
 
-        Args:
-            vertices, faces, groups: as of crumple.Detector.intersections, of this rank; or a mesh or a World alone.
-            triangle_ids, vertex_ids: as of MeshShare; body_ids: as of WorldShare.
+        Parameters
+        ----------
+        vertices, faces, groups : array_like, or mesh or World alone
+            Local mesh or bodies of this rank, as for crumple.Detector.intersections.
+        triangle_ids, vertex_ids : array_like of int64, optional
+            As for MeshShare.
+        body_ids : array_like of int64, optional
+            As for WorldShare.
+        **options
+            Members of the IntersectionQuery.
+
+        Returns
+        -------
+        Intersections
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
         """
         ids = (triangle_ids, vertex_ids, body_ids)
         return self._find(
@@ -276,10 +354,27 @@ class Detector:
         body_ids: Any = None,
         **options: Any,
     ) -> Impacts:
-        """Features that touch on the way from `start` to `end`, and when: find with an ImpactQuery. Collective.
+        """Finds features that touch during a step, and when: `find` with an ImpactQuery. Collective.
 
-        Each impact is on the rank whose triangle owns its first feature. Copies of a vertex are equal at the end, too.
-        Arguments as of intersections.
+        Parameters
+        ----------
+        start, end, faces, groups : array_like, or mesh or World alone
+            Local mesh or bodies of this rank, as for crumple.Detector.impacts. Ghost vertices must be equal at the end,
+            too.
+        triangle_ids, vertex_ids, body_ids : array_like of int64, optional
+            As for `intersections`.
+        **options
+            Members of the ImpactQuery.
+
+        Returns
+        -------
+        Impacts
+            Each impact is on the rank whose triangle owns its first feature.
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
         """
         ids = (triangle_ids, vertex_ids, body_ids)
         return self._find(lambda: share_of(step_of(start, end, faces, groups), *ids), lambda: ImpactQuery(**options))
@@ -297,9 +392,26 @@ class Detector:
         body_ids: Any = None,
         **options: Any,
     ) -> Proximities:
-        """Features whose distance is at most a radius: find with a ProximityQuery. Collective.
+        """Finds features whose distance is at most a radius: `find` with a ProximityQuery. Collective.
 
-        Each pair is on the rank whose triangle owns its first feature. Arguments as of intersections.
+        Parameters
+        ----------
+        vertices, faces, groups : array_like, or mesh or World alone
+            Local mesh or bodies of this rank, as for crumple.Detector.proximities.
+        triangle_ids, vertex_ids, body_ids : array_like of int64, optional
+            As for `intersections`.
+        **options
+            Members of the ProximityQuery.
+
+        Returns
+        -------
+        Proximities
+            Each pair is on the rank whose triangle owns its first feature.
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
         """
         ids = (triangle_ids, vertex_ids, body_ids)
         return self._find(
@@ -307,24 +419,32 @@ class Detector:
         )
 
     def set_progress(self, show: Callable[[str, int, int], Any] | None) -> None:
-        """Has show(phase, parts_done, parts) called on this rank as calls go on. Not collective.
+        """Sets a function that reports the progress of calls on this rank. Not collective.
 
-        Args:
-            show: called as each phase begins (statistics.phase_milliseconds names them, in their order; what a call
-                does not need is left out), and as each part has been searched: phase "search", how many of this rank's
-                parts are done, and how many there are. Otherwise these two are 0. What it raises ends the call, as
-                KeyboardInterrupt does. It must not call this detector. None: nothing is called.
+        Parameters
+        ----------
+        show : callable or None
+            Called as show(phase, parts_done, parts) at the beginning of each phase, in the order of
+            statistics.phase_milliseconds, without phases that the call does not need; and with phase "search" after
+            each part, with the number of this rank's parts that are done, and their total. In other phases both numbers
+            are 0. An exception ends the call, as KeyboardInterrupt does. It must not call this detector. None: no
+            reports.
 
-        Raises InvalidType, and Error after close().
+        Raises
+        ------
+        InvalidType
+            If `show` is neither callable nor None.
+        Error
+            After close().
         """
         if show is not None and not callable(show):
             raise InvalidType(f"show must be callable or None, not {type(show).__name__}", element="option")
         self._open().set_progress(show)
 
     def close(self) -> None:
-        """Frees the duplicate of the communicator and all memory. Collective. No call may follow but another close.
+        """Frees the duplicate of the communicator and all memory. Collective.
 
-        A detector that is not closed leaves the duplicate to the end of MPI.
+        No other call may follow, except `close`. Without it, MPI frees the duplicate at its end.
         """
         if self._ranks is not None:
             self._ranks.close()
@@ -352,8 +472,11 @@ class Detector:
         return show(found, request, of_world)
 
     def _call(self, call: str, share: Callable[[], Any], query: Callable[[], Any]) -> tuple[Any, Query, bool]:
-        """What the call finds, and of what. `share` and `query` make what this rank brings: where that fails it tells
-        the others, who wait for it."""
+        """Runs a call of the extension module; returns its result, the query, and True for a world.
+
+        `share` and `query` make the arguments of this rank. If that fails, notifies the other ranks, which wait for
+        this one.
+        """
         ranks = self._open()
         try:
             brought, request = share(), query()
@@ -369,13 +492,13 @@ class Detector:
             excluded = excluded_of_ranks(request.filter.excluded_bodies)
             arguments = brought._borrow(ranks, scene), getattr(_mpi, type(request).__name__)(request, excluded)
         except BaseException as error:
-            ranks.fail(error)  # which raises what is crumple's on all ranks, for they wait for this one
+            ranks.fail(error)  # the other ranks wait for this one; raises an Error of crumple on all ranks
             raise
         return getattr(ranks, call)(*arguments), request, isinstance(brought, WorldShare)
 
 
 def _together(comm: MPI.Intracomm, work: Callable[[], Answered]) -> Answered:
-    """What `work` gives, or on all ranks the error of the least rank where it fails."""
+    """Returns the result of `work`, or raises on all ranks the error of the lowest rank where it fails."""
     result: Answered | None = None
     failed: Error | None = None
     own: BaseException | None = None
@@ -385,7 +508,7 @@ def _together(comm: MPI.Intracomm, work: Callable[[], Answered]) -> Answered:
         failed = type(error)(
             f"rank {comm.rank}: {error}", code=error.code, element=error.element, index=error.index, rank=comm.rank
         )
-    except BaseException as error:  # the others wait for this rank: they hear of it, and it is raised here as it is
+    except BaseException as error:  # the others wait for this rank: notifies them, and raises it unchanged on this rank
         own = error
         failed = Error(f"rank {comm.rank}: the call was interrupted: {error!r}", code="cancelled", rank=comm.rank)
     all_failed = comm.allgather(failed)

@@ -1,7 +1,7 @@
 #pragma once
 
-// Arguments of a Python call, by the names that they have there. What is of another type is an InvalidType, what is out
-// of range an InvalidInput; either says which argument, what it must be and what it is.
+// Conversion of the arguments of Python calls. Throws InvalidType for a wrong type and Error (invalid_argument) for a
+// value out of range; the message names the argument, the expected value and the actual one.
 
 #include <filesystem>
 #include <limits>
@@ -17,22 +17,22 @@ namespace crumple::python {
 /// Throws InvalidType: "weld must be True or False, not str".
 [[noreturn]] void refuse_type(std::string_view argument, std::string_view wanted, nanobind::handle value);
 
-/// True or False, NumPy's too.
+/// Returns a bool of Python or NumPy.
 bool flag(std::string_view argument, nanobind::handle value);
 
-/// A str; valid as long as the value.
+/// Returns the characters of a str, valid as long as `value`.
 std::string_view text(std::string_view argument, nanobind::handle value);
 
-/// What converts to float without loss of meaning: not a str.
+/// Returns a number. Refuses str.
 double real(std::string_view argument, nanobind::handle value);
 
-/// A str, bytes or os.PathLike.
+/// Returns the path of a str, bytes or os.PathLike.
 std::filesystem::path path(std::string_view argument, nanobind::handle value);
 
-/// An int, or anything that Python takes for an index, such as NumPy's integers.
+/// Returns an int, from anything that Python accepts as an index, such as NumPy's integers.
 nanobind::object any_integer(std::string_view argument, nanobind::handle value);
 
-/// The same within the limits of `Integer`.
+/// Returns an integer within the limits of `Integer`.
 template <class Integer>
 Integer integer(std::string_view argument, nanobind::handle value) {
     const nanobind::object number = any_integer(argument, value);

@@ -62,12 +62,13 @@ bool are_vertices(const BorrowedArray& a) {
     return has_rows_of(3, a) && (a.number == Number::float32 || a.number == Number::float64);
 }
 
-// Flat cells with their sizes before them: (3, a, b, c, 3, d, e, f, ...). In host memory alone one can look.
+// True if flat indices may be cells that are preceded by their sizes: (3, a, b, c, 3, d, e, f, ...). False in device
+// memory, where it cannot be checked.
 bool may_be_cells(const BorrowedArray& a) {
     if (a.device != BorrowedArray::on_host || a.shape[0] == 0 || a.shape[0] % 4 != 0) return false;
     const std::size_t size = a.number == Number::int64 ? sizeof(std::int64_t) : sizeof(std::int32_t);
     for (std::int64_t i = 0; i < a.shape[0]; i += 4) {
-        std::int64_t index = 0;  // its low bytes come first, or no index is 3
+        std::int64_t index = 0;  // on a big-endian machine no int32 index equals 3
         std::memcpy(&index, static_cast<const std::byte*>(a.data) + i * a.strides[0], size);
         if (index != 3) return false;
     }
@@ -103,7 +104,7 @@ bool are_group_pairs(const BorrowedArray& a) {
            a.strides[0] % size == 0 && a.strides[1] % size == 0 && reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
 }
 
-// One behind the other, as the library has them.
+// True for contiguous int32 rows, which the library reads in place as Edge.
 bool are_edges(const BorrowedArray& a) {
     return has_rows_of(2, a) && a.number == Number::int32 && is_contiguous(a) &&
            reinterpret_cast<std::uintptr_t>(a.data) % alignof(Edge) == 0;
@@ -121,7 +122,7 @@ bool are_host_poses(const BorrowedArray& a) {
            (a.number == Number::float32 || a.number == Number::float64);
 }
 
-// On a device nothing is converted.
+// True for poses in host memory, or for contiguous (n, 3, 4) ones in device memory, where nothing is converted.
 bool are_poses(const BorrowedArray& a) {
     if (a.device == BorrowedArray::on_host) return are_host_poses(a);
     BorrowedArray there = a;
@@ -146,12 +147,12 @@ bool borrow_numpy(nb::handle object, BorrowedArray& result) {
 
 // Array argument of a Python call.
 struct Argument {
-    const char* kind;        ///< function of crumple/_arrays.py that converts such arrays
+    const char* kind;        ///< name of the function of crumple/_arrays.py that converts such arrays
     const char* which;       ///< prefix of its messages
-    void* stream = nullptr;  ///< CUDA stream that it must be ready on, if it lies in CUDA memory
+    void* stream = nullptr;  ///< CUDA stream on which an array in CUDA memory must be ready
 };
 
-// The number that DLPack has for a CUDA stream: 1 for the legacy default stream, -1 for none, else the address.
+// Returns DLPack's number of a CUDA stream: 1 for the legacy default stream, -1 for none, else the address.
 nb::int_ dlpack_stream(void* stream) {
     if (stream == no_stream()) return nb::int_(-1);
     constexpr std::uintptr_t legacy_default = 1;
@@ -164,20 +165,21 @@ nb::object call_dlpack(const nb::object& method, const nb::dict& named) {
     return nb::steal(in_python([&] { return PyObject_Call(method.ptr(), none.ptr(), named.ptr()); }));
 }
 
-// The same, and once more for a read-only array, which only capsules of DLPack 1.0 can describe.
+// Calls __dlpack__, and again with max_version for a read-only array, which only capsules of DLPack 1.0 can describe.
 nb::object call_dlpack_of_any_version(const nb::object& method, nb::dict named) {
     nb::object capsule = call_dlpack(method, named);
     if (capsule || !PyErr_ExceptionMatches(PyExc_BufferError)) return capsule;
     nb::python_error first;
     named["max_version"] = nb::make_tuple(nb::dlpack::major_version, nb::dlpack::minor_version);
     capsule = call_dlpack(method, named);
-    if (!capsule && PyErr_ExceptionMatches(PyExc_TypeError)) first.restore();  // an older package, without max_version
+    if (!capsule && PyErr_ExceptionMatches(PyExc_TypeError))
+        first.restore();  // an older package that does not know max_version
     return capsule;
 }
 
-// Returns what __dlpack__ returns, for an array in CUDA memory by way of the stream; null if that raises for one in
-// host memory, which may be readable otherwise. nanobind would call __dlpack__, too, but without a stream and not
-// in_python.
+// Returns the capsule of __dlpack__, ready on the stream if the array is in CUDA memory. Returns null if __dlpack__
+// raises for an array in host memory, which may be readable by other means. nanobind would call __dlpack__ without a
+// stream, and not by in_python().
 nb::object capsule_of(const nb::object& method, const Argument& argument, bool in_cuda_memory) {
     nb::dict named;
     if (in_cuda_memory) named["stream"] = dlpack_stream(argument.stream);
@@ -194,7 +196,8 @@ bool lies_in_cuda_memory(nb::handle object) {
     return call_python("crumple._arrays", "lies_in_cuda_memory", {object}).is(Py_True);
 }
 
-// A bare capsule in CUDA memory, which has no __dlpack__, is synchronized by the caller who made it.
+// Borrows an array through DLPack, or returns false. The caller synchronizes a bare capsule in CUDA memory, which has
+// no __dlpack__.
 bool borrow_dlpack(nb::handle object, const Argument& argument, BorrowedArray& result, Kept& kept) {
     using Tensor = nb::ndarray<nb::ro>;
     Tensor tensor;
@@ -230,7 +233,7 @@ bool borrow_dlpack(nb::handle object, const Argument& argument, BorrowedArray& r
     return true;
 }
 
-// The array in an object that stays, or in what crumple/_arrays.py makes of it.
+// Returns a view of the array in `object`, or of the array that crumple/_arrays.py converts it to.
 BorrowedArray borrow_array(nb::handle object, bool (*accepted)(const BorrowedArray&), const Argument& argument,
                            Kept& kept) {
     BorrowedArray array;
@@ -254,7 +257,7 @@ void check_place(const BorrowedArray& array, const std::string& name, int device
     if (array.device != device) refuse(name + " lie in " + place(array.device) + ", but vertices in " + place(device));
 }
 
-// Rows of an (n, 3) array, or of a flat one.
+// Returns a view of the rows of an (n, 3) or a flat array.
 template <class Type>
 ArrayView<Type> rows_of_three(const BorrowedArray& array, Type type) {
     if (array.dimensions == 1) return {array.data, array.shape[0] / 3, 3 * array.strides[0], array.strides[0], type};
@@ -287,7 +290,7 @@ BorrowedMesh::BorrowedMesh(const nb::tuple& mesh, const char* which, void* strea
     if (mesh[2].is_none()) return;
     groups_ = borrow_array(mesh[2], are_groups, {"groups", which, stream}, kept_);
     check_place(groups_, std::string(which) + "groups", device());
-    // No groups at all are None. An empty array would be taken for that.
+    // None means no groups. An empty span would mean the same, so the number must match.
     if (groups_.shape[0] != view_.triangles.rows)
         refuse(std::string(which) + "groups must be one for each of the " + std::to_string(view_.triangles.rows) +
                " faces, not " + std::to_string(groups_.shape[0]));
@@ -357,7 +360,7 @@ BorrowedArray borrow_poses(nb::handle poses, const char* which, void* stream, Ke
 
 bool is_contiguous(const BorrowedArray& array) {
     const auto begin = array.shape.begin(), end = begin + array.dimensions;
-    if (std::find(begin, end, 0) != end) return true;  // of no elements strides say nothing
+    if (std::find(begin, end, 0) != end) return true;  // without elements, strides do not matter
     std::int64_t size = array.number == Number::float64 || array.number == Number::int64 ? 8 : 4;
     for (auto i = static_cast<std::size_t>(array.dimensions); i-- > 0; size *= array.shape[i])
         if (array.shape[i] != 1 && array.strides[i] != size) return false;

@@ -23,7 +23,7 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-/// Arguments of a call, and its turn.
+/// Arguments of a call, and the exclusive use of the detector.
 template <class Query>
 struct Call {
     Call(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded)
@@ -40,7 +40,7 @@ struct Call {
     const Scene view;
 };
 
-// Makes an array that owns its memory: (n,), or (n, 3).
+// Makes an array of a copy of the values: (n,), or (n, 3).
 template <class Number, class Value, class... Columns>
 nb::object give(const Array<Value>& values, Columns... columns) {
     import_numpy();
@@ -50,7 +50,7 @@ nb::object give(const Array<Value>& values, Columns... columns) {
     return nb::cast(nb::ndarray<nb::numpy, Number>(given->data(), {rows, std::size_t{columns}...}, owner));
 }
 
-// Converts a free step to the members of crumple.FreeStep. Positions are of the precision of a mesh.
+// Converts a free step to the members of crumple.FreeStep. Positions have the precision of the mesh.
 nb::object tuple_of_step(const FreeStep& step, const Scene& scene) {
     const auto* mesh = std::get_if<MeshView>(&scene.source());
     const bool single = mesh && mesh->vertices.type == ScalarType::float32 && mesh->end.type == ScalarType::float32;
@@ -104,7 +104,7 @@ std::vector<Part> partition(nb::handle self, nb::handle scene, nb::handle query,
                        call.detector.stop());
 }
 
-// Counts the rows of a block alone, where the library counts those before as well.
+// Counts the rows of a block. The library's own count includes all earlier blocks.
 template <class Block>
 std::int64_t rows_of(const Block& block) {
     std::int64_t rows = 0;

@@ -1,7 +1,6 @@
 #pragma once
 
-// Calls of a detector, by the name of the query: _find_impacts, _any_impacts and so on, which crumple.Detector.find,
-// any and so on call.
+// Calls of a detector, one for each query and delivery: _find_impacts, _any_impacts and so on, for crumple.Detector.
 
 #include <nanobind/nanobind.h>
 

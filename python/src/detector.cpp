@@ -58,7 +58,7 @@ SharedDetector::Turn::~Turn() {
     detector_.turn_ended_.notify_one();
 }
 
-// No turn ends unseen: it ends with the GIL, which is let go here only with the mutex in hand.
+// Cannot miss the end of a turn: a turn ends with the GIL, which this function releases only while it holds the mutex.
 void SharedDetector::wait_for_another_turn() {
     ++waiting_;
     {
@@ -91,7 +91,7 @@ namespace {
 void make(nb::handle self, const nb::dict& given) {
     check_self(self);
     const Options options = options_of(given);
-    // From here on no code of Python runs, and no other thread.
+    // No Python code and no other thread runs from here on.
     if (nb::inst_ready(self)) refuse("crumple.Detector.__init__ has been called already");
     new (nb::inst_ptr<SharedDetector>(self)) SharedDetector(options);
     nb::inst_mark_ready(self);
@@ -108,7 +108,7 @@ nb::tuple listed_devices() {
 }  // namespace
 
 void bind_detector(nb::module_& module) {
-    nb::class_<SharedDetector> detector(module, "Detector", "The library's detector; crumple.Detector is one.");
+    nb::class_<SharedDetector> detector(module, "Detector", "Detector of the library; base class of crumple.Detector.");
     detector.def("__init__", make, "options"_a)
         .def_prop_ro("backend", [](nb::handle self) { return name_of(backend_names, detector_of(self).backend()); })
         .def_prop_ro("fallback", [](nb::handle self) { return detector_of(self).fallback(); })

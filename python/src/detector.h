@@ -1,7 +1,7 @@
 #pragma once
 
-// crumple::Detector for Python: the GIL released, calls from several threads one after another, results that outlive
-// it.
+// crumple::Detector for Python: releases the GIL, runs the calls of several threads one at a time, and makes results
+// that outlive the detector.
 
 #include <condition_variable>
 #include <cstdint>
@@ -26,7 +26,8 @@ class SharedDetector {
    public:
     explicit SharedDetector(const Options& options);
 
-    /// Calls take turns. Comes and goes with the GIL, which is all that it costs while nobody waits.
+    /// Exclusive use of the detector during a call. Construct and destroy it with the GIL, which is its only cost while
+    /// no other thread waits.
     class Turn {
        public:
         explicit Turn(SharedDetector& detector);
@@ -38,9 +39,9 @@ class SharedDetector {
         SharedDetector& detector_;
     };
 
-    /// Call in a turn of one's own, without the GIL. In the main thread, signals are handled while a call runs or waits
-    /// for its turn; what their handlers raise ends the call. `result` is storage, as `storage` gives it: it moves in
-    /// and comes back, and outlives the detector and its next call.
+    /// Call with a Turn, without the GIL. In the main thread, signals are handled while a call runs or waits; an
+    /// exception from a handler ends the call. `result` comes from storage(). The detector fills it and gives it back,
+    /// so it outlives the detector and its next call.
     template <class Query>
     void find(const Scene& scene, const Query& query, typename Query::Result& result) {
         detector_.swap_result(result);
@@ -59,8 +60,8 @@ class SharedDetector {
     std::vector<Part> partition(const Scene& scene, const Query& query, int count) {
         return detector_.partition(scene, query, count, stop_->get_token());
     }
-    /// What stream(detector, sink, stop) gives, whose sink takes each block by `take`, with the GIL, in any thread of
-    /// the library. That may be another thread than the one whose turn it is; it is refused a call all the same.
+    /// Returns the result of stream(detector, sink, stop). The sink calls `take` for each block, with the GIL, in any
+    /// thread of the library. Calls of the detector from that thread are refused, too.
     template <class Block, class Stream>
     Statistics stream(FunctionRef<void(const Block&)> take, Stream stream) {
         const auto with_gil = [&](const Block& block) {
@@ -75,38 +76,38 @@ class SharedDetector {
         };
         return stream(detector_, with_gil, stop_->get_token());
     }
-    /// Calls work(detector, stop).
+    /// Returns the result of work(detector, stop).
     template <class Work>
     auto call(Work work) {
         return work(detector_, stop_->get_token());
     }
-    /// Keeps what a launch is given until the second launch after it. Call with the GIL.
+    /// Keeps the arguments of a launch alive until the second launch after it. Call with the GIL.
     void keep(std::shared_ptr<void> given) {
         std::swap(launched_[0], launched_[1]);
         launched_[0] = std::move(given);
     }
-    /// Storage for an answer: that of one of the last two, if nobody holds it any more. So frames of a simulation go
-    /// back and forth between two and allocate nothing. Under a memory limit none is kept. Call with the GIL, under
-    /// which results come and go.
+    /// Returns storage for a result: that of one of the last two results, if Python no longer uses it. So frames of a
+    /// simulation alternate between two and allocate nothing. Under a memory limit none is reused. Call with the GIL,
+    /// which also guards the release of results.
     template <class Answer>
     std::shared_ptr<Answer> storage() {
         return std::get<Two<Answer>>(answers_).get(options().memory_limit > 0);
     }
-    /// For poses that cannot be read in place. In a turn of one's own.
+    /// Buffers for poses that cannot be read in place. Use with a Turn.
     std::vector<Pose>& poses() { return poses_; }
     std::vector<Pose>& end_poses() { return end_poses_; }
     const Options& options() const { return detector_.options(); }
     Backend backend() const { return detector_.backend(); }
     std::string_view fallback() const { return detector_.fallback(); }
 
-    /// Ends the call whose turn it is; one that waits for its turn goes on waiting. Call with the GIL.
+    /// Ends the call in progress, but none that waits. Call with the GIL.
     void cancel() {
         if (stop_) stop_->request_stop();
     }
     const std::stop_source& stop() const { return *stop_; }
 
    private:
-    /// The last two answers, of which one may be free.
+    /// Storage of the last two results, for reuse.
     template <class Answer>
     class Two {
        public:
@@ -128,18 +129,18 @@ class SharedDetector {
         answers_;
     std::vector<Pose> poses_, end_poses_;
     std::shared_ptr<void> launched_[2];
-    std::optional<std::stop_source> stop_;  ///< of the turn; each has its own
-    std::thread::id caller_;                ///< whose turn it is; guarded by the GIL, as `stop_` and `waiting_` are
+    std::optional<std::stop_source> stop_;  ///< stop of the current Turn, or of the last one
+    std::thread::id caller_;  ///< thread of the current Turn; guarded by the GIL, as `stop_` and `waiting_` are
     int waiting_ = 0;
-    std::uint64_t turns_ = 0;  ///< that ended while somebody waited; guarded by the mutex
+    std::uint64_t turns_ = 0;  ///< number of turns that ended while threads waited; guarded by the mutex
     std::mutex mutex_;
     std::condition_variable turn_ended_;
 };
 
-/// The detector that a method is called on. A class of Python may leave it without what __init__ makes.
+/// Returns the detector that a method is called on. Throws Error if __init__ of a subclass did not make it.
 SharedDetector& detector_of(nanobind::handle self);
 
-/// Refuses arrays that do not lie on the host, or on the device that the detector works on.
+/// Throws Error for arrays that are neither on the host nor on the detector's device.
 void check_device(const SharedDetector& detector, int device);
 
 void bind_detector(nanobind::module_& module);

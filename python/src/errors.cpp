@@ -17,7 +17,7 @@ namespace nb = nanobind;
 namespace crumple::python {
 namespace {
 
-// In the order of the enumerators.
+// Names in the order of the enumerators.
 constexpr std::array code_names{
     "invalid_argument", "not_finite", "index_out_of_range", "memory_limit", "backend_unavailable", "file", "format",
     "cancelled",        "device",     "communication"};
@@ -27,7 +27,7 @@ constexpr std::array element_names{"none", "vertex", "triangle", "group", "optio
 const char* name_of(ErrorCode code) { return code_names[static_cast<std::size_t>(code)]; }
 const char* name_of(Element element) { return element_names[static_cast<std::size_t>(element)]; }
 
-// The first, if there is none of that name.
+// Returns the enumerator of a name, or the first one if there is none.
 template <class Enum>
 Enum found_by_name(const auto& names, const std::string& name) {
     const auto found = std::find(names.begin(), names.end(), name);
@@ -58,7 +58,7 @@ const char* class_of(const Error& error) {
 
 void raise(const Error& error) {
     const nb::object type = nb::module_::import_("crumple._errors").attr(class_of(error));
-    // The name of a file need not be UTF-8: its other bytes are written as \x80.
+    // File names need not be UTF-8: invalid bytes are written as \x80.
     const std::string_view what = error.what();
     const nb::object message =
         nb::steal(PyUnicode_DecodeUTF8(what.data(), static_cast<Py_ssize_t>(what.size()), "backslashreplace"));
@@ -80,7 +80,7 @@ void raise(const Error& error) {
 }
 
 void translate(const std::exception_ptr& pointer, void*) {
-    if (!pointer) hang();  // no exception of C++: the thread is being unwound
+    if (!pointer) hang();  // not a C++ exception: the interpreter unwinds this thread
     const Error* known = nullptr;
     try {
         std::rethrow_exception(pointer);

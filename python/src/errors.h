@@ -1,6 +1,6 @@
 #pragma once
 
-// Failures as Python exceptions: the classes of crumple/_errors.py, with the sentences of the C++ library.
+// Errors of the library as Python exceptions: the classes of crumple/_errors.py, with the same messages.
 
 #include <optional>
 #include <string>
@@ -11,18 +11,18 @@
 
 namespace crumple::python {
 
-/// Lets crumple::Error cross into Python. Call once, at the module's start.
+/// Registers the translation of crumple::Error to Python. Call once, when the module is initialised.
 void translate_errors();
 
-/// What a crumple.Error says, of its arguments; nothing of any other exception.
+/// Converts a crumple.Error back; returns nothing for any other exception.
 std::optional<Error> error_of(nanobind::handle exception);
 
-/// An argument of a type that cannot be one.
+/// Error for an argument of the wrong type.
 struct InvalidType : Error {
     explicit InvalidType(const std::string& message) : Error(ErrorCode::invalid_argument, message, Element::option) {}
 };
 
-/// An Error (invalid_argument) about an argument of the Python call.
+/// Throws Error (invalid_argument) about an argument of a Python call.
 [[noreturn]] inline void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, message, Element::option);
 }

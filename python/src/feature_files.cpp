@@ -30,7 +30,7 @@ namespace {
 constexpr std::array<FeatureKind, feature_kinds> all_kinds{FeatureKind::vertex_face, FeatureKind::edge_edge,
                                                            FeatureKind::vertex_edge, FeatureKind::vertex_vertex};
 
-// Takes an array of a Stored of crumple/_pickles.py, which has checked it.
+// Copies an array of a Stored of crumple/_pickles.py, which has validated it.
 template <class Number, class Element>
 void take(nb::handle found, const std::string& name, Array<Element>& array) {
     nb::ndarray<const Number, nb::c_contig, nb::device::cpu> given;
@@ -50,7 +50,7 @@ void take_list(nb::handle found, FeatureKind kind, Array<double>& values, const 
     take<bool>(found, name + "_" + flag, flags);
 }
 
-// Takes what all results have.
+// Copies the members that all results have.
 template <class Storage>
 void take_rest(nb::handle found, Storage& storage) {
     storage.count = nb::cast<std::int64_t>(found.attr("count"));
@@ -131,7 +131,7 @@ std::shared_ptr<const Candidates> candidates_of(nb::handle result) {
 
 }  // namespace
 
-// Binds writers of results: of the mesh, coloured, if there is one, else of the rows.
+// Binds writers of results: of the coloured mesh if one is given, else of the rows.
 void bind_feature_files(nb::module_& module) {
     module.def(
         "write_impacts",

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists of impacts, of near pairs and of candidates, and meshes that are coloured by them, to files.
+// Files of impacts, near pairs and candidates, and of meshes that are coloured by them.
 
 #include <nanobind/nanobind.h>
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// Pairs of features that the caller brings, decided: crumple/_feature_pairs.py has what people see.
+// Decisions about pairs of features that the caller provides, and rigid motions: crumple/_feature_pairs.py and
+// crumple/_rigid_motion.py are the public modules.
 
 #include <nanobind/nanobind.h>
 

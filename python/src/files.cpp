@@ -70,7 +70,7 @@ std::vector<To> rows(const ArrayView<Type>& view) {
         for (int k = 0; k < 3; ++k) {
             From value;
             std::memcpy(&value, row + k * view.column_stride, sizeof value);
-            // An index that does not fit is out of range, and stays so.
+            // An index that int32 cannot hold becomes -1: it stays out of range.
             if constexpr (std::is_integral_v<To>) value = std::in_range<To>(value) ? value : static_cast<From>(-1);
             values.push_back(static_cast<To>(value));
         }
@@ -112,13 +112,13 @@ io::TriangleMesh copy_of(const MeshView& view) {
 
 namespace {
 
-// Units of two meshes, which those that were read from files know.
+// Returns the units of two meshes; meshes that were read from files have one.
 std::pair<io::Unit, io::Unit> units_of(const nb::tuple& first, const std::optional<nb::tuple>& second) {
     const auto unit = [](nb::handle mesh) { return unit_of(nb::getattr(mesh, "unit", nb::none())); };
     return {unit(first), second ? unit(*second) : io::Unit::unknown};
 }
 
-// The meshes of a result, for those who draw them.
+// Copies of the meshes of a result, for writers of pictures.
 struct CopiedMeshes {
     CopiedMeshes(const BorrowedMeshes& borrowed, std::pair<io::Unit, io::Unit> units)
         : first(copy_of(borrowed.first.view())) {
@@ -147,7 +147,7 @@ WithoutGil::AtExit at_exit(const Path& written) {
 
 namespace {
 
-// 0 for a scene that does not exist, whose name scenes::make then refuses.
+// Returns the last frame of a scene; 0 for an unknown scene, which scenes::make then refuses.
 int last_frame(std::string_view scene) {
     for (const scenes::Description& d : scenes::descriptions())
         if (d.name == scene) return d.frames - 1;
@@ -156,8 +156,8 @@ int last_frame(std::string_view scene) {
 
 }  // namespace
 
-// Triangles of quadrilaterals, as the readers of files cut them: (2k, 3) for (k, 4). One that crosses itself, or names
-// what is not there or not finite, is fanned; a search tells of the latter.
+// Cuts quadrilaterals into triangles as the readers of files do: (2k, 3) for (k, 4). Cuts one as a fan if it crosses
+// itself, or if a corner is not finite or does not exist; a search reports the latter.
 nb::object cut_quadrilaterals(
     const nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>& points,
     const nb::ndarray<const std::int64_t, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>& quads) {
@@ -186,7 +186,7 @@ nb::object cut_quadrilaterals(
 
 namespace {
 
-// (k, 2) vertices and (k,) triangles.
+// Returns the open edges as (k, 2) vertices and (k,) triangles.
 nb::tuple open_edges_of(const nb::tuple& mesh, nb::handle weld) {
     const bool welds = flag("weld", weld);
     const BorrowedMesh borrowed(mesh);

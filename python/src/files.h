@@ -12,21 +12,21 @@
 
 namespace crumple::python {
 
-/// (vertices, faces, groups or None, polygons or None): NumPy arrays over the mesh's own memory, which they share.
+/// Returns (vertices, faces, groups or None, polygons or None): NumPy arrays that share the mesh's own memory.
 nanobind::tuple give(io::TriangleMesh&& mesh);
 
-/// What the writers take: a copy, once a file.
+/// Copies a mesh for the writers of files.
 io::TriangleMesh copy_of(const MeshView& view);
 
-/// The unit of a word or of None, and back.
+/// Converts a unit from its name or None, and back.
 io::Unit unit_of(nanobind::handle unit);
 nanobind::object name_of_unit(io::Unit unit);
 
-/// Text for people: the name of a file need not be UTF-8.
+/// Converts text to str. File names need not be UTF-8: invalid bytes are escaped.
 nanobind::object shown(const std::string& text);
 
-/// A file is written to its end, so that no part of it is left behind. What is no regular file, such as a pipe, may
-/// never end, and has no temporary file beside it.
+/// Returns what to do at exit about a file that is being written. A regular file is completed, so that no part of it is
+/// left. Other targets, such as pipes, may never complete, and have no temporary file.
 WithoutGil::AtExit at_exit(const std::filesystem::path& written);
 
 void bind_files(nanobind::module_& module);

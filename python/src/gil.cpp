@@ -17,7 +17,7 @@ void hang() {
 }
 
 bool interpreter_ends() {
-    PyObject* const ends = PySys_GetObject("is_finalizing");  // Py_IsFinalizing is no part of the stable ABI
+    PyObject* const ends = PySys_GetObject("is_finalizing");  // Py_IsFinalizing is not in the stable ABI
     if (!ends) return true;
     const nb::object answer = nb::steal(PyObject_CallNoArgs(ends));
     if (!answer) throw nb::python_error();
@@ -60,8 +60,8 @@ void WithoutGil::watch_exit() {
     pthread_atfork(nullptr, nullptr, [] { all_ = nullptr; });
 }
 
-// The interpreter has ended: no thread gets the GIL any more, so the list stays as it is. What works on while static
-// objects are destroyed may end the process.
+// The interpreter has ended: no thread gets the GIL any more, so the list does not change. Work that continues while
+// static objects are destroyed may crash the process.
 void WithoutGil::end_all() {
     using Clock = std::chrono::steady_clock;
     const auto patience = Clock::now() + std::chrono::seconds(1);

@@ -1,10 +1,11 @@
 #pragma once
 
-// The GIL given up and taken back, and Python's code called, by threads that the interpreter may not wait for.
+// Release and acquisition of the GIL, and calls of Python code, in threads that may outlive the interpreter.
 //
-// A daemon thread that wants the GIL when the interpreter ends never gets it. CPython up to 3.13 unwinds the thread's
-// stack (pthread_exit), which ends the process at the first noexcept function, and on its way destroys Python's objects
-// without the GIL. From 3.14 on the thread hangs. Here it hangs always, in the call of Python's that does not return.
+// A daemon thread that waits for the GIL when the interpreter ends never gets it. CPython up to 3.13 unwinds the
+// thread's stack (pthread_exit), which ends the process at the first noexcept function, and destroys Python objects
+// without the GIL. From 3.14 on the thread hangs. Here it always hangs, in the call of Python's C API that does not
+// return.
 
 #include <atomic>
 #include <cstdint>
@@ -17,15 +18,15 @@
 
 namespace crumple::python {
 
-/// Where a thread goes that the interpreter has ended for.
+/// Suspends this thread forever, after the interpreter has ended.
 [[noreturn]] void hang();
 
-/// Whether the interpreter ends, so that no other thread gets the GIL any more. Call with the GIL.
+/// True if the interpreter is ending, so that no other thread gets the GIL any more. Call with the GIL.
 bool interpreter_ends();
 
-/// Gives what `call` gives, which calls one function of Python's C API that may run code of Python or wait for the GIL.
-/// Nothing that `call` destroys afterwards may need the GIL. Not inlined: compilers leave destructors out where a
-/// noexcept function would end the process.
+/// Returns the result of `call`, which calls one function of Python's C API that may run Python code or wait for the
+/// GIL. Objects that `call` destroys afterwards must not need the GIL. Not inlined, because compilers omit destructors
+/// where a noexcept function would end the process.
 template <class Call>
 [[gnu::noinline]] std::invoke_result_t<Call> in_python(Call call) {
     struct Hanging {
@@ -39,10 +40,10 @@ template <class Call>
     return result;
 }
 
-/// Calls a function of a module of Python.
+/// Calls a function of a Python module.
 nanobind::object call_python(const char* module, const char* function, std::initializer_list<nanobind::handle> given);
 
-/// The GIL, in a thread that may be the library's own and does not have it.
+/// Acquires the GIL in a thread that does not have it, for instance one of the library's.
 class WithGil {
    public:
     WithGil() : state_(in_python([] { return PyGILState_Ensure(); })) {}
@@ -54,11 +55,11 @@ class WithGil {
     PyGILState_STATE state_;
 };
 
-/// Work without the GIL. Comes and goes with it.
+/// Releases the GIL during its lifetime. Construct it with the GIL; its destructor reacquires it.
 class WithoutGil {
    public:
-    /// What the process does about work that is under way when the interpreter has ended: it waits a moment, or until
-    /// there is nothing left of it, such as a temporary file. `stop` is requested.
+    /// How long the process waits at exit for work in progress: a second, or until the work is complete, so that no
+    /// temporary file is left. Requests `stop` first.
     enum class AtExit : std::uint8_t { given_up, finished };
 
     explicit WithoutGil(AtExit at_exit = AtExit::given_up, std::stop_source stop = std::stop_source(std::nostopstate));
@@ -66,10 +67,10 @@ class WithoutGil {
     WithoutGil(const WithoutGil&) = delete;
     WithoutGil& operator=(const WithoutGil&) = delete;
 
-    /// False once the interpreter has ended: the result of the work is lost.
+    /// False after the interpreter has ended: nobody uses the result of the work.
     bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
 
-    /// Has the process wait at its exit. Call once.
+    /// Makes the process wait at exit for work in progress. Call once.
     static void watch_exit();
 
    private:
@@ -83,7 +84,7 @@ class WithoutGil {
     PyThreadState* state_;
 };
 
-/// What `work` gives, which `stop` may end.
+/// Returns the result of `work`, without the GIL. `stop` can end the work.
 template <class Work>
 auto without_gil(Work work, std::stop_source stop = std::stop_source(std::nostopstate)) {
     const WithoutGil released(WithoutGil::AtExit::given_up, std::move(stop));

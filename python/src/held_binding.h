@@ -1,6 +1,6 @@
 #pragma once
 
-// How results that Python holds are shown: members as values, and arrays as NumPy's without a copy.
+// Bindings of results that Python owns: members as values, and arrays as NumPy views.
 
 #include <cstdint>
 #include <string>
@@ -14,7 +14,7 @@
 
 namespace crumple::python {
 
-/// Binds members of what `Held::found()` returns.
+/// Binds members of the result that `Held::found()` returns.
 template <class Held>
 class HeldBinding {
    public:
@@ -26,7 +26,7 @@ class HeldBinding {
     void value(const std::string& name, Get get) {
         type_.def_prop_ro(name.c_str(), [get](const Held& held) { return get(held.found()); });
     }
-    /// `array_of`: of the result. With as many columns as the elements have.
+    /// `array_of` returns the array of a result. `columns`: the shape of each of its elements.
     template <class Number, class ArrayOf, class... Columns>
     void array(const std::string& name, ArrayOf array_of, Columns... columns) {
         const auto show = [=](const Held& held) { return view<Number>(array_of(held.found()), columns...); };
@@ -43,7 +43,7 @@ inline const Array<double>& values(const ProximityList& list) { return list.squa
 inline const Array<std::uint8_t>& flags(const ImpactList& list) { return list.start; }
 inline const Array<std::uint8_t>& flags(const ProximityList& list) { return list.touching; }
 
-/// Milliseconds of each stage, or of each phase, by its name.
+/// Returns the milliseconds of each stage or phase, by its name.
 template <class Part, class Statistics, class NameOf>
 nanobind::typed<nanobind::dict, nanobind::str, double> milliseconds_by_name(const Statistics& statistics, int count,
                                                                             NameOf name_of) {

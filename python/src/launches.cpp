@@ -25,13 +25,13 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-// Returns the CUDA stream with this address. None is the legacy default stream: null.
+// Returns the CUDA stream with this address; null, the legacy default stream, for None.
 void* stream_of(nb::handle address) {
     if (address.is_none()) return nullptr;
     return reinterpret_cast<void*>(integer<std::uintptr_t>("stream", address));
 }
 
-// Arguments of a launch, which live until the second launch after it: each is waited for by then.
+// Arguments of a launch. They live until the second launch after it; by then this launch has been waited for.
 template <class Query>
 struct Launched {
     Launched(const SharedDetector& detector, nb::handle scene, nb::handle query, nb::handle excluded, void* stream)
@@ -53,7 +53,7 @@ LaunchTicket<Query> launch(nb::handle self, nb::handle scene, nb::handle query, 
     return ticket;
 }
 
-// Arrays of the device: of each its address, shape, and type as NumPy writes it.
+// Dict of arrays in device memory: address, shape, and type as NumPy writes it.
 class ArraysThere {
    public:
     template <class Number, class Element>
@@ -75,8 +75,8 @@ class ArraysThere {
     nb::dict arrays_;
 };
 
-// One of these for DLPack, which keeps the detector. Not read-only, for not everybody knows such capsules: who writes
-// to it spoils the answer alone.
+// Wraps such an array for DLPack and keeps the detector alive. Not read-only, because some packages refuse read-only
+// capsules; a write changes this result only.
 nb::object dlpack_capsule(nb::handle detector, std::uintptr_t address, const nb::tuple& shape,
                           const std::string& type) {
     const std::size_t dimensions = shape.size();
@@ -90,7 +90,7 @@ nb::object dlpack_capsule(nb::handle detector, std::uintptr_t address, const nb:
                                   nb::device::cuda::value, detector_of(detector).options().first_device()));
 }
 
-// Returns (complete, rows needed, count, any, first) of a result; `first` is None but for impacts.
+// Returns (complete, rows needed, count, any, first) of a result; `first` is None except for impacts.
 template <class Result>
 nb::tuple told(const Result& found, std::int64_t needed, bool any, nb::object first = nb::none()) {
     return nb::make_tuple(found.complete, needed, found.count, any, first);
@@ -128,7 +128,7 @@ void put_list(const std::string& name, const DeviceProximityList& list, ArraysTh
 template <class List>
 void put_list(const std::string&, const List&, ArraysThere&) {}
 
-// `name_of`: of a kind.
+// `name_of_list` returns the name of kind k.
 template <class Result, class NameOf>
 void put_features(const Result& found, NameOf name_of_list, ArraysThere& there) {
     if (!found.complete) return;
@@ -156,7 +156,7 @@ nb::tuple put(const DeviceCandidates& found, ArraysThere& there) {
     return told(found, found.rows_needed, found.count > 0);
 }
 
-// Waits for a launch of this detector: (values, arrays, statistics).
+// Waits for a launch of this detector. Returns (values, arrays, statistics).
 template <class Query>
 nb::tuple wait(const LaunchTicket<Query>& ticket, nb::handle of) {
     SharedDetector& detector = detector_of(of);

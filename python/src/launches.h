@@ -1,6 +1,6 @@
 #pragma once
 
-// Launches, whose results stay in device memory: _launch_impacts and so on, each of which returns a ticket.
+// Launches, whose results stay in device memory: _launch_impacts and so on. Each returns a ticket.
 
 #include <nanobind/nanobind.h>
 

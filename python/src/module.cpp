@@ -1,4 +1,4 @@
-// crumple._core, the library behind the Python package. Private: crumple/*.py is what people see.
+// crumple._core, the private extension module of the Python package. crumple/*.py is public.
 
 #include <nanobind/nanobind.h>
 
@@ -17,7 +17,7 @@
 #include "world_files.h"
 
 NB_MODULE(_core, module) {
-    module.doc() = "The C++ library behind crumple. Private.";
+    module.doc() = "C++ library of crumple. Private.";
     module.attr("__version__") = CRUMPLE_VERSION;
     nanobind::set_leak_warnings(false);  // daemon threads may hold objects at exit
     crumple::python::WithoutGil::watch_exit();

@@ -1,6 +1,6 @@
 #pragma once
 
-// A detector's options as Python gives them.
+// Options of a detector from Python.
 
 #include <nanobind/nanobind.h>
 
@@ -8,7 +8,7 @@
 
 namespace crumple::python {
 
-/// Of a dict that has all of them, by their names.
+/// Converts a dict of all options, by name.
 Options options_of(const nanobind::dict& given);
 
 }  // namespace crumple::python

@@ -18,7 +18,7 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-// The Part in an object that __new__ may have left without one.
+// Returns the Part of a Python object. Throws Error if __new__ left it empty.
 const Part& part_of(nb::handle object, std::string_view argument) {
     if (!nb::isinstance<Part>(object)) refuse_type(argument, "a crumple.Part", object);
     if (!nb::inst_ready(object)) refuse(std::string(argument) + " is a crumple.Part that nothing was put into");
@@ -31,7 +31,7 @@ nb::ndarray<nb::numpy, const T> column(nb::handle owner, const std::vector<T>& v
     return {values.data(), {values.size()}, owner};
 }
 
-// (vertices, faces, groups or None): what crumple.Mesh is made of. The owner keeps the arrays.
+// Returns the arguments of crumple.Mesh, (vertices, faces, groups or None). `owner` keeps the arrays alive.
 nb::tuple arrays_of(nb::handle owner, const PartMesh& mesh) {
     import_numpy();
     const nb::object vertices = std::visit(
@@ -76,13 +76,13 @@ PartMesh mesh_of(nb::handle given) {
     return mesh;
 }
 
-// Ids that a part of features knows; None of another one.
+// Returns ids of a part for queries about features; None for other parts.
 nb::object ids_of(nb::handle self, std::vector<std::int32_t> PartFeatures::*ids) {
     const auto& features = part_of(self, "this").features;
     return features ? nb::cast(column(self, (*features).*ids)) : nb::none();
 }
 
-// What does not fit together is refused where the part is asked for its pairs.
+// Converts a state. Detector.find refuses inconsistent parts.
 Part part_from(nb::handle given) {
     nb::tuple state;
     nb::list levels;
@@ -108,25 +108,26 @@ Part part_from(nb::handle given) {
 const Part& given_part(nb::handle part) { return part_of(part, "part"); }
 
 void bind_part(nb::module_& module) {
-    nb::class_<Part>(module, "Part",
-                     "One of several independent, overlapping parts of a scene; see Detector.partition. A plain value\n"
-                     "that owns its arrays and can be pickled: send it anywhere, and answer it there with\n"
-                     "Detector.find, without the meshes.")
-        .def_ro("index", &Part::index, "Which of the parts this is, from 0.")
-        .def_ro("count", &Part::count, "How many parts there are.")
+    nb::class_<Part>(
+        module, "Part",
+        "One of several independent, overlapping parts of a scene (Detector.partition).\n\n"
+        "A plain value that owns its arrays and can be pickled: send it to another machine, and search it\n"
+        "there by Detector.find, without the meshes.")
+        .def_ro("index", &Part::index, "Index of this part, from 0.")
+        .def_ro("count", &Part::count, "Number of parts.")
         .def_prop_ro(
             "mesh", [](nb::handle self) { return arrays_of(self, part_of(self, "this").mesh); },
-            "(vertices, faces, groups or None): the part's triangles of the first mesh, as a mesh of their own.")
+            "(vertices, faces, groups or None): the part's triangles of the first mesh, as a mesh.")
         .def_prop_ro(
             "second",
             [](nb::handle self) {
                 const auto& second = part_of(self, "this").second;
                 return second ? nb::object(arrays_of(self, *second)) : nb::none();
             },
-            "The same of the second mesh; None for one soup.")
+            "(vertices, faces, groups or None): those of the second mesh; None if there is one mesh.")
         .def_prop_ro(
             "triangles", [](nb::handle self) { return column(self, part_of(self, "this").mesh.ids); },
-            "int32: which triangles of the first mesh those of `mesh` are, ascending.")
+            "(m,) int32: ids in the first mesh of the triangles of `mesh`, ascending.")
         .def_prop_ro(
             "triangles_second",
             [](nb::handle self) {
@@ -134,24 +135,24 @@ void bind_part(nb::module_& module) {
                 const auto& second = part_of(self, "this").second;
                 return column(self, second ? second->ids : none);
             },
-            "int32: the same of the second mesh; empty for one soup.")
+            "(m,) int32: ids in the second mesh of the triangles of `second`, ascending; empty if there is one mesh.")
         .def_prop_ro(
             "vertex_ids", [](nb::handle self) { return ids_of(self, &PartFeatures::vertices); },
-            "int32: which vertices of the mesh those of `mesh` are, ascending; None but of parts that are asked about\n"
-            "motion or nearness (Detector.partition_motion, partition_near).")
+            "(n,) int32: ids of the vertices of `mesh`, ascending. None unless the part is for impacts or proximities.")
         .def_prop_ro(
             "edge_ids", [](nb::handle self) { return ids_of(self, &PartFeatures::edges); },
-            "int32: which edges of the mesh the part's triangles own, ascending; None as above.")
+            "(k,) int32: ids of the edges that the part's triangles own, ascending; None as for vertex_ids.")
         .def_prop_ro(
             "point_ids", [](nb::handle self) { return ids_of(self, &PartFeatures::points); },
-            "int32: which of the listed points the part's triangles own, ascending; None as above.")
+            "(k,) int32: ids of the points (Mesh.points) that the part's triangles own, ascending; None as for\n"
+            "vertex_ids.")
         .def_prop_ro(
             "has_radii",
             [](nb::handle self) {
                 const auto& features = part_of(self, "this").features;
                 return features && !features->radii.empty();
             },
-            "Whether the part was made with a radius of each vertex.")
+            "True if the part was made with radii of the vertices.")
         .def("__repr__",
              [](const Part& p) {
                  return nb::str("<crumple.Part {} of {}: {} triangles>").format(p.index, p.count, p.triangle_count());

@@ -1,6 +1,6 @@
 #pragma once
 
-// crumple.Part, what one of several machines answers of a scene.
+// crumple.Part, the part of a scene that one of several machines searches.
 
 #include <nanobind/nanobind.h>
 
@@ -8,7 +8,7 @@
 
 namespace crumple::python {
 
-/// The Part in an object.
+/// Returns the Part of a Python object.
 const Part& given_part(nanobind::handle part);
 
 void bind_part(nanobind::module_& module);

@@ -17,7 +17,7 @@ namespace nb = nanobind;
 namespace crumple::python {
 namespace {
 
-/// Calls visit(name, member) for each.
+/// Calls visit(name, member) for each member.
 template <class Features, class Visit>
 void for_each_member(Features& f, Visit visit) {
     visit("moving", f.moving);
@@ -49,7 +49,7 @@ void for_each_member(Features& f, Visit visit) {
     throw InvalidType(std::string("the state of a Part's features needs ") + name + " as __getstate__ gives it");
 }
 
-// The numbers that an element is made of.
+// Number type of an element.
 template <class T>
 struct NumberOf {
     using type = T;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a part knows of vertices and edges, as Python sees it and as pickle keeps it.
+// Features of a part as a state for pickle.
 
 #include <nanobind/nanobind.h>
 
@@ -8,11 +8,11 @@
 
 namespace crumple::python {
 
-/// A dict of arrays and numbers that share nothing with the part.
+/// Returns a dict of copied arrays and numbers.
 nanobind::dict state_of(const PartFeatures& features);
 
-/// Throws InvalidType for what state_of() cannot have made. What does not fit together is refused where the part is
-/// asked.
+/// Converts a state. Throws InvalidType for a state that state_of() cannot return. Detector::find refuses inconsistent
+/// parts.
 PartFeatures features_from(nanobind::handle state);
 
 }  // namespace crumple::python

@@ -44,7 +44,8 @@ constexpr std::pair<const char*, std::int64_t Statistics::*> counters[]{
     {"peak_memory_bytes", &Statistics::peak_memory_bytes},
 };
 
-// A name that lives as long as the process. There are only so many backends and instruction sets.
+// Returns a name that lives as long as the process. Limits their number, as there are few backends and instruction
+// sets.
 std::string_view kept_name(const std::string& name) {
     static std::set<std::string>& names = *new std::set<std::string>;
     if (names.size() >= 100 && !names.contains(name)) refuse("the state of Statistics has a name that nobody knows");
@@ -74,7 +75,7 @@ void check(bool holds, const char* what) {
     if (!holds) refuse(std::string("the state of Intersections does not fit together: ") + what);
 }
 
-// Whether offsets cut `size` elements into `parts` consecutive parts.
+// True if offsets divide `size` elements into `parts` consecutive parts.
 bool are_offsets(const Array<std::int64_t>& offsets, std::size_t parts, std::size_t size) {
     return offsets.size() == parts + 1 && offsets.front() == 0 && std::is_sorted(offsets.begin(), offsets.end()) &&
            offsets.back() == static_cast<std::int64_t>(size);
@@ -94,14 +95,14 @@ void check_contacts(const Intersections& c, bool has_contacts) {
         for (const double coordinate : point) check(std::isfinite(coordinate), "points of contacts");
 }
 
-// Checks the rows of a block of a stream, which has them in any order, and no offsets and hit flags.
+// Checks the rows of a block of a stream: in any order, without offsets and hit flags.
 void check_block(const Intersections& c, bool one_soup) {
     check(c.offsets.empty(), "offsets");
     check(c.hit.empty() && c.hit_second.empty(), "hit");
     for (const Pair& pair : c.pairs) check(pair.a >= 0 && pair.b >= 0 && (!one_soup || pair.a < pair.b), "pairs");
 }
 
-// Checks all that writers and pictures take for granted, but for contacts.
+// Checks everything that writers and pictures rely on, except contacts.
 void check_fit(const Intersections& c, bool one_soup) {
     check(are_offsets(c.offsets, c.hit.size(), c.pairs.size()), "offsets");
     const auto seconds = static_cast<std::int64_t>((one_soup ? c.hit : c.hit_second).size());
@@ -120,7 +121,7 @@ void check_fit(const Intersections& c, bool one_soup) {
     check(std::equal(hit_second.begin(), hit_second.end(), c.hit_second.begin(), c.hit_second.end()), "hit_second");
 }
 
-// A part's result has the ids of the meshes, and all else by position in the part's lists of ids.
+// Replaces ids of the meshes, which results of parts have, by positions in the part's lists of ids.
 void to_positions(const std::optional<Column<std::int32_t>>& ids, const Array<std::uint8_t>& hit,
                   std::int32_t Pair::*member, Array<Pair>& pairs) {
     if (!ids) return;
@@ -204,7 +205,7 @@ Statistics statistics_of(nb::handle given) {
 }
 
 void bind_pickling(nb::module_& module) {
-    // False for statistics that were made but not restored.
+    // False for Statistics objects that were created but not restored.
     module.def(
         "is_filled", [](nb::handle statistics) { return nb::inst_ready(statistics); }, "statistics"_a);
     module.def("restore", restore, "pairs"_a, "offsets"_a, "hit"_a, "hit_second"_a, "contact_kinds"_a,

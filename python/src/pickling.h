@@ -1,6 +1,6 @@
 #pragma once
 
-// Results and statistics as plain values: taken apart for pickle, put together again, copied.
+// States of statistics for pickle and comparison, and restored results.
 
 #include <nanobind/nanobind.h>
 
@@ -8,10 +8,10 @@
 
 namespace crumple::python {
 
-/// Everything in it, by name; Statistics are equal if it is.
+/// Returns all members by name. Statistics are equal if their states are.
 nanobind::dict state_of(const Statistics& statistics);
 
-/// Throws InvalidType or Error (invalid_argument) for what state_of does not give.
+/// Converts a state. Throws InvalidType or Error (invalid_argument) for a state that state_of cannot return.
 Statistics statistics_of(nanobind::handle state);
 
 void bind_pickling(nanobind::module_& module);

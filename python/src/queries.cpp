@@ -22,7 +22,7 @@ Output output_of(nb::handle query, const Names<Output, count>& names) {
 bool flag_of(nb::handle query, const char* name) { return flag(name, query.attr(name)); }
 double real_of(nb::handle query, const char* name) { return real(name, query.attr(name)); }
 
-// Without excluded bodies, whose names only the scene knows.
+// Converts a filter without excluded bodies, because their names depend on the scene.
 PairFilter filter_of(nb::handle query) {
     const nb::object given = query.attr("filter");
     return {.bodies = named(scope_names, "bodies", given.attr("bodies")),
@@ -30,7 +30,7 @@ PairFilter filter_of(nb::handle query) {
             .excluded_groups = group_pairs(given.attr("excluded_groups"))};
 }
 
-// Members that all queries about a step have.
+// Reads the members that all queries about motion have.
 void read_step(nb::handle given, ImpactQuery& query) {
     query.min_distance = real_of(given, "min_distance");
     query.min_distance_share = real_of(given, "min_distance_share");
@@ -107,7 +107,7 @@ void read(nb::handle given, OverlapQuery& query) {
 
 bool is_constant(nb::handle value);
 
-// Returns true if no member of a dataclass can change; names that begin with an underscore are no members.
+// True if no member of a dataclass can change. Attributes with a leading underscore are not members.
 bool is_frozen(nb::handle object) {
     for (const auto [name, value] : nb::cast<nb::dict>(object.attr("__dict__")))
         if (const std::string_view member = text("member", name);
@@ -124,7 +124,7 @@ bool is_constant(nb::handle value) {
            PyFloat_CheckExact(v);
 }
 
-// Finds the query that was kept by keep(), or null. Every class of queries has the attribute, which is None.
+// Returns the query that keep() has cached, or null. Every query class has the attribute `_read`, initially None.
 template <class Query>
 const Query* kept(nb::handle given) {
     const nb::object capsule = given.attr("_read");
@@ -133,7 +133,7 @@ const Query* kept(nb::handle given) {
                                          : nullptr);
 }
 
-// Keeps what was read, in the object that it was read from.
+// Caches the query in the Python object that it was read from.
 template <class Query>
 void keep(nb::handle given, const Query& query) {
     const nb::capsule capsule(new Query(query), typeid(Query).name(),

@@ -1,6 +1,6 @@
 #pragma once
 
-// Queries on their way in: the dataclasses of crumple/_queries.py as those of the library.
+// Conversion of the dataclasses of crumple/_queries.py to queries of the library.
 
 #include <nanobind/nanobind.h>
 
@@ -8,8 +8,8 @@
 
 namespace crumple::python {
 
-/// Makes a query of the attributes of the same names. Throws where one is of another type or has another name. A query
-/// of words and numbers is kept, read, in `given`, which halves the cost of a small call.
+/// Converts a query by the names of its attributes. Throws Error for wrong types and unknown names. Caches a query of
+/// constant members in `given`, which halves the cost of a small call.
 template <class Query>
 Query read(nanobind::handle given);
 

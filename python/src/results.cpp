@@ -18,29 +18,30 @@ namespace {
 
 void bind_statistics(nb::module_& module) {
     using S = Statistics;
-    nb::class_<S> type(
-        module, "Statistics",
-        "What a call did. Times are in milliseconds. A plain value: equal if all of it is, and it can be\n"
-        "copied and pickled.");
+    nb::class_<S> type(module, "Statistics",
+                       "Counts and times of a call. Times are in milliseconds.\n\n"
+                       "A plain value: it can be compared, copied and pickled.");
     type.attr("__hash__") = nb::none();
     type.def_ro("milliseconds", &S::milliseconds, "Wall-clock time of the call inside the library.")
         .def_prop_ro(
             "stage_milliseconds", [](const S& s) { return milliseconds_by_name<Stage>(s, stage_count, stage_name); },
             "Milliseconds by stage, summed over threads: bounds, subdivide, align, sort, sweep, narrow, output.")
-        .def_ro("triangles", &S::triangles, "Triangles, of both meshes.")
+        .def_ro("triangles", &S::triangles, "Number of triangles of all meshes.")
         .def_ro("clusters", &S::clusters, "Clusters of the first level of subdivision.")
-        .def_ro("leaves", &S::leaves, "Clusters that were swept.")
-        .def_ro("members", &S::members, "Memberships of triangles in leaves.")
+        .def_ro("leaves", &S::leaves, "Leaf clusters that were swept.")
+        .def_ro("members", &S::members, "Triangles of all leaves, counted once per leaf.")
         .def_ro("interval_tests", &S::interval_tests, "Overlaps along the sweep direction.")
-        .def_ro("box_overlaps", &S::box_overlaps, "Candidate pairs that left the sweep.")
+        .def_ro("box_overlaps", &S::box_overlaps, "Candidate pairs found by the sweep.")
         .def_ro("edge_tests", &S::edge_tests, "Pairs that no plane separated.")
-        .def_ro("double_tests", &S::double_tests, "Pairs that float32 filters left undecided.")
-        .def_ro("exact_tests", &S::exact_tests, "Pairs that float64 filters left undecided: exact arithmetic.")
-        .def_ro("rational_tests", &S::rational_tests, "Of these, beyond the range of expansions.")
-        .def_ro("rational_contacts", &S::rational_contacts, "Contacts that took rational arithmetic.")
+        .def_ro("double_tests", &S::double_tests, "Pairs left undecided by float32 filters.")
+        .def_ro("exact_tests", &S::exact_tests, "Pairs left undecided by float64 filters: decided in exact arithmetic.")
+        .def_ro("rational_tests", &S::rational_tests,
+                "Of exact_tests, pairs beyond the range of floating-point expansions.")
+        .def_ro("rational_contacts", &S::rational_contacts, "Contacts computed in rational arithmetic.")
         .def_ro("pairs", &S::pairs, "Colliding pairs.")
-        .def_ro("peak_memory_bytes", &S::peak_memory_bytes, "Most that the detector has owned, this result included.")
-        .def_ro("threads", &S::threads, "Threads of the detector.")
+        .def_ro("peak_memory_bytes", &S::peak_memory_bytes,
+                "Most bytes that the detector has owned, including this result.")
+        .def_ro("threads", &S::threads, "Number of threads of the detector.")
         .def_ro("backend", &S::backend, "\"cpu\", \"cuda\" or \"reference\".")
         .def_ro("simd", &S::simd, "Instruction set that was used; empty for the reference backend.")
         .def("__repr__",
@@ -109,7 +110,7 @@ void bind_intersections(nb::module_& module) {
     result.type().def("deep_copy", [](const Shown<R>& r) { return Shown<R>{std::make_shared<R>(r.found())}; });
 }
 
-// The arrays of a list, by their names in Python.
+// Names in Python of the arrays of a list.
 struct ListNames {
     std::string pairs, prefix;  ///< "vertex_faces", "vertex_face_"
     const char *offsets, *second_offsets, *by_second;
@@ -122,7 +123,7 @@ const ListNames feature_lists[feature_kinds] = {
     {"vertex_vertices", "vertex_vertex_", "vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex"},
 };
 
-// `list_of`: of the result.
+// `list_of` returns a list of a result.
 template <class Result, class ListOf>
 void bind_list(Binding<Result>& result, ListOf list_of, const ListNames& names, const char* value, const char* flag) {
     result.template array<std::int32_t>(
@@ -141,7 +142,7 @@ void bind_list(Binding<Result>& result, ListOf list_of, const ListNames& names, 
         names.by_second, [=](const Result& r) -> auto& { return list_of(r).by_second; });
 }
 
-// Members of all results about features.
+// Binds the members of all results about features.
 template <class Result>
 void bind_features(Binding<Result>& result) {
     result.value("any", [](const Result& r) { return r.any; });

@@ -1,6 +1,6 @@
 #pragma once
 
-// Results on their way out: Python owns them, and shows their arrays as NumPy's without a copy.
+// Results for Python, which owns them: arrays as NumPy views.
 
 #include <memory>
 #include <utility>
@@ -11,8 +11,8 @@
 
 namespace crumple::python {
 
-/// A result of the library that one of the classes of the same name in Python shows. Its arrays hold it, but not the
-/// object of that class, which holds them.
+/// Result of the library, storage of the class of the same name in Python. Its arrays keep this object alive, but not
+/// the object of that class, which caches them.
 template <class Result>
 struct Shown {
     std::shared_ptr<Result> storage;

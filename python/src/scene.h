@@ -1,6 +1,6 @@
 #pragma once
 
-// Scene and query of a call on their way in. crumple/_scene.py makes a scene of one of four kinds of the caller's
+// Conversion of the scene and the query of a call. crumple/_scene.py makes one of four kinds of scenes of the
 // arguments.
 
 #include <memory>
@@ -19,23 +19,23 @@ namespace crumple::python {
 
 class SharedDetector;
 
-/// Arrays of a scene, in place, while a call reads them. Needs the GIL to come and go.
+/// View of the arrays of a scene during a call. Construct and destroy it with the GIL.
 class BorrowedScene {
    public:
-    /// `scene` is a crumple.Mesh, a tuple of two of these, a crumple.World or a crumple.Part. Refuses arrays of other
-    /// devices than the detector's. `stream`: the CUDA stream that arrays in CUDA memory must be ready on.
+    /// `scene` is a crumple.Mesh, a tuple of two of these, a crumple.World or a crumple.Part. Throws Error for arrays
+    /// on a device other than the detector's. `stream`: the CUDA stream on which arrays in CUDA memory must be ready.
     BorrowedScene(const SharedDetector& detector, nanobind::handle scene, void* stream = nullptr);
 
-    /// The scene as the library takes it. In a turn of one's own: poses may be copied to the detector's arrays.
+    /// Returns the scene for the library. Call with a Turn, because poses may be copied to the detector's buffers.
     Scene view(SharedDetector& detector) const;
 
-    /// The only mesh; null for other scenes.
+    /// Returns the mesh; null for other scenes.
     const BorrowedMesh* mesh() const;
-    /// The bodies of a world; null for other scenes.
+    /// Returns the bodies of a world; null for other scenes.
     const Bodies* bodies() const;
 
    private:
-    /// A crumple.Mesh: three arrays, with the attributes end, edges and points.
+    /// View of a crumple.Mesh: three arrays, and the attributes end, edges and points.
     struct Mesh {
         Mesh(const nanobind::tuple& given, const char* which, void* stream);
         BorrowedMesh mesh;
@@ -56,7 +56,7 @@ class BorrowedScene {
     Source source_;
 };
 
-/// Arrays of a query, which count in the vertices of the scene's mesh, in place. Only those of proximities have some.
+/// View of the arrays of a query, one row per vertex of the scene's mesh. Only a ProximityQuery has some.
 struct QueryArrays {
     std::optional<BorrowedRadii> radii;
     std::optional<BorrowedEnd> rest;
@@ -66,13 +66,13 @@ struct QueryArrays {
     void read(nanobind::handle given, const BorrowedScene& scene, ProximityQuery& query);
 };
 
-/// Pairs of bodies that a filter excludes, (n, 2) of int32 or None, repeated for each configuration of a world.
+/// Returns the pairs of bodies that a filter excludes, from (n, 2) int32 or None, repeated for each configuration.
 std::vector<BodyPair> excluded_in(const BorrowedScene& scene, nanobind::handle excluded);
 
-/// A query while a call reads it.
+/// View of a query during a call.
 template <class Query>
 struct BorrowedQuery {
-    /// `excluded`: as excluded_in() takes them, by index.
+    /// `excluded`: as for excluded_in().
     BorrowedQuery(nanobind::handle given, const BorrowedScene& scene, nanobind::handle excluded)
         : query(read<Query>(given)) {
         arrays.read(given, scene, query);

@@ -1,14 +1,14 @@
 #pragma once
 
-// Ctrl-C, and what else Python has handlers for, while the library works.
+// Python's signal handlers, such as that of Ctrl-C, during calls of the library.
 
 namespace crumple::python {
 
-/// Which thread is Python's main thread. Call once, at the module's start.
+/// Stores the id of Python's main thread. Call once, when the module is initialised.
 void know_main_thread();
 
-/// Runs Python's signal handlers, which is for the main thread alone: others return at once. Call with the GIL or
-/// without. Throws what a handler raises.
+/// Runs Python's signal handlers if called in the main thread, else returns at once. Call with or without the GIL.
+/// Throws the exceptions of handlers.
 void handle_signals();
 
 }  // namespace crumple::python

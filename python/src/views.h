@@ -1,6 +1,6 @@
 #pragma once
 
-// The library's arrays as NumPy's, without a copy, and its first impacts as tuples.
+// NumPy views of the library's arrays, and first impacts as tuples.
 
 #include <cstddef>
 #include <string_view>
@@ -13,8 +13,8 @@
 
 namespace crumple::python {
 
-/// A read-only NumPy view of an array, with as many columns as its elements have. The property that returns it names
-/// its owner.
+/// Returns a read-only NumPy view of an array. `columns`: the shape of its elements. The property that returns the view
+/// sets its owner.
 template <class Number, class Element, class... Columns>
 nanobind::ndarray<nanobind::numpy, const Number> view(const Array<Element>& array, Columns... columns) {
     import_numpy();
@@ -22,7 +22,7 @@ nanobind::ndarray<nanobind::numpy, const Number> view(const Array<Element>& arra
     return {static_cast<const Number*>(data), {array.size(), std::size_t{columns}...}};
 }
 
-/// The members of crumple.FirstImpact; None of no impact.
+/// Returns the members of crumple.FirstImpact, or None if there is no impact.
 inline nanobind::object tuple_of(const FirstImpact& first) {
     namespace nb = nanobind;
     if (!first.found) return nb::none();

@@ -28,7 +28,7 @@ T& instance(nb::handle given, const char* argument, const char* type) {
     return *nb::inst_ptr<T>(given);
 }
 
-// A place that `self` leaves for what `make` makes. From the check on no code of Python runs, and no other thread.
+// Constructs a T in a Python object. No Python code and no other thread runs after the check.
 template <class T, class... Arguments>
 void construct(nb::handle self, const char* type, Arguments&&... arguments) {
     if (nb::inst_ready(self)) refuse(std::string(type) + ".__init__ has been called already");
@@ -36,7 +36,7 @@ void construct(nb::handle self, const char* type, Arguments&&... arguments) {
     nb::inst_mark_ready(self);
 }
 
-// Poses that a world keeps: each call that reads them borrows them once more, on a stream of its own.
+// Checks the shape of poses that a world keeps. Each call borrows them again, on its own stream.
 BorrowedPoses looked_at(nb::handle poses, const Bodies& bodies, BorrowedPoses::When when = BorrowedPoses::When::start) {
     return {poses, bodies, when, no_stream()};
 }
@@ -67,7 +67,8 @@ void make_world(nb::handle self, const nb::list& shapes, const Column<std::int32
     construct<BorrowedWorld>(self, "crumple.World", made, std::move(given), std::move(at_end));
 }
 
-// The bodies of `of` that are in world 0 once for each configuration, and the others after them, in all worlds.
+// Makes a world of configurations: the bodies of `of` that are in world 0, once per configuration, and then its other
+// bodies, in all worlds.
 void make_configurations(nb::handle self, nb::handle of, std::int64_t count, nb::handle poses, nb::handle end_poses) {
     if (!nb::isinstance<BorrowedWorld>(self)) refuse_type("self", "a crumple.World", self);
     const BorrowedWorld& world = given_world(of);
@@ -234,7 +235,7 @@ std::vector<BodyPair> excluded_bodies(const Bodies& bodies, nb::handle pairs) {
                 throw Error(ErrorCode::index_out_of_range,
                             "excluded names body " + std::to_string(b) + " of " + std::to_string(bodies.distinct()),
                             Element::body, b);
-    // Two that are at rest meet once, whatever the number of configurations.
+    // A pair of static bodies occurs once, for any number of configurations.
     const auto repeats = [&](std::size_t i) {
         return given(i, 0) < bodies.moving || given(i, 1) < bodies.moving ? bodies.configurations : 1;
     };
@@ -254,7 +255,7 @@ std::vector<BodyPair> excluded_bodies(const Bodies& bodies, nb::handle pairs) {
 
 using When = BorrowedPoses::When;
 
-// Replaces poses. Those that were there are dropped last: that may run code of Python.
+// Replaces poses. The old ones are dropped last, because that may run Python code.
 void place(nb::handle self, BorrowedPoses BorrowedWorld::*member, nb::handle poses, When when) {
     BorrowedWorld& world = given_world(self);
     BorrowedPoses given = looked_at(poses, *world.bodies, when);
@@ -262,14 +263,14 @@ void place(nb::handle self, BorrowedPoses BorrowedWorld::*member, nb::handle pos
 }
 
 void bind_world(nb::module_& module) {
-    nb::class_<BorrowedShape>(module, "Shape", "Triangles that bodies are made of; crumple.Shape is one.")
+    nb::class_<BorrowedShape>(module, "Shape", "Triangles that bodies are made of; base class of crumple.Shape.")
         .def("__init__", make_shape, "mesh"_a, "which"_a, "name"_a, "end"_a.none(), "lists"_a, "radii"_a.none(),
              "rest"_a.none())
         .def_prop_ro(
             "triangles",
             [](nb::handle self) { return instance<BorrowedShape>(self, "self", "crumple.Shape").shape.triangles.rows; },
             "Number of triangles.");
-    nb::class_<BorrowedWorld>(module, "World", "Bodies, and where they are; crumple.World is one.")
+    nb::class_<BorrowedWorld>(module, "World", "Bodies and their poses; base class of crumple.World.")
         .def("__init__", make_world, "shapes"_a, "bodies"_a, "groups"_a, "worlds"_a, "self_collisions"_a,
              "poses"_a.none(), "end_poses"_a.none())
         .def("_configure", make_configurations, "of"_a, "count"_a, "poses"_a.none(), "end_poses"_a.none())
@@ -287,14 +288,15 @@ void bind_world(nb::module_& module) {
             "poses", [](nb::handle self) { return given_world(self).poses.object(); },
             [](nb::handle self, nb::handle poses) { place(self, &BorrowedWorld::poses, poses, When::start); },
             nb::for_setter("poses"_a.none()),
-            "The array of poses as it was given, or None: all as given.\n\n"
-            "Of configurations, (k, m, 3, 4) or (k, m, 4, 4). Others may be set at any time: one for each body, as in\n"
-            "World; a search that runs meanwhile keeps its own.")
+            "Array of poses, as given; None: identity for all.\n\n"
+            "For configurations, (k, m, 3, 4) or (k, m, 4, 4). Can be set at any time, as in World: one pose per body. "
+            "A\n"
+            "search in progress keeps the poses that it started with.")
         .def_prop_rw(
             "end_poses", [](nb::handle self) { return given_world(self).end_poses.object(); },
             [](nb::handle self, nb::handle poses) { place(self, &BorrowedWorld::end_poses, poses, When::end); },
             nb::for_setter("poses"_a.none()),
-            "The same at the end of a step, as given and as it may be set; None: as `poses`.");
+            "Array of poses at the end of a step, as given; None: the same as `poses`. Can be set like `poses`.");
 }
 
 }  // namespace crumple::python

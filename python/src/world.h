@@ -1,6 +1,6 @@
 #pragma once
 
-// Worlds on their way in: shapes and poses in place, where the library can read them so.
+// Conversion of worlds: views of shapes and poses, without a copy if the library can read them in place.
 
 #include <memory>
 #include <optional>
@@ -14,11 +14,11 @@
 
 namespace crumple::python {
 
-/// crumple.Shape: a mesh in place, the number that names it, what else is known of its vertices, which is where they
-/// are at the end of a step and at rest, and their radii, and what edges and points it lists.
+/// View of a crumple.Shape: its mesh, the number of its name, and its positions at the end of a step, rest shape,
+/// radii, edges and points.
 struct BorrowedShape {
     /// `mesh` is (vertices, faces, groups or None), `lists` (edges or None, points or None); `end`, `radii` and `rest`
-    /// may be None. `which` leads every message.
+    /// may be None. `which` is the prefix of all messages.
     BorrowedShape(const nanobind::tuple& mesh, const char* which, std::uint64_t name, nanobind::handle end,
                   const nanobind::tuple& lists, nanobind::handle radii, nanobind::handle rest);
 
@@ -29,40 +29,40 @@ struct BorrowedShape {
     Shape shape;
 };
 
-/// What a world is made of and never changes. A world of configurations has the bodies that move as often as there are
-/// configurations, each configuration in a world of its own, and after them those at rest, which are in all worlds.
+/// Immutable contents of a world. A world of configurations has its moving bodies once per configuration, each
+/// configuration in a world of its own, and then the static bodies, which are in all worlds.
 struct Bodies {
     Kept kept;
     std::vector<Shape> shapes;
     std::vector<Body> bodies;
     std::int64_t configurations = 1;
-    std::int64_t moving = 0;          ///< bodies of one configuration
-    std::vector<Pose> poses_at_rest;  ///< of those that are in all worlds of a world of configurations
+    std::int64_t moving = 0;          ///< number of moving bodies in a configuration
+    std::vector<Pose> poses_at_rest;  ///< poses of the static bodies of a world of configurations
 
     std::int64_t posed() const { return configurations * moving; }
     std::int64_t at_rest() const { return static_cast<std::int64_t>(bodies.size()) - posed(); }
-    /// Bodies of one configuration and those at rest, as exclusions count them.
+    /// Returns the number of bodies of one configuration and of static bodies, which exclusions refer to.
     std::int64_t distinct() const { return moving + at_rest(); }
 };
 
-/// An array of poses in place, of shape (n, 3, 4) or (n, 4, 4), or (k, n, ...) of configurations; or none.
+/// View of an array of poses, (n, 3, 4) or (n, 4, 4), or (k, n, ...) for configurations; or no poses.
 class BorrowedPoses {
    public:
     BorrowedPoses() = default;
     enum class When : std::uint8_t { start, end };
-    /// None: all as given. Throws where there is not one for each body that is posed. `stream`: the CUDA
-    /// stream that poses in CUDA memory must be ready on, as in BorrowedMesh.
+    /// None: identity for all. Throws Error unless there is one pose for each posed body. `stream`: the CUDA stream on
+    /// which poses in CUDA memory must be ready, as in BorrowedMesh.
     BorrowedPoses(nanobind::handle poses, const Bodies& bodies, When when = When::start, void* stream = nullptr);
 
-    /// One a body: in place where that can be, else in `buffer`. Reads the numbers as they are now; those of matrices
-    /// of four rows must end in 0 0 0 1.
+    /// Returns one pose per body: in place if possible, else in `buffer`. Reads the current contents. Throws Error if
+    /// the last row of a matrix of four rows is not 0 0 0 1.
     std::span<const Pose> read(const Bodies& bodies, std::vector<Pose>& buffer) const;
-    /// The CUDA device that they lie on, which read() refuses, or BorrowedArray::on_host.
+    /// Returns the CUDA device that contains them, or BorrowedArray::on_host. read() refuses poses on a device.
     int device() const { return object_ ? array_.device : BorrowedArray::on_host; }
-    /// Returns the poses on a device, ready on the stream. Refuses poses of configurations with bodies at rest.
+    /// Returns the poses on a device, ready on the stream. Refuses poses of configurations with static bodies.
     DevicePoses on_device(const Bodies& bodies) const;
     bool given() const { return object_.is_valid(); }
-    /// As they were given.
+    /// Returns the array as given, or None.
     nanobind::object object() const { return object_ ? object_ : nanobind::none(); }
 
    private:
@@ -75,17 +75,17 @@ class BorrowedPoses {
     void* stream_ = nullptr;
 };
 
-/// crumple.World.
+/// View of a crumple.World.
 struct BorrowedWorld {
     std::shared_ptr<const Bodies> bodies;
     BorrowedPoses poses;
-    BorrowedPoses end_poses;  ///< none: as `poses`
+    BorrowedPoses end_poses;  ///< none: the same as `poses`
 };
 
-/// The world that a method is given or called on. A class of Python may leave it without what __init__ makes.
+/// Returns the world that a method is called on or with. Throws Error if __init__ of a subclass did not make it.
 BorrowedWorld& given_world(nanobind::handle world);
 
-/// Pairs of bodies from an (n, 2) array of int32, repeated for each configuration.
+/// Returns pairs of bodies from an (n, 2) array of int32, repeated for each configuration.
 std::vector<BodyPair> excluded_bodies(const Bodies& bodies, nanobind::handle pairs);
 
 void bind_world(nanobind::module_& module);

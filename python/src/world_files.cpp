@@ -28,7 +28,7 @@ template <class Number>
 using Column = nb::ndarray<const Number, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using Points = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
-// (n, 3, 4), which owns its memory.
+// Moves poses to a NumPy array (n, 3, 4), which owns them.
 nb::object give(std::vector<Pose>&& poses) {
     import_numpy();
     const auto shared = new std::vector<Pose>(std::move(poses));
@@ -36,7 +36,7 @@ nb::object give(std::vector<Pose>&& poses) {
     return nb::cast(nb::ndarray<nb::numpy, double>(static_cast<void*>(shared->data()), {shared->size(), 3, 4}, owner));
 }
 
-// (meshes, index of each body's shape, names, poses), warnings, and the unit.
+// Returns (meshes, index of each body's shape, names, poses, warnings, unit).
 nb::tuple read_world(nb::handle path, nb::handle precision, nb::handle weld, nb::handle triangulation,
                      nb::handle strict, nb::handle unit) {
     const Path from = python::path("path", path);
@@ -74,7 +74,7 @@ nb::object read_poses(nb::handle path, const std::vector<std::string>& names) {
     return give(std::move(poses));
 }
 
-// The world as the writers take it: copies of its shapes, and of its poses as they are now.
+// Copies a world for the writers: its shapes, and the current contents of its poses.
 io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std::string>& names) {
     const BorrowedWorld& given = given_world(world);
     const std::shared_ptr<const Bodies> bodies = given.bodies;
@@ -97,8 +97,8 @@ io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std:
     refuse("the world was changed after the search: the result does not fit it any more");
 }
 
-// Marks triangles that are in some pair; where there are only bodies, all of theirs. Checked, for pairs may come from
-// elsewhere.
+// Sets hit flags of the triangles in pairs; without pairs, of all triangles of the bodies. Validates the indices,
+// because results may come from pickles.
 void index(const io::WorldMesh& world, Intersections& c) {
     c.first_triangle.push_back(0);
     for (const io::NamedBody& body : world.bodies) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Files of worlds and of poses.
+// Files of worlds and poses.
 
 #include <nanobind/nanobind.h>
 

@@ -1,1 +1,1 @@
-"""Crumple within other packages: adapters.ipctk and adapters.newton, each of which imports what it is for."""
+"""Adapters for other packages: adapters.ipctk, which imports ipctk, and adapters.newton."""

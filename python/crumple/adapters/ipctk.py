@@ -1,10 +1,14 @@
-"""Crumple within the IPC Toolkit (pip install ipctk): an exact broad phase, an exact narrow phase, exact step sizes.
+"""Crumple in the IPC Toolkit (pip install ipctk): an exact broad phase, an exact narrow phase, exact step sizes.
 
+Notes
+-----
+docs/coming_from_ipc_toolkit.md explains which class to use. Works with ipctk 1.6.
+
+Examples
+--------
     from crumple.adapters.ipctk import BroadPhase
 
     ipctk.compute_collision_free_stepsize(mesh, v0, v1, broad_phase=BroadPhase())
-
-Which is for what: docs/coming_from_ipc_toolkit.md. Works with ipctk 1.6.
 """
 
 from __future__ import annotations
@@ -27,30 +31,35 @@ __all__ = ["BroadPhase", "NarrowPhaseCCD", "compute_collision_free_stepsize", "i
 
 
 def _in_space(vertices: Any) -> np.ndarray:
-    """(n, 3) of one's own; vertices in the plane get z = 0."""
+    """Returns a new (n, 3) float64 array; vertices in the plane get z = 0."""
     vertices = np.array(vertices, np.float64, order="C")
     return np.pad(vertices, ((0, 0), (0, 3 - vertices.shape[1])))
 
 
 class BroadPhase(ipctk.BroadPhase):
-    """A broad phase without a false candidate: pairs that are within twice the inflation radius, exactly.
+    """Broad phase without false candidates: lists exactly the pairs within twice the inflation radius.
 
-    The IPC Toolkit asks its broad phases for boxes that overlap, each grown by the radius, for what is within twice the
-    radius has such boxes. This one answers with what is within twice the radius itself: at rest, or at some time on
-    the way from one moment to the other; some hundred times less. A CCD of ipctk's that keeps a share of the distance
-    (conservative_rescaling) keeps it of these pairs; of what only comes near, if the radius says how near.
+    Parameters
+    ----------
+    boxes : bool, default False
+        If True, lists pairs with overlapping boxes instead, as ipctk's own broad phases do, by Detector.candidates:
+        complete and without rounding (docs/candidates.md).
+    **options
+        Options of crumple.Detector.
 
-    Edges of no face and vertices of neither are found, too. `can_vertices_collide` is asked for each pair found. Edges
-    against faces, which has_intersections asks for, are those of triangles that intersect, faces against faces those
-    that intersect themselves; both at one moment only. Sorted, the same on every machine.
+    Notes
+    -----
+    Broad phases of the IPC Toolkit return pairs whose boxes, inflated by the radius, overlap, because pairs within
+    twice the radius have such boxes. This class returns the pairs within twice the radius themselves, at one time or at
+    some time of a step: some hundred times fewer. A CCD of ipctk that keeps a share of the distance
+    (conservative_rescaling) does so for these pairs only: choose the radius for the distance that has to be kept.
 
-    Args:
-        boxes: answer with boxes that overlap instead, as ipctk's own broad phases do; by Detector.candidates, and so
-            complete and without rounding (docs/candidates.md).
-        options: those of crumple.Detector.
+    Also finds edges without a face, and vertices without either. Calls `can_vertices_collide` for the pairs that it
+    finds. Candidates of edges and faces, for has_intersections, are those of triangles that intersect; candidates of
+    two faces are the faces that intersect; both at one time only. Lists are sorted, and the same on every machine.
 
-    Cost: that of Detector.proximities, impacts or candidates, and about a microsecond for each candidate, which Python
-    makes an object.
+    Cost: that of Detector.proximities, impacts or candidates, plus about a microsecond per candidate to make a Python
+    object.
     """
 
     def __init__(self, *, boxes: bool = False, **options: Any) -> None:
@@ -63,9 +72,23 @@ class BroadPhase(ipctk.BroadPhase):
         return "Crumple"
 
     def build(self, *given: Any) -> None:
-        """build(vertices, edges, faces, inflation_radius=0), or build(vertices_t0, vertices_t1, edges, faces, ...).
+        """Sets the mesh, or a step.
 
-        Raises InvalidInput for an edge that is listed twice, or that names a vertex twice.
+        build(vertices, edges, faces, inflation_radius=0) or build(vertices_t0, vertices_t1, edges, faces,
+        inflation_radius=0).
+
+        Parameters
+        ----------
+        *given
+            One or two (n, 3) or (n, 2) arrays of vertices, (k, 2) edges, (m, 3) faces, and optionally the inflation
+            radius.
+
+        Raises
+        ------
+        InvalidInput
+            If an edge is listed twice, or names a vertex twice.
+        TypeError
+            If the number of arrays is wrong.
         """
         self.clear()
         *arrays, radius = given if np.ndim(given[-1]) == 0 else (*given, 0.0)
@@ -112,7 +135,7 @@ class BroadPhase(ipctk.BroadPhase):
         return self._made(ipctk.FaceFaceCandidate, a, b, self._faces[a], self._faces[b])
 
     def _pairs(self, kind: str) -> np.ndarray:
-        """(k, 2) numbers of features that have no vertex in common."""
+        """Returns (k, 2) indices of features that have no common vertex."""
         return self._overlapping(kind) if self.boxes else getattr(self, f"_near_{kind}")()
 
     def _overlapping(self, kind: Any) -> np.ndarray:
@@ -145,7 +168,7 @@ class BroadPhase(ipctk.BroadPhase):
 
     def _near_edge_face(self) -> np.ndarray:
         faces, pairs = self._intersecting()
-        # If two triangles intersect, an edge of one meets the other: each edge of each, with the other's face.
+        # If two triangles intersect, an edge of one meets the other. Lists each edge of each with the other's face.
         both = np.concatenate([pairs, pairs[:, ::-1]])
         both = both[both[:, 1] < len(self._faces)]
         edge = self._numbers(faces[both[:, 0]][:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2))
@@ -157,11 +180,11 @@ class BroadPhase(ipctk.BroadPhase):
         return self._apart(pairs[(pairs < len(self._faces)).all(axis=1)], self._faces)
 
     def _apart(self, pairs: np.ndarray, corners: np.ndarray) -> np.ndarray:
-        """Without those that share a vertex; each a feature with these corners, and a face."""
+        """Drops pairs with a common vertex. Each pair is a feature with these corners, and a face."""
         return pairs[(corners[pairs[:, 0]][:, :, None] != self._faces[pairs[:, 1]][:, None, :]).all(axis=(1, 2))]
 
     def _keys(self, ends: np.ndarray) -> np.ndarray:
-        """One number for an edge, whichever way round."""
+        """Returns one number per edge, the same for both directions."""
         return ends.min(axis=-1) * np.int64(len(self._start)) + ends.max(axis=-1)
 
     def _check_edges(self) -> None:
@@ -173,7 +196,7 @@ class BroadPhase(ipctk.BroadPhase):
             raise InvalidInput(f"edges {self._order[again[0]]} and {self._order[again[0] + 1]} are one edge")
 
     def _numbers(self, edges: np.ndarray) -> np.ndarray:
-        """Which of the listed edges these are, -1: none."""
+        """Returns the indices of these edges in the given ones, -1 for none."""
         if not len(self._edges):
             return np.full(len(edges), -1)
         keys = self._keys(edges.astype(np.int64))
@@ -181,18 +204,21 @@ class BroadPhase(ipctk.BroadPhase):
         return np.where(self._sorted[place] == keys, self._order[place], -1)
 
     def _loose_edges(self) -> np.ndarray:
-        """Triangles without area, of edges that no face has."""
+        """Returns degenerate triangles, one for each edge that no face has."""
         sides = self._keys(self._faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2))
         return self._edges[~np.isin(self._keys(self._edges), sides)][:, [0, 1, 1]]
 
     def _features(self) -> Any:
-        """What is near of the faces, and of edges of no face, searched once for both lists."""
+        """Returns near features of the faces and of edges without a face. One search, cached, serves both lists."""
         if self._found is None:
             self._found = self._search(self._faces, self._loose_edges())
         return self._found
 
     def _search(self, faces: np.ndarray, more: Any = None, all_vertices: bool = False) -> Any:
-        """Near features of these faces, pairs with a further one left out; a vertex of none is a face, too."""
+        """Returns near features of these faces; drops pairs with a face of `more`.
+
+        A vertex without a face becomes a degenerate one.
+        """
         named = np.zeros(len(self._start), bool)
         parts = [faces] if more is None else [faces, more]
         for part in parts:
@@ -213,7 +239,7 @@ class BroadPhase(ipctk.BroadPhase):
         return faces, self.detector.intersections(self._start, faces).pairs.astype(np.int64)
 
     def _made(self, kind: Any, first: Any, second: Any, of_first: np.ndarray, of_second: np.ndarray) -> list[Any]:
-        """Candidates of these numbers, unless no vertex of the one may collide with any of the other."""
+        """Makes candidates of these features, unless none of their vertices may collide."""
         may = self.can_vertices_collide
         wanted = np.zeros(len(first), bool)
         for v in of_first.T:
@@ -225,7 +251,7 @@ class BroadPhase(ipctk.BroadPhase):
 
 
 class _Found:
-    """The lists of a search, of the first faces only."""
+    """Lists of a search, of the first faces only."""
 
     def __init__(self, found: Any, faces: int) -> None:
         pairs = found.vertex_faces
@@ -234,20 +260,27 @@ class _Found:
 
 
 class NarrowPhaseCCD(ipctk.NarrowPhaseCCD):
-    """Exact continuous collision detection of one pair at a time: no false hit, times to the last bit.
+    """Exact continuous collision detection of one pair at a time, without false positives.
 
-    `min_distance` is an exact distance (docs/motion.md). A time is the first, rounded down; infinite where
-    there is no hit up to `tmax`.
+    Parameters
+    ----------
+    min_distance_share : float, default 0
+        Share of a pair's distance at the start that must be kept, in [0, 1). CCDs of ipctk end where their own bound
+        leaves 1 - conservative_rescaling of that distance, which is similar, but not the same.
 
-    Candidates call their narrow phase from all of ipctk's threads at once, and hold Python's lock meanwhile: no class
-    written in Python answers then. So ipctk.set_num_threads(1) must come first, and stay. Mind the cost: each pair is a
-    call of Python, some 30 us. compute_collision_free_stepsize, of this module, has neither drawback.
+    Raises
+    ------
+    InvalidInput
+        If ipctk uses more than one thread.
 
-    Args:
-        min_distance_share: the share of a pair's own distance at the start that is to be kept, in [0, 1). ipctk's CCDs
-            end where 1 - conservative_rescaling of it is left by their own bound, which is near that, and not the same.
+    Notes
+    -----
+    `min_distance` is an exact distance (docs/motion.md). Times are the first time of contact, rounded down; infinite if
+    there is none up to `tmax`.
 
-    Raises InvalidInput while ipctk has more than one thread.
+    Call ipctk.set_num_threads(1) before, and do not change it: candidates call their narrow phase from all of ipctk's
+    threads while one of them holds the GIL, so any class written in Python would deadlock. Cost: a Python call per
+    pair, some 30 us. compute_collision_free_stepsize of this module has neither drawback.
     """
 
     def __init__(self, min_distance_share: float = 0.0) -> None:
@@ -320,7 +353,7 @@ def _numbers(candidates: list[Any], *names: str) -> Iterator[np.ndarray]:
 
 
 def _impacts(candidates: Any, mesh: Any, t0: Any, t1: Any, options: dict[str, Any]) -> Iterator[PairImpacts]:
-    """Of each list of candidates that is not empty."""
+    """Yields the impacts of each list of candidates that is not empty."""
     t0, t1, edges, faces = _in_space(t0), _in_space(t1), mesh.edges, mesh.faces
     lists: tuple[tuple[PairKind, Any, tuple[str, ...], tuple[Any, ...]], ...] = (
         ("vertex_face", candidates.fv_candidates, ("vertex_id", "face_id"), (None, faces)),
@@ -345,18 +378,39 @@ def compute_collision_free_stepsize(
     min_distance_share: float = 0.0,
     threads: int = 0,
 ) -> float:
-    """What candidates.compute_collision_free_stepsize gives, by exact decisions: the first contact's time, or 1.
+    """Returns the first time of contact of candidates, or 1, by exact decisions.
 
-    Args:
-        candidates: an ipctk.Candidates, made by any broad phase.
-        mesh: the ipctk.CollisionMesh.
-        vertices_t0, vertices_t1: (n, 3), or (n, 2), at the start and at the end.
-        min_distance: what counts as contact, exactly.
-        min_distance_share: or this share of a pair's own distance at the start; see NarrowPhaseCCD.
-        threads: 0: as many as the machine has.
+    Replaces candidates.compute_collision_free_stepsize.
 
-    Cost: a microsecond or two a candidate, of which reading ipctk's objects is the most. Who has no candidates yet asks
-    crumple.time_of_first_impact, which needs none.
+    Parameters
+    ----------
+    candidates : ipctk.Candidates
+        Candidates of any broad phase.
+    mesh : ipctk.CollisionMesh
+        Mesh.
+    vertices_t0, vertices_t1 : (n, 3) or (n, 2) array_like
+        Positions at the start and at the end.
+    min_distance : float, default 0
+        Largest distance that counts as contact, exactly.
+    min_distance_share : float, default 0
+        As for NarrowPhaseCCD. The larger distance applies.
+    threads : int, default 0
+        Number of threads; 0: as many as the machine has.
+
+    Returns
+    -------
+    float
+        Time in [0, 1], rounded down.
+
+    Raises
+    ------
+    InvalidInput
+        If an argument is invalid.
+
+    Notes
+    -----
+    Cost: one to two microseconds per candidate, mostly to read ipctk's objects. Without candidates, use
+    crumple.first_impact, which needs none.
     """
     options = {"min_distance": min_distance, "min_distance_share": min_distance_share, "threads": threads}
     times = [impacts.toi.min() for impacts in _impacts(candidates, mesh, vertices_t0, vertices_t1, options)]
@@ -373,6 +427,21 @@ def is_step_collision_free(
     min_distance_share: float = 0.0,
     threads: int = 0,
 ) -> bool:
-    """True if no candidate touches on the way, both ends included. Arguments: compute_collision_free_stepsize."""
+    """True if no candidate touches during the step, both ends included.
+
+    Parameters
+    ----------
+    candidates, mesh, vertices_t0, vertices_t1, min_distance, min_distance_share, threads
+        As for compute_collision_free_stepsize.
+
+    Returns
+    -------
+    bool
+
+    Raises
+    ------
+    InvalidInput
+        If an argument is invalid.
+    """
     options = {"min_distance": min_distance, "min_distance_share": min_distance_share, "threads": threads}
     return not any(impacts.hit.any() for impacts in _impacts(candidates, mesh, vertices_t0, vertices_t1, options))

@@ -1,13 +1,17 @@
-"""Self-contact lists as Newton's cloth solvers read them, exact and complete.
+"""Self-contact lists in the layout of Newton's cloth solvers, exact and complete.
 
+Notes
+-----
+Buffers have the length that they need: none overflows, no list is truncated, nothing runs twice. Lists are the same in
+every run. Newton itself is not needed, and Warp only for `warp_arrays`. Positions are in host memory.
+
+Examples
+--------
     from crumple.adapters.newton import SelfContactDetector
 
     detector = SelfContactDetector(model.tri_indices, model.edge_indices)
     contacts = detector.detect(state.particle_q, radius)
     info = contacts.warp_arrays()                                # by the names of Newton's TriMeshCollisionInfo
-
-Buffers are as long as they must be, so none overflows, nothing is truncated and nothing runs twice; lists are the same
-every time. Newton is not needed for it, and Warp for warp_arrays alone. Positions lie on the host.
 """
 
 from __future__ import annotations
@@ -29,12 +33,22 @@ __all__ = ["SelfContactDetector", "SelfContacts"]
 
 
 class SelfContacts(NamedTuple):
-    """What is nearer than the radius, by vertex, by triangle and by edge; names and layout are Newton's.
+    """Features nearer than the radius, by vertex, by triangle and by edge, in the names and layout of Newton.
 
-    Element i's entries are [offsets[i], offsets[i + 1]), in ascending order; counts and buffer sizes are their number.
-    Of vertices and edges an entry is two numbers, the element's own and the other's, so entry k is at 2k and 2k + 1;
-    of triangles it is one, the vertex. An edge pair is listed from both sides. A least distance is rounded down to
-    float32, and the radius where there is none. All int32 but the distances.
+    Attributes
+    ----------
+    vertex_colliding_triangles : (2 k,) ndarray of int32
+        Two numbers per entry: the vertex and the triangle.
+    triangle_colliding_vertices : (k,) ndarray of int32
+        One number per entry: the vertex.
+    edge_colliding_edges : (2 l,) ndarray of int32
+        Two numbers per entry: the edge and the other edge. Each pair is listed for both edges.
+    *_offsets : ndarray of int32
+        Element i has the entries [offsets[i], offsets[i + 1]), in ascending order; entry e of two numbers is at 2 e.
+    *_count, *_buffer_sizes : ndarray of int32
+        Number of entries of each element.
+    *_min_dist : ndarray of float32
+        Least distance of each element, rounded down; the radius if there is none.
     """
 
     vertex_colliding_triangles: NDArray[np.int32]
@@ -54,7 +68,17 @@ class SelfContacts(NamedTuple):
     edge_colliding_edges_min_dist: NDArray[np.float32]
 
     def warp_arrays(self, device: Any = "cpu") -> dict[str, Any]:
-        """The same as arrays of Warp, by name: on the host without a copy, on a device with one."""
+        """Returns the arrays as arrays of Warp, by name.
+
+        Parameters
+        ----------
+        device : str or warp device, default "cpu"
+            Device of the arrays. On the host they are not copied.
+
+        Returns
+        -------
+        dict of str to warp.array
+        """
         import warp
 
         arrays = {name: warp.from_dlpack(array) for name, array in self._asdict().items()}
@@ -64,17 +88,24 @@ class SelfContacts(NamedTuple):
 
 
 class SelfContactDetector:
-    """Finds what is nearer than a radius in a cloth: vertices and triangles, edges and edges.
+    """Finds the features of a cloth that are nearer than a radius: vertices and triangles, edges and edges.
 
-    A pair counts where its distance is less than the radius, exactly, unless it has a vertex in common.
+    A pair counts if its distance is less than the radius, exactly, and it has no common vertex.
 
-    Args:
-        triangles: (m, 3) integers, or flat; an array of Warp as well.
-        edges: (n, 2), or (n, 4) as Newton's edge_indices, whose last two columns are the ends. Each edge of the
-            triangles once, in any order and direction. None: in lexicographic order.
-        options: those of crumple.Detector.
+    Parameters
+    ----------
+    triangles : (m, 3) or (3 m,) array_like of int
+        Indices of vertices; also a Warp array.
+    edges : (n, 2) or (n, 4) array_like of int, optional
+        Each edge of the triangles once, in any order and direction. (n, 4) is Newton's edge_indices, whose last two
+        columns are the ends. None: edges in lexicographic order.
+    **options
+        Options of crumple.Detector.
 
-    Raises InvalidInput for edges that are not those of the triangles, and, in `detect`, as Detector.proximities does.
+    Raises
+    ------
+    InvalidInput
+        If `edges` are not the edges of the triangles (found by `detect`), or their shape is wrong.
     """
 
     def __init__(self, triangles: Any, edges: Any = None, **options: Any) -> None:
@@ -88,9 +119,27 @@ class SelfContactDetector:
             self._edges = np.sort(listed[:, -2:], axis=1)
 
     def detect(self, positions: Any, radius: float) -> SelfContacts:
-        """The lists for these positions, (n, 3) of float32 or float64: a wp.array of vec3 on the host, or NumPy's.
+        """Returns the lists for these positions.
 
-        Cost: that of Detector.proximities, and some 20 ns an entry.
+        Parameters
+        ----------
+        positions : (n, 3) array_like of float32 or float64
+            Positions in host memory; also a wp.array of vec3.
+        radius : float
+            Contact radius.
+
+        Returns
+        -------
+        SelfContacts
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As Detector.proximities, and if the edges do not fit the triangles.
+
+        Notes
+        -----
+        Cost: that of Detector.proximities, plus some 20 ns per entry.
         """
         near = self.detector.proximities(positions, self._triangles, radius=radius, strict=True, least=True, index=True)
         pairs, by_face = near.vertex_faces, near.by_face
@@ -115,7 +164,7 @@ class SelfContactDetector:
         return both.reshape(-1), *_counted(offsets), _least(least, radius)
 
     def _numbers(self, edges: NDArray[np.int32]) -> NDArray[np.int32]:
-        """Which of the listed edges each of those of the triangles is."""
+        """Returns the index in the given edges of each edge of the triangles."""
         if self._edges is None:
             return np.arange(len(edges), dtype=np.int32)
         order = np.lexsort((self._edges[:, 1], self._edges[:, 0]))
@@ -135,7 +184,7 @@ class SelfContactDetector:
 
 
 def _counted(offsets: NDArray[np.int64]) -> tuple[NDArray[np.int32], ...]:
-    """Offsets, buffer sizes and counts."""
+    """Returns offsets, buffer sizes and counts."""
     if offsets[-1] > np.iinfo(np.int32).max // 2:
         raise InvalidInput(f"{offsets[-1]} pairs are more than int32 can count: a smaller radius has fewer")
     counts = np.diff(offsets).astype(np.int32)
@@ -143,7 +192,7 @@ def _counted(offsets: NDArray[np.int64]) -> tuple[NDArray[np.int32], ...]:
 
 
 def _least(distances: NDArray[np.float64], radius: float) -> NDArray[np.float32]:
-    """At most the radius, rounded down."""
+    """Returns distances of at most the radius, rounded down to float32."""
     bounded = np.minimum(distances, radius)
     rounded = bounded.astype(np.float32)
     return np.where(rounded > bounded, np.nextafter(rounded, np.float32(0)), rounded)

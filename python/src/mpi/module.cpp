@@ -1,6 +1,5 @@
-// crumple._mpi, the library behind crumple.mpi: a module of its own, for no other needs MPI. Private. It takes and
-// gives objects of crumple._core (World, Statistics), which is imported before: modules of one nanobind know each
-// other's types.
+// crumple._mpi, the private extension module of crumple.mpi: a separate module, so that the others do not need MPI. It
+// uses objects of crumple._core (World, Statistics), which is imported first; modules of one nanobind share types.
 
 #include <nanobind/nanobind.h>
 
@@ -12,7 +11,7 @@
 #include "signals.h"
 
 NB_MODULE(_mpi, module) {
-    module.doc() = "The C++ library behind crumple.mpi. Private.";
+    module.doc() = "C++ library of crumple.mpi. Private.";
     nanobind::set_leak_warnings(false);  // daemon threads may hold objects at exit
     crumple::python::WithoutGil::watch_exit();
     crumple::python::know_main_thread();

@@ -25,7 +25,7 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-// Open MPI's handles are pointers, MPICH's integers.
+// Converts a number to an MPI handle: a pointer in Open MPI, an integer in MPICH.
 template <class Handle>
 Handle handle_of(std::uintptr_t number) {
     if constexpr (std::is_pointer_v<Handle>)
@@ -46,17 +46,17 @@ std::string mpi_library() {
     std::array<char, MPI_MAX_LIBRARY_VERSION_STRING> text{};
     int length = 0;
     MPI_Get_library_version(text.data(), &length);
-    return text.data();  // some count the 0 at its end
+    return text.data();  // stops at the final 0, which some libraries count in `length`
 }
 
-// What Python raises, for ranks that did not raise it.
+// Replacement of a Python exception, thrown in its place, also on ranks that did not raise it.
 struct Interrupted final : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
 std::string name_of_class(nb::handle exception) { return nb::cast<std::string>(exception.type().attr("__name__")); }
 
-// What other ranks hear of an exception; of one that cannot be told, its class.
+// Converts an exception for the other ranks; to its class name if its message cannot be read.
 std::exception_ptr failure_of(nb::handle exception) {
     std::string words = name_of_class(exception);
     try {
@@ -98,7 +98,7 @@ RankDetector::RankDetector(std::uintptr_t communicator, const DistributedOptions
     detector_.set_poll([this] { poll(); });
 }
 
-// Without the GIL, and within what ranks agree upon.
+// Runs without the GIL, within the collective error check.
 void RankDetector::poll() {
     if (failed_) std::rethrow_exception(failed_);
     try {
@@ -183,7 +183,7 @@ void RankDetector::close() {
 
 namespace {
 
-// A query as crumple/_queries.py has it, read before ranks wait for each other. `excluded`: (n, 2) of int32 or None.
+// Converts a query of crumple/_queries.py, before ranks wait for each other. `excluded`: (n, 2) int32 or None.
 template <class Query>
 void make_query(Query* place, nb::handle given, nb::handle excluded) {
     Query query = read<Query>(given);
@@ -199,10 +199,10 @@ void make_query(Query* place, nb::handle given, nb::handle excluded) {
     new (place) Query(std::move(query));
 }
 
-// The query, and find and any of both shares with it.
+// Binds a query, and `find` and `any` with it for local meshes and local worlds.
 template <class Query>
 void bind_query(nb::module_& module, nb::class_<RankDetector>& detector, const char* name) {
-    nb::class_<Query>(module, name, "A query that all ranks ask.")
+    nb::class_<Query>(module, name, "Query of all ranks.")
         .def("__init__", make_query<Query>, "query"_a, "excluded"_a.none());
     const auto bind_share = [&]<class Share>(const Share*) {
         using Result = RankShown<typename Query::DistributedResult>;
@@ -217,21 +217,21 @@ void bind_query(nb::module_& module, nb::class_<RankDetector>& detector, const c
 }  // namespace
 
 void bind_rank_detector(nb::module_& module) {
-    module.def("library", mpi_library, "MPI's own name and version.");
+    module.def("library", mpi_library, "Returns the name and version of the MPI library.");
     module.def("handle_size", [] { return sizeof(MPI_Comm); });
     module.def("world", [] { return number_of(MPI_COMM_WORLD); });
-    nb::class_<DistributedOptions>(module, "Options", "How ranks work together, and the detector of each.")
+    nb::class_<DistributedOptions>(module, "Options", "Options of distributed calls, and of this rank's detector.")
         .def(
             "__init__",
             [](DistributedOptions* self, const nb::dict& detector, nb::handle parts, nb::handle round_bytes) {
                 new (self) DistributedOptions(distributed_options(detector, parts, round_bytes));
             },
             "detector"_a, "parts"_a.none(), "round_bytes"_a.none());
-    nb::class_<BorrowedShare>(module, "Share", "What one rank brings to a call.")
+    nb::class_<BorrowedShare>(module, "Share", "Local mesh of a rank.")
         .def(nb::init<const RankDetector&, const nb::tuple&, nb::handle, nb::handle>(), "detector"_a, "mesh"_a,
              "triangle_ids"_a.none(), "vertex_ids"_a.none());
     nb::class_<RankDetector> detector(module, "Detector",
-                                      "The library's detector of one rank; crumple.mpi.Detector has one.");
+                                      "Detector of the library on one rank; crumple.mpi.Detector has one.");
     detector.def(nb::init<std::uintptr_t, const DistributedOptions&>(), "communicator"_a, "options"_a)
         .def("fail", &RankDetector::fail, "exception"_a)
         .def("close", &RankDetector::close)

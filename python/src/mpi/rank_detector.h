@@ -1,6 +1,6 @@
 #pragma once
 
-// crumple::mpi::Detector for Python: the GIL released, and ranks that fail in Python fail together.
+// crumple::mpi::Detector for Python: releases the GIL, and lets all ranks fail if Python code fails on one.
 
 #include <cstdint>
 #include <exception>
@@ -17,9 +17,9 @@ namespace crumple::python {
 
 class RankDetector;
 
-/// What one rank brings, in place. Needs the GIL to come and go.
+/// View of the local mesh of a rank. Construct and destroy it with the GIL.
 struct BorrowedShare {
-    /// `mesh` is a crumple.Mesh. Throws where the detector cannot read the memory that the arrays lie in.
+    /// `mesh` is a crumple.Mesh. Throws Error if the detector cannot read the memory of the arrays.
     BorrowedShare(const RankDetector& detector, const nanobind::tuple& mesh, nanobind::handle triangle_ids,
                   nanobind::handle vertex_ids);
     MeshShare view() const {
@@ -31,22 +31,23 @@ struct BorrowedShare {
     const BorrowedIds triangle_ids, vertex_ids;
 };
 
-/// One call at a time; where a signal handler or another thread makes a second one, that is refused.
+/// Detector of one rank. Refuses a call while another is in progress, from another thread or a signal handler.
 class RankDetector {
    public:
-    /// Collective, as all that follows but set properties. `communicator`: MPI's handle, as mpi4py tells it.
+    /// Collective, as all following functions except set_progress and detector. `communicator`: MPI handle as a number,
+    /// from mpi4py.
     RankDetector(std::uintptr_t communicator, const DistributedOptions& options);
 
     template <class Share, class Query>
     typename Query::DistributedResult find(const Share& share, const Query& query);
     template <class Share, class Query>
     bool any(const Share& share, const Query& query);
-    /// A call for a rank that failed before its own: all ranks raise the same. Returns, here alone, if `exception` is
-    /// none of crumple's, for the caller to raise it.
+    /// Makes the call of a rank that failed before it: all ranks throw the same Error. If `exception` is not an Error
+    /// of crumple, returns on this rank only, and the caller raises the exception.
     void fail(nanobind::handle exception);
     void close();
-    /// Not collective. show(phase, parts done, parts) is called within calls; None: nothing is. What it raises ends the
-    /// call.
+    /// Calls show(phase, parts done, parts) during calls; None: no reports. An exception from `show` ends the call. Not
+    /// collective.
     void set_progress(nanobind::object show);
 
     const mpi::Detector& detector() const { return detector_; }
@@ -58,9 +59,9 @@ class RankDetector {
     void show(const DistributedProgress& progress);
 
     mpi::Detector detector_;
-    bool calling_ = false;                          ///< guarded by the GIL
-    std::exception_ptr failed_;                     ///< before the call: thrown where ranks agree first
-    std::optional<nanobind::python_error> raised_;  ///< by a signal handler or by show_, within the call
+    bool calling_ = false;       ///< guarded by the GIL
+    std::exception_ptr failed_;  ///< error before the call, thrown at the first collective error check
+    std::optional<nanobind::python_error> raised_;  ///< exception of a signal handler or of show_ during the call
     nanobind::object show_;
 };
 

@@ -17,24 +17,24 @@ namespace {
 
 void bind_statistics(nb::module_& module) {
     using S = DistributedStatistics;
-    nb::class_<S>(module, "Statistics", "What a call did on this rank. Times are in milliseconds.")
+    nb::class_<S>(module, "Statistics", "Counts and times of a call on this rank. Times are in milliseconds.")
         .def_ro("milliseconds", &S::milliseconds, "Wall-clock time of the call inside the library.")
         .def_prop_ro(
             "phase_milliseconds", [](const S& s) { return milliseconds_by_name<Phase>(s, phase_count, phase_name); },
-            "Milliseconds by phase, with the communication that follows each: query, input, ids, place,\n"
+            "Milliseconds by phase, with the communication at the end of each: query, input, ids, place,\n"
             "members, room, search, rows, output.")
-        .def_ro("parts", &S::parts, "Parts of the scene that this rank has searched.")
-        .def_ro("members", &S::members, "Triangles of these, each counted in each.")
-        .def_ro("bytes_sent", &S::bytes_sent, "Bytes to other ranks.")
-        .def_ro("messages", &S::messages, "Messages to other ranks.")
-        .def_ro("work_milliseconds", &S::work_milliseconds, "Time of this rank's searches.")
-        .def_ro("largest_work", &S::largest_work, "The largest of these over all ranks, in milliseconds.")
-        .def_ro("mean_work", &S::mean_work, "Their mean over all ranks, in milliseconds.")
+        .def_ro("parts", &S::parts, "Number of parts that this rank has searched.")
+        .def_ro("members", &S::members, "Triangles of these parts, counted once per part.")
+        .def_ro("bytes_sent", &S::bytes_sent, "Bytes sent to other ranks.")
+        .def_ro("messages", &S::messages, "Number of messages to other ranks.")
+        .def_ro("work_milliseconds", &S::work_milliseconds, "Milliseconds of this rank's searches.")
+        .def_ro("largest_work", &S::largest_work, "Maximum of work_milliseconds over all ranks.")
+        .def_ro("mean_work", &S::mean_work, "Mean of work_milliseconds over all ranks.")
         .def_ro("moved", &S::moved,
-                "Whether only vertices have moved since the call before, so that only coordinates were sent.")
+                "True if only vertices have moved since the previous call, so that only coordinates were sent.")
         .def_prop_ro(
             "search", [](const S& s) { return Statistics(s.search); },
-            "A crumple.Statistics: the sum over this rank's parts.")
+            "crumple.Statistics, summed over this rank's parts.")
         .def("__repr__", [](const S& s) {
             return nb::str(
                        "Statistics(milliseconds={:.3f}, parts={}, members={}, bytes_sent={}, messages={}, "
@@ -69,7 +69,8 @@ void bind_intersections(nb::module_& module) {
         "contact_points", [](const R& r) -> auto& { return r.contacts.points; }, 3U);
 }
 
-// Binds members of both results about features. Ranks have lists of two kinds: no others occur where nothing is listed.
+// Binds the members of both results about features. Ranks have two kinds of lists only, because their meshes have no
+// `edges` and `points`.
 template <class Result>
 void bind_features(Binding<Result>& result, const char* value, const char* flag) {
     for (const auto& [kind, name, pairs] : {std::tuple(FeatureKind::vertex_face, "vertex_face_", "vertex_faces"),

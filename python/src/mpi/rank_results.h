@@ -1,6 +1,6 @@
 #pragma once
 
-// A rank's rows on their way out: a result that Python owns, shown as NumPy arrays without a copy.
+// Local rows of a rank for Python: a result that Python owns, as NumPy views.
 
 #include <nanobind/nanobind.h>
 
@@ -8,7 +8,7 @@
 
 namespace crumple::python {
 
-/// One rank's result that the class of the same name in crumple.mpi shows. Its arrays hold it.
+/// Result of a rank, storage of the class of the same name in crumple.mpi. Its arrays keep it alive.
 template <class Result>
 struct RankShown {
     Result result;

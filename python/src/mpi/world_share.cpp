@@ -15,7 +15,7 @@ BorrowedWorldShare::BorrowedWorldShare(nb::handle world, nb::handle body_ids)
 }
 
 void bind_world_share(nb::module_& module) {
-    nb::class_<BorrowedWorldShare>(module, "WorldShare", "The bodies that one rank brings to a call.")
+    nb::class_<BorrowedWorldShare>(module, "WorldShare", "Local bodies of a rank.")
         .def(nb::init<nb::handle, nb::handle>(), "world"_a, "body_ids"_a.none());
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The bodies that one rank brings, in place.
+// View of the local bodies of a rank.
 
 #include <vector>
 
@@ -12,7 +12,7 @@
 
 namespace crumple::python {
 
-/// Needs the GIL to come and go.
+/// View of a crumple.World and the numbers of its bodies. Construct and destroy it with the GIL.
 class BorrowedWorldShare {
    public:
     /// `world` is a crumple.World; `body_ids` may be None.
