@@ -202,10 +202,10 @@ std::string difference(const Arrays& a, const ContactArrays& found) {
 }
 
 template <class Question>
-std::string feature_difference(const Arrays& a, std::size_t query) {
-    const PreparedScene scene = a.scene(query > 0);
-    const Question question({scene, is_aligned(scene)}, query_of(query), false);
-    const FeatureResults& found = a.features[query];
+std::string feature_difference(const Arrays& a, std::size_t which) {
+    const PreparedScene scene = a.scene(which > 0);
+    const Question question({scene, is_aligned(scene)}, query_of(which), false);
+    const FeatureResults& found = a.features[which];
     const RankedHit* of[kinds * case_count] = {};
     for (std::size_t i = 0; i < std::min<Count>(*found.hits.list.count, kinds * case_count); ++i)
         if (found.hits.list.data[i].first < std::size(of)) of[found.hits.list.data[i].first] = &found.hits.list.data[i];
@@ -221,7 +221,7 @@ std::string feature_difference(const Arrays& a, std::size_t query) {
             const bool is_hit = expected.outcome == Outcome::hit;
             if ((hit != nullptr) != is_hit ||
                 (is_hit && (!same_bits(hit->value, expected.value) || (hit->flag != 0) != expected.flag)))
-                wrong = describe(query == 0 ? "the distance" : "the impact", i);
+                wrong = describe(which == 0 ? "the distance" : "the impact", i);
         }
     };
     compare.template operator()<FeatureKind::vertex_face>();
