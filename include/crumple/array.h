@@ -20,9 +20,11 @@ struct MemoryMeter {
         std::int64_t bytes = 0;  ///< total bytes that would have been owned: above the limit
     };
 
-    std::int64_t limit = 0;  ///< 0: none
-    std::atomic<std::int64_t> used{0}, peak{0};
+    std::int64_t limit = 0;                      ///< bytes; 0: no limit
+    std::atomic<std::int64_t> used{0}, peak{0};  ///< bytes owned now, and the most so far
 
+    /// Adds `bytes`, which may be negative, to `used`. Throws Exceeded, without a change, if that exceeds the limit.
+    /// Thread-safe.
     // Never counts refused bytes, not even temporarily: another thread could record them as the peak.
     void add(std::int64_t bytes) {
         std::int64_t before = used.load(std::memory_order_relaxed), now = 0;
@@ -37,50 +39,78 @@ struct MemoryMeter {
 };
 
 /// Owning, contiguous array of plain values on a 64-byte boundary. Growth does not initialise elements, clear() keeps
-/// the capacity, copies are deep. A meter, if there is one, counts every byte; copies are not metered.
+/// the capacity, copies are deep. A meter, if there is one, counts every byte; arrays made by copying have none.
+/// Functions that grow an array throw MemoryMeter::Exceeded above the limit of its meter, and std::bad_alloc.
 template <class T>
 class Array {
     static_assert(std::is_trivially_copyable_v<T>);
 
    public:
+    /// Makes an empty array without a meter.
     Array() = default;
+    /// Makes an empty array. `meter` counts its storage, and must outlive it.
     explicit Array(MemoryMeter* meter) : meter_(meter) {}
+    /// Copies the elements, but not the meter: the copy has none.
     Array(const Array& other) { assign(other); }
+    /// Takes over the storage and the meter of `other`, which is then empty and has none.
     Array(Array&& other) noexcept { swap(other); }
+    /// Copies the elements. This array keeps its own meter.
     Array& operator=(const Array& other) {
         if (this != &other) assign(other);
         return *this;
     }
+    /// Swaps elements, storage and meters with `other`.
     Array& operator=(Array&& other) noexcept {
         swap(other);
         return *this;
     }
     ~Array() { release(); }
 
+    /// Returns a pointer to the first element, on a 64-byte boundary; null if there is no storage.
+    /// @{
     T* data() { return data_; }
     const T* data() const { return data_; }
+    /// @}
+    /// Returns the number of elements.
     std::size_t size() const { return size_; }
+    /// Returns the number of elements that fit without allocation.
     std::size_t capacity() const { return capacity_; }
+    /// True if there are no elements.
     bool empty() const { return size_ == 0; }
+    /// Returns element i, unchecked.
+    /// @{
     T& operator[](std::integral auto i) { return data_[i]; }
     const T& operator[](std::integral auto i) const { return data_[i]; }
+    /// @}
+    /// Returns a pointer to the first element, or past the last one; valid, like views, until the array grows or is
+    /// released.
+    /// @{
     T* begin() { return data_; }
     T* end() { return data_ + size_; }
     const T* begin() const { return data_; }
     const T* end() const { return data_ + size_; }
+    /// @}
+    /// Returns the first or the last element; the array must not be empty.
+    /// @{
     const T& front() const { return data_[0]; }
     const T& back() const { return data_[size_ - 1]; }
+    /// @}
+    /// Returns a view of the elements.
+    /// @{
     std::span<T> span() { return {data_, size_}; }
     std::span<const T> span() const { return {data_, size_}; }
+    /// @}
 
+    /// Removes all elements and keeps the capacity.
     void clear() { size_ = 0; }
 
-    /// Keeps existing elements; new elements are not initialised.
+    /// Changes the number of elements. Keeps existing elements; new elements are not initialised.
     void resize(std::size_t size) {
         if (size > capacity_) grow(size);
         size_ = size;
     }
-    /// Resizes without keeping elements: cheaper than resize() if everything is overwritten.
+    /// Changes the number of elements and returns a pointer to the first. No element keeps its value: cheaper than
+    /// resize() if all are overwritten.
     T* resize_discard(std::size_t size) {
         if (size > capacity_) {
             size_ = 0;
@@ -89,6 +119,7 @@ class Array {
         size_ = size;
         return data_;
     }
+    /// Allocates storage for at least `capacity` elements in total, and keeps existing elements.
     void reserve(std::size_t capacity) {
         if (capacity > capacity_) grow(capacity);
     }
@@ -97,17 +128,21 @@ class Array {
     void make_room_for(std::size_t more) {
         if (size_ + more > capacity_) grow(std::max(size_ + more, capacity_ + capacity_ / 8));
     }
+    /// Appends a copy of `value`, which may be an element of this array. Amortised O(1).
     void push_back(const T& value) {
         const T copy = value;
         make_room_for(1);
         data_[size_++] = copy;
     }
+    /// Sets all elements to `value`.
     void fill(const T& value) { std::fill(begin(), end(), value); }
+    /// Replaces all elements by `size` copies of `value`, which must not be an element of this array.
     void assign(std::size_t size, const T& value) {
         resize_discard(size);
         fill(value);
     }
 
+    /// Removes all elements and frees the storage. The meter stays.
     void release() {
         if (!data_) return;
         ::operator delete (data_, std::align_val_t{alignment});
@@ -116,7 +151,7 @@ class Array {
         size_ = capacity_ = 0;
     }
 
-    /// Swaps elements and storage, but not meters: each meter then counts its array's new storage. Throws
+    /// Swaps elements and storage with `other`. Each array keeps its meter, which then counts the new storage. Throws
     /// MemoryMeter::Exceeded, without any change, if that exceeds a limit.
     void swap_elements(Array& other) {
         const auto bytes = [](const Array& array) { return static_cast<std::int64_t>(array.capacity_ * sizeof(T)); };

@@ -16,10 +16,11 @@ namespace crumple {
 struct Candidates;
 struct DeviceCandidates;
 
-/// Kind of a candidate pair. In a Pair of features, `a` is the index of the first and `b` of the second; a < b if both
-/// are of one kind. Results hold their lists in the order of this enum.
+/// Kind of a candidate pair. In a Pair of features, `a` is the index of the feature that the kind names first, `b` of
+/// the other one; a < b for two edges, faces or vertices. Results hold their lists in the order of this enum.
 enum class CandidateKind : std::uint8_t { vertex_face, edge_edge, edge_face, face_face, vertex_edge, vertex_vertex };
 inline constexpr int candidate_kinds = 6;
+/// Returns the name of the enumerator, such as "vertex_face".
 constexpr std::string_view candidate_kind_name(CandidateKind kind) {
     constexpr std::array<std::string_view, candidate_kinds> names{"vertex_face", "edge_edge",   "edge_face",
                                                                   "face_face",   "vertex_edge", "vertex_vertex"};
@@ -37,14 +38,14 @@ struct CandidateQuery {
 
     /// Kinds to list: at least one, in any order.
     std::vector<CandidateKind> kinds{CandidateKind::vertex_face, CandidateKind::edge_edge};
-    /// Inflation of each box: finite, 0 or more; in the units of the coordinates. Exact as given.
+    /// Inflation of each box: finite, 0 or more; in the units of the coordinates. Not rounded.
     double inflation = 0;
     bool weld = false;  ///< vertices with equal positions at start and end count as one common vertex
     PairFilter filter = {};
 };
 
-/// Candidates of one kind, each once, sorted by first feature, then second. For worlds sorted by world, then by body
-/// before each feature; pairs among bodies that are in all worlds come last.
+/// Candidates of one kind, each once, sorted by first feature, then second. For worlds sorted by world, first body,
+/// first feature, second body, second feature; pairs among bodies that are in all worlds come last.
 struct CandidateList {
     Array<Pair> pairs;       ///< indices within their bodies; see CandidateKind
     Array<BodyPair> bodies;  ///< the bodies of each pair; empty for a single mesh

@@ -1,5 +1,8 @@
 #pragma once
 
+// The API of the target crumple::crumple. Files have headers of their own (crumple/io.h, crumple/io_features.h), and so
+// has MPI (crumple/mpi.h).
+
 #include "crumple/array.h"
 #include "crumple/candidates.h"
 #include "crumple/detector.h"

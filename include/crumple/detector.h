@@ -29,7 +29,7 @@ namespace crumple {
 /// True if `Query` is one of the types `Of`.
 template <class Query, class... Of>
 concept OneOf = (std::same_as<Query, Of> || ...);
-/// Queries whose result has one row per pair: they can end at the first pair (Detector::any), and search parts.
+/// Queries whose result has one row per pair, and that search parts (Detector::partition).
 template <class Query>
 concept PairQuery = OneOf<Query, IntersectionQuery, ImpactQuery, ProximityQuery>;
 /// Queries that Detector::any takes.
@@ -38,7 +38,7 @@ concept FlagQuery = PairQuery<Query> || OneOf<Query, OverlapQuery>;
 /// Queries whose rows can be delivered in blocks (Detector::stream) or left on a device (Detector::launch).
 template <class Query>
 concept RowQuery = PairQuery<Query> || OneOf<Query, CandidateQuery>;
-/// All queries.
+/// Queries that Detector::find takes: all.
 template <class Query>
 concept AnyQuery = RowQuery<Query> || OneOf<Query, DistanceQuery, OverlapQuery, FirstImpactQuery, FreeStepQuery>;
 
@@ -60,6 +60,8 @@ class LaunchTicket;
 /// at once.
 class CRUMPLE_API Detector {
    public:
+    /// Makes the backend and starts its threads. Throws Error: invalid_argument for an invalid option,
+    /// backend_unavailable if a backend is requested by name and is not available.
     explicit Detector(const Options& options = {});
     ~Detector();
     Detector(Detector&&) noexcept;
@@ -67,16 +69,17 @@ class CRUMPLE_API Detector {
 
     /// Finds everything that the query describes.
     ///
-    /// Worlds: a body whose shape is named costs next to nothing while it is clear of others; flags for such bodies end
-    /// at the first hit. One body with Body::self gives the rows of its mesh. The cuda backend uploads posed bodies in
-    /// each call and searches many worlds at once; if the poses are in device memory (World::device_poses), the bodies
-    /// stay cached on the device and only the poses are read anew. For queries about features, arrays of a world are in
-    /// host memory. For queries about features and distances, two meshes are handled as a world of two bodies.
+    /// Worlds: a body whose shape is named costs next to nothing while it is clear of others, and for Output::any,
+    /// any_by_world and body_pairs the search of such bodies stops at the first hit where possible. One body with
+    /// Body::self has the rows of its mesh. The cuda backend uploads posed bodies in each call and searches many worlds
+    /// at once; if the poses are in device memory (World::device_poses), the bodies stay cached on the device and only
+    /// the poses are read anew. For queries about features, arrays of a world must be in host memory, except for poses.
+    /// For all queries but intersections, two meshes are handled as a world of two bodies.
     ///
-    /// Meshes in device memory: all arrays, including those of the query, are in the memory of the mesh. For queries
-    /// about features, triangles and listed edges and points are downloaded once, and again whenever they change. All
-    /// arrays are downloaded in each call with `weld`, triangle pairs, a free step, closest points, least distances, or
-    /// a filter of groups together with listed edges or points.
+    /// Meshes in device memory: all arrays, including those of the query, must be in the memory of the mesh. For
+    /// queries about features, triangles and listed edges and points are downloaded once, and again whenever they
+    /// change. All arrays are downloaded in each call with `weld`, triangle pairs, a free step, closest points, least
+    /// distances, or a filter of groups together with listed edges or points.
     ///
     /// Parts: returns the rows of the whole result that the part owns, with the ids of the meshes, in the same order;
     /// exactly one part owns each row. Costs as much as a mesh of the part's size. Offsets, hit flags and least
@@ -99,9 +102,9 @@ class CRUMPLE_API Detector {
     template <FlagQuery Query = IntersectionQuery>
     bool any(const Scene& scene, const Query& query = {}, std::stop_token stop = {});
 
-    /// Calls `take(block)` with one block of the result after another, for results that exceed memory; a block is valid
-    /// until `take` returns. For intersections, impacts, proximities and candidates, with the cpu and the reference
-    /// backend, of scenes in host memory that are not parts.
+    /// Calls `take(block)` with one block of the result after another, for results that exceed memory, and returns the
+    /// statistics of the call. A block is valid until `take` returns. For intersections, impacts, proximities and
+    /// candidates, with the cpu and the reference backend, of scenes in host memory that are not parts.
     ///
     /// A block has `block_rows` (1 to 2^40) rows of all its lists together (the last block fewer), with their bodies,
     /// and contacts if these are requested. For worlds and features, `count` is the number of rows up to and including
@@ -144,8 +147,8 @@ class CRUMPLE_API Detector {
     }
 
     /// Calls `poll` about every 20 ms during a call, in the thread that made the call; not in shorter calls. An
-    /// exception from `poll` ends the call and leaves it, as an Error does. `poll` must not call this detector. For
-    /// languages that must handle signals in the calling thread. An empty function stops polling.
+    /// exception from `poll` ends the call and is rethrown; the detector stays usable. `poll` must not call this
+    /// detector. For languages that must handle signals in the calling thread. An empty function stops polling.
     void set_poll(std::function<void()> poll);
 
     /// Starts a query on arrays in device memory and returns at once; wait() of the ticket returns the result:
@@ -160,9 +163,9 @@ class CRUMPLE_API Detector {
     /// corresponding wait() returns, shapes and bodies of a world until launch() returns.
     ///
     /// At most two launches of any kind may be in flight, on one stream or two; wait for them in their order. A third
-    /// throws Error (invalid_argument) and leaves them in flight. Passes share their lists, so they run one after the
-    /// other. Any other call of the detector, except those of tickets, first completes the launches in flight and
-    /// discards their results.
+    /// throws Error (invalid_argument) and leaves them in flight. Launches share lists on the device, so they run one
+    /// after the other. Any other call of the detector, except those of tickets, first completes the launches in flight
+    /// and discards their results.
     ///
     /// On a stream that is being captured, the query becomes part of the caller's graph, and each replay repeats the
     /// query on the current contents of the arrays. First make two calls outside of the capture, with the same query
@@ -187,13 +190,14 @@ class CRUMPLE_API Detector {
     template <RowQuery Query = IntersectionQuery>
     LaunchTicket<Query> launch(const Scene& scene, const Query& query = {});
 
+    /// Returns the options that the detector was made with.
     const Options& options() const;
 
-    /// The backend in use: Options::backend, or the choice of Backend::automatic.
+    /// Returns the backend in use: Options::backend, or the choice of Backend::automatic.
     Backend backend() const;
 
-    /// Reason in one line why Backend::automatic chose the cpu backend although this build has the cuda backend; else
-    /// empty. Valid while the detector lives.
+    /// Returns the reason, in one line, why Backend::automatic chose the cpu backend although this build has the cuda
+    /// backend; else an empty string. Valid while the detector lives.
     std::string_view fallback() const;
 
    private:
@@ -208,11 +212,12 @@ class CRUMPLE_API Detector {
 template <RowQuery Query>
 class CRUMPLE_API LaunchTicket {
    public:
-    /// Waits for the launch and returns its complete result, in device memory. Reports bad input with its body. If a
-    /// list was too short, grows it and runs the query again; does steps that only the host can do. The result is valid
-    /// until the second launch after this one, or the detector's next call that is neither a launch nor one of a
-    /// ticket. (If memory, or Options::memory_limit, cannot hold two results: until the next launch or wait().) Throws
-    /// Error (memory_limit or device) if memory cannot hold all worlds at once.
+    /// Waits for the launch and returns its complete result, in device memory. Throws Error on bad input, with a
+    /// message that names the body. If a list was too short, grows it and runs the query again. Also does steps that
+    /// only the host can do. The result is valid until the second launch after this one, or the detector's next call
+    /// that is neither a launch nor one of a ticket. (If memory, or Options::memory_limit, cannot hold two results:
+    /// until the next launch or wait().) Throws Error (memory_limit or device) if memory cannot hold all worlds at
+    /// once.
     ///
     /// After a launch in a capture: returns the result of the last replay, whose stream the caller has synchronized;
     /// valid until the next replay. Does not rerun an overflowed query (see `complete`): a call outside of a capture
@@ -224,8 +229,8 @@ class CRUMPLE_API LaunchTicket {
     /// (memory_limit or device) ends both. A stop that was requested before the call leaves this launch in flight.
     const typename Query::DeviceResult& wait(std::stop_token stop = {}) const;
 
-    /// Downloads the intersections of meshes that wait() has returned. Valid as any result of the detector. Throws
-    /// Error (invalid_argument) if there was another call or launch since that wait().
+    /// Downloads the intersections of meshes that wait() has returned. The result is valid as long as one of
+    /// Detector::find. Throws Error (invalid_argument) if there was another call or launch since that wait().
     const Intersections& download() const requires std::same_as<Query, IntersectionQuery>;
 
    private:

@@ -11,7 +11,8 @@
 namespace crumple {
 
 // Results about features in device memory (Detector::launch). Lists have the order and the numbering of the results in
-// host memory (Impacts, Proximities, Candidates), which define pairs, edges and points.
+// host memory (Impacts, Proximities, Candidates), which define pairs, edges and points. Comments at pointers begin with
+// the length of the array.
 
 /// Impacts of one kind. Pointers are null if there are none.
 struct DeviceImpactList {
@@ -43,7 +44,7 @@ struct DeviceFeatures {
     /// Number of rows of all lists; if the result is incomplete, the number found so far, a lower bound.
     std::int64_t rows_needed = 0;
     std::int64_t count = 0;  ///< number of rows of all lists
-    /// edge_count: the edges that indices refer to; valid while the triangles stay the same.
+    /// edge_count; the edges that indices refer to, valid while the triangles stay the same.
     const Edge* edges = nullptr;
     std::int64_t edge_count = 0;
     Statistics statistics;
@@ -52,7 +53,7 @@ struct DeviceFeatures {
 /// Result of an ImpactQuery in device memory.
 struct DeviceImpacts : DeviceFeatures {
     bool any = false;   ///< true if anything touches
-    FirstImpact first;  ///< from Output::first on
+    FirstImpact first;  ///< for Output::first and Output::pairs
     std::array<DeviceImpactList, feature_kinds> lists;
     const DeviceImpactList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
 };

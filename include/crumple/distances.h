@@ -17,11 +17,11 @@ struct DistanceQuery {
     using Result = Distances;
 
     /// `pairs`: a row for each pair of bodies. `nearest`: a row for each world, with its nearest pair of bodies; costs
-    /// less, since a pair of bodies is left as soon as it is certainly not the nearest. Pairs among bodies that are in
-    /// all worlds belong to no world then and have no row.
+    /// less, since a pair of bodies is dropped as soon as it is certainly not the nearest. Pairs among bodies that are
+    /// in all worlds belong to no world, so `nearest` has no row for them.
     Output output = Output::pairs;
     /// Reports only pairs of bodies whose distance is at most this: Euclidean, 0 or more, or infinite; in the units of
-    /// the world. Exact as given.
+    /// the world. Not rounded.
     double radius = std::numeric_limits<double>::infinity();
     /// Pairs of triangles that count. Pairs within a body never count, so `bodies` must not be `within`.
     PairFilter filter = {};
@@ -29,9 +29,9 @@ struct DistanceQuery {
 
 /// Result of a DistanceQuery: one row for each pair of bodies that has a pair of triangles selected by the filter, at
 /// most `radius` apart. First body < second body; sorted by first body, then by second body, so worlds follow each
-/// other, and pairs among bodies that are in all worlds come last; `nearest` keeps one row of each world. The same
-/// bytes from every backend, thread count and instruction set. A plain value: copy it to keep it beyond the detector's
-/// next call.
+/// other, and pairs among bodies that are in all worlds come last; `nearest` keeps one row of each world. Results are
+/// the same bytes from every backend, thread count and instruction set. A plain value: copy it to keep it beyond the
+/// detector's next call.
 struct Distances {
     bool any = false;        ///< true if there is a row
     std::int64_t count = 0;  ///< number of rows

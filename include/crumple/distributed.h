@@ -56,17 +56,20 @@ struct DistributedOptions {
     /// Number of parts over all ranks, 1 to 262,144; 0: chosen from the number of ranks. More parts balance the load
     /// better, but overlap more.
     int parts = 0;
-    /// Approximate size in bytes of a message batch of one rank, out and in each: at least 1 KiB. Each pair of ranks
-    /// has an equal share, but at least one row.
+    /// Approximate size in bytes of the message batches that a rank sends, and of those that it receives; at least 1
+    /// KiB. A batch is divided equally among the ranks, but each message has at least one row.
     std::int64_t round_bytes = std::int64_t{1} << 26;
 };
 
-/// Phases of a call, in order. Each ends with a collective error check.
+/// Phases of a call, in order: compare the query of all ranks, read the input, match ids over ranks, place parts,
+/// choose the triangles of parts (members), reserve memory and send them (room), search, send rows, merge rows
+/// (output). Each ends with a collective error check.
 enum class Phase : std::uint8_t { query, input, ids, place, members, room, search, rows, output };
 inline constexpr int phase_count = 9;
+/// Returns the name of the enumerator, such as "query".
 constexpr std::string_view phase_name(Phase phase) {
     constexpr std::array<std::string_view, phase_count> names{"query", "input",  "ids",  "place", "members",
-                                                              "room",     "search", "rows", "output"};
+                                                              "room",  "search", "rows", "output"};
     return names[static_cast<std::size_t>(phase)];
 }
 
@@ -96,9 +99,9 @@ struct DistributedStatistics {
     double operator[](Phase phase) const { return phase_milliseconds[static_cast<std::size_t>(phase)]; }
 };
 
-/// Rows of a rank. For meshes: pairs whose first triangle is local, in order, with the numbers of triangles over all
-/// ranks. For worlds: pairs whose first body is local, in the order of Intersections. Merged by first triangle or body,
-/// the rows of all ranks are the same bytes as those of a single machine.
+/// Rows of a rank, and totals. For meshes: pairs whose first triangle is local, in order, with the numbers of triangles
+/// over all ranks. For worlds: pairs whose first body is local, in the order of Intersections. Merged by first triangle
+/// or body, the rows of all ranks are the same bytes as those of a single machine.
 struct DistributedIntersections {
     bool any = false;        ///< over all ranks
     std::int64_t count = 0;  ///< number of pairs of triangles over all ranks if they are counted or listed, else 0
@@ -115,7 +118,7 @@ struct DistributedIntersections {
 /// those of a single machine.
 struct DistributedImpacts {
     bool any = false;                             ///< over all ranks
-    FirstImpact first;                            ///< over all ranks (from Output::first on)
+    FirstImpact first;                            ///< over all ranks, for Output::first and Output::pairs
     std::array<ImpactList, feature_kinds> lists;  ///< by FeatureKind
     std::int64_t count = 0;                       ///< number of impacts over all ranks, if they are listed
     /// Edges in this rank's rows: their numbers, ascending, and the numbers of their vertices.

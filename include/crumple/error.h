@@ -29,6 +29,7 @@ enum class Element : std::uint8_t { none, vertex, triangle, group, option, line,
 /// finite" or "triangle 4 names vertex 90 of 80". The detector that threw stays usable.
 class CRUMPLE_API Error : public std::runtime_error {
    public:
+    /// Sets the members of the same names; `message` is what() returns. `rank` stays -1.
     explicit Error(ErrorCode code, const std::string& message, Element element = Element::none, std::int64_t index = -1,
                    std::int64_t bytes_needed = 0, int system_error = 0)
         : std::runtime_error(message),

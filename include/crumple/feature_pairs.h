@@ -48,8 +48,8 @@ CRUMPLE_API PairImpacts pair_impacts(FeatureKind kind, const VertexView& start, 
 struct PairDistances {
     Array<double> squared_distance;  ///< exact, rounded to nearest; infinite if it overflows
     Array<std::uint8_t> touching;    ///< 1: the distance is 0 exactly
-    /// Closest parts: a VertexFaceType, EdgeEdgeType, VertexEdgeType (whose EA0 and E0 are the first end given) or
-    /// VertexVertexType.
+    /// Closest parts: a VertexFaceType, EdgeEdgeType, VertexEdgeType or VertexVertexType (crumple/proximities.h). EA0,
+    /// EB0 and the E0 of an edge are the ends given first.
     Array<std::uint8_t> type;
     /// Closest points, as parameters: (u, v) of the point a + u (b - a) + v (c - a) of a face, (s, t) of a + s (b - a)
     /// and c + t (d - c) on two edges, (t, 0) of a + t (b - a) on one edge, (0, 0) for two vertices. Exact, then

@@ -9,10 +9,12 @@ namespace crumple {
 template <class Signature>
 class FunctionRef;
 
-/// Non-owning reference to a callable, valid during the call that it is passed to: two pointers, no allocation.
+/// Non-owning reference to a callable, to be used only during the call that it is passed to. Two pointers, no
+/// allocation.
 template <class Result, class... Arguments>
 class FunctionRef<Result(Arguments...)> {
    public:
+    /// Refers to `function`, which must outlive this reference.
     template <class Function, class = std::enable_if_t<!std::is_same_v<std::remove_cvref_t<Function>, FunctionRef> &&
                                                        std::is_object_v<std::remove_reference_t<Function>> &&
                                                        std::is_invocable_r_v<Result, Function&, Arguments...>>>
@@ -22,6 +24,7 @@ class FunctionRef<Result(Arguments...)> {
               return (*static_cast<std::remove_reference_t<Function>*>(f))(std::forward<Arguments>(arguments)...);
           }) {}
 
+    /// Calls the function.
     Result operator()(Arguments... arguments) const { return call_(function_, std::forward<Arguments>(arguments)...); }
 
    private:

@@ -24,7 +24,7 @@ struct ImpactQuery {
 
     Output output = Output::pairs;  ///< `any`, `any_by_world`, `first` or `pairs`
     /// Features touch if their distance is at most this: Euclidean, finite, 0 or more; in the units of the coordinates.
-    /// Exact as given.
+    /// Not rounded.
     double min_distance = 0;
     /// Minimum distance as a share, in [0, 1), of the pair's distance at the start; if both are given, the larger one
     /// applies. A first impact with a share of 0.2 takes 1.7 to 3.4 times as long as without (docs/motion_figures.md).
@@ -37,7 +37,7 @@ struct ImpactQuery {
     bool approaching_only = false;
     bool weld = false;  ///< vertices with equal positions at start and end count as one, for adjacency
     PairFilter filter = {};
-    bool index = false;  ///< also the offsets of ImpactList, for Output::pairs
+    bool index = false;  ///< also makes the offsets of ImpactList, for Output::pairs
     /// Also lists pairs of triangles: those that intersect at the start (docs/contract.md, Neighbours::geometric), and
     /// those of which an impact names one feature each. They count for `any` and `any_by_world`, too.
     bool triangle_pairs = false;
@@ -49,22 +49,22 @@ struct FirstImpactQuery : ImpactQuery {
     using Result = FirstImpact;
 };
 
-/// What is held back if two features touch during a step.
+/// Objects that are held back if two features touch during a step.
 enum class Held : std::uint8_t {
     worlds,    ///< the world of the two features; a mesh is one world
     bodies,    ///< the two bodies
     vertices,  ///< the vertices of the two features
 };
 
-/// Query for the share of a step that is free, and for end positions that can be reached without any impact. This is
-/// verified for the rounded positions: start + toi (end - start), computed in floating point, is a different motion
-/// from the one that toi belongs to.
+/// Query for the share of a step that is free, and for end positions that can be reached without any impact. The motion
+/// to these positions, as rounded, is verified to be free; it differs from the motion to the end, so a `toi` of the
+/// latter does not bound it.
 ///
-/// If two features touch, what `held` selects stops short of the time of contact: by 2^-16 of that time if this
-/// suffices, by more if it touches again. The share is 0 if they touch at the start, or too early for any share above
-/// 2^-40. Everything else goes on. Features that touch at the start hold their whole world there, because no share is
-/// free of that contact. With `approaching_only` they do not; if they would come nearer, what `held` selects stays at
-/// the start.
+/// If two features touch, the objects that `held` selects stop before the time of contact: by 2^-16 of that time if
+/// this suffices, by more if the shortened motion still touches. Their share is 0 if the features touch at the start,
+/// if only a share below 2^-40 would be free, or after 40 attempts. Everything else goes on. Features that touch at the
+/// start hold their whole world there, because no share is free of that contact. With `approaching_only` they do not;
+/// if they would come nearer, only the objects that `held` selects stay at the start.
 ///
 /// Ignores `output` and `index`. Cost: one to three times that of a FirstImpactQuery; with Held::bodies and
 /// Held::vertices that of an ImpactQuery for each of a few iterations.
@@ -73,8 +73,8 @@ struct FreeStepQuery : ImpactQuery {
     Held held = Held::worlds;
 };
 
-/// Impacts of one kind, each once, sorted by first feature, then second. For worlds sorted by world, then by body
-/// before each feature; pairs among bodies that are in all worlds come last.
+/// Impacts of one kind, each once, sorted by first feature, then second. For worlds sorted by world, first body, first
+/// feature, second body, second feature; pairs among bodies that are in all worlds come last.
 struct ImpactList {
     Array<Pair> pairs;          ///< indices within their bodies; see FeatureKind
     Array<BodyPair> bodies;     ///< the bodies of each pair; empty for a single mesh
@@ -87,7 +87,7 @@ struct ImpactList {
     Array<std::int64_t> by_second;       ///< positions in `pairs`, by second feature, then first
 };
 
-/// First impact: the least toi as rounded; among equals the first in the order of the lists.
+/// Impact with the least rounded `toi`; of several, the first in the order of the lists.
 struct FirstImpact {
     bool found = false;
     FeatureKind kind = FeatureKind::vertex_face;
@@ -120,11 +120,11 @@ struct Impacts {
     /// True if anything touches (otherwise the step is free), or with ImpactQuery::triangle_pairs if triangles
     /// intersect at the start.
     bool any = false;
-    FirstImpact first;       ///< first impact of features in all worlds (from Output::first on)
+    FirstImpact first;       ///< first impact of all worlds, for Output::first and Output::pairs
     std::int64_t count = 0;  ///< number of impacts if they are listed, else 0
 
-    Array<std::uint8_t> world_hit;                ///< 1 per world: something touches (not for Output::any)
-    Array<FirstImpact> world_first;               ///< 1 per world (from Output::first on)
+    Array<std::uint8_t> world_hit;                ///< per world: 1 if something touches (not for Output::any)
+    Array<FirstImpact> world_first;               ///< 1 per world, for Output::first and Output::pairs
     std::array<ImpactList, feature_kinds> lists;  ///< by FeatureKind
     /// For ImpactQuery::triangle_pairs: triangles a < b (for worlds body by body) whose groups the filter selects.
     /// `toi` is the first time of contact of their features; 0, with `start`, if they intersect at the start.
@@ -145,10 +145,13 @@ struct Impacts {
 
     ImpactList& operator[](FeatureKind kind) { return lists[static_cast<std::size_t>(kind)]; }
     const ImpactList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
+    /// Returns the list of one kind.
+    /// @{
     const ImpactList& vertex_faces() const { return (*this)[FeatureKind::vertex_face]; }
     const ImpactList& edge_edges() const { return (*this)[FeatureKind::edge_edge]; }
     const ImpactList& vertex_edges() const { return (*this)[FeatureKind::vertex_edge]; }
     const ImpactList& vertex_vertices() const { return (*this)[FeatureKind::vertex_vertex]; }
+    /// @}
 };
 
 }  // namespace crumple

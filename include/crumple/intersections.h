@@ -13,8 +13,8 @@ struct Intersections;
 struct DeviceIntersections;
 struct DistributedIntersections;
 
-/// Pair of colliding triangles. For a single mesh a < b; for two meshes, a is an index into the first and b into the
-/// second.
+/// Pair of triangles, or of features (FeatureKind, CandidateKind), by index. Triangles: for a single mesh, a < b; for
+/// two meshes, a is an index into the first and b into the second.
 struct Pair {
     std::int32_t a, b;
     friend auto operator<=>(const Pair&, const Pair&) = default;
@@ -36,6 +36,7 @@ struct Contacts {
 /// Stages of the method, in order. `output` makes the sorted result.
 enum class Stage : std::uint8_t { bounds, subdivide, align, sort, sweep, narrow, output };
 inline constexpr int stage_count = 7;
+/// Returns the name of the enumerator, such as "bounds".
 constexpr std::string_view stage_name(Stage stage) {
     constexpr std::array<std::string_view, stage_count> names{"bounds", "subdivide", "align", "sort",
                                                               "sweep",  "narrow",    "output"};
@@ -47,7 +48,7 @@ struct Statistics {
     double milliseconds = 0;                               ///< wall-clock time of the call
     std::array<double, stage_count> stage_milliseconds{};  ///< summed over threads
     std::int64_t triangles = 0;
-    std::int64_t clusters = 0;        ///< first level
+    std::int64_t clusters = 0;        ///< clusters of the first level of subdivision
     std::int64_t leaves = 0;          ///< leaf clusters that were swept
     std::int64_t members = 0;         ///< triangles of all leaves, counted once per leaf
     std::int64_t interval_tests = 0;  ///< overlaps along the sweep direction
@@ -88,22 +89,23 @@ struct IntersectionQuery {
     using DeviceResult = DeviceIntersections;
     using DistributedResult = DistributedIntersections;
 
-    /// All values but `first`. Meshes in device memory: `any`, `pairs` or `contacts`. Blocks and parts: `pairs` or
-    /// `contacts`.
+    /// All values but `first` and `nearest`. Meshes in device memory: `any`, `pairs` or `contacts`. Blocks and parts:
+    /// `pairs` or `contacts`.
     Output output = Output::pairs;
     Neighbours neighbours = Neighbours::geometric;
     IntersectionKind kind = IntersectionKind::all;
     /// Vertices at equal positions (-0 equals +0) count as one, including those of different meshes and bodies.
     bool weld = false;
-    /// A body inside another one counts in the outputs any, any_by_world and body_pairs, never as pairs of triangles,
-    /// and `inside` is set for that body pair. Two bodies count if their surfaces meet, or else if a component of one
-    /// has a vertex at which the winding number of the other's surface is not 0. A cavity is outside: its winding
-    /// number is 0.
+    /// Also counts a body inside another one, for the outputs any, any_by_world and body_pairs; other outputs are an
+    /// error. `inside` is set for that pair of bodies. Two bodies count if their surfaces meet, or else if a component
+    /// of one has a vertex at which the winding number of the other's surface is not 0. A cavity is outside: its
+    /// winding number is 0.
     ///
-    /// For worlds and two meshes, with `kind` all and without filters of groups if shapes have groups. With `weld`,
-    /// which also closes the seams of each body, `neighbours` has to be geometric, and vertices that are one with
-    /// vertices of the other body do not count. Additional cost: for bodies whose boxes overlap and whose surfaces do
-    /// not meet, one ray for each component that lies in the other's box.
+    /// For worlds and two meshes, with `kind` all, without PairScope::within of bodies, and without filters of groups
+    /// if shapes have groups. With `weld`, which also closes the seams of each body, `neighbours` has to be geometric,
+    /// and vertices that are one with vertices of the other body do not count. Not with the cuda backend. Additional
+    /// cost: for bodies whose boxes overlap and whose surfaces do not meet, one ray for each component that lies in the
+    /// other's box.
     bool containment = false;
     /// Treatment of bodies that are not closed, in pairs whose boxes overlap and whose surfaces do not meet. Such a
     /// body can still be reported as lying inside another one.
@@ -119,14 +121,14 @@ struct IntersectionQuery {
 /// Result of an IntersectionQuery: every pair once. For a single mesh a < b, in lexicographic order; for two meshes, a
 /// is an index into the first and b into the second. For worlds sorted by first body, its triangle, second body, its
 /// triangle: so worlds follow each other, and pairs among bodies that are in all worlds are listed once, at the end.
-/// The same bytes from every backend, thread count and cluster count. A plain value: copy it to keep it beyond the
-/// detector's next call.
+/// Results are the same bytes from every backend, thread count and cluster count. A plain value: copy it to keep it
+/// beyond the detector's next call.
 struct Intersections {
     bool any = false;        ///< true if anything intersects
     std::int64_t count = 0;  ///< number of pairs of triangles if they are counted or listed, else 0
 
-    Array<std::uint8_t> world_hit;     ///< for worlds, 1 each: something intersects (not for Output::any)
-    Array<std::int64_t> world_counts;  ///< for worlds, 1 each: number of pairs of triangles (from Output::count on)
+    Array<std::uint8_t> world_hit;     ///< for worlds, per world: 1 if something intersects (not for Output::any)
+    Array<std::int64_t> world_counts;  ///< for worlds, per world: number of pairs of triangles (Output::count and more)
 
     /// For worlds, the bodies of each pair; for Output::body_pairs each intersecting pair of bodies once. Else empty.
     Array<BodyPair> bodies;
@@ -141,7 +143,7 @@ struct Intersections {
     Contacts contacts;  ///< for Output::contacts
 
     // For a mesh, two meshes, and parts:
-    Array<std::int64_t> offsets;     ///< pairs with first triangle i: [offsets[i], offsets[i + 1]); size m + 1
+    Array<std::int64_t> offsets;  ///< pairs with first triangle i: [offsets[i], offsets[i + 1]); m + 1 for m triangles
     Array<std::uint8_t> hit_second;  ///< 1 for each triangle of the second mesh in some pair; empty for one mesh
 
     /// 1 for each triangle that is in some pair: triangles of the first mesh, or of all bodies, one after another (see
@@ -157,7 +159,8 @@ struct Intersections {
     Statistics statistics;
 };
 
-/// Result of an IntersectionQuery in device memory: device pointers, in the order of Intersections.
+/// Result of an IntersectionQuery in device memory: device pointers, in the order of Intersections. Comments at
+/// pointers begin with the length of the array.
 struct DeviceIntersections {
     /// False if a list of fixed length overflowed (Detector::launch in a capture): then there are no arrays.
     bool complete = true;
@@ -167,8 +170,8 @@ struct DeviceIntersections {
     bool any = false;        ///< true if anything intersects
     std::int64_t count = 0;  ///< pairs of triangles
 
-    const BodyPair* bodies = nullptr;  ///< count: the bodies of each pair, for worlds; null below Output::pairs
-    const Pair* pairs = nullptr;       ///< count; null below Output::pairs
+    const BodyPair* bodies = nullptr;  ///< count: the bodies of each pair, for worlds; null for less than Output::pairs
+    const Pair* pairs = nullptr;       ///< count; null for less than Output::pairs
     const ContactKind* contact_kinds = nullptr;             ///< count; null unless requested
     const std::int64_t* contact_offsets = nullptr;          ///< count + 1
     const std::array<double, 3>* contact_points = nullptr;  ///< contact_point_count
@@ -184,7 +187,7 @@ struct DeviceIntersections {
     std::int64_t worlds = 0;
     const std::uint8_t* world_hit = nullptr;     ///< worlds: 1 if something intersects
     const std::int64_t* world_counts = nullptr;  ///< worlds: number of pairs of triangles
-    /// Worlds + 1: start of the pairs of each world; pairs among bodies in all worlds follow.
+    /// worlds + 1: start of the pairs of each world; pairs among bodies in all worlds follow.
     const std::int64_t* world_offsets = nullptr;
     Statistics statistics;
 };

@@ -51,10 +51,12 @@ struct ReadOptions {
 /// Polygons that a file's triangles were cut from. All arrays are empty if each triangle is a face of the file.
 struct Polygons {
     std::vector<std::int32_t> of_triangle;  ///< m: polygon of each triangle, ascending
-    std::vector<std::int64_t> offsets;      ///< p + 1: corners of polygon i are corners[offsets[i]] to [offsets[i + 1]]
+    std::vector<std::int64_t> offsets;      ///< p + 1: polygon i has corners [offsets[i], offsets[i + 1])
     std::vector<std::int32_t> corners;      ///< vertices, in the order of the file
 
+    /// True if each triangle is a face of the file.
     bool empty() const { return of_triangle.empty(); }
+    /// Returns the number of polygons; 0 if the arrays are empty.
     std::int64_t count() const { return empty() ? 0 : static_cast<std::int64_t>(offsets.size()) - 1; }
 };
 
@@ -66,21 +68,23 @@ struct CRUMPLE_API TriangleMesh {
     Polygons polygons = {};                  ///< polygons of the file; written if WriteOptions::polygons is set
     std::vector<std::string> warnings = {};  ///< warnings about the file, one sentence each
     std::vector<Edge> lines = {};            ///< segments of lines, with ReadOptions::lines_and_points
-    std::vector<std::int32_t> points = {};   ///< points, with ReadOptions::lines_and_points
+    std::vector<std::int32_t> points = {};   ///< vertices of points, with ReadOptions::lines_and_points
     Unit unit = Unit::unknown;               ///< unit of the coordinates; .3mf and .glb store it
 
+    /// Returns the number of vertices, n.
     std::int64_t vertex_count() const;
+    /// Returns the number of triangles, m.
     std::int64_t triangle_count() const { return static_cast<std::int64_t>(triangles.size() / 3); }
+    /// Returns the type of the coordinates.
     ScalarType precision() const;
     /// Returns a view, valid while this mesh is unchanged. Includes neither lines nor points (see features_of()).
     MeshView view() const;
 };
 
-/// Edges and points of a mesh with lines or points, for MeshView::edges and MeshView::points: edges of faces and lines,
-/// each once, a < b, in lexicographic order; vertices that these edges, or points, name, ascending.
+/// Features of a mesh with lines or points, for MeshView::edges and MeshView::points.
 struct MeshFeatures {
-    std::vector<Edge> edges;
-    std::vector<std::int32_t> points;
+    std::vector<Edge> edges;           ///< edges of faces and lines, each once, a < b, in lexicographic order
+    std::vector<std::int32_t> points;  ///< vertices that an edge or a point names, each once, ascending
 };
 /// Returns the edges and points of a mesh. O(n log n).
 CRUMPLE_API MeshFeatures features_of(const TriangleMesh& mesh);
@@ -115,6 +119,7 @@ struct WorldView {
     std::vector<Body> bodies;
     std::vector<Pose> poses;
 
+    /// Returns a view, valid while the arrays are unchanged.
     World world() const { return {shapes, bodies, poses}; }
 };
 
@@ -276,6 +281,7 @@ class CRUMPLE_API ColouredAnimation {
 
     /// Writes the frames added so far; more may follow. Throws crumple::Error (file, invalid_argument).
     void write(const std::filesystem::path& path);
+    /// Writes the same bytes to a stream. Does not throw if the stream fails: check its state.
     void write(std::ostream& out);
 
    private:

@@ -48,9 +48,11 @@ struct CandidateRows {
 };
 
 /// Converts a result to a list, in the same order. Throws Error (invalid_argument) unless its arrays fit together.
+/// @{
 CRUMPLE_API FeatureList list_of(const Impacts& impacts);
 CRUMPLE_API FeatureList list_of(const Proximities& nearby);
 CRUMPLE_API CandidateRows list_of(const Candidates& candidates);
+/// @}
 
 /// Writes impacts in the order of the result, as txt, csv, json or npz.
 ///
@@ -116,9 +118,11 @@ class CRUMPLE_API FeatureWriter {
     FeatureWriter& operator=(FeatureWriter&&) noexcept;
 
     /// Writes a block. Throws crumple::Error: file, as commit() does; invalid_argument for a block of another kind.
+    /// @{
     void add(const Impacts& block);
     void add(const Proximities& block);
     void add(const Candidates& block);
+    /// @}
     /// Completes the file after the last block. Without this call an existing file stays unchanged.
     void commit();
 

@@ -27,8 +27,11 @@
 
 namespace crumple {
 
+/// Type of coordinates.
 enum class ScalarType : std::uint8_t { float32, float64 };
+/// Type of the indices of triangles.
 enum class IndexType : std::uint8_t { int32, uint32, int64 };
+/// Memory that holds the arrays of a mesh. `cuda`: memory that the CUDA device of the detector can read.
 enum class MemorySpace : std::uint8_t { host, cuda };
 
 /// View of a (rows, 3) array that the caller owns. Strides are in bytes, so row-major, column-major and interleaved
@@ -43,7 +46,9 @@ struct ArrayView {
     friend bool operator==(const ArrayView&, const ArrayView&) = default;
 };
 
+/// View of coordinates, one vertex per row.
 using VertexView = ArrayView<ScalarType>;
+/// View of vertex indices, one triangle per row.
 using TriangleView = ArrayView<IndexType>;
 
 /// Matrix in memory with strides counted in elements: Eigen's Matrix, Map, Ref and blocks, row- or column-major.
@@ -84,16 +89,18 @@ struct MeshView {
     std::optional<std::span<const Edge>> edges = {};
     std::optional<std::span<const std::int32_t>> points = {};
 
+    /// Makes a view of an empty mesh.
     MeshView() = default;
+    /// Views arrays of any layout, in host memory unless `memory` is set.
     MeshView(VertexView vertices, TriangleView triangles, std::span<const std::int32_t> groups = {})
         : vertices(vertices), triangles(triangles), groups(groups) {}
 
-    /// Row-major, contiguous arrays: 3n scalars and 3m indices.
+    /// Views contiguous rows of three: float or double coordinates, and int32_t, uint32_t or int64_t indices.
     template <class Scalar, class Index>
     MeshView(const Scalar* xyz, std::int64_t vertex_count, const Index* ijk, std::int64_t triangle_count,
              std::span<const std::int32_t> groups = {});
 
-    /// View of vectors of rows.
+    /// Views vectors of rows.
     template <class Scalar, class Index>
     MeshView(const std::vector<std::array<Scalar, 3>>& vertices CRUMPLE_LIFETIMEBOUND,
              const std::vector<std::array<Index, 3>>& triangles CRUMPLE_LIFETIMEBOUND,
@@ -102,8 +109,8 @@ struct MeshView {
                    triangles.empty() ? nullptr : triangles[0].data(), static_cast<std::int64_t>(triangles.size()),
                    groups) {}
 
-    /// Matrices of three columns, such as Eigen's, in either storage order, without a copy. Throws Error
-    /// (invalid_argument) for another number of columns.
+    /// Views matrices of three columns, such as Eigen's, in either storage order. Throws Error (invalid_argument) for
+    /// another number of columns.
     template <MatrixInMemory Vertices, MatrixInMemory Triangles>
     MeshView(const Vertices& vertices CRUMPLE_LIFETIMEBOUND, const Triangles& triangles CRUMPLE_LIFETIMEBOUND,
              std::span<const std::int32_t> groups = {});

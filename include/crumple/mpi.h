@@ -25,8 +25,8 @@ namespace crumple::mpi {
 /// merged, are the same bytes as those of crumple::Detector::find, for any number of ranks and any distribution. Caches
 /// parts and centres between calls: if only vertices have moved, little more than their coordinates is sent.
 ///
-/// Every call but the destructor is collective: all ranks of the communicator make the same calls, in the same order,
-/// with the same query and options. If a call throws on one rank, it throws the same crumple::Error on all
+/// The constructor, find(), any() and close() are collective: all ranks of the communicator make these calls, in the
+/// same order, with the same query and options. If a call throws on one rank, it throws the same crumple::Error on all
 /// (Error::rank), and leaves the detectors usable. A stop that is requested on one rank ends the call on all. A process
 /// that dies ends the job, as usual with MPI. One thread makes the calls. If MPI was initialised with less than
 /// MPI_THREAD_SERIALIZED, it must be the thread that initialised MPI; with MPI_THREAD_SINGLE, a detector must have one
@@ -48,7 +48,7 @@ class CRUMPLE_API Detector {
     /// WorldShare; the query is an IntersectionQuery, ImpactQuery or ProximityQuery.
     ///
     /// With less output than pairs no rows are sent; Output::any_by_world is the same as Output::any. A moving mesh has
-    /// its end positions in MeshView::end; listed edges and points are ignored. Parts are made for one query: a
+    /// its end positions in MeshView::end; listed edges and points are ignored. Cached parts serve one query only: a
     /// different minimum distance, or another type of query, makes new parts. The pair filter may select bodies (with
     /// Body::self) or groups, not both. Throws Error (invalid_argument) for what ranks do not support: `index`,
     /// `triangle_pairs`, `radii`, `rest`, `rings`, `least`; for meshes, excluded bodies; for worlds, Body::world other
@@ -76,9 +76,11 @@ class CRUMPLE_API Detector {
 
     /// Returns counts and times of the last call on this rank.
     const DistributedStatistics& statistics() const;
-    /// Returns the options, with the actual number of threads.
+    /// Returns the options, with the number of threads and the device that this rank uses.
     const DistributedOptions& options() const;
+    /// Returns the rank of this process in the communicator, from 0.
     int rank() const;
+    /// Returns the number of ranks of the communicator.
     int ranks() const;
 
    private:

@@ -32,8 +32,8 @@ struct FuzzyCMeans {
 /// Configuration of a Detector. No option changes a result, only its cost.
 struct Options {
     Backend backend = Backend::automatic;
-    /// Threads of the cpu backend, started when the detector is made; 0: as many as the machine has. Threads beyond
-    /// oneTBB's limit for the process (tbb::global_control) are not used.
+    /// Threads of the cpu backend, at most 1024, started when the detector is made; 0: as many as the machine has.
+    /// Threads beyond oneTBB's limit for the process (tbb::global_control) are not used.
     int threads = 0;
 
     /// Bytes that the detector may own, including buffers cached between calls and the result, but not the caller's
@@ -49,10 +49,10 @@ struct Options {
     FuzzyCMeans fuzzy_c_means = {};
     Simd simd = Simd::automatic;
     int device = 0;  ///< CUDA device: its number in list_devices()
-    /// Replaces `device`: several different devices that share the work of queries about one mesh in host memory
-    /// (intersections, motion and nearness). The first device alone handles two meshes, worlds, device memory, blocks,
-    /// parts, listed edges and points, radii, rings, rest shapes, feature queries with `weld`, candidates, and all
-    /// queries under a memory limit.
+    /// Replaces `device`, which must then be 0: up to 64 different devices that share the work of queries about one
+    /// mesh in host memory (intersections, motion and nearness). The first device alone handles two meshes, worlds,
+    /// device memory, blocks, parts, listed edges and points, radii, rings, rest shapes, feature queries with `weld`,
+    /// candidates, and all queries under a memory limit.
     std::vector<int> devices = {};
 
     /// Returns the device that holds the detector's arrays.

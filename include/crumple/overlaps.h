@@ -18,7 +18,8 @@ struct BodyVertex {
     friend bool operator==(const BodyVertex&, const BodyVertex&) = default;
 };
 
-/// Query for how much closed bodies overlap, where, and which way out (docs/overlap.md). A value: it owns its data.
+/// Query for overlaps of closed bodies: their volume, their place, and the direction that reduces them
+/// (docs/overlap.md). A value: it owns its data.
 ///
 /// A surface is closed if each edge occurs in its triangles equally often in both directions; triangles are
 /// counter-clockwise seen from outside. Volumes are integrals of the product of both winding numbers: a region that the
@@ -36,9 +37,9 @@ struct OverlapQuery {
     /// Also makes the overlap of each body with itself, regardless of Body::self: rows (i, i), volumes of bodies, and
     /// is_solid. Always on for a single mesh.
     bool self_overlaps = false;
-    bool gradient = false;  ///< also the derivatives of volumes by vertices
-    bool curves = false;    ///< also the curves in which surfaces cross; not for a body with itself
-    bool windings = false;  ///< also the winding numbers at vertices
+    bool gradient = false;  ///< also makes the derivatives of volumes by vertices
+    bool curves = false;    ///< also makes the curves in which surfaces cross; not for a body with itself
+    bool windings = false;  ///< also makes the winding numbers at vertices
     /// Filters of groups use the group id of each body, and are an error if a shape has groups of triangles;
     /// PairScope::within of bodies is an error, too.
     PairFilter filter = {};
@@ -58,13 +59,13 @@ enum class OverlapRelation : std::uint8_t {
 /// inside the other. First body ≤ second body, equal only with self_overlaps. Rows are sorted by first body, then by
 /// second body, so that worlds follow each other, and pairs among bodies that are in all worlds are last. Volumes, area
 /// vectors, torques and areas are exact sums, rounded once; numbers derived from them are within 2 units in the last
-/// place. The same bytes from every backend, thread count and instruction set. A plain value: copy it to keep it beyond
-/// the detector's next call.
+/// place. Results are the same bytes from every backend, thread count and instruction set. A plain value: copy it to
+/// keep it beyond the detector's next call.
 struct Overlaps {
     bool any = false;        ///< true if there is a row
     std::int64_t count = 0;  ///< number of rows if they are listed, else 0
 
-    Array<std::uint8_t> world_hit;  ///< 1 per world: it has a row (not for Output::any)
+    Array<std::uint8_t> world_hit;  ///< per world: 1 if it has a row (not for Output::any)
     /// For OpenSurfaces::skip: bodies that are not closed, ascending, among those in selected pairs whose boxes
     /// overlap; with self_overlaps, among all bodies.
     Array<std::int32_t> skipped;
@@ -89,17 +90,18 @@ struct Overlaps {
     /// Total common area of coplanar triangles of both bodies, whichever way they face. Correctly rounded.
     Array<double> contact_area;
 
-    /// For OverlapQuery::gradient: the derivatives of volume i by the vertices of both bodies are gradient[j], j from
-    /// gradient_offsets[i] to gradient_offsets[i + 1], by body and vertex; those that are 0 are left out. Their sum
-    /// over the first body is the area vector. Where a shape is welded, the lowest of equal vertices stands for all.
+    /// For OverlapQuery::gradient: the derivatives of volume i by the vertices of both bodies are gradient[j], j in
+    /// [gradient_offsets[i], gradient_offsets[i + 1]), sorted by body and vertex; those that are 0 are left out. Their
+    /// sum over the first body is the area vector. Where a shape is welded, the lowest of equal vertices stands for
+    /// all.
     Array<std::int64_t> gradient_offsets;
     Array<BodyVertex> gradient_vertices;
     Array<std::array<double, 3>> gradient;  ///< each coordinate correctly rounded
 
-    /// For OverlapQuery::curves: the curves in which the surfaces of row i cross are those from curve_offsets[i] to
-    /// curve_offsets[i + 1]. If you follow one on the first body, seen from outside that body, the inside of the second
-    /// body is on the left. Where surfaces touch or coincide, curves are computed as if the second body were shifted by
-    /// (e, e², e³), e → 0+.
+    /// For OverlapQuery::curves: row i has the curves [curve_offsets[i], curve_offsets[i + 1]), where its surfaces
+    /// cross. If you follow one on the first body, seen from outside that body, the inside of the second body is on the
+    /// left. Where surfaces touch or coincide, curves are computed as if the second body were shifted by (e, e², e³), e
+    /// → 0+.
     Array<std::int64_t> curve_offsets;
     /// By curve: 1 if it is closed. Open curves end at a boundary of a surface, or between adjacent triangles with
     /// opposite orientations.
@@ -107,8 +109,8 @@ struct Overlaps {
     /// Contribution of each curve to the area vector and the torque; NaN if it is open. Where surfaces touch or
     /// coincide, one-sided.
     Array<std::array<double, 3>> curve_area_vector, curve_torque;
-    /// Curve j has the points from curve_point_offsets[j] to curve_point_offsets[j + 1]; if it is closed, the last is
-    /// the first. Consecutive points may be equal where a curve passes exactly through a vertex or an edge.
+    /// Curve j has the points [curve_point_offsets[j], curve_point_offsets[j + 1]); if it is closed, the last is the
+    /// first. Consecutive points may be equal where a curve passes exactly through a vertex or an edge.
     Array<std::int64_t> curve_point_offsets;
     Array<std::array<double, 3>> curve_points;  ///< each coordinate correctly rounded
     /// By point: the triangles that cross between this point and the next one; −1 at the last point of a curve.
@@ -122,7 +124,7 @@ struct Overlaps {
     Array<std::int32_t> windings;
 
     // For OverlapQuery::self_overlaps, by body:
-    Array<double> body_volume;     ///< ∫ w dx, correctly rounded; NaN of a body whose surface is not closed
+    Array<double> body_volume;     ///< ∫ w dx, correctly rounded; NaN for a body whose surface is not closed
     Array<std::uint8_t> is_solid;  ///< 1 if all winding numbers are 0 or 1, but for regions of no volume
 
     Statistics statistics;

@@ -19,6 +19,7 @@ struct CRUMPLE_API PartMesh {
     std::vector<std::int32_t> ids;                                   ///< m triangle ids of the mesh, strictly ascending
     std::vector<std::int32_t> groups;                                ///< m group ids, or empty: all in group 0
 
+    /// Returns the number of triangles, m.
     std::int64_t size() const { return static_cast<std::int64_t>(ids.size()); }
     /// Returns a view, valid while this object is unchanged.
     MeshView view() const;
@@ -79,7 +80,7 @@ struct PartFeatures {
 /// whole result.
 ///
 /// Memory: about 50 bytes per triangle in float32. A triangle is in several parts if it is large compared to the
-/// distance of the parts' centres: in 1.3 on average for 64 parts of a million triangles.
+/// distance of the parts' centres: with 64 parts of a million triangles, it is in 1.3 parts on average.
 struct Part {
     std::int32_t index = 0, count = 1;  ///< index of this part, and number of parts
     PartMesh mesh;                      ///< triangles of the single mesh, or of the first of two
@@ -87,6 +88,7 @@ struct Part {
     std::vector<PartLevel> levels;  ///< top level first: one level for up to 64 parts, two for up to 4,096, at most 4
     std::optional<PartFeatures> features;  ///< for queries about motion or nearness
 
+    /// Returns the number of triangles, of both meshes together if there are two.
     std::int64_t triangle_count() const { return mesh.size() + (second ? second->size() : 0); }
 };
 

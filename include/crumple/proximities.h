@@ -26,7 +26,7 @@ struct ProximityQuery {
 
     Output output = Output::pairs;  ///< `any`, `any_by_world` or `pairs`
     /// Two features are near if their distance is at most this: Euclidean, finite, 0 or more; in the units of the
-    /// coordinates. Exact as given.
+    /// coordinates. Not rounded.
     double radius = 0;
     /// Replaces `radius`: one per vertex, finite, 0 or more, for example half the thickness of a cloth. The radius of
     /// an edge or a face is the largest of its vertices'. Two features are near if their distance is at most the sum of
@@ -34,35 +34,37 @@ struct ProximityQuery {
     std::span<const double> radii = {};
     bool strict = false;   ///< near only if less than the radius
     bool closest = false;  ///< also makes ProximityList::type and ProximityList::at
-    /// Also the least distance of each feature: Proximities::vertex_distance and so on; for a single mesh. Includes
-    /// pairs that `rings` or `rest` drop from the lists, so it can bound a step; together with these it takes a second
-    /// search.
+    /// Also makes the least distance of each feature (Proximities::vertex_distance and so on), for a single mesh.
+    /// Includes pairs that `rings` or `rest` drop from the lists, so it can bound a step; together with these it takes
+    /// a second search.
     bool least = false;
-    bool weld = false;  ///< vertices at equal positions count as one when looking for adjacent features
-    /// Adjacent features are never near: those with vertices that a path of at most so many edges connects. 0: those
-    /// with a common vertex. Memory: 4 bytes for each vertex and each other vertex within that range, cached for the
-    /// next call; about 150 bytes per vertex for 3 rings.
+    bool weld = false;  ///< vertices at equal positions count as one, for adjacency
+    /// Features are adjacent, and never near, if a path of at most this many edges connects a vertex of one with a
+    /// vertex of the other. 0: if they have a common vertex. Memory: 4 bytes for each vertex and each other vertex
+    /// within that range, cached for the next call; about 150 bytes per vertex for 3 rings.
     std::int32_t rings = 0;
     /// Rest shape: positions of the vertices, (n, 3), float32 or float64, finite. Features whose distance in the rest
     /// shape is at most `rest_radius` are never near. For a single mesh; a world has Shape::rest. Without data there is
     /// no rest shape.
     VertexView rest = {};
-    double rest_radius = 0;  ///< finite, 0 or more; exact as given
+    double rest_radius = 0;  ///< finite, 0 or more; not rounded
     PairFilter filter = {};
-    bool index = false;  ///< also the offsets of ProximityList, for Output::pairs
+    bool index = false;  ///< also makes the offsets of ProximityList, for Output::pairs
 };
 
-/// Closest parts of two features: those of lowest dimension, then the first in this order. Names and order are those of
-/// IPC Toolkit. E0 is the face's side from its first corner to the second, E1 from the second to the third, E2 from the
-/// third to the first. EA and EB are the two edges; EA0 is the first vertex of EA as in Proximities::edges. For a
-/// vertex and an edge, E0 and E1 are the edge's vertices, and E is the edge.
+/// Closest parts of two features; of several, those of lowest dimension, then the first in this order. Names and order
+/// are those of IPC Toolkit. P is the vertex. T is the face, T0 to T2 are its corners; E0 is its side from T0 to T1, E1
+/// from T1 to T2, E2 from T2 to T0. EA and EB are the two edges; EA0 and EA1 are the vertices of EA as in
+/// Proximities::edges. For a vertex and an edge, E is the edge, E0 and E1 are its vertices.
+/// @{
 enum class VertexFaceType : std::uint8_t { P_T0, P_T1, P_T2, P_E0, P_E1, P_E2, P_T };
 enum class EdgeEdgeType : std::uint8_t { EA0_EB0, EA0_EB1, EA1_EB0, EA1_EB1, EA_EB0, EA_EB1, EA0_EB, EA1_EB, EA_EB };
 enum class VertexEdgeType : std::uint8_t { P_E0, P_E1, P_E };
 enum class VertexVertexType : std::uint8_t { P_P };
+/// @}
 
-/// Near pairs of one kind, each once, sorted by first feature, then second. For worlds sorted by world, then by body
-/// before each feature; pairs among bodies that are in all worlds come last.
+/// Near pairs of one kind, each once, sorted by first feature, then second. For worlds sorted by world, first body,
+/// first feature, second body, second feature; pairs among bodies that are in all worlds come last.
 struct ProximityList {
     Array<Pair> pairs;               ///< indices within their bodies; see FeatureKind
     Array<BodyPair> bodies;          ///< the bodies of each pair; empty for a single mesh
@@ -87,7 +89,7 @@ struct Proximities {
     bool any = false;        ///< true if anything is near
     std::int64_t count = 0;  ///< number of pairs if they are listed, else 0
 
-    Array<std::uint8_t> world_hit;                   ///< 1 per world: something is near (not for Output::any)
+    Array<std::uint8_t> world_hit;                   ///< per world: 1 if something is near (not for Output::any)
     std::array<ProximityList, feature_kinds> lists;  ///< by FeatureKind
 
     /// The edges and points that indices refer to: as in Impacts.
@@ -105,10 +107,13 @@ struct Proximities {
 
     ProximityList& operator[](FeatureKind kind) { return lists[static_cast<std::size_t>(kind)]; }
     const ProximityList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
+    /// Returns the list of one kind.
+    /// @{
     const ProximityList& vertex_faces() const { return (*this)[FeatureKind::vertex_face]; }
     const ProximityList& edge_edges() const { return (*this)[FeatureKind::edge_edge]; }
     const ProximityList& vertex_edges() const { return (*this)[FeatureKind::vertex_edge]; }
     const ProximityList& vertex_vertices() const { return (*this)[FeatureKind::vertex_vertex]; }
+    /// @}
 };
 
 }  // namespace crumple

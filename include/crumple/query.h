@@ -32,16 +32,16 @@ struct GroupPair {
     friend bool operator==(const GroupPair&, const GroupPair&) = default;
 };
 
-/// Selects pairs across bodies or groups, pairs within one, or both. `between` for groups is an error if there are no
-/// group ids.
+/// Selects pairs between different bodies or groups, pairs within one body or group, or both. `between` for groups is
+/// an error if there are no group ids.
 enum class PairScope : std::uint8_t { both, between, within };
 
 /// Pair filter of a query.
 struct PairFilter {
     PairScope bodies = PairScope::both;  ///< Body::self applies as well; must be `both` for one or two meshes
     PairScope groups = PairScope::both;
-    /// Pairs of bodies to skip, or (a body and itself) pairs within it: the "allowed collision matrix" of robotics.
-    /// Worlds only.
+    /// Pairs of bodies to skip, the "allowed collision matrix" of robotics; a body with itself skips the pairs within
+    /// that body. Worlds only.
     std::vector<BodyPair> excluded_bodies = {};
     std::vector<GroupPair> excluded_groups = {};
 };

@@ -10,7 +10,7 @@
 namespace crumple {
 
 /// Motion of rigid bodies, cut into pieces in which vertices move straight, as queries about motion assume
-/// (docs/motion.md#rigid-motions).
+/// (docs/motion.md, "Rigid motions").
 struct RigidMotion {
     std::int64_t pieces = 0;
     std::vector<Pose> poses;  ///< one per body for each of pieces + 1 times

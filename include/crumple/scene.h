@@ -9,7 +9,7 @@
 
 namespace crumple {
 
-/// Two meshes: a query is about the pairs across them. Vertices of different meshes are different, whatever their
+/// Two meshes: queries search for pairs across them. Vertices of different meshes are different, whatever their
 /// indices; with `weld`, vertices at equal positions count as one. If one mesh is float64, both are computed in
 /// float64.
 struct TwoMeshes {
@@ -21,20 +21,22 @@ struct TwoMeshes {
 /// until the call returns.
 class Scene {
    public:
-    /// Pairs within one mesh.
+    /// One mesh, with pairs within it.
     Scene(const MeshView& mesh) : source_(mesh) {}
+    /// Two meshes, with pairs across them: first a, second b.
     Scene(const MeshView& a, const MeshView& b) : source_(TwoMeshes{a, b}) {}
-    /// Pairs within the mesh MeshView(vertices, triangles, groups...).
+    /// One mesh, MeshView(vertices, triangles, groups...).
     template <class Vertices, class Triangles, class... Groups>
     requires std::constructible_from<MeshView, const Vertices&, const Triangles&, const Groups&...> Scene(
         const Vertices& vertices CRUMPLE_LIFETIMEBOUND, const Triangles& triangles CRUMPLE_LIFETIMEBOUND,
         const Groups&... groups)
         : source_(MeshView(vertices, triangles, groups...)) {}
-    /// Pairs across bodies, and within bodies that have Body::self.
+    /// Bodies, with pairs across them, and within bodies that have Body::self.
     Scene(const World& world) : source_(world) {}
-    /// Pairs that a part owns; the meshes that it was cut from are not needed (Detector::partition).
+    /// A part, with the pairs that it owns (Detector::partition). The meshes that it was cut from are not needed.
     Scene(const Part& part CRUMPLE_LIFETIMEBOUND) : source_(&part) {}
 
+    /// Returns the views, by kind of scene.
     const std::variant<MeshView, TwoMeshes, World, const Part*>& source() const { return source_; }
 
    private:

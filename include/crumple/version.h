@@ -10,7 +10,7 @@
 #define CRUMPLE_TEXT_OF_(macro) CRUMPLE_TEXT_(macro)
 #define CRUMPLE_TEXT_(text) #text
 
-/// "major.minor.patch" followed by the suffix
+/// Version as a string literal: "major.minor.patch", followed by the suffix.
 #define CRUMPLE_VERSION                     \
     CRUMPLE_TEXT_OF_(CRUMPLE_VERSION_MAJOR) \
     "." CRUMPLE_TEXT_OF_(CRUMPLE_VERSION_MINOR) "." CRUMPLE_TEXT_OF_(CRUMPLE_VERSION_PATCH) CRUMPLE_VERSION_SUFFIX

@@ -28,13 +28,18 @@ struct DevicePoses {
     ScalarType type = ScalarType::float64;  ///< float32 numbers are converted without loss
     void* stream = nullptr;                 ///< CUDA stream on which the poses become ready
 
+    /// Makes a view of no poses.
     DevicePoses() = default;
+    /// Views an array of Pose in device memory.
     DevicePoses(const Pose* poses, std::int64_t count, void* stream = nullptr)
         : data(poses), count(count), stream(stream) {}
+    /// Views `count` poses of 12 `numbers` each, in device memory.
+    /// @{
     DevicePoses(const double* numbers, std::int64_t count, void* stream = nullptr)
         : data(numbers), count(count), stream(stream) {}
     DevicePoses(const float* numbers, std::int64_t count, void* stream = nullptr)
         : data(numbers), count(count), type(ScalarType::float32), stream(stream) {}
+    /// @}
 };
 
 /// View of the triangles, edges and points that bodies are made of; nothing is copied.
@@ -64,11 +69,13 @@ struct Shape {
     /// For proximities: the rest shape, as ProximityQuery::rest. Not posed; used for pairs within a body only.
     VertexView rest = {};
 
+    /// Makes an empty shape without a name.
     Shape() = default;
+    /// Views arrays of any layout, in host memory.
     Shape(VertexView vertices, TriangleView triangles, std::span<const std::int32_t> groups = {},
           std::uint64_t name = 0)
         : vertices(vertices), triangles(triangles), groups(groups), name(name) {}
-    /// A mesh in host memory.
+    /// Views a mesh in host memory, with its end positions, edges and points.
     explicit Shape(const MeshView& mesh, std::uint64_t name = 0)
         : vertices(mesh.vertices),
           triangles(mesh.triangles),
@@ -86,7 +93,7 @@ struct Body {
     /// World id, 0 or more, or -1: in all worlds. Bodies of different worlds are never paired. Results have an entry
     /// for each id up to the largest.
     std::int32_t world = 0;
-    bool self = false;  ///< true: also pairs within the body, as for deformable bodies
+    bool self = false;  ///< true: includes pairs within the body, as for deformable bodies
 };
 
 /// Bodies and their poses, in one or many worlds. World ids ascend over the bodies; bodies that are in all worlds (-1)
