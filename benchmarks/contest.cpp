@@ -38,7 +38,7 @@ const std::vector<Peer> peers_built{
 #endif
 };
 
-/// Name and reason of those that this program was built without.
+/// Peers that this program was built without: name and reason.
 const std::vector<std::pair<const char*, const char*>> peers_left_out{
 #ifndef CRUMPLE_PEER_CGAL
     {"CGAL", "libcgal-dev is not installed"},
@@ -59,7 +59,7 @@ Difference difference(const std::vector<Pair>& theirs, const std::vector<Pair>& 
     return {static_cast<std::int64_t>(missing.size()), static_cast<std::int64_t>(extra.size())};
 }
 
-/// Answers once more and returns the pairs in normal form.
+/// Calls the contestant once more and returns its pairs, normalised.
 std::vector<Pair> answer(const Contestant& contestant, Question question) {
     contestant.call();
     std::vector<Pair> pairs = contestant.pairs();
@@ -102,7 +102,7 @@ nlohmann::json contest(const Workload& workload, std::span<const std::string> pe
     const std::vector<Times> times = race(contestants, effort);
     const double processors = std::min(before, processors_at_hand());
 
-    // Of each name the way with the least median.
+    // Finds the way with the least median for each name.
     std::vector<std::size_t> best;
     for (std::size_t i = 0; i < contestants.size(); ++i) {
         if (!times[i].raced()) continue;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Crumple against its peers on a workload, and what came out of it.
+// Contests: races of crumple against its peers on a workload, with comparison of the results.
 
 #include <span>
 #include <string>
@@ -14,18 +14,18 @@
 namespace crumple::benchmark {
 
 struct Difference {
-    std::int64_t missing;  ///< pairs that crumple has and the other has not
-    std::int64_t extra;    ///< the reverse
+    std::int64_t missing;  ///< pairs that only crumple found
+    std::int64_t extra;    ///< pairs that only the peer found
 };
 
-/// Names of the peers that this program was built with.
+/// Returns the names of the peers that this program was built with.
 std::vector<std::string> built_peers();
 
-/// For people and for the report: name, version, scalar type, threads and what exactly each computes; or why it is left
-/// out.
+/// Describes each peer for people and for the report: name, version, scalar type, threads and what exactly it computes;
+/// or why it is left out.
 nlohmann::json describe_peers();
 
-/// Those that are named, each in all its ways; none of a peer that cannot answer the workload's question.
+/// Returns the contestants of the named peers, each in all its ways; none of a peer that lacks the workload's query.
 std::vector<Contestant> peer_contestants(const Workload& workload, std::span<const std::string> peers);
 
 /// Races crumple against `peers` on one workload, prints a table and returns the same as JSON.

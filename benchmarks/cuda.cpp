@@ -1,12 +1,12 @@
-// crumple_cuda_benchmark: the cuda backend alone, on meshes that lie on the device, as a simulation there has them.
+// crumple_cuda_benchmark: the cuda backend alone, on meshes that lie on the device, as in a simulation on the device.
 //
-// A detector is warmed up, then answers the same frame again and again by launch and wait: the time of a frame is
-// the device's, between events around the graph on the caller's stream, which a kernel has kept busy until the graph
-// was there. Beside it: the same on a stream that was idle, so that the host's launch counts; by the host's clock, with
-// what wait() does; with the mesh on the host, so that it is brought in and the answer out; the cpu backend on all
-// threads; and, stage by stage, what bandwidth and launches allow. Each result is compared with the cpu backend's. A
-// wrong one is marked in its row ("right": false, with a sentence), the run goes on, and its status at the end is 1.
-// The file of figures grows row by row, so that a run that is cut leaves what was measured.
+// A detector is warmed up, then queries the same frame repeatedly by launch and wait. The time of a frame is that of
+// the device, between events around the graph on the caller's stream, which a kernel keeps busy until the graph is
+// enqueued. Other columns: on an idle stream, which includes the host's launch; by the host's clock, which includes
+// wait(); with the mesh on the host, which includes upload and download; the cpu backend on all threads; and, for each
+// stage, the lower bound that bandwidth and launches imply. Each result is compared with the cpu backend's. A wrong one
+// is marked in its row ("right": false, with a sentence), the run continues, and its exit status is 1. The file of
+// figures grows row by row, so that an interrupted run leaves what was measured.
 //
 // With --serve it takes turns with peers on the same device: peers_python.py --on-device.
 
@@ -60,7 +60,7 @@ struct Settings {
     int host_frames() const { return std::max(1, frames / 10); }
 };
 
-/// A mesh's copy on the device, and the stream and events that its frames are timed with.
+/// Copy of a mesh on the device, with the stream and the events that time its frames.
 class Simulation {
    public:
     explicit Simulation(const io::TriangleMesh& mesh)
@@ -83,8 +83,8 @@ class Simulation {
     }
     const MeshView& view() const { return view_; }
 
-    /// Milliseconds between the stream's word that it begins and its word that the frame is done. On an idle stream the
-    /// host's launch is in them, some 10 us; not on one that was kept busy until then.
+    /// Launches a frame and returns the milliseconds between events before and after it. On an idle stream they include
+    /// the host's launch, some 10 us; if `busy`, the stream is kept busy until then, and they do not.
     double frame(Detector& detector, bool busy) {
         if (busy) keep_busy(stream_);
         check(cudaEventRecord(begin_, stream_));
@@ -113,7 +113,7 @@ std::string difference(const Intersections& cuda, const Intersections& cpu) {
            array_difference("hit flags", cuda.hit, cpu.hit);
 }
 
-/// Times of the stages over frames that are not launched as a graph, so that there are events between them.
+/// Returns the times of the stages, over frames that are not launched as a graph, so that events separate the stages.
 std::array<Summary, stage_count> stages(const Settings& settings, Detector& detector, const MeshView& view) {
     std::array<std::vector<double>, stage_count> times;
     for (int i = 0; i < settings.frames; ++i) {
@@ -125,8 +125,8 @@ std::array<Summary, stage_count> stages(const Settings& settings, Detector& dete
     return result;
 }
 
-/// Time by stage beside what bandwidth and launches allow (docs/cuda.md): printed, and returned as rows. The frame is
-/// the graph; the stages are not, so that together they take longer.
+/// Prints the time of each stage and its lower bound by bandwidth and launches (docs/cuda.md), and returns the rows.
+/// The frame is timed as a graph, the stages are not; so together they take longer.
 nlohmann::json bounds(const DeviceLimits& limits, const std::string& scene, const LeastWork& least,
                       const std::array<Summary, stage_count>& stages, const Summary& frame) {
     Table table(fmt::format("{}: microseconds beside what {} GB/s and {} us a node of a graph allow", scene,
@@ -147,7 +147,7 @@ nlohmann::json bounds(const DeviceLimits& limits, const std::string& scene, cons
                         {"ratio", ratio}});
     };
     for (std::size_t k = 0; k < stages.size(); ++k) {
-        if (least.stage[k].nodes == 0) continue;  // its work is beside the others'
+        if (least.stage[k].nodes == 0) continue;  // its work runs in a parallel branch
         row(std::string(stage_name(static_cast<Stage>(k))), stages[k].median, least.stage[k],
             least.stage[k].nodes * limits.node);
     }
@@ -219,8 +219,8 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
     return row;
 }
 
-/// From 10,000 triangles on. The exponent is that of the large sizes: below, a frame is mostly launches, which do not
-/// grow and so would flatter it. Calls so_far(rows) after each size.
+/// Measures cloth from 10,000 triangles on. The exponent is that of the large sizes: small frames are mostly launches,
+/// whose time does not grow, and would make it too small. Calls so_far(rows) after each size.
 template <class SoFar>
 nlohmann::json growth(const Settings& settings, Table& table, SoFar so_far) {
     constexpr int large = 200'000;
@@ -246,7 +246,7 @@ nlohmann::json growth(const Settings& settings, Table& table, SoFar so_far) {
     return result;
 }
 
-/// A few frames and nothing else, for a profiler, which is told to look at the last one.
+/// Runs a few frames and nothing else, for a profiler, whose range is the last one.
 void play(const Settings& settings) {
     for (const std::string& scene : settings.scenes) {
         const Workload workload = load(scene);
@@ -267,7 +267,7 @@ void write(const std::string& path, std::span<const T> values) {
     if (!file.flush()) throw std::runtime_error("cannot write " + path);
 }
 
-/// The mesh and crumple's pairs, for peers.
+/// Writes the mesh and crumple's pairs to a folder, for peers, and returns their description.
 nlohmann::json dump(const Workload& workload, const Intersections& found, const std::string& folder) {
     std::visit([&](const auto& values) { write(folder + "/vertices", std::span(values)); }, workload.a.vertices);
     write(folder + "/triangles", std::span(workload.a.triangles));
@@ -279,8 +279,8 @@ nlohmann::json dump(const Workload& workload, const Intersections& found, const 
             {"pairs", found.pairs.size()}};
 }
 
-/// Answers requests as crumple_benchmark --serve does (requests.h). A turn is frames on the device, by the host's clock
-/// and with wait(): what a peer's call is, too. How many threads is no matter.
+/// Serves requests like crumple_benchmark --serve (requests.h). A turn is a number of frames on the device, timed by
+/// the host's clock and with wait(), as calls of peers are. The number of threads is ignored.
 void serve(const Settings& settings) {
     const Workload workload = load(settings.scenes.at(0));
     Simulation simulation(workload.a);
@@ -318,7 +318,7 @@ int run(Settings settings) {
         settings.serving ? serve(settings) : play(settings);
         return 0;
     }
-    // Time to make the first backend of the process: kernels, their stacks, and the comparison with known results.
+    // Time to make the first backend of the process: loads kernels, allocates their stacks, compares known results.
     const double backend = milliseconds_of([&] { const Detector detector(settings.options()); });
     settings.limits = measure_limits(settings.device);
     int runtime = 0, driver = 0;
@@ -338,7 +338,7 @@ int run(Settings settings) {
     Table table(fmt::format("cuda on {}, milliseconds, medians of {} frames", device.name, settings.frames),
                 {"scene", "triangles", "pairs", "device", "quartiles", "from idle", "with wait", "host to host", "cpu",
                  "first"});
-    // Appends a row to a list of the figures, and writes them.
+    // Returns a function that appends a row to a list of the figures and writes the file.
     const auto add_to = [&](const char* list) {
         result[list] = nlohmann::json::array();
         return [&, list](nlohmann::json row) {
@@ -375,7 +375,7 @@ int run(Settings settings) {
 
 int main(int argc, char** argv) {
     using namespace crumple::benchmark;
-    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // what is known is to be seen, whatever ends the program
+    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // prints each line at once, whatever ends the program
     Settings settings;
     CLI::App app("The cuda backend on meshes that lie on the device.");
     app.add_option("--scene", settings.scenes,

@@ -20,7 +20,7 @@ DeviceArray copied(const io::TriangleMesh& mesh) {
     return std::visit([](const auto& v) { return DeviceArray(v.data(), v.size() * sizeof(v[0])); }, mesh.vertices);
 }
 
-/// The step on the device, and the stream that its questions are given to.
+/// Copy of a step on the device, with the stream on which its queries are launched.
 class StepThere {
    public:
     explicit StepThere(const Step& step)
@@ -46,7 +46,7 @@ class StepThere {
     const MeshView& view() const { return view_; }
     const VertexView& end() const { return end_view_; }
 
-    /// Milliseconds of what launch() gives to the stream, which was busy until then; the wait() for it ends it.
+    /// Returns the milliseconds that the device spends on the work of launch(). The stream is kept busy until then.
     template <class Launch>
     double milliseconds(Launch launch) const {
         keep_busy(stream_);

@@ -15,7 +15,7 @@
 namespace crumple::benchmark {
 namespace {
 
-/// Times steps; sets `differs` if any of them has another result than expected.
+/// Times steps; sets `differs` if the result of any of them is not the expected one.
 Summary steps_on_device(const Options& options, int frames, const World& world, const IntersectionQuery& question,
                         const Intersections& expected, bool& differs) {
     const DeviceArray poses(world.poses.data(), world.poses.size_bytes());

@@ -1,6 +1,6 @@
 #pragma once
 
-// Arrays of a device, and how long calls take by the host's clock.
+// Arrays on a device, and times of calls by the host's clock.
 
 #include <cuda_runtime.h>
 

@@ -13,16 +13,16 @@ void check(cudaError_t error) {
 
 namespace {
 
-// By number, for the CPU that plays a device in tests has no such memory and no names for it.
+// Attributes by number: the headers that play a device on the CPU, in tests, do not name them.
 constexpr auto memory_clock_kilohertz = static_cast<cudaDeviceAttr>(36);
 constexpr auto bus_width_bits = static_cast<cudaDeviceAttr>(37);
 constexpr auto clock_kilohertz = static_cast<cudaDeviceAttr>(13);
 
-/// 0 if the device does not tell.
+/// Returns an attribute of a device; 0 if the device does not report it.
 double attribute(cudaDeviceAttr which, int device) {
     int value = 0;
     if (cudaDeviceGetAttribute(&value, which, device) == cudaSuccess) return value;
-    cudaGetLastError();  // or the next check would meet it
+    cudaGetLastError();  // otherwise the next check would report this error
     return 0;
 }
 
@@ -55,7 +55,7 @@ class Meter {
         cudaStreamDestroy(stream_);
     }
 
-    /// Median milliseconds between events around what `work` gives to the stream.
+    /// Returns the median milliseconds between events around the work that `work` enqueues.
     template <class Work>
     double median(int times, bool busy, Work work) {
         std::vector<double> values;
@@ -127,7 +127,7 @@ void keep_busy(cudaStream_t stream) {
 DeviceLimits measure_limits(int device) {
     constexpr int further = 100;
     DeviceLimits limits;
-    // Two transfers a clock.
+    // Two transfers per clock.
     limits.peak_bandwidth = 2e3 * attribute(memory_clock_kilohertz, device) * attribute(bus_width_bits, device) / 8;
     Meter meter;
     const auto bytes = static_cast<std::size_t>(4 * std::max(attribute(cudaDevAttrL2CacheSize, device), 4e6));

@@ -1,5 +1,5 @@
-// Ranks of MPI against one process with as many threads, in turns: frames that move, each rank with a block of the
-// triangles. Run it by mpirun; each rank then has one thread.
+// crumple_mpi_benchmark: MPI ranks with one thread each against one process with as many threads, in turns, on moving
+// frames. Each rank has a block of the triangles. Run it by mpirun.
 //
 //     mpirun -n 2 crumple_mpi_benchmark unc_cloth_ball cloth:1000000
 //     mpirun -n 4 crumple_mpi_benchmark --growth cloth:100000000
@@ -34,7 +34,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// In MiB, of this process: what lies in memory now, and the most that did since the peak was reset.
+/// Resident memory of this process in MiB: now, and the peak since reset_peak().
 struct Resident {
     double now = 0, peak = 0;
 
@@ -48,7 +48,7 @@ struct Resident {
         }
         return resident;
     }
-    /// Gives what is free back to the system, and begins anew.
+    /// Returns free memory to the system and resets the peak.
     static void reset_peak() {
         malloc_trim(0);
         std::ofstream("/proc/self/clear_refs") << 5;
@@ -67,7 +67,7 @@ double milliseconds_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-/// Waits for all without taking a core, as a barrier of MPI does.
+/// Waits for all ranks without occupying a core, unlike MPI_Barrier.
 void meet_asleep() {
     MPI_Request request;
     MPI_Ibarrier(MPI_COMM_WORLD, &request);
@@ -154,14 +154,14 @@ nlohmann::json race_ranks(const std::string& scene, const Settings& settings, in
     return row;
 }
 
-/// A number for rows that follow those of `before`.
+/// Returns the hash of rows that follow others, whose hash is `before`.
 std::uint64_t hash_of(std::span<const Pair> pairs, std::uint64_t before) {
     for (const auto [a, b] : pairs)
         before = scenes::mix(before ^ (static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b)));
     return before;
 }
 
-/// The same of all ranks' rows, on the last rank.
+/// Returns the hash of all ranks' rows in the order of ranks, on each rank.
 std::uint64_t hash_of_all(std::span<const Pair> pairs, int rank, int ranks) {
     std::uint64_t hash = 0;
     if (rank > 0) MPI_Recv(&hash, 1, MPI_UINT64_T, rank - 1, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
@@ -171,15 +171,15 @@ std::uint64_t hash_of_all(std::span<const Pair> pairs, int rank, int ranks) {
     return hash;
 }
 
-/// What one process has found, or ranks together, and what it took.
+/// Result and cost of one process, or of all ranks together.
 struct Growth {
     std::int64_t triangles = 0, pairs = 0;
     std::uint64_t hash = 0;
-    double mebibytes = 0;  // of the rank that takes most
+    double mebibytes = 0;  // peak of the rank that needs most
     std::array<double, 2> milliseconds{};
 };
 
-// A block that the rank makes by itself, and two calls.
+// Measures two calls on a scene of which each rank makes its own block.
 Growth grow_on_ranks(const scenes::Parameters& parameters, const Settings& settings, int rank, int ranks) {
     Growth growth;
     const double empty = Resident::measure().now;
@@ -229,8 +229,8 @@ Growth grow_alone(const scenes::Parameters& parameters) {
     return growth;
 }
 
-// Peaks over what a process had before it had a scene: of the rank that takes most, its own share counted, and of one
-// process with all of the scene. No process but that one ever holds it.
+// Compares peaks of memory, less what a process used before it had a scene: that of the rank that needs most, with its
+// local mesh, and that of one process with the whole scene, which no other process ever holds.
 nlohmann::json measure_growth(const std::string& scene, const Settings& settings, int rank, int ranks) {
     const auto [name, parameters] = parse(scene);
     if (name != "cloth" || parameters.triangles == 0)

@@ -16,7 +16,7 @@ constexpr double index = size<std::int32_t>, corners = 3 * index, ball = size<Ba
 constexpr double offset = size<unsigned long long>, bin_counter = size<std::uint32_t>;
 constexpr double member = size<std::int32_t> + size<std::uint32_t>;  // triangle, item
 constexpr double span_of_bins = size<std::uint32_t>, rank = size<std::uint32_t>, end = size<std::uint32_t>;
-// What the sweep streams of a row, and what it gathers for a candidate.
+// Bytes of a row that the sweep streams, and bytes that it gathers for a candidate.
 constexpr double streamed = size<cuda::CrossBox> + mask + end;
 constexpr double gathered = size<Record> + index + size<std::uint16_t>;
 
@@ -31,18 +31,18 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
     const double vertex = 3 * (float32 ? size<float> : size<double>);
     const double row = float32 ? size<cuda::Row<float>> : size<cuda::Row<double>>;
     const bool two_levels = counted.leaves > counted.clusters;
-    // Rows that are gathered: two for each pair, but no row twice.
+    // Gathered rows: two for each pair, but no row twice.
     const double swept_rows = std::min(members, 2 * number(counted.box_overlaps));
     const double narrowed_rows = std::min(members, 2 * survivors), first_triangles = std::min(n, pairs);
 
     LeastWork work;
     const auto at = [&](Stage stage) -> Work& { return work.stage[static_cast<std::size_t>(stage)]; };
 
-    // Vertices checked; normalised, beside balls, for which they are read once more.
+    // Checks vertices, then normalises them and makes balls, for which vertices are read once more.
     at(Stage::bounds) = {v * vertex + v * (vertex + row) + n * (corners + ball), 2};
 
-    // A level: children found and members listed. How many members the first of two levels has is not counted: one a
-    // triangle at least.
+    // A level finds children and lists members. The number of members of the first of two levels is not counted: at
+    // least one per triangle.
     const auto level = [&](bool first, double items, double joined) {
         const double triangles = first ? 0 : items * index;
         return Work{triangles + n * ball + items * mask + joined * member, 1};
@@ -50,12 +50,12 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
     at(Stage::subdivide) = level(true, n, two_levels ? n : members);
     if (two_levels) at(Stage::subdivide) += level(false, n, members);
 
-    // Nothing on the way: frames are made for the next one, beside.
+    // Nothing on the longest path: frames for the next call are made in a parallel branch.
     at(Stage::align) = {0, 0};
     const auto beside = [](std::int64_t fan_out) { return 1 + (fan_out > 1 ? 2 * FuzzyCMeans().max_iterations : 0); };
     work.beside = 1 + beside(counted.clusters) + (two_levels ? beside(counted.leaves / counted.clusters) : 0);
 
-    // Bins counted and summed up; members put in their places; units listed.
+    // Counts bins and sums them up, puts members in their places, lists units.
     const double corners_of_members = n * corners + v * row;
     const double counting = bins * 3 * bin_counter + corners_of_members + members * (index + span_of_bins + rank);
     const double placing = bins * bin_counter + corners_of_members + n * mask +
@@ -66,19 +66,18 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
                             (two_levels ? n * mask : 0) + survivors * size<cuda::Candidate>,
                         1};
 
-    // Filters, and the exact decision of what they leave. Each pair is counted by its first triangle.
+    // Filters, and exact decisions of unresolved pairs. Each pair is counted by its first triangle.
     at(Stage::narrow) = {survivors * size<cuda::Candidate> + narrowed_rows * gathered + pairs * size<cuda::Hit> +
                              first_triangles * 2 * offset,
                          2};
 
-    // Prefix sums; buckets filled, and put in order, the long ones by a kernel of
-    // their own.
+    // Prefix sums; fills buckets and sorts them, the long ones by a kernel of their own.
     at(Stage::output) = {n * 2 * offset +
                              pairs * (size<cuda::Hit> + size<cuda::BucketedPair>)+first_triangles * offset + n +
                              (n + 1) * offset + pairs * (size<cuda::BucketedPair> + size<Pair>)+2 * n,
                          4};
 
-    work.frame = {(n + 1) * offset, 1};  // all that is to be cleared
+    work.frame = {(n + 1) * offset, 1};  // batched clear
     for (const Work& stage : work.stage) work.frame += stage;
     return work;
 }

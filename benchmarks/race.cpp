@@ -19,7 +19,7 @@ double milliseconds(const std::function<void()>& call) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// Linear interpolation between the order statistics of sorted values.
+/// Returns a quantile by linear interpolation between the order statistics of sorted values.
 double quantile(const std::vector<double>& sorted, double share) {
     const double place = share * static_cast<double>(sorted.size() - 1);
     const auto below = static_cast<std::size_t>(place);

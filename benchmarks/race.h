@@ -1,6 +1,6 @@
 #pragma once
 
-// Times contestants against each other, so that their ratio survives a machine whose speed drifts and that others use
+// Races of contestants, timed so that their ratios stay meaningful on a machine whose speed drifts and that others use,
 // too.
 //
 // After a warm-up the contestants take turns: in each round every one calls its function until its slice of time is
@@ -17,16 +17,16 @@
 
 namespace crumple::benchmark {
 
-/// One way to answer a question. Ways of the same name compete: the fastest one stands for the name.
+/// One way to compute a result. Ways of the same name compete: the fastest one stands for the name.
 struct Contestant {
-    std::string name;                          ///< who: "crumple", "CGAL", ...
-    std::string way;                           ///< how: "1 thread", "AABB trees, float32", ...
+    std::string name;                          ///< program: "crumple", "CGAL", ...
+    std::string way;                           ///< method: "1 thread", "AABB trees, float32", ...
     std::string computes;                      ///< "exact pairs", "overlapping boxes", ...
-    std::function<void()> call;                ///< what is timed
-    std::function<std::vector<Pair>()> pairs;  ///< the last call's answer, in any order; null if it has none
+    std::function<void()> call;                ///< the timed call
+    std::function<std::vector<Pair>()> pairs;  ///< result of the last call, in any order; null if it has no pairs
 };
 
-/// Milliseconds.
+/// Statistics of times in milliseconds, or of ratios.
 struct Summary {
     double median = 0, lower_quartile = 0, upper_quartile = 0, minimum = 0, percentile_99 = 0;
     std::int64_t calls = 0;
@@ -42,13 +42,13 @@ struct Times {
     Summary summary() const;
 };
 
-/// How many processors' worth of time this process gets when it asks for all of them, measured for a twentieth of a
-/// second. Fewer than there are: other load takes the rest, and multi-threaded times are pessimistic.
+/// Returns how many processors' worth of time this process gets when it uses all of them, measured for a twentieth of a
+/// second. If that is fewer than there are, other load takes the rest, and multi-threaded times are pessimistic.
 double processors_at_hand();
-/// The same in words, a warning if there are fewer.
+/// Describes that number in words, with a warning if it is below 90 % of all processors.
 std::string describe_processors(double at_hand);
 
-/// How many times `ours` fits into `theirs`, round by round.
+/// Returns the ratio of `theirs` to `ours`, formed round by round.
 Summary ratio(const Times& theirs, const Times& ours);
 
 struct Effort {
@@ -58,11 +58,11 @@ struct Effort {
         40;  ///< seconds of a whole race, warm-up excluded: fewer rounds if they are long, but at least three
 };
 
-/// Calls a contestant until `seconds` are spent, at least once; milliseconds of each call.
+/// Calls a contestant until `seconds` are spent, at least once, and returns the milliseconds of each call.
 std::vector<double> time_slice(const Contestant& contestant, double seconds);
 
-/// Times of each contestant. Of those with the same name, ways that are over 1.5 times slower than the fastest one in
-/// the warm-up do not take part in the rounds: they cannot win.
+/// Returns the times of each contestant. Ways that in the warm-up are over 1.5 times slower than the fastest one of the
+/// same name do not take part in the rounds: they cannot win.
 std::vector<Times> race(std::span<const Contestant> contestants, const Effort& effort);
 
 }  // namespace crumple::benchmark

@@ -1,6 +1,6 @@
 #pragma once
 
-// What one rank brings of a mesh that is shared in blocks.
+// Local mesh of one rank, if a mesh is distributed in blocks of triangles.
 
 #include <cstdint>
 #include <variant>
@@ -11,7 +11,7 @@
 
 namespace crumple::benchmark {
 
-/// A block of a mesh's triangles, with the vertices that they name.
+/// Block of a mesh's triangles, with their vertices.
 struct RankBlock {
     io::TriangleMesh mesh;
     std::vector<std::int64_t> vertex_ids;
@@ -29,7 +29,7 @@ struct RankBlock {
                 mesh.triangles.push_back(v);
             }
         }
-        // The others belong to nobody's triangles; one rank brings them all the same.
+        // Rank 0 adds the vertices that no triangle has.
         for (std::size_t v = 0; rank == 0 && v < local.size(); ++v)
             if (local[v] < 0 && !named_elsewhere(whole, v)) vertex_ids.push_back(static_cast<std::int64_t>(v));
         follow(whole);

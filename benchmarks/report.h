@@ -1,6 +1,6 @@
 #pragma once
 
-// Tables for people, JSON for machines.
+// Output of figures: tables for people, JSON for machines.
 
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
@@ -12,7 +12,7 @@
 
 namespace crumple::benchmark {
 
-/// Columns as wide as they need to be; the first is aligned to the left, numbers to the right.
+/// Table with columns as wide as needed. Cells that begin with a letter are aligned to the left, others to the right.
 class Table {
    public:
     Table(std::string title, std::vector<std::string> header) : title_(std::move(title)), rows_{std::move(header)} {}
@@ -24,24 +24,24 @@ class Table {
     std::vector<std::vector<std::string>> rows_;
 };
 
-/// Three significant digits.
+/// Formats a number with three significant digits.
 std::string number(double value);
-/// "lower - upper" quartile.
+/// Formats the quartiles as "lower - upper".
 std::string range(const Summary& summary);
 
-/// Slope of the least squares line through (log x, log y).
+/// Returns the slope of the least squares line through (log x, log y).
 double exponent(std::span<const double> x, std::span<const double> y);
 
-/// Takes a row of figures as soon as it is known.
+/// Receiver of rows of figures, called for each row once it is measured.
 using RowSink = std::function<void(nlohmann::json)>;
 
-/// Median and quartiles.
+/// Returns median and quartiles.
 nlohmann::json to_json(const Summary& summary);
-/// And the 99th percentile, for what a simulation waits for.
+/// Returns median, quartiles and 99th percentile, for calls that a simulation waits for.
 nlohmann::json with_percentile_99(const Summary& summary);
 
-/// Writes one record a line, as benchmarks/figures.py does, and replaces the file at once: a reader never sees half of
-/// it. Throws std::runtime_error.
+/// Writes one record per line, as benchmarks/figures.py does, and replaces the file atomically: a reader never sees
+/// half of it. Throws std::runtime_error.
 void write_json(const std::string& path, const nlohmann::json& figures);
 
 }  // namespace crumple::benchmark

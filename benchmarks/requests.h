@@ -4,14 +4,14 @@
 
 namespace crumple::benchmark {
 
-/// Serves another process that wants to take turns with crumple: reads requests from standard input, a line each, and
-/// answers each with a line on standard output. The detectors stay warm in between.
+/// Serves another process that takes turns with crumple: reads requests from standard input, one per line, and replies
+/// to each with a line on standard output. The detectors stay warm in between.
 ///
-///     dump FOLDER     writes the workload and its answer as raw arrays; answers their description as JSON
-///     parts N FOLDER  writes for each triangle which of N parts it belongs to, a bit each of a uint64; answers N
-///     processors      answers how many are at hand (race.h)
-///     run THREADS S   calls for S seconds, at least once, with 1 thread or 0, all; answers the milliseconds of each
-///     call
+///     dump FOLDER     writes the workload and its result as raw arrays; replies with their description as JSON
+///     parts N FOLDER  writes the parts (of N) of each triangle as bits of a uint64; replies with N
+///     processors      replies with the number of processors at hand (race.h)
+///     run THREADS S   calls for S seconds, at least once, on 1 thread or all (0); replies with each call's
+///     milliseconds
 void serve(const Workload& workload);
 
 }  // namespace crumple::benchmark

@@ -21,7 +21,7 @@ struct Files {
     std::string (*path)(int number);
 };
 
-/// Frames in files of their own; UNC gives two of each animation.
+/// Sequences with one file per frame. UNC provides two frames of each animation.
 const std::vector<Files> files{
     {"unc_cloth_ball",
      {92, 93},
@@ -42,7 +42,7 @@ std::vector<T> read_array(const fs::path& path, std::size_t count) {
     return values;
 }
 
-/// All frames in one array, described by a meta.json.
+/// Reads the sequence `kick`, whose frames are one array, described by a meta.json.
 Sequence read_kick(int step) {
     const fs::path folder = data_folder() / "codim-ipc" / "Kick";
     std::ifstream description(folder / "meta.json");

@@ -13,7 +13,7 @@
 namespace crumple::benchmark {
 namespace {
 
-constexpr double way = 0.5, reach = 0.25;  // of the mean edge length
+constexpr double way = 0.5, reach = 0.25;  // multiples of the mean edge length
 
 const std::vector<std::string> from_files{"unc_funnel", "unc_cloth_ball", "unc_n_body"};
 
@@ -42,7 +42,7 @@ double mean_way(const std::vector<double>& from, const std::vector<double>& to) 
     return sum / static_cast<double>(from.size() / 3);
 }
 
-/// The last two frames of a procedural scene.
+/// Returns the last two frames of a procedural scene.
 Step procedural(const std::string& name) {
     const auto [scene, parameters] = parse(name);
     scenes::Animation animation(scene, parameters);

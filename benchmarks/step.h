@@ -1,6 +1,6 @@
 #pragma once
 
-// A mesh that moves for one step, for the questions about features: what touches what on the way, what is near what.
+// Steps: a mesh at the two ends of a motion, for queries about features (impacts, proximities, candidates).
 
 #include <string>
 #include <vector>
@@ -11,18 +11,19 @@ namespace crumple::benchmark {
 
 struct Step {
     std::string name;
-    io::TriangleMesh start, end;  ///< of the same triangles
-    double radius = 0;            ///< to ask with what is near: a quarter of the mean edge length at the start, float32
+    io::TriangleMesh start, end;  ///< the same triangles at t0 and t1
+    double radius = 0;            ///< for proximity queries: a quarter of the mean edge length at the start, float32
 
     VertexView end_view() const { return end.view().vertices; }
 };
 
-/// The two frames of a sequence of files, by its name (sequence.h), or a procedural scene, NAME[:TRIANGLES]: from its
-/// last frame but one in the direction of the last, so far that a vertex moves half an edge's length on average. So
-/// steps of one scene are alike at all sizes. Throws Error for a name that is unknown or a file that is not there.
+/// Loads a step: the two frames of a sequence of files, by its name (sequence.h); or of a procedural scene,
+/// NAME[:TRIANGLES], the motion from its last frame but one in the direction of the last, so far that a vertex moves
+/// half an edge's length on average. So steps of one scene are alike at all sizes. Throws Error for an unknown name or
+/// a missing file.
 Step load_step(const std::string& name);
 
-/// Names of steps from files; procedural ones if there are no files.
+/// Returns the names of steps from files, or of procedural ones if there are no files.
 std::vector<std::string> steps();
 
 }  // namespace crumple::benchmark

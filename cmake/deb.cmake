@@ -1,18 +1,19 @@
-# cpack -G DEB, in a build folder with CMAKE_INSTALL_PREFIX=/usr: one package of library, headers and command line.
+# Settings of `cpack -G DEB`, in a build folder with CMAKE_INSTALL_PREFIX=/usr: one package of library, headers and
+# command line.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "The Crumple developers")
 set(CPACK_PACKAGING_INSTALL_PREFIX ${CMAKE_INSTALL_PREFIX})
 set(CPACK_RESOURCE_FILE_LICENSE ${CMAKE_CURRENT_SOURCE_DIR}/LICENSE)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-string(REPLACE "." "~" deb_suffix "${version_suffix}")  # 0.3.0~dev0, which dpkg knows to be older than 0.3.0
+string(REPLACE "." "~" deb_suffix "${version_suffix}")  # 0.3.0~dev0, which dpkg sorts before 0.3.0
 set(CPACK_DEBIAN_PACKAGE_VERSION ${PROJECT_VERSION}${deb_suffix})
 set(CPACK_DEBIAN_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 if(BUILD_SHARED_LIBS)
     set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_CURRENT_BINARY_DIR}/src ${CMAKE_CURRENT_BINARY_DIR}/src/io)
 else()
-    # What crumple-config.cmake looks for.
+    # Dependencies that crumple-config.cmake looks for.
     set(CPACK_DEBIAN_PACKAGE_DEPENDS "pkg-config, libhwy-dev")
     if(CRUMPLE_PARALLEL STREQUAL "tbb")
         string(APPEND CPACK_DEBIAN_PACKAGE_DEPENDS ", libtbb-dev")

@@ -1,7 +1,7 @@
-# BUILD_SHARED_LIBS makes the installed libraries shared. They hide all but what is marked CRUMPLE_API
-# (include/crumple/export.h), and are named by the minor version, for before 1.0 that one may change the ABI.
+# Installed libraries, which are shared if BUILD_SHARED_LIBS is on. Shared ones export only symbols marked CRUMPLE_API
+# (include/crumple/export.h). Their SOVERSION has the minor version, because that one may change the ABI before 1.0.
 
-# crumple_library(TARGET SOURCES...): one of them.
+# crumple_library(TARGET SOURCES...): adds an installed library.
 function(crumple_library target)
     add_library(${target} ${ARGN})
     set_target_properties(${target} PROPERTIES
@@ -9,13 +9,14 @@ function(crumple_library target)
     if(BUILD_SHARED_LIBS)
         target_compile_definitions(${target} PUBLIC CRUMPLE_SHARED)
         if(NOT CRUMPLE_SANITIZE)
-            target_link_options(${target} PRIVATE LINKER:-z,defs)  # what another library hides is missed here
+            target_link_options(${target} PRIVATE LINKER:-z,defs)  # reports symbols that another library hides
         endif()
     endif()
 endfunction()
 
-# crumple_names(TARGET NAME): calls the library crumple::NAME, once it has all that it links. The project's own programs
-# and tests see what shared libraries hide: for them that is a static library of the same objects.
+# crumple_names(TARGET NAME): defines crumple::NAME for an installed library; to be called after its last
+# target_link_libraries. The project's own programs and tests use symbols that shared libraries hide: for them,
+# crumple::NAME is a static library of the same objects.
 function(crumple_names target name)
     if(NOT BUILD_SHARED_LIBS OR NOT PROJECT_IS_TOP_LEVEL)
         add_library(crumple::${name} ALIAS ${target})

@@ -1,4 +1,5 @@
-# cmake --install, and find_package(crumple) for those who use it: targets crumple::crumple and crumple::io.
+# Installation by `cmake --install`, and the package for find_package(crumple), with the targets crumple::crumple,
+# crumple::io and crumple::mpi.
 include(CMakePackageConfigHelpers)
 
 install(TARGETS crumple EXPORT crumple-targets)
@@ -13,7 +14,7 @@ endif()
 if(TARGET crumple_cli)
     install(TARGETS crumple_cli)
 endif()
-# The licences of others are there if scripts/release.sh has gathered them.
+# The licences of third parties exist only if scripts/release.sh has collected them.
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/THIRD_PARTY_LICENSES.txt DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)
 install(FILES cmake/tsan.supp DESTINATION ${CMAKE_INSTALL_DATADIR}/crumple)

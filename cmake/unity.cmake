@@ -1,7 +1,6 @@
-# crumple_unity(TARGET SIZE): compiles the target's files SIZE at a time, for they share heavy headers; those marked
-# SKIP_UNITY_BUILD_INCLUSION alone. CMake's own UNITY_BUILD does the same, but names files by absolute paths, so that
-# ccache, which knows a file by its bytes, would compile everything anew in each checkout. Call it when the target has
-# its files.
+# crumple_unity(TARGET SIZE): compiles the target's files SIZE at a time, because they share heavy headers; those marked
+# SKIP_UNITY_BUILD_INCLUSION alone. CMake's own UNITY_BUILD does the same, but includes files by absolute paths, so that
+# ccache, which compares bytes, would compile everything anew in each checkout. To be called after all files were added.
 function(crumple_unity target size)
     if(NOT CRUMPLE_UNITY)
         return()
@@ -25,7 +24,7 @@ function(crumple_unity target size)
     if(together)
         foreach(number RANGE ${batch})
             set(file ${CMAKE_CURRENT_BINARY_DIR}/unity/${target}_${number}.cpp)
-            file(CONFIGURE OUTPUT ${file} CONTENT "${includes_${number}}")  # what has not changed keeps its time
+            file(CONFIGURE OUTPUT ${file} CONTENT "${includes_${number}}")  # unchanged files keep their time
             list(APPEND compiled ${file})
         endforeach()
     endif()

@@ -1,4 +1,4 @@
-# Warnings for the project's own targets, not for those who use them.
+# crumple_warnings(TARGET): enables warnings for a target of the project, but not for targets that link it.
 function(crumple_warnings target)
     target_compile_options(${target} PRIVATE
         $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wconversion>

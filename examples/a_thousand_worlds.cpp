@@ -1,5 +1,5 @@
-// A thousand small worlds at one place, searched in one call: bodies of different worlds never meet. As a simulator has
-// that tries many starts at once, each world has five rings in a box.
+// A thousand small worlds in the same place, searched in one call: bodies of different worlds never collide. Each world
+// has five rings in a box, as in a simulator that tries many starts at once.
 
 #include <array>
 #include <cmath>
@@ -34,7 +34,7 @@ Mesh ring(double radius, double thickness) {
     return mesh;
 }
 
-/// Turned about x, then about z, and somewhere in a box.
+/// Returns a random pose: turned about x, then about z, and moved to a place in a box.
 crumple::Pose random_pose(std::mt19937& random, double side) {
     const auto number = [&](double most) { return most * static_cast<double>(random()) * 0x1p-32; };
     const double a = number(2 * std::numbers::pi), b = number(2 * std::numbers::pi);
@@ -48,7 +48,7 @@ crumple::Pose random_pose(std::mt19937& random, double side) {
 int main() {
     constexpr std::int32_t worlds = 1000, rings = 5;
     const Mesh mesh = ring(0.8, 0.2);
-    // A name: the detector reads the shape once, and keeps what it has computed.
+    // The shape has a name (1), so the detector reads it once, and caches what it computes from it.
     const std::vector<crumple::Shape> shapes{crumple::Shape({mesh.vertices, mesh.triangles}, 1)};
     std::vector<crumple::Body> bodies;
     std::vector<crumple::Pose> poses;

@@ -1,12 +1,12 @@
-// A simulation loop that asks Crumple at every step, warm: cloth falls on a ball that begins to turn, folds on the
-// floor, and never passes through itself nor through anything else.
+// A simulation loop that calls Crumple in every step, warm-started: cloth falls on a ball that begins to turn, folds on
+// the floor, and never passes through itself or anything else.
 //
 //   example_cloth_drape [cells [frames [drape.glb]]]
 //
-// Prints for every step of the solver how many pairs of features were near, what share of the step was free until
-// something would have met, how many points were held back for that, and how many pairs of triangles intersect after
-// it, which are none: exits with 1 else. Writes an animation if it is given a name. The solver is that of scenes/; how
-// it uses nearness and motion is in scenes/simulation/near_contact.cpp.
+// Prints for every step of the solver the number of near pairs of features, the share of the step that is free of
+// impacts, the number of points held back to prevent impacts, and the number of pairs of triangles that intersect after
+// it. Exits with 1 unless the last one is always 0. Writes an animation if a file name is given. The solver is that of
+// scenes/; scenes/simulation/near_contact.cpp shows how it uses nearness and motion.
 
 #include <cstdio>
 #include <cstdlib>
@@ -26,8 +26,8 @@ using scenes::Fabric;
 namespace {
 
 constexpr double frame_time = 1.0 / 30;
-constexpr int steps = 2, substeps = 15;  // of a frame, of a step
-constexpr double width = 4;              // of the square sheet; the ball has the radius 1
+constexpr int steps = 2, substeps = 15;  // steps per frame, substeps per step
+constexpr double width = 4;              // side of the square sheet; the ball has the radius 1
 constexpr double start_of_turn = 1.2, turns_a_second = 0.5;
 
 struct Solid {
@@ -54,7 +54,7 @@ Solid make_floor() {
     return {{{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}}, {{0, 1, 2}, {0, 2, 3}}};
 }
 
-/// Cloth, ball and floor; the solver has the points of all three, one after another.
+/// Scene of cloth, ball and floor. The solver holds the points of all three, one after another.
 class Drape {
    public:
     explicit Drape(int cells) : fabric_(weave(cells)), ball_(make_ball(1.05)), solver_(fabric_, properties()) {
@@ -72,13 +72,13 @@ class Drape {
                                [&](double time, std::span<Vec3d> obstacles) { turn_ball(time, obstacles); }, watch);
     }
 
-    /// The solver's own array, where it lies: nothing is copied, and nothing is registered with the detector.
+    /// Returns a view of the solver's own array: nothing is copied, and nothing is registered with the detector.
     MeshView view() const {
         return {&solver_.points[0].x, static_cast<std::int64_t>(solver_.points.size()), triangles_[0].data(),
                 static_cast<std::int64_t>(triangles_.size()), groups_};
     }
 
-    /// A copy, for the animation.
+    /// Returns a copy of the mesh, for the animation.
     io::TriangleMesh mesh() const {
         std::vector<double> xyz;
         for (const Vec3d& p : solver_.points) xyz.insert(xyz.end(), {p.x, p.y, p.z});
@@ -131,7 +131,7 @@ class Drape {
     std::vector<std::int32_t> groups_;
 };
 
-/// How many pairs of triangles intersected, over all steps.
+/// Runs the simulation and returns the number of intersecting pairs of triangles, over all steps.
 std::size_t run(int cells, int frames, const std::string& output) {
     Drape drape(cells);
 
@@ -145,7 +145,7 @@ std::size_t run(int cells, int frames, const std::string& output) {
     std::size_t intersecting = 0;
     for (int frame = 1; frame <= frames; ++frame) {
         drape.advance(frame, [&](const scenes::StepTaken& step) {
-            // The answer belongs to the detector and is good until its next call.
+            // The result belongs to the detector and is valid until its next call.
             const Intersections& found = detector.find(drape.view());
             std::printf("%5d  %8zu  %10.4f  %9zu  %15zu  %7.2f\n", frame, step.contacts, step.toi, step.held_back,
                         found.pairs.size(), found.statistics.milliseconds);

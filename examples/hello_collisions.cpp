@@ -1,4 +1,5 @@
-// The shortest useful program: two tetrahedra in one soup, every pair of triangles that meets, and where.
+// The shortest useful program: finds all pairs of intersecting triangles in a soup of two tetrahedra, and prints where
+// they intersect.
 
 #include <array>
 #include <cstdio>

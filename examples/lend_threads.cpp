@@ -12,7 +12,7 @@
 
 namespace {
 
-/// What the application has anyway: threads that wait for work. The calling thread is worker 0.
+/// Thread pool of the application: threads that wait for work. The calling thread is worker 0.
 class Pool final : public crumple::Executor {
    public:
     using Task = crumple::FunctionRef<void(std::size_t, std::size_t)>;
@@ -74,7 +74,7 @@ class Pool final : public crumple::Executor {
 }  // namespace
 
 int main() {
-    // Two sheets of 2 * 100 * 100 triangles that cross.
+    // Two sheets of 2 * 100 * 100 triangles each, which cross.
     constexpr std::int32_t side = 100;
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<std::int32_t, 3>> triangles;

@@ -1,4 +1,5 @@
-// A sheet of cloth, in blocks of rows on the ranks of MPI, for some frames: each rank gets the pairs of its triangles.
+// A sheet of cloth, distributed over MPI ranks in blocks of rows, for some frames: each rank gets the pairs of its
+// triangles.
 //
 //     mpirun -n 2 example_ranks
 
@@ -14,11 +15,11 @@ namespace {
 
 constexpr std::int64_t rows = 160, columns = 120;
 
-/// Rows of the sheet's quadrilaterals, two triangles each. The vertices between two blocks are in both.
+/// Block of rows of the sheet's quadrilaterals, two triangles each. The vertices between two blocks are in both.
 struct Block {
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<std::int32_t, 3>> triangles;
-    std::vector<std::int64_t> vertex_ids, triangle_ids;  // numbers over all ranks
+    std::vector<std::int64_t> vertex_ids, triangle_ids;  // ids over all ranks
 
     Block(std::int64_t first, std::int64_t last) {
         for (std::int64_t id = first * (columns + 1); id < (last + 1) * (columns + 1); ++id) vertex_ids.push_back(id);
@@ -31,7 +32,7 @@ struct Block {
                 triangles.push_back({v + 1, v + side + 1, v + side});
             }
     }
-    /// It hangs from a bar, in folds that pass along it and cut through it.
+    /// Moves the sheet, which hangs from a bar, in folds that pass along it and cut through it.
     void move(int frame) {
         for (std::size_t i = 0; i < vertices.size(); ++i) {
             const double along = static_cast<double>(vertex_ids[i] / (columns + 1)) / rows;
@@ -43,7 +44,7 @@ struct Block {
     }
 };
 
-/// Whether there is any pair in the last frame; the same on all ranks.
+/// Returns true if there is any pair in the last frame; the same on all ranks.
 bool run() {
     crumple::mpi::Detector detector(MPI_COMM_WORLD);
     Block block(rows * detector.rank() / detector.ranks(), rows * (detector.rank() + 1) / detector.ranks());

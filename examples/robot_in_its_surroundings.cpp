@@ -1,7 +1,8 @@
-// A robot arm among posts: many configurations in one call, without the links that may touch, and which are free.
+// A robot arm among posts: checks many configurations in one call, except links that may touch, and counts those that
+// are free of collisions.
 //
-// Links are bodies of world c in configuration c, posts are in all worlds (-1). Shapes have names, so that the detector
-// reads them once and keeps what it has computed.
+// The links of configuration c are bodies of world c; posts are in all worlds (-1). Shapes have names, so the detector
+// reads them once, and caches what it computes from them.
 
 #include <array>
 #include <cmath>
@@ -19,7 +20,7 @@ struct Mesh {
     std::vector<std::array<std::int32_t, 3>> triangles;
 };
 
-/// A closed tube along z from 0 to `length`.
+/// Returns a closed tube along z from 0 to `length`.
 Mesh tube(double radius, double length) {
     constexpr std::int32_t sides = 24;
     Mesh mesh;
@@ -36,7 +37,8 @@ Mesh tube(double radius, double length) {
     return mesh;
 }
 
-/// Turns about z by `a`, then about the new y by `b`, and moves `along` the new z.
+/// Returns the pose `before`, moved by `along` in its z direction, then turned about z by `a` and about the new y by
+/// `b`.
 crumple::Pose joint(const crumple::Pose& before, double a, double b, double along) {
     const std::array<double, 12> step{std::cos(a) * std::cos(b),
                                       -std::sin(a),
@@ -91,7 +93,7 @@ int main() {
         bodies.push_back({.shape = 1, .group = 1, .world = -1});
         poses.push_back({{1, 0, 0, 1.5 * std::cos(around), 0, 1, 0, 1.5 * std::sin(around), 0, 0, 1, -0.5}});
     }
-    question.filter.excluded_groups = {{1, 1}};  // posts among themselves
+    question.filter.excluded_groups = {{1, 1}};  // no pairs of posts
 
     try {
         crumple::Detector detector;

@@ -2,7 +2,7 @@
 
 // Sine, cosine and angle that give the same bits everywhere, which the C library's do not promise.
 //
-// Angles are in turns, so that reduction to one period is exact. Errors are about 1e-14: a scene needs the same answer
+// Angles are in turns, so that reduction to one period is exact. Errors are about 1e-14: a scene needs the same result
 // on every machine, not the last bit.
 
 #include <cmath>
@@ -25,7 +25,7 @@ inline double cosine(double turns) {
 
 inline double sine(double turns) { return cosine(turns - 0.25); }
 
-/// The angle of (x, y) in (-1/2, 1/2]; 0 at the origin.
+/// Returns the angle of (x, y) in turns, in (-1/2, 1/2]; 0 at the origin.
 inline double angle(double y, double x) {
     if (x == 0 && y == 0) return 0;
     const double length = std::sqrt(x * x + y * y);
@@ -38,13 +38,13 @@ inline double angle(double y, double x) {
 }
 
 inline double length(Vec3d a) { return std::sqrt(dot(a, a)); }
-/// Of length 1; zero stays zero.
+/// Returns the vector scaled to length 1; zero stays zero.
 inline Vec3d normalised(Vec3d a) {
     const double l = length(a);
     return l > 0 ? (1 / l) * a : a;
 }
 
-/// From 0 to 1 as x goes from `low` to `high`, level at both ends.
+/// Rises from 0 to 1 as x goes from `low` to `high`, with slope 0 at both ends.
 inline double smooth_step(double low, double high, double x) {
     const double t = std::fmin(1, std::fmax(0, (x - low) / (high - low)));
     return t * t * (3 - 2 * t);

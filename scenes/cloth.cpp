@@ -29,7 +29,7 @@ constexpr double wavelength = 20, wander = 20;     // of a wrinkle; size of its 
 constexpr double rise = 1, swing = 2.3;            // of a wrinkle: height and sideways, in wavelengths / 2 pi
 constexpr double crumple_size = 6, crumple = 0.6;  // random dents on top: size and depth
 
-/// The sheet's vertices by rows, of which three lie at hand: wrinkles look at the neighbours.
+/// Vertices of the sheet by rows. Holds three rows at a time, as wrinkles depend on adjacent vertices.
 class Sheet {
    public:
     Sheet(int cells, double folded, std::uint64_t seed)
@@ -40,9 +40,9 @@ class Sheet {
           drape_(folded, 0.02 + 0.5 * spacing_, seed) {}
 
     std::int64_t vertex_count() const { return std::int64_t{cells_ + 1} * (cells_ + 1); }
-    /// Rows [begin, end) of vertices.
+    /// Adds rows [begin, end) of vertices.
     void add_vertices(Soup& soup, int begin, int end);
-    /// Rows [begin, end) of cells, of which vertices begin with those of the first row.
+    /// Adds the triangles of rows [begin, end) of cells. The soup's first vertex is that of row `begin`.
     void add_triangles(Soup& soup, int begin, int end) const;
 
    private:
@@ -64,7 +64,7 @@ class Sheet {
     std::array<Row, 3> rows_;
 };
 
-// Two random numbers a vertex, row by row.
+// Uses two random numbers per vertex, row by row.
 void Sheet::make_row(int j) {
     Random random(seed_);
     random.skip(2 * static_cast<std::uint64_t>(j) * static_cast<std::uint64_t>(cells_ + 1));
@@ -79,7 +79,7 @@ void Sheet::make_row(int j) {
     }
 }
 
-/// Vertex (i, j) with wrinkles and dents.
+/// Returns vertex (i, j) with wrinkles and dents.
 Vec3d Sheet::wrinkled(int i, int j) const {
     const auto [u, v] = row(j).flat[static_cast<std::size_t>(i)];
     const double distance = std::sqrt(u * u + v * v), h = spacing_;
@@ -100,7 +100,7 @@ Vec3d Sheet::wrinkled(int i, int j) const {
     const Vec3d free = at(i, j) + (unit * rise * (1 - cosine(phase))) * normal +
                        (unit * swing * sine(2 * phase)) * across +
                        (strength * crumple * h) * Vec3d{dent(0), dent(1), dent(2)};
-    // What would lie in the ball is pushed out of it.
+    // Points that would lie in the ball are pushed out of it.
     const Vec3d from_ball = free - Drape::ball_centre;
     const double nearest = Drape::ball_radius + h;
     return length(from_ball) < nearest ? Drape::ball_centre + nearest * normalised(from_ball) : free;
@@ -114,7 +114,7 @@ void Sheet::add_vertices(Soup& soup, int begin, int end) {
     }
 }
 
-// A random bit a cell, after the numbers of all vertices.
+// Uses one random bit per cell, after the numbers of all vertices.
 void Sheet::add_triangles(Soup& soup, int begin, int end) const {
     Random random(seed_);
     random.skip(2 * static_cast<std::uint64_t>(vertex_count()) +
@@ -133,7 +133,7 @@ void Sheet::add_triangles(Soup& soup, int begin, int end) const {
     }
 }
 
-/// Returns how many vertices of the sheet are before the first of the block.
+/// Adds a block. Returns how many vertices of the sheet precede it.
 std::int64_t add_cloth(Soup& soup, const Parameters& parameters, int block, int blocks) {
     const auto triangles = static_cast<double>(parameters.triangles);
     const int cells = std::max(8, static_cast<int>(std::lround(std::sqrt(triangles * (1 - ball_share) / 2))));

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double width = 38.8, ball_radius = 5, ball_height = 6.5;
 constexpr double frame_time = 1.0 / 30;
-constexpr int steps = 30, contact_interval = 10;  // a frame
+constexpr int steps = 30, contact_interval = 10;  // per frame; in steps
 constexpr double ball_share = 760.0 / 92'230;
 
 class ClothOnBall : public Simulation {

@@ -12,7 +12,7 @@ constexpr int steps = 2048;
 constexpr double reach = 1.5 * Drape::half_width;  // beyond the sheet's corners
 constexpr double contact = 0.3;                    // where the sheet leaves the ball, turns from its top
 constexpr double bend = 1.2;                       // radius of the turn to the floor
-constexpr double folds = 9, fold_drift = 0.04;     // how many; turns by which they lean in a unit of distance
+constexpr double folds = 9, fold_drift = 0.04;     // number; turns by which they lean per unit of distance
 constexpr double twist = 0.15;                     // turns by which the ball drags the middle of the sheet along
 
 /// Bessel function of the first kind by its power series, for 0 <= w <= 3.

@@ -16,23 +16,23 @@
 
 namespace crumple::scenes {
 
-/// Where a sheet of half width 13 lies, from flat on top of the ball (folded = 0) to gathered beneath it (1).
+/// Shape of a sheet of half width 13, from flat on top of the ball (folded = 0) to gathered beneath it (1).
 class Drape {
    public:
     static constexpr double half_width = 13, floor = 0.2, ball_radius = 4;
     static constexpr Vec3d ball_centre{0, 0, 5.2};
 
-    /// `clearance` is kept between ball and sheet.
+    /// `clearance`: distance between ball and sheet.
     Drape(double folded, double clearance, std::uint64_t seed);
 
-    /// Where the sheet's point (u, v) comes to lie; (0, 0) is its centre.
+    /// Returns the position of the sheet's point (u, v); (0, 0) is its centre.
     Vec3d operator()(double u, double v) const;
 
    private:
     struct Station {
         double radius, height;
         double slope;        // in turns: 0 level, 1/4 straight down
-        double rise, swing;  // J1 and J2 of the meander that takes up what is too much
+        double rise, swing;  // J1 and J2 of the meander that takes up the excess of cloth
     };
     Station at(double distance) const;
 

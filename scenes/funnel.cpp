@@ -14,11 +14,11 @@ namespace crumple::scenes {
 namespace {
 
 constexpr double frame_time = 0.01;
-constexpr int steps = 20, contact_interval = 10;  // a frame
+constexpr int steps = 20, contact_interval = 10;  // per frame; in steps
 constexpr double cloth_share = 0.7824;
 constexpr double sheet_height = 0.9, ground = -1.5;
 
-/// Rim, cone, a rounded neck and a spout that narrows a little, in `rings` circles.
+/// Returns a profile of rim, cone, rounded neck and slightly narrowing spout, in `rings` circles.
 Funnel::Profile profile_of(int rings) {
     constexpr double rim = 0.75, neck = 0.16, throat = 0.085, spout = 0.075;
     constexpr double rim_height = 0.17, neck_height = 0.03, throat_height = -0.1, end = -0.55;
@@ -102,7 +102,7 @@ class ClothInFunnel : public Simulation {
     }
 
    private:
-    /// It comes down evenly and reaches the neck at frame 345.
+    /// Places the ball, which comes down evenly and reaches the neck at frame 345.
     static void place(Ball& ball, double time) {
         constexpr double speed = 0.42, neck = -0.1, smallest = 0.03, growth = 0.005;
         ball.centre = {0, 0, neck + speed * (345 * frame_time - time)};

@@ -1,9 +1,8 @@
 // Bodies that pass through themselves: tubes about a trefoil knot, too fat for it where its strands cross.
-//
-// `knots` is the tumbling of many bodies, convex (balls, boxes) and not (rings, knots), about 480 triangles each, every
+// `knots` has many tumbling bodies, convex (balls, boxes) and not (rings, knots), of about 480 triangles each, every
 // one a group of its own: they meet each other, and knots meet themselves. `model` is one large body, a knot with a
-// wrinkled surface: one connected, closed mesh, as scanned and segmented models are ([MZ] fig. 3 has such of 200,000
-// triangles), of which little collides.
+// wrinkled surface: one connected, closed mesh, like scanned and segmented models ([MZ] fig. 3 has some of 200,000
+// triangles), with few collisions.
 
 #include <algorithm>
 #include <cmath>
@@ -17,11 +16,11 @@
 namespace crumple::scenes {
 namespace {
 
-/// Strands cross at a distance of 2/3 of the knot's scale.
+/// Radius of the tube. Strands cross at a distance of 2/3 of the knot's scale.
 constexpr double tube = 0.35;
 
-/// A closed tube about the trefoil ((sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t) / 3): 2 along across triangles.
-/// `wrinkles` is the depth of wrinkles in its surface, as a share of the tube's radius.
+/// Adds a closed tube about the trefoil ((sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t) / 3): 2 along across triangles.
+/// `wrinkles`: depth of wrinkles in its surface, as a share of the tube's radius.
 void add_knot(Soup& soup, int along, int across, double wrinkles, const Pose& pose) {
     std::int32_t first = -1;
     for (int i = 0; i < along; ++i) {
@@ -29,7 +28,8 @@ void add_knot(Soup& soup, int along, int across, double wrinkles, const Pose& po
         const Vec3d centre{(sine(t) + 2 * sine(2 * t)) / 3, (cosine(t) - 2 * cosine(2 * t)) / 3, -sine(3 * t) / 3};
         const Vec3d tangent =
             normalised({cosine(t) + 4 * cosine(2 * t), 4 * sine(2 * t) - sine(t), -3 * cosine(3 * t)});
-        const Vec3d side = normalised(cross(tangent, {0, 0, 1})), up = cross(side, tangent);  // it is nowhere upright
+        const Vec3d side = normalised(cross(tangent, {0, 0, 1})),
+                    up = cross(side, tangent);  // the tangent is nowhere vertical
         for (int j = 0; j < across; ++j) {
             const double a = static_cast<double>(j) / across;
             const double wrinkle = sine(37 * t + 2 * a) * cosine(5 * a - 11 * t);
@@ -51,12 +51,12 @@ void add_knot(Soup& soup, int along, int across, double wrinkles, const Pose& po
 }  // namespace
 
 io::TriangleMesh make_model(const Parameters& parameters) {
-    constexpr double slenderness = 3.9;  // the tube's length by its girth
+    constexpr double slenderness = 3.9;  // the tube's length divided by its girth
     const double half = 0.5 * static_cast<double>(parameters.triangles);
     const int across = std::max(8, static_cast<int>(std::lround(std::sqrt(half / slenderness))));
     const int along = std::max(30, static_cast<int>(std::lround(half / across)));
     Random random(parameters.seed);
-    const double turn = random.uniform();  // first: compilers disagree about the order of arguments
+    const double turn = random.uniform();  // first, as compilers differ in the order of evaluating arguments
     const Pose pose{.axes = rotation(random.direction(), turn)};
     Soup soup;
     soup.reserve(static_cast<std::int64_t>(along) * across, 2LL * along * across);

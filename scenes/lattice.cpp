@@ -1,9 +1,9 @@
-// Everything that happens exactly: triangles with integer corners, in cells that touch. The cells take turns: random
+// Exact contacts and degeneracies: triangles with integer corners, in cells that touch. The cells alternate: random
 // corners (which touch at points, cross edges, lie in one plane), stacks in one plane, duplicates by index and by
 // position, strips that fold back on themselves, and degenerate triangles (points, segments, repeated indices,
 // collinear corners).
 //
-// The grid starts at 2^28, where float32 holds only every 32nd integer: float64 or the answer is another one.
+// The grid starts at 2^28, where float32 holds only every 32nd integer: rounding to float32 would change the result.
 
 #include <algorithm>
 #include <array>
@@ -48,7 +48,7 @@ class Cell {
             triangle({vertex(p), i % 2 ? b : vertex(q), vertex(r)});
         }
     }
-    /// Every triangle shares an edge with the one before and lies on top of it or beside it.
+    /// Adds triangles that each share an edge with the one before, and lie on top of it or beside it.
     void folded_strip() {
         const int height = random_.integer(cell_width + 1);
         const auto in_plane = [&] { return vertex({coordinate(), coordinate(), height}); };

@@ -1,6 +1,6 @@
 #pragma once
 
-// Every scene's function; scenes.cpp lists them, each has a file of its own or shares one with its family.
+// Functions that make or simulate the scenes. scenes.cpp lists them; each is in a file of its own or of its family.
 
 #include <memory>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Random numbers that are the same everywhere: SplitMix64 (Steele, Lea, Flood 2014) and what is made from it.
+// Random numbers that are the same everywhere: SplitMix64 (Steele, Lea, Flood 2014) and values derived from it.
 
 #include <cmath>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace crumple::scenes {
 
-/// A bijection of 64 bits in which every input bit moves every output bit.
+/// Mixes 64 bits by a bijection in which every input bit affects every output bit.
 inline std::uint64_t mix(std::uint64_t x) {
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
@@ -22,18 +22,18 @@ class Random {
     explicit Random(std::uint64_t seed) : state_(mix(seed + 1)) {}
 
     std::uint64_t bits() { return mix(state_ += step); }
-    /// As if bits() had been called so often.
+    /// Advances the state as `calls` calls of bits() do.
     void skip(std::uint64_t calls) { state_ += calls * step; }
-    /// In [0, 1).
+    /// Returns a number in [0, 1).
     double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
     double uniform(double low, double high) { return low + (high - low) * uniform(); }
-    /// In 0 to count - 1.
+    /// Returns a number from 0 to count - 1.
     int integer(int count) { return static_cast<int>((bits() >> 32) * static_cast<std::uint64_t>(count) >> 32); }
     Vec3d in_cube(double low, double high) {
         const double x = uniform(low, high), y = uniform(low, high);
         return {x, y, uniform(low, high)};
     }
-    /// A unit vector, all directions alike.
+    /// Returns a unit vector; all directions are equally likely.
     Vec3d direction() {
         for (;;) {
             const Vec3d v = in_cube(-1, 1);
@@ -47,7 +47,7 @@ class Random {
     std::uint64_t state_;
 };
 
-/// Smooth noise in the plane, in [-1, 1]: random values at integer points, blended between.
+/// Returns smooth noise in the plane, in [-1, 1]: random values at integer points, blended between them.
 inline double noise(std::uint64_t seed, double x, double y) {
     const double column = std::floor(x), row = std::floor(y);
     const auto at = [&](double i, double j) {

@@ -1,7 +1,6 @@
-// Triangles that know nothing of each other, anywhere in the unit cube: of equal size, of one long shape, of all sizes.
-// The sizes shrink with the number, so that each triangle's box meets about as many others at any number: 4 in the
-// soup, and some 15 where sizes are uneven, which is what a crumpled cloth has, so that costs of an overlap can be
-// compared.
+// Independent random triangles in the unit cube: of equal size, of one long shape, of all sizes. The sizes shrink with
+// the number of triangles, so that each triangle's box always meets about as many others: 4 in the soup, and some 15
+// where sizes are uneven. A crumpled cloth has as many, so costs per overlap can be compared.
 
 #include <array>
 #include <cmath>
@@ -14,14 +13,14 @@
 namespace crumple::scenes {
 namespace {
 
-/// Cube root by Newton, from below 1: std::cbrt may differ in its last bit between machines.
+/// Returns the cube root of a number below 1 by Newton: std::cbrt may differ in its last bit between machines.
 double cube_root(double x) {
     double r = 1;
     for (int i = 0; i < 100; ++i) r -= (r - x / (r * r)) / 3;
     return r;
 }
 
-/// 10 to the power -decades * u with u uniform in [0, 1), to 20 bits of u.
+/// Returns 10 to the power -decades * u with u uniform in [0, 1), to 20 bits of u.
 double power_of_tenth(Random& random, int decades) {
     const std::uint64_t u = random.bits() >> 44;
     double power = 1, factor = 1;
@@ -33,7 +32,7 @@ double power_of_tenth(Random& random, int decades) {
     return power;
 }
 
-/// A triangle of circumradius `size` whose corners lie about its centre; `width` squeezes it in one direction.
+/// Adds a triangle of circumradius `size` whose corners lie about its centre; `width` squeezes it in one direction.
 void add_triangle(Soup& soup, Random& random, double size, double width) {
     const Vec3d centre = random.in_cube(0, 1);
     const Vec3d along = random.direction(), side = random.direction();

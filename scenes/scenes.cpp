@@ -44,7 +44,7 @@ constexpr std::array entries{
 };
 
 constexpr std::int64_t most_triangles = 500'000'000;  // three vertices each, counted in int32
-constexpr std::int64_t least_to_keep = 5'000;         // a smaller simulation is as fast as its files
+constexpr std::int64_t least_to_keep = 5'000;         // fewer are simulated as fast as they are read
 
 [[noreturn]] void fail(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
 

@@ -16,7 +16,7 @@
 namespace crumple::scenes {
 
 struct Parameters {
-    std::int64_t triangles = 0;  ///< about as many; 0: the scene's default
+    std::int64_t triangles = 0;  ///< approximate number; 0: the scene's default
     int frame = 0;               ///< 0 to Description::frames - 1
     std::uint64_t seed = 1;      ///< other numbers give other scenes of the same kind
 };
@@ -25,22 +25,22 @@ struct Description {
     std::string_view name;
     std::string_view summary;  ///< one line
     std::int64_t triangles;    ///< default
-    int frames;                ///< 1: it does not move
-    bool simulated = false;    ///< a frame takes all frames before it: seconds to minutes, unless they are in the cache
+    int frames;                ///< 1: the scene does not move
+    bool simulated = false;    ///< a frame needs all frames before it: seconds to minutes, unless they are cached
 };
 
-/// Every scene, in the order to list them in.
+/// Returns every scene, in the order to list them in.
 std::span<const Description> descriptions();
 
-/// Told, while a scene is simulated, which frame has been reached and which one is wanted.
+/// Called while a scene is simulated, with the frame that has been reached and the requested one.
 using Progress = std::function<void(int reached, int wanted)>;
 
-/// The frames of one scene. Simulated ones go on from the frame before and are kept on disk, under
-/// $XDG_CACHE_HOME/crumple or ~/.cache/crumple, unless they have fewer than 5,000 triangles; 12 bytes a vertex.
+/// Frames of one scene. Simulated frames continue from the frame before. They are cached on disk, 12 bytes per vertex,
+/// under $XDG_CACHE_HOME/crumple or ~/.cache/crumple, unless they have fewer than 5,000 triangles.
 class Animation {
    public:
-    /// `parameters.frame` means nothing here. Throws Error (invalid_argument) for a name that is unknown, naming the
-    /// known ones, or a number of triangles that is negative or above 500 million.
+    /// Ignores `parameters.frame`. Throws Error (invalid_argument) for an unknown name, with a list of all names, and
+    /// for a number of triangles that is negative or above 500 million.
     explicit Animation(std::string_view name, const Parameters& parameters = {}, Progress progress = {});
     ~Animation();
     Animation(Animation&&) noexcept;
@@ -48,8 +48,8 @@ class Animation {
 
     const Description& description() const;
 
-    /// The number of triangles is within a tenth of what was asked for, from ten thousand on; few triangles may be too
-    /// few for a scene to be what it is, and then it has more. Throws Error (invalid_argument) for a frame that does
+    /// Returns a frame. From ten thousand triangles on, their number is within a tenth of the requested one; a smaller
+    /// number may be too few for a scene, which then has more. Throws Error (invalid_argument) for a frame that does
     /// not exist.
     io::TriangleMesh frame(int index);
 
@@ -58,7 +58,7 @@ class Animation {
     std::unique_ptr<Implementation> implementation_;
 };
 
-/// One frame of an animation. Throws as it does.
+/// Returns one frame of a scene. Throws like Animation.
 io::TriangleMesh make(std::string_view name, const Parameters& parameters = {}, const Progress& progress = {});
 
 }  // namespace crumple::scenes

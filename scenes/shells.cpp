@@ -1,5 +1,5 @@
-// Twelve concentric spheres that do not touch, each a group: closed, clean, smooth, so the whole answer is empty. All
-// their boxes nest, their centroids have one mean.
+// Twelve concentric spheres that do not touch, each a group: closed, clean and smooth, without collisions. All their
+// boxes nest, and their centroids have the same mean.
 
 #include <algorithm>
 #include <cmath>

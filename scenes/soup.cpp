@@ -70,8 +70,7 @@ class Lattice {
 }  // namespace
 
 void add_icosphere(Soup& soup, int cuts, const Pose& pose) {
-    // Corners (0, ±1, ±g) and their rotations have integer weights of g in place of coordinates as keys: 2 stands for
-    // g.
+    // Corners are (0, ±1, ±g) and their rotations. Keys are sums of integers in place of coordinates: 2 stands for g.
     const double golden = (1 + std::sqrt(5.0)) / 2;
     constexpr std::array<std::array<int, 3>, 12> corners{{{0, 1, 2},
                                                           {0, -1, 2},

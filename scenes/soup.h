@@ -11,17 +11,18 @@
 
 namespace crumple::scenes {
 
-/// Coordinates are rounded to float32 as they enter.
+/// Mesh that grows; rounds coordinates to float32 as they are added.
 class Soup {
    public:
     void reserve(std::int64_t vertices, std::int64_t triangles);
-    /// Returns the new vertex's index.
+    /// Adds a vertex and returns its index.
     std::int32_t vertex(Vec3d position);
-    /// One argument, so that vertices made in the call are made in their order: braces promise that, commas do not.
+    /// Adds a triangle. Takes one argument, so that vertices made in the call are made in order: braces guarantee that,
+    /// commas between arguments do not.
     void triangle(std::array<std::int32_t, 3> corners);
-    /// A triangle with vertices of its own.
+    /// Adds a triangle with vertices of its own.
     void triangle(Vec3d a, Vec3d b, Vec3d c);
-    /// Puts the triangles that have no group yet into this one.
+    /// Assigns this group to all triangles without one.
     void group(std::int32_t id) { mesh_.groups.resize(mesh_.triangles.size() / 3, id); }
     std::int64_t triangle_count() const { return mesh_.triangle_count(); }
     io::TriangleMesh take() { return std::move(mesh_); }
@@ -30,7 +31,7 @@ class Soup {
     io::TriangleMesh mesh_{std::vector<float>{}, {}, {}};
 };
 
-/// A rigid motion after a scaling: origin + axes * (scale * p).
+/// Scaling followed by a rigid motion: origin + axes * (scale * p).
 struct Pose {
     std::array<Vec3d, 3> axes{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
     Vec3d origin{};
@@ -42,15 +43,15 @@ struct Pose {
     }
 };
 
-// Closed and watertight: neighbours share vertices by index.
+// Closed and watertight solids: adjacent triangles share vertices by index.
 
-/// Unit sphere of meridians and parallels about z: 2 slices (stacks - 1) triangles.
+/// Adds a unit sphere of meridians and parallels about z: 2 slices (stacks - 1) triangles.
 void add_globe(Soup& soup, int slices, int stacks, const Pose& pose);
-/// Unit sphere from an icosahedron whose edges are cut in `cuts`: 20 cuts² triangles.
+/// Adds a unit sphere made of an icosahedron with edges cut into `cuts` parts: 20 cuts² triangles.
 void add_icosphere(Soup& soup, int cuts, const Pose& pose);
-/// Box of half widths `half` whose edges are cut in `cuts`: 12 cuts² triangles.
+/// Adds a box of half widths `half` with edges cut into `cuts` parts: 12 cuts² triangles.
 void add_box(Soup& soup, int cuts, Vec3d half, const Pose& pose);
-/// Torus about z, a tube of radius `tube` about the unit circle: 2 around across triangles.
+/// Adds a torus about z, a tube of radius `tube` about the unit circle: 2 around across triangles.
 void add_torus(Soup& soup, int around, int across, double tube, const Pose& pose);
 
 }  // namespace crumple::scenes

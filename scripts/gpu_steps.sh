@@ -176,10 +176,10 @@ race_warp() {
 }
 sanitize() {  # TOOL
     need compute-sanitizer
-    local tests long=':*puts_long_rows_in_order'
+    local tests long=':*long_rows_are_sorted'
     [[ $1 != racecheck ]] || long=''  # it takes two minutes
-    for tests in device_test:"*of_every_layout:*answers_between_two_meshes:*forgets_launches*$long" \
-        device_features_test:'*have_radii*:*are_read_as_they_lie*'; do
+    for tests in device_test:"*hard_soups_in_device_memory*:*Launch.two_meshes_*:*find_ends_launches*$long" \
+        device_features_test:'*radii_and_rest_shape*:*strided_and_unaligned*'; do
         compute-sanitizer --tool "$1" --error-exitcode 9 "$bin/${tests%%:*}" --gtest_brief=1 --gtest_filter="${tests#*:}"
     done
     remark "$(grep -a 'SUMMARY' "$log" | tail -n 1)"

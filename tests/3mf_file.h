@@ -11,7 +11,7 @@
 
 namespace crumple::test {
 
-/// Parts by name, and "_rels/.rels", which names the model.
+/// Parts of a 3MF package, each a name and its content; the part "_rels/.rels" names the model.
 struct PackageParts : std::vector<std::pair<std::string, std::string>> {
     using vector::vector;
 
@@ -36,7 +36,7 @@ inline const std::string relationships =
 </Relationships>
 )";
 
-/// The text of a model part around these children; extra attributes of the root. The children begin in line 3.
+/// Returns the text of a model part with these children, which begin in line 3, and extra attributes of its root.
 inline std::string model_around(const std::string& children, const std::string& attributes = "") {
     return "<?xml version=\"1.0\"?>\n<model xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" "
            "xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" " +

@@ -6,7 +6,7 @@
 
 namespace crumple::test {
 
-/// The error that a call throws; fails the test if it throws none.
+/// Returns the error that the call throws; fails the test if it throws none.
 template <class Call>
 Error error_of(Call&& call) {
     try {

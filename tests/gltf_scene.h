@@ -42,17 +42,17 @@ class GltfScene {
         json["meshes"].push_back({{"primitives", std::move(primitives)}});
         return static_cast<int>(json["meshes"].size()) - 1;
     }
-    /// A mesh of one list of triangles.
+    /// Adds a mesh of one triangle list; returns its index.
     int add_mesh(const std::vector<float>& xyz, const std::vector<std::uint16_t>& indices) {
         const int positions = add_positions(xyz), corners = add_indices(indices);
         return add_mesh({{{"attributes", {{"POSITION", positions}}}, {"indices", corners}}});
     }
-    /// A tetrahedron whose corner is the origin and whose edges from there have length 1.
+    /// Adds a tetrahedron with a corner at the origin and unit edges along the axes; returns its mesh index.
     int add_tetrahedron() {
         return add_mesh({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3});
     }
 
-    /// A node that is no child yet, and a root of the scene.
+    /// Adds a node, by default as a root of the scene; returns its index.
     int add_node(Json node, bool root = true) {
         json["nodes"].push_back(std::move(node));
         const int index = static_cast<int>(json["nodes"].size()) - 1;
@@ -68,7 +68,7 @@ class GltfScene {
         if (!bytes.empty() && !whole.contains("buffers")) whole["buffers"] = {{{"byteLength", bytes.size()}}};
         return glb_of(whole.dump(), bytes);
     }
-    /// With its buffer in another file.
+    /// Returns the .gltf text; its buffer is the file `uri`.
     std::string gltf(const std::string& uri) const {
         Json whole = json;
         whole["buffers"] = {{{"byteLength", bytes.size()}, {"uri", uri}}};

@@ -9,7 +9,7 @@
 
 namespace crumple::test {
 
-/// Two meshes out of one: every other of its triangles, and the rest, over the same vertices.
+/// Two meshes over the vertices of one: `a` has its triangles with even indices, `b` those with odd ones.
 class Halves {
    public:
     explicit Halves(const MeshView& mesh) : a(mesh), b(mesh) {

@@ -1,8 +1,9 @@
-// Runs an executable's tests as GoogleTest's main does, with three options more, which tests/CMakeLists.txt gives:
-//   --without=CASES=REASON   leaves cases out, as --gtest_filter=-CASES does, and says why
-//   --only=CASES=REASON      runs these alone
-//   --expect=CASES           only asks whether there are such cases
-// Each fails if a pattern of CASES fits no case: one was renamed, and another build would run it, or not.
+// Runs an executable's tests like GoogleTest's main, with three more options, which tests/CMakeLists.txt passes:
+//   --without=CASES=REASON   excludes cases, as --gtest_filter=-CASES does, and prints the reason
+//   --only=CASES=REASON      runs these cases only
+//   --expect=CASES           only checks that such cases exist
+// Each option fails if a pattern of CASES matches no case: a case was renamed, and some build would run or skip the
+// wrong ones.
 
 #include <fnmatch.h>
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ std::vector<std::string> names_of_cases() {
     return names;
 }
 
-/// Asks whether each pattern fits a case; colons stand between patterns.
+/// True if each of the patterns, which colons separate, matches a case. Prints the first that matches none.
 bool fit(const std::string& cases) {
     static const std::vector<std::string> names = names_of_cases();
     std::istringstream patterns(cases);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Memory limits that suffice, found by doubling, as docs/memory.md recommends, and results under them.
+// Search for a sufficient memory limit by doubling, as docs/memory.md recommends, and comparison of results under it.
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,9 @@
 
 namespace crumple::test {
 
-/// Returns a limit, from options.memory_limit on, under which call(Detector&) succeeds; with `halvings`, one that is
-/// that much closer to the least. Expects what errors name on the way to be true lower bounds.
+/// Returns a memory limit, at least options.memory_limit, under which call(Detector&) succeeds. Each of `halvings`
+/// bisection steps brings it closer to the smallest such limit. Expects bytes_needed of every error on the way to be a
+/// lower bound of that limit.
 template <class Call>
 std::int64_t sufficient_limit(Options options, Call call, int halvings = 0) {
     std::int64_t named = 0, too_small = 0;
@@ -37,8 +38,8 @@ std::int64_t sufficient_limit(Options options, Call call, int halvings = 0) {
     return limit;
 }
 
-/// Expects find(Detector&) of the cpu backend to return the same under a limit near the least one, twice in a row, and
-/// to stay within it; difference(a, b) is a string, which is empty if two results are the same.
+/// Expects find(Detector&) on the cpu backend to return the same result twice in a row under a limit near the smallest
+/// sufficient one, and to stay within that limit. difference(a, b) returns a string, empty if two results are equal.
 template <class Find, class Difference>
 void expect_same_under_limit(Find find, Difference difference) {
     Options options{.backend = Backend::cpu, .threads = 1};

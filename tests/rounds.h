@@ -1,6 +1,6 @@
 #pragma once
 
-// How often tests of random numbers draw.
+// Number of rounds of randomised tests.
 
 #include <algorithm>
 #include <cstdlib>
@@ -15,13 +15,14 @@ inline constexpr bool sanitized = __has_feature(address_sanitizer) || __has_feat
 inline constexpr bool sanitized = false;
 #endif
 
-/// Whether tests should do all they can, as scripts/test_long.sh wants.
+/// True if CRUMPLE_ROUNDS is set, as by scripts/test_long.sh: tests then run all of their cases.
 inline bool thorough() {
-    static const bool asked = std::getenv("CRUMPLE_ROUNDS") != nullptr;
-    return asked;
+    static const bool is_set = std::getenv("CRUMPLE_ROUNDS") != nullptr;
+    return is_set;
 }
 
-/// Some times the usual number of rounds, by CRUMPLE_ROUNDS; a fifth under sanitizers, which are slow.
+/// Returns `usual` times CRUMPLE_ROUNDS if that is set; otherwise `usual`, or a fifth of it under sanitizers, which are
+/// slow.
 inline int more_or_less(int usual) {
     static const char* const times = std::getenv("CRUMPLE_ROUNDS");
     if (times) return usual * std::max(1, std::atoi(times));

@@ -1,6 +1,6 @@
 #pragma once
 
-// Small soups for tests, and comparison of answers as sets.
+// Small soups for tests, and comparison of lists of pairs as sets.
 
 #include <algorithm>
 #include <array>
@@ -72,7 +72,7 @@ inline std::vector<Pair> pairs_of(const Intersections& collisions) {
     return {collisions.pairs.begin(), collisions.pairs.end()};
 }
 
-/// "" if both are the same; otherwise the first few pairs that only one of them has.
+/// Returns "" if both are the same; otherwise the first few pairs that only one of them has.
 inline std::string difference(const std::vector<Pair>& expected, const std::vector<Pair>& found) {
     std::string text;
     const auto list = [&](const char* what, const std::vector<Pair>& a, const std::vector<Pair>& b) {

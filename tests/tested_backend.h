@@ -1,8 +1,8 @@
 #pragma once
 
-// The backend that a test compares with the others. An executable runs twice where the CPU can play a device: on the
-// cpu backend, and, with CRUMPLE_TESTED_BACKEND=played in the environment, on the cuda backend. Builds for machines
-// with a device define CRUMPLE_TESTED_BACKEND as cuda.
+// Backend under test. An executable runs twice where the CPU can play a device: on the cpu backend, and, with
+// CRUMPLE_TESTED_BACKEND=played in the environment, on the cuda backend. Builds for machines with a device define
+// CRUMPLE_TESTED_BACKEND as cuda.
 
 #include <cstdlib>
 #include <string>
@@ -17,14 +17,14 @@
 
 namespace crumple::test {
 
-/// True if the CPU plays a device, on which all takes some hundred times as long.
+/// True if the CPU plays the device, on which everything takes some hundred times as long.
 inline const bool played = [] {
     const char* const tested = std::getenv("CRUMPLE_TESTED_BACKEND");
     return tested && tested == std::string_view("played");
 }();
 inline const Backend tested_backend = played ? Backend::cuda : Backend::CRUMPLE_TESTED_BACKEND;
-/// Brute force and the backend that is tested; where a device is played, that one alone, for brute force ran on the
-/// cpu.
+/// The reference backend (brute force) and the tested one. If the CPU plays a device, only the tested one: the run on
+/// the cpu backend covers brute force.
 inline const std::vector<Backend> tested_backends =
     played ? std::vector{Backend::cuda} : std::vector{Backend::reference, tested_backend};
 

@@ -1,7 +1,7 @@
 // CGAL's Polygon_mesh_processing: self_intersections, or does_self_intersect for a yes or no, with the kernel that its
-// manual recommends, Exact_predicates_inexact_constructions. Its meshes must be manifold, so a soup is repaired first,
-// off the clock: vertices are duplicated, faces keep their order. Where that happened its answer may differ from ours,
-// because it takes copies of a vertex for different vertices; and it reports degenerate faces only as (f, f).
+// manual recommends, Exact_predicates_inexact_constructions. Its meshes must be manifold, so a soup is repaired before
+// the timed calls: vertices are duplicated, faces keep their order. For repaired meshes its result may differ from
+// ours, because it treats copies of a vertex as different vertices; and it reports degenerate faces only as (f, f).
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>

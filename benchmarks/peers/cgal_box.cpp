@@ -1,6 +1,6 @@
 // CGAL's box_self_intersection_d and box_intersection_d: pairs of overlapping boxes by the streamed segment tree of
-// Zomorodian and Edelsbrunner, neighbours included. Boxes are float64 and closed, and made in each call; each thread
-// has an output of its own. Sorted as values or as pointers, which race.
+// Zomorodian and Edelsbrunner, adjacent triangles included. Boxes are float64 and closed, and made in each call; each
+// thread has an output of its own. Two ways race: boxes sorted as values, and sorted by pointers.
 
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/box_intersection_d.h>
@@ -21,7 +21,7 @@ using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::int32_t>;
 const Box& box(const Box& b) { return b; }
 const Box& box(const Box* b) { return *b; }
 
-/// Boxes of a mesh, and what is sorted: themselves or pointers to them.
+/// Boxes of a mesh, and the handles that are sorted: the boxes themselves or pointers to them.
 template <class Handle>
 struct Input {
     std::vector<double> xyz;

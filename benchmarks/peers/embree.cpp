@@ -1,9 +1,9 @@
-// Embree: a bounding volume hierarchy over the triangles' boxes, built anew at each call, and rtcCollide. It yields
-// pairs of overlapping boxes, neighbours included; the triangle test would come on top.
+// Embree: a bounding volume hierarchy over the triangles' boxes, built anew in each call, and rtcCollide. It yields
+// pairs of overlapping boxes, adjacent triangles included; tests of triangles would cost extra.
 //
 // Build quality is LOW for the scene and for the geometry (Morton codes): the fastest build, and leaves of one
 // primitive; with the geometry's default, leaves of several primitives are reported whole. Each thread has an output of
-// its own: a shared counter would ruin the scaling.
+// its own, because a shared counter would ruin the scaling.
 
 #include <embree3/rtcore.h>
 #include <tbb/global_control.h>
@@ -20,14 +20,14 @@
 namespace crumple::benchmark {
 namespace {
 
-/// The nearest float32 that is not above, not below `x`; `x` itself where it is a float32.
+/// Return the nearest float32 that is not above (rounded_down) or not below (rounded_up) `x`.
 float rounded_down(double x) {
     const auto f = static_cast<float>(x);
     return f > x ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
 }
 float rounded_up(double x) { return -rounded_down(-x); }
 
-/// The box of a triangle of a mesh with such coordinates, which Embree asks for when it builds.
+/// Callback of Embree's builder: writes the box of a triangle of a mesh with coordinates of type `Scalar`.
 template <class Scalar>
 void bounds(const RTCBoundsFunctionArguments* arguments) {
     const auto& mesh = *static_cast<const io::TriangleMesh*>(arguments->geometryUserPtr);
@@ -41,7 +41,7 @@ void bounds(const RTCBoundsFunctionArguments* arguments) {
     box.upper_x = high(0), box.upper_y = high(1), box.upper_z = high(2);
 }
 
-/// What each thread found in the current call. A thread takes a list at its first find and keeps to it.
+/// Lists of the collisions of the current call, one for each thread that finds any.
 class Outputs {
    public:
     void start() {
@@ -77,7 +77,7 @@ class Outputs {
     std::vector<std::unique_ptr<std::vector<RTCCollision>>> lists_;
 };
 
-/// One device, and a scene a mesh.
+/// Embree device, with one scene for each mesh.
 class Collider {
    public:
     explicit Collider(const Workload& workload) : device_(rtcNewDevice("")) {
@@ -94,7 +94,7 @@ class Collider {
     void operator()() {
         outputs_.start();
         for (RTCScene scene : scenes_) {
-            rtcCommitGeometry(rtcGetGeometry(scene, 0));  // says that it changed: its hierarchy is built anew
+            rtcCommitGeometry(rtcGetGeometry(scene, 0));  // marks it as changed, so that its hierarchy is rebuilt
             rtcCommitScene(scene);
         }
         const auto append = [](void* outputs, RTCCollision* collisions, unsigned count) {
@@ -135,7 +135,7 @@ std::vector<Contestant> embree_contestants(const Workload& workload) {
     const auto collider = std::make_shared<Collider>(workload);
     const auto pairs = [=] { return collider->pairs(); };
     const auto one_thread = [=] {
-        // The device's own setting would not do: all devices of a process share the largest.
+        // The device's own setting is not enough: all devices of a process share the largest.
         const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
         (*collider)();
     };

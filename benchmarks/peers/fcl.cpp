@@ -1,7 +1,7 @@
-// FCL: two meshes as trees of bounding volumes, all pairs of triangles that its floating point test finds to intersect,
+// FCL: two meshes as trees of bounding volumes, all pairs of triangles that intersect by its floating-point test,
 // without contact points. It uses one thread. Both scalar types and the bounding volumes for which it has a mesh
-// traversal race; the fastest stands for FCL. Twice: with the trees built in each call, as meshes that deform need it,
-// and with the trees given, as rigid bodies have them.
+// traversal race; the fastest stands for FCL. There are two contestants: one builds the trees in each call, as for
+// deforming meshes; the other has them built before, as for rigid bodies.
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/AABB.h>

@@ -1,7 +1,7 @@
 #pragma once
 
-// The contestants for a workload, one file a library. Each gets the workload's coordinates in its own containers before
-// the clock starts; what it derives from them (boxes, trees) is timed, unless the contestant's name says otherwise.
+// Contestants for a workload, one file per library. Each gets the workload's coordinates in its own containers before
+// the clock starts; boxes and trees derived from them are timed, unless the contestant's name says otherwise.
 
 #include <vector>
 
@@ -10,10 +10,10 @@
 
 namespace crumple::benchmark {
 
-/// One thread and all threads, warm: the detector has seen the mesh before, as in a simulation.
+/// Returns crumple on one thread and on all threads. Each has a detector that stays warm, as in a simulation.
 std::vector<Contestant> crumple_contestants(const Workload& workload);
 
-// Empty if the library cannot answer the workload's question.
+// Contestants of each library; empty if it does not support the workload's query.
 std::vector<Contestant> cgal_contestants(const Workload& workload);
 std::vector<Contestant> cgal_box_contestants(const Workload& workload);
 std::vector<Contestant> embree_contestants(const Workload& workload);

@@ -2,15 +2,15 @@
 // (https://github.com/NVIDIA/cuBQL, Apache-2.0), with mesh and pairs on the device.
 //
 // It computes less than crumple, boxes instead of triangles, in float32, and lists triangles that share a vertex, too.
-// A call makes the boxes, builds the BVH and queries it by each box; the host's clock is read when the pairs are
-// complete, as for `device_and_wait` of crumple_cuda_benchmark. Prints one row of JSON a scene; status 1 if anything
-// failed.
+// A call makes the boxes, builds the BVH and queries it with each box; the host's clock is read when the pairs are
+// complete, as for `device_and_wait` of crumple_cuda_benchmark. The program prints one row of JSON per scene; its exit
+// status is 1 if anything failed.
 
 #include <cuda_runtime.h>
 
 #define CUBQL_GPU_BUILDER_IMPLEMENTATION 1
 #include "cuBQL/bvh.h"
-// The others need what bvh.h declares.
+// The other headers need declarations of bvh.h.
 #include "cuBQL/builder/cuda.h"
 #include "cuBQL/builder/cuda/radix.h"
 #include "cuBQL/builder/cuda/rebinMortonBuilder.h"
@@ -51,7 +51,7 @@ __device__ bool overlap(const cuBQL::box3f& a, const cuBQL::box3f& b) {
            a.lower.z <= b.upper.z && b.lower.z <= a.upper.z;
 }
 
-/// Counts all pairs, and writes as many as there is capacity for.
+/// Counts all pairs, and writes up to `capacity` of them.
 __global__ void find_pairs(cuBQL::bvh3f bvh, const cuBQL::box3f* boxes, int count, unsigned* found, int2* pairs,
                            unsigned capacity) {
     const int triangle = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
@@ -84,9 +84,10 @@ struct Boxes {
     unsigned capacity = 0;
     int2* pairs = nullptr;
     cudaStream_t stream = nullptr;
-    cuBQL::AsyncGpuMemoryResource memory{0};  // keeps its pool from call to call
+    cuBQL::AsyncGpuMemoryResource memory{0};  // keeps its pool between calls
 
-    /// Returns how many pairs there are; milliseconds until the BVH was built and until the pairs were complete.
+    /// Returns the number of pairs. Sets the milliseconds until the launches of the build returned, and until the pairs
+    /// were complete.
     unsigned call(double& built, double& complete) {
         cuBQL::bvh3f bvh;
         unsigned result = 0;

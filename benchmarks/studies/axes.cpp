@@ -1,9 +1,10 @@
-// The sweep direction, and how many axes of a box to look at: [MZ] sec. 3 sweeps along the first principal component
-// and tests boxes along the second only; the library tests the third, too, and turns both so that edges lie along them.
+// Study of the sweep direction and of the number of axes along which boxes are tested: [MZ] sec. 3 sweeps along the
+// first principal component and tests boxes along the second only; the library tests the third, too, and turns both so
+// that edges lie along them.
 //
-// A plain sweep of its own, float64 on one thread, so that nothing but the frame differs: boxes in the frame, sorted by
-// start; of each two overlapping intervals, the other axes; of each two overlapping boxes, whether one triangle lies
-// on one side of the other's plane, which is how a triangle test begins. Neighbours are among the candidates.
+// A plain sweep, in float64 on one thread, so that nothing but the frame differs: sorts boxes in the frame by start,
+// tests overlapping intervals along the other axes, and tests for overlapping boxes if one triangle lies on one side of
+// the other's plane, which is how a triangle test begins. Adjacent triangles are among the candidates.
 
 #include <fmt/format.h>
 
@@ -22,7 +23,7 @@ using Frame = std::array<Vec3d, 3>;
 
 struct Way {
     const char* name;
-    int fixed;  ///< the axis to sweep along, or one of the following
+    int fixed;  ///< coordinate axis to sweep along, or one of the following
     bool third_axis;
 };
 constexpr int longest = -1;              ///< the coordinate axis of the largest variance
@@ -105,7 +106,7 @@ Counts sweep(const std::vector<const Primitive*>& members, const Way& way) {
     return counts;
 }
 
-/// Both meshes of a workload that has two.
+/// Returns the mesh of a workload; if it has two, both in one.
 io::TriangleMesh one_soup(const Workload& workload) {
     if (workload.question != Question::between) return workload.a;
     std::vector<double> vertices = coordinates<double>(workload.a);
@@ -130,7 +131,7 @@ nlohmann::json compare_axes(const Workload& workload, int parts, const Effort& e
             masks[static_cast<std::size_t>(t)] |= std::uint64_t{1} << part.index;
         }
     }
-    std::int64_t colliding = 0;  // as often as candidates are counted: once in each part that holds both
+    std::int64_t colliding = 0;  // counted like candidates: once in each part that holds both triangles
     for (const Pair& pair : detector.find(mesh.view()).pairs)
         colliding += std::popcount(masks[static_cast<std::size_t>(pair.a)] & masks[static_cast<std::size_t>(pair.b)]);
 

@@ -1,6 +1,6 @@
-// Triangles of very different size ([MZ] 5.1): what does an overlapping pair of boxes cost in scenes full of needles or
-// of sizes over decades, and on cloth? Boxes are those of the triangles along the axes of the input, whatever frames
-// the detector uses inside, so that the measure is the scene's own.
+// Study of triangles of very different size ([MZ] 5.1): cost of an overlapping pair of boxes in scenes full of needles
+// or of sizes over decades, compared with cloth. Boxes lie along the axes of the input, whatever frames the detector
+// uses, so that their number is a property of the scene.
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ struct Box {
     std::array<double, 3> low, high;
 };
 
-/// Pairs of triangles whose closed boxes overlap, neighbours included, by sweep along x.
+/// Returns the number of pairs of triangles whose closed boxes overlap, adjacent ones included, by a sweep along x.
 std::int64_t overlapping_boxes(const io::TriangleMesh& mesh) {
     const std::vector<double> xyz = coordinates<double>(mesh);
     std::vector<Box> boxes(static_cast<std::size_t>(mesh.triangle_count()));
@@ -45,7 +45,7 @@ std::int64_t overlapping_boxes(const io::TriangleMesh& mesh) {
 }  // namespace
 
 nlohmann::json study_cost_per_box_overlap(const StudySettings& settings) {
-    // The first one is the yardstick.
+    // The first one is the reference.
     const std::vector<std::string> scenes =
         choose_scenes(settings, {"cloth_ball92", "Generic_Twin_right", "needles", "five_decades", "fans", "soup"},
                       {"cloth", "needles", "five_decades", "fans", "soup"});

@@ -1,6 +1,6 @@
-// Motion and nearness: time and memory over the number of triangles, on the procedural cloth. Steps and radii are in
-// proportion to the edges (step.h), so that candidates grow about as the triangles do, and a time proportional to the
-// triangles is the best there can be.
+// Study of motion and nearness: time and memory over the number of triangles, on the procedural cloth. Steps and radii
+// are in proportion to the edges (step.h), so that candidates grow about as the triangles do. A time proportional to
+// the number of triangles is therefore the best possible.
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Crumple asked about motion and nearness: all impacts of a step, all near pairs at its start.
+// Queries of the feature studies: all impacts of a step (motion), and all near pairs at its start (nearness).
 
 #include <array>
 #include <cstdint>
@@ -21,19 +21,20 @@ constexpr std::string_view name_of(FeatureQuestion question) {
     return question == FeatureQuestion::motion ? "motion" : "nearness";
 }
 
-/// Answers the question; what the call did.
+/// Runs the query and returns the statistics of the call.
 const Statistics& ask(Detector& detector, const Step& step, FeatureQuestion question);
 
-/// A detector of its own, kept warm, that answers at each call; `step` must outlive it.
+/// Returns a contestant with a detector of its own, which stays warm and runs the query in each call. `step` must
+/// outlive the contestant.
 Contestant asks(const Options& options, const Step& step, FeatureQuestion question, std::string name);
 
-/// Most bytes that a new detector owns, and bytes of its answer.
+/// Peak memory of a new detector in one call, and memory of its result, in bytes.
 struct FeatureMemory {
     std::int64_t peak = 0, answer = 0;
 };
 FeatureMemory memory_of(const Step& step, FeatureQuestion question);
 
-/// How the studies of features ask: the first two are there on every machine.
+/// Options with which the feature studies run their queries. The first two ways exist on every machine.
 struct FeatureWay {
     std::string name;
     Options options;

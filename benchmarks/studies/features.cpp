@@ -1,5 +1,5 @@
-// Motion and nearness: where the time goes on one thread, how many pairs and tests each filter leaves, and what threads
-// and instruction sets are worth. A test is one pair of features, of those that a pair of triangles owns.
+// Study of motion and nearness: time of each stage on one thread, pairs and tests left by each filter, and the gain
+// from threads and instruction sets. A test is one of the pairs of features that a pair of triangles owns.
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 namespace crumple::benchmark {
 namespace {
 
-/// Milliseconds of each stage and of the whole, medians over `calls`; and the counts.
+/// Measures median milliseconds of each stage and of the whole over `calls`, and the counts.
 nlohmann::json stages(const Step& step, FeatureQuestion question, int calls, Table& times, Table& counts) {
     Detector detector({.threads = 1});
     std::array<std::vector<double>, stage_count> stage;

@@ -1,6 +1,6 @@
-// Two triangles of twenty times the scene's size beneath a cloth: they belong to every cluster, overlap every interval
-// and spoil whatever is derived from the largest element. The scene `ground` cuts through the cloth's hem; a ground
-// that touches nothing is laid under any other scene.
+// Study of a ground: two triangles of twenty times the scene's size beneath a cloth. They belong to every cluster,
+// overlap every interval and spoil any bound derived from the largest element. The scene `ground` cuts through the
+// cloth's hem; below any other scene the study adds a ground that touches nothing.
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double limit = 1.3;  // times the scene without ground
 
-/// The mesh and two triangles just below it.
+/// Returns the workload with two triangles added just below its mesh.
 Workload with_ground(Workload workload) {
     std::visit(
         [&](auto& xyz) {

@@ -1,5 +1,6 @@
-// Time and memory over the number of triangles, on the procedural cloth, whose pairs grow in proportion: so a time
-// proportional to the triangles is the best there can be. Sizes are timed one after another, one thread against all.
+// Study of time and memory over the number of triangles, on the procedural cloth, whose pairs grow in proportion. A
+// time proportional to the number of triangles is therefore the best possible. Sizes are timed one after another, one
+// thread against all.
 
 #include <fmt/format.h>
 

@@ -1,18 +1,18 @@
-// Which triangles join which clusters: [MZ]'s rules against two local ones, around the same centres.
+// Study of the membership of triangles in clusters: [MZ]'s rules against two local ones, around the same centres.
 //
-// A triangle belongs to the cluster of its nearest centre; a rule says to which others. Let s_k be the distance of the
-// centroid from the plane that bisects its nearest centre and centre k, r the distance from the centroid to the
-// farthest corner, R the largest r of the scene and r' their mean. Rules:
+// A triangle belongs to the cluster of its nearest centre; a rule defines to which others. Let d_k be the distance of
+// the centroid from centre k, s_k its distance from the plane that bisects its nearest centre and centre k, r the
+// distance from the centroid to the farthest corner, R the largest r of the scene and r' their mean. Rules:
 //   nearest only         no overlap
-//   exactly two          [MZ] 5.1 by the letter: of each two clusters, the triangle on either side that is nearest to
-//                        the plane between them
+//   exactly two          [MZ] 5.1 literally: for each two clusters, the triangle on either side that is nearest to the
+//                        plane between them
 //   two across           the same as a width: s_k <= 2 r', a band as wide as two triangles
-//   eq. 5, R in all      s_k <= R / 2: the band is as wide as [MZ] eq. 5 asks for at least
-//   eq. 5, R each side   s_k <= R: what eq. 5 takes to be complete
+//   eq. 5, R in all      s_k <= R / 2: the band has the least width that [MZ] eq. 5 demands
+//   eq. 5, R each side   s_k <= R: complete according to eq. 5
 //   local 2r             d_k <= d_min + 2 r
-//   bisector             s_k <= r: the library's
-// Each part is then answered as a scene of its own, on one thread, and the answers are united: so what a rule loses is
-// seen in the pairs, and what it costs in the time, found twice or not.
+//   bisector             s_k <= r: the rule of the library
+// Each part is then searched as a scene of its own, on one thread, and the results are united. The pairs show what a
+// rule loses; the time shows its cost, pairs that are found twice included.
 
 #include <fmt/format.h>
 
@@ -32,7 +32,7 @@ namespace {
 
 using Masks = std::vector<std::uint64_t>;  // bit k: member of cluster k
 
-/// Distances of one triangle's centroid from every centre and bisecting plane.
+/// Distances of one triangle's centroid from every centre (d_k) and bisecting plane (s_k).
 struct Place {
     std::size_t nearest = 0;
     std::array<double, 64> distance, from_plane;
@@ -47,7 +47,7 @@ struct Scene {
 
 double length(Vec3d v) { return std::sqrt(dot(v, v)); }
 
-/// The library's own centres of so many parts, in the mesh's coordinates.
+/// Returns the library's own centres of `parts` parts, in the mesh's coordinates.
 std::vector<Vec3d> centres_of(const io::TriangleMesh& mesh, int parts) {
     ParallelFor serial;
     SceneBuffers buffers;
@@ -123,7 +123,7 @@ std::vector<std::pair<std::string, Masks>> rules(const Scene& scene) {
              })}};
 }
 
-/// The parts that masks make, each with a mesh and a warm detector of its own.
+/// Parts defined by masks, each with a mesh and a warm detector of its own.
 struct Parts {
     struct Part {
         std::vector<std::int32_t> triangles;

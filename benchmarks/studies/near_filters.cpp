@@ -1,5 +1,6 @@
-// Nearness with a radius of each vertex, without neighbours, without what is close at rest: what these cost beside one
-// radius, on one thread. Where all radii are half of the one, so that the list is the same; and where they differ.
+// Study of the options of nearness: cost of radii of vertices, of rings of neighbours and of a rest shape compared with
+// one radius, on one thread. All radii of vertices are half of the one radius, so that the list is the same; or they
+// differ.
 
 #include <fmt/format.h>
 
@@ -17,7 +18,7 @@ struct Asked {
     ProximityQuery question;
 };
 
-/// From an eighth of `most` to all of it, the same on every machine.
+/// Returns radii from an eighth of `most` to all of it, the same on every machine.
 std::vector<double> uneven(std::size_t count, double most) {
     std::vector<double> radii(count);
     for (std::size_t i = 0; i < count; ++i) radii[i] = most * static_cast<double>(1 + (i * 2654435761u >> 16) % 8) / 8;

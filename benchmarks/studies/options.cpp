@@ -1,5 +1,5 @@
-// Time against the value of one option, all others at their defaults: shows what the option does and whether its
-// default is a good one. The values of one scene take turns.
+// Studies of time against the value of one option, all others at their defaults: show what the option does and whether
+// its default is a good one. The values take turns on each scene.
 
 #include <fmt/format.h>
 
@@ -16,16 +16,16 @@
 namespace crumple::benchmark {
 namespace {
 
-/// An option's value and how to set it. The label marks the default.
+/// Options with one value changed. The label names the value and marks the default.
 struct Setting {
     std::string label;
     Options options;
 };
 
-/// Makes the contestant that answers a workload with these options.
+/// Makes the contestant that runs a workload with these options.
 using MakeContestant = std::function<Contestant(const Options&, std::string label)>;
 
-/// `member(options)`: a reference to what is varied.
+/// Returns settings with each of the values. `member(options)` returns a reference to the varied option.
 template <class T, class Member>
 std::vector<Setting> settings_of(Member member, std::initializer_list<T> values) {
     std::vector<Setting> result;
@@ -69,7 +69,7 @@ nlohmann::json compare(const std::string& option, const std::string& scene, cons
 
 std::vector<std::string> meshes_against_meshes() { return {"ember_016", "ember_260", "ember_406"}; }
 
-/// The same frame again and again.
+/// Runs a study on scenes that stand still: calls repeat the same frame.
 nlohmann::json on_still_scenes(const StudySettings& study, const std::string& option,
                                const std::vector<Setting>& settings,
                                const std::vector<std::string>& further_scenes = {}) {
@@ -86,7 +86,8 @@ nlohmann::json on_still_scenes(const StudySettings& study, const std::string& op
     return rows;
 }
 
-/// Sixteen frames of a procedural animation, forth and back, by one detector; a call is one frame.
+/// Makes contestants that run sixteen frames of a procedural animation, forth and back, by one detector; a call is one
+/// frame.
 MakeContestant moving(const std::string& scene) {
     constexpr int frames = 16;
     const auto sequence = std::make_shared<std::vector<io::TriangleMesh>>();

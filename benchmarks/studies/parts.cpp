@@ -1,8 +1,8 @@
-// How much there is to gain from machines that share a scene: Detector::partition cuts it into parts, each is answered
-// alone, and the largest one says how long all would take at least. Work grows, because triangles at borders belong to
-// several parts. Twice: by find(part), which answers the pairs that the part owns; and with the part's triangles as a
-// mesh of their own, which finds those of the overlap in each part, and says what ownership costs. One thread; whole
-// and parts take turns.
+// Study of the gain from machines that share a scene: Detector::partition splits it into parts, each is searched alone,
+// and the time of the largest part is a lower bound for all. Work grows, because triangles at borders belong to several
+// parts. Parts are searched in two ways: by find(part), which finds the pairs that the part owns; and as a mesh of the
+// part's triangles, which finds pairs of the overlap in each part, and so shows the cost of ownership. On one thread;
+// the whole scene and the parts take turns.
 
 #include <fmt/format.h>
 

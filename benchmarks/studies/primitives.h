@@ -1,6 +1,6 @@
 #pragma once
 
-// Triangles as the stages before `narrow` see them, in float64, for studies that try other rules than the library's.
+// Triangles in the form that the stages before `narrow` use, in float64, for studies of rules other than the library's.
 
 #include <array>
 #include <cmath>
@@ -34,7 +34,7 @@ inline std::vector<Primitive> primitives_of(const io::TriangleMesh& mesh) {
     return primitives;
 }
 
-/// Some triangles of a mesh, as a mesh of their own with no other vertices.
+/// Returns the chosen triangles of a mesh as a mesh of their own, with no other vertices.
 inline io::TriangleMesh extract(const io::TriangleMesh& mesh, const std::vector<std::int32_t>& chosen) {
     io::TriangleMesh part;
     std::visit(

@@ -1,7 +1,6 @@
-// Ranks that are threads of this process, of one thread each, timed by what each thread computes, as if it had a
-// machine of its own: how even the work is, what all of it is over that of one process, and what travels. The scene
-// stands still, so that parts may change hands by measured work until they stay; numbers are medians of the last
-// frames.
+// Study of ranks that are threads of this process, timed by the CPU time of each thread, as if it had a machine of its
+// own: balance of the work, total work over that of one process, and traffic. The scene stands still, so that parts
+// move between ranks by measured work until they stay; balance and work are medians of the last frames.
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
-// What ranks do in a frame, counted and timed as if each had a machine of its own: work, all else that a rank computes,
-// and what it says to others. Ranks are threads of this process, timed by what each thread computes outside its calls
+// Study of the scaling of ranks, counted and timed as if each had a machine of its own: search, other computation, and
+// communication of a frame. Ranks are threads of this process, timed by the CPU time of each thread outside its calls
 // of the transport; each makes its block of the cloth, which moves. benchmarks/predict_ranks.py reads these numbers.
 
 #include <fmt/format.h>
@@ -28,13 +28,13 @@ double time_of_thread() {
     return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-/// One rank in one frame.
+/// Figures of one rank in one frame.
 struct Told {
     double work = 0, rest = 0;                       // milliseconds of search, and of all else outside the transport
     double bytes = 0, messages = 0, neighbours = 0;  // sent in exchanges; the ranks sent to
     double reductions = 0, reduced = 0, broadcasts = 0, all_to_alls = 0, exchanges = 0;  // calls; bytes reduced
     double members = 0;
-    double moved = 0;  // 1: little more than coordinates travelled
+    double moved = 0;  // 1 if little more than coordinates was sent
 };
 constexpr std::array<std::pair<const char*, double Told::*>, 12> columns{{{"work", &Told::work},
                                                                           {"rest", &Told::rest},
@@ -49,7 +49,7 @@ constexpr std::array<std::pair<const char*, double Told::*>, 12> columns{{{"work
                                                                           {"members", &Told::members},
                                                                           {"moved", &Told::moved}}};
 
-/// The in-process transport, whose calls are counted, and their time is known.
+/// Decorator of the in-process transport that counts calls and measures their time.
 class Counted final : public distribute::Transport {
    public:
     Counted(std::shared_ptr<distribute::Hub> hub, int rank) : inner_(std::move(hub), rank), spoken_to_(inner_.size()) {}
@@ -79,7 +79,7 @@ class Counted final : public distribute::Transport {
         apart([&] { inner_.exchange(out, in); });
     }
 
-    /// Of the frame that ends here.
+    /// Returns the figures of the frame that ends here, and resets them.
     Told end(double milliseconds, const DistributedStatistics& statistics) {
         told_.work = statistics.work_milliseconds;
         told_.rest = milliseconds - inside_ - told_.work;
@@ -104,9 +104,9 @@ class Counted final : public distribute::Transport {
     double inside_ = 0;
 };
 
-constexpr int frames = 9, warm = 3;  // the first ones make parts and give them out
+constexpr int frames = 9, warm = 3;  // the first `warm` frames make and assign parts, and do not count
 
-/// A block of the cloth in two frames, in turns.
+/// Block of the cloth in two frames, which alternate.
 struct MovingBlock {
     std::array<scenes::MeshBlock, 2> blocks;
     std::vector<std::int64_t> vertex_ids;
@@ -125,7 +125,7 @@ struct MovingBlock {
     }
 };
 
-/// Each column over all ranks: the largest and the mean.
+/// Returns the largest value and the mean of each column over all ranks.
 nlohmann::json over_ranks(const std::vector<Told>& ranks) {
     nlohmann::json row;
     for (const auto& [name, member] : columns) {
@@ -136,7 +136,7 @@ nlohmann::json over_ranks(const std::vector<Told>& ranks) {
     return row;
 }
 
-/// The median over frames, each column by itself.
+/// Returns the median of each column over frames.
 Told median_of(const std::vector<Told>& told) {
     Told median;
     for (const auto& [name, member] : columns) {

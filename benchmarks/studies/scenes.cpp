@@ -1,5 +1,5 @@
-// Every scene on every backend, device, instruction set and number of threads: warm (a detector that has seen the
-// scene), cold (a new detector in a process that has run before), and the most memory that the detector has owned.
+// Study of every scene on every backend, device, instruction set and number of threads: warm (a detector that has run
+// the scene before), cold (a new detector in a process that has run before), and the detector's peak memory.
 
 #include <fmt/format.h>
 
@@ -20,7 +20,8 @@ struct Way {
     Options options;
 };
 
-/// What this machine can do: the instruction sets that a user is likely to have, one thread, powers of two, and all.
+/// Returns the ways that this machine supports: instruction sets that users are likely to have, one thread, powers of
+/// two, all threads, and devices.
 std::vector<Way> ways_here() {
     std::set<int> threads;
     const int all = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -41,7 +42,7 @@ std::vector<Way> ways_here() {
     }
     if (ways.empty())
         for (const int t : threads) ways.push_back({"cpu", "automatic", {.backend = Backend::cpu, .threads = t}});
-    // Meshes go to the device and pairs come back: what it costs whose data lie there is benchmarks/cuda.cpp's matter.
+    // These calls upload meshes and download pairs. benchmarks/cuda.cpp measures data that lie on the device.
     for (const DeviceInfo& device : list_devices().devices)
         ways.push_back({"cuda", device.name, {.backend = Backend::cuda, .threads = 1, .device = device.number}});
     return ways;

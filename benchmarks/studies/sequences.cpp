@@ -1,13 +1,12 @@
-// Scenes that move, frame by frame: the time of each stage ([MZ] figs. 7 and 8), what warm centres are worth ([MZ]
-// sec. 4, end), the 99th percentile, which one frame repeated would flatter, the counts that explain slow frames, and
-// the most memory that a detector has owned.
+// Study of scenes that move, frame by frame: time of each stage ([MZ] figs. 7 and 8), gain from warm centres ([MZ]
+// sec. 4, end), the 99th percentile, which would be too low for a single repeated frame, the counts that explain slow
+// frames, and the detector's peak memory.
 //
-// Several passes over all frames; a frame's time is its median over the passes. The first pass warms up. From the last
-// frame to the first one the scene jumps, as scenes may.
-//   warm     one detector, centres go on from the frame before
-//   cold     one detector, which is shown another, larger scene off the clock before each frame: the numbers of
-//   clusters
-//            differ, so centres start anew, while buffers are kept
+// Several passes run over all frames; a frame's time is its median over the passes. The first pass warms up. From the
+// last frame to the first one the scene jumps, as scenes may.
+//   warm     one detector, centres are warm-started from the frame before
+//   cold     one detector, which searches other scenes, one of them larger, before each timed frame: the numbers of
+//            clusters differ, so centres start anew, while buffers stay allocated
 //   fixed    one detector, no iterations: the centres of the first frame for all frames
 //   new      a detector for each frame
 
@@ -24,10 +23,10 @@
 namespace crumple::benchmark {
 namespace {
 
-/// What was measured of each frame.
+/// Measurements of each frame.
 struct Run {
-    std::vector<std::vector<double>> total;                           ///< of frame, of pass
-    std::array<std::vector<std::vector<double>>, stage_count> stage;  ///< the same for each stage
+    std::vector<std::vector<double>> total;                           ///< milliseconds, [frame][pass]
+    std::array<std::vector<std::vector<double>>, stage_count> stage;  ///< milliseconds, [stage][frame][pass]
     std::vector<Statistics> last;
 
     explicit Run(std::size_t frames) : total(frames), last(frames) {
@@ -58,7 +57,7 @@ nlohmann::json counts(const Run& run, std::int64_t Statistics::*member) {
     return list;
 }
 
-/// What makes one frame slower than another.
+/// Counts that explain why one frame is slower than another.
 constexpr std::pair<const char*, std::int64_t Statistics::*> explaining[]{
     {"interval_tests", &Statistics::interval_tests}, {"box_overlaps", &Statistics::box_overlaps},
     {"edge_tests", &Statistics::edge_tests},         {"double_tests", &Statistics::double_tests},
@@ -71,7 +70,7 @@ std::int64_t most_triangles(const Sequence& sequence) {
     return most;
 }
 
-/// Triangles that touch nobody, in rows and columns.
+/// Returns a mesh of separate triangles, in rows and columns.
 io::TriangleMesh scattered(std::int64_t count) {
     io::TriangleMesh mesh;
     auto& xyz = mesh.vertices.emplace<std::vector<float>>();
@@ -84,12 +83,13 @@ io::TriangleMesh scattered(std::int64_t count) {
     return mesh;
 }
 
-/// Whether two runs had the same memberships in each frame: whether their centres were the same.
+/// True if two runs had the same number of members in each frame, which implies the same centres.
 bool same_clusters(const Run& a, const Run& b) {
     return std::ranges::equal(a.last, b.last, {}, &Statistics::members, &Statistics::members);
 }
 
-/// Up to `most` passes, fewer if they would take longer than `budget` seconds, but one after the warm-up.
+/// Measures up to `most` passes, fewer if they would take longer than `budget` seconds, but at least one after the
+/// warm-up.
 nlohmann::json follow(const Sequence& sequence, int most, double budget) {
     const std::size_t frames = sequence.frames.size();
     struct Kind {
@@ -155,7 +155,7 @@ nlohmann::json follow(const Sequence& sequence, int most, double budget) {
         }
         std::int64_t peak = 0;
         for (const Statistics& s : run.last) peak = std::max(peak, s.peak_memory_bytes);
-        if (!kinds[k].forgets) kind["peak_bytes"] = peak;  // else it is that of the larger scenes in between
+        if (!kinds[k].forgets) kind["peak_bytes"] = peak;  // otherwise it is that of the larger scenes in between
         const auto subdivide = static_cast<std::size_t>(Stage::subdivide);
         table.row({kinds[k].name, number(all.median), range(all), number(all.percentile_99),
                    number(over_all(run.stage[subdivide]).median), number(members), number(candidates),
@@ -172,8 +172,8 @@ nlohmann::json follow(const Sequence& sequence, int most, double budget) {
     return row;
 }
 
-/// Peers on some frames of the sequence; each is called until a slice of time is spent on each frame. A peer stands by
-/// its fastest way over all frames, and only if it can answer each of them.
+/// Measures peers on some frames of the sequence; each is called until a slice of time is spent on each frame. A peer
+/// is represented by its fastest way over all frames, and only if it supports each of them.
 nlohmann::json peers_on(const Sequence& sequence, const std::vector<std::size_t>& frames, const Effort& effort) {
     struct Way {
         std::string name, way, computes;

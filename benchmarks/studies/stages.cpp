@@ -1,5 +1,5 @@
-// Where the time goes and how many pairs each filter leaves, on one thread, where the stages' times add up to the
-// call's but for a few per cent between stages.
+// Study of the time of each stage and of the pairs left by each filter, on one thread, where the stages' times add up
+// to the call's except for a few per cent between stages.
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// Cost of a result in blocks over one that is made at once: time, and the most memory that the detector owned.
+// Study of results in blocks compared with results at once: time, and the detector's peak memory.
 
 #include <fmt/format.h>
 

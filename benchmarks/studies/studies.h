@@ -1,6 +1,6 @@
 #pragma once
 
-// Measurements of crumple alone. Each prints its tables and returns the same as JSON.
+// Studies: measurements of crumple alone. Each prints its tables and returns the same figures as JSON.
 
 #include <nlohmann/json.hpp>
 #include <span>
@@ -14,7 +14,7 @@
 namespace crumple::benchmark {
 
 struct StudySettings {
-    std::vector<std::string> scenes;  ///< those that the user named; empty: the study's own
+    std::vector<std::string> scenes;  ///< scenes that the user named; empty: the study's own
     Effort effort;
     bool quick = false;
 };
@@ -25,14 +25,15 @@ struct Study {
     nlohmann::json (*run)(const StudySettings& settings);
 };
 
-/// Every study, in the order to run them in.
+/// Returns every study, in the order in which they run.
 std::span<const Study> studies();
 
-/// The scenes that the user named, else `real` if the files are there, else `procedural`; the first two in a quick run.
+/// Returns the scenes that the user named, or else `real` if the files exist, or else `procedural`; in a quick run only
+/// the first two of the study's own.
 std::vector<std::string> choose_scenes(const StudySettings& settings, std::vector<std::string> real,
                                        std::vector<std::string> procedural);
 
-/// A detector of its own, kept warm, that answers the workload at each call.
+/// Returns a contestant with a detector of its own, which stays warm and runs the workload in each call.
 Contestant crumple_with(const Options& options, const Workload& workload, std::string name);
 
 nlohmann::json study_scenes(const StudySettings& settings);
@@ -61,8 +62,8 @@ nlohmann::json study_fuzziness(const StudySettings& settings);
 nlohmann::json study_iterations(const StudySettings& settings);
 nlohmann::json study_first_iterations(const StudySettings& settings);
 
-/// Milliseconds of making a detector, which starts its threads, and of its first call; printed by
-/// `crumple_benchmark --first-call`, which study_first_call starts to see what a new process pays.
+/// Milliseconds of making a detector, which starts its threads, and of its first call. `crumple_benchmark --first-call`
+/// prints them; study_first_call runs it to measure a new process.
 struct FirstCall {
     double detector = 0, call = 0;
 };

@@ -1,6 +1,7 @@
-// [MZ] sec. 6.1 cuts a scene into two clusters, into four if objects are far apart, and sweeps each whole; the library
-// cuts on, down to leaves that fit a cache. The same code answers either way. Also how much memory the list of all
-// overlapping intervals would take, which [MZ] fig. 2 allocates, beside what the detector has owned at most.
+// Study of the number of clusters: [MZ] sec. 6.1 splits a scene into two clusters, or four if objects are far apart,
+// and sweeps each whole; the library splits further, down to leaves that fit a cache. The same code runs in both ways.
+// Also compares the memory of the list of all overlapping intervals, which [MZ] fig. 2 allocates, with the detector's
+// peak.
 
 #include <fmt/format.h>
 

@@ -1,10 +1,10 @@
-// [MZ] 5.1's remedy for triangles of very different size: cut the large ones virtually, and let pieces take their place
-// in clustering, sorting and sweeping.
+// Study of virtual subdivision, the remedy of [MZ] 5.1 for triangles of very different size: large ones are cut
+// virtually, and pieces take their place in clustering, sorting and sweeping.
 //
-// Here the pieces are real triangles, made by longest-edge bisection and told apart from their siblings by groups, so
-// that the same code sweeps them. What counts is the time up to `sweep` and the number of overlapping boxes that leave
-// it: a library that subdivided virtually would pay that much, then make pairs of triangles unique, then decide these.
-// So pieces win only where one of the two falls by more than the other rises.
+// Here the pieces are real triangles, made by longest-edge bisection, with the same group for pieces of one triangle,
+// so that the same code sweeps them. The figures are the time up to `sweep` and the number of overlapping boxes that it
+// finds: virtual subdivision would cost that much, then make pairs of triangles unique, then decide these. So pieces
+// win only where one of the two falls by more than the other rises.
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@
 namespace crumple::benchmark {
 namespace {
 
-constexpr std::int64_t most_pieces = 16;  ///< a triangle, on average: finer cuts are left out
+constexpr std::int64_t most_pieces = 16;  ///< pieces per triangle, on average: finer cuts are left out
 
 using Point = std::array<double, 3>;
 using Corners = std::array<Point, 3>;
@@ -48,7 +48,7 @@ std::vector<Corners> corners_of(const io::TriangleMesh& mesh) {
     return triangles;
 }
 
-/// Pieces with no edge longer than `longest`, each in its triangle's group; empty if there are too many.
+/// Returns pieces with no edge longer than `longest`, each in its triangle's group; empty if there are too many.
 io::TriangleMesh cut(const std::vector<Corners>& triangles, double longest) {
     io::TriangleMesh pieces;
     auto& xyz = pieces.vertices.emplace<std::vector<float>>();
@@ -130,7 +130,7 @@ nlohmann::json study_virtual_subdivision(const StudySettings& settings) {
                             {"until_sweep", to_json(cost.until_sweep)}});
         };
         add("uncut", workload.triangle_count(), cost_of(workload.a, {}, settings.effort));
-        // Welded, so that pieces know their neighbours, and without those: `narrow` is not what is measured.
+        // Welded, so that adjacent pieces are recognised and skipped: `narrow` is not measured.
         const IntersectionQuery apart{
             .neighbours = Neighbours::skip, .weld = true, .filter = {.groups = PairScope::between}};
         for (int halvings = 1; halvings <= (settings.quick ? 3 : 12); ++halvings) {

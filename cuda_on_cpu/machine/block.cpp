@@ -18,10 +18,11 @@
 #include "cuda_on_cpu/machine/settings.h"
 #include "cuda_on_cpu/shim/cuda_on_cpu/thread_index.h"
 
-// One scheduler, so one file: who runs next, who waits for whom and what is wrong with it read the same state.
+// Scheduler of the threads of a block. It is one file because the choice of the next thread, the meetings and the
+// checks read the same state.
 //
-// This file is compiled without ThreadSanitizer's instrumentation. All that several fibers touch is therefore in plain
-// arrays: a container's code might be the instrumented copy of another file.
+// This file is compiled without ThreadSanitizer's instrumentation. State that several fibers share is therefore in
+// plain arrays: the linker might choose another file's instrumented copy of a container's functions.
 
 namespace cuda_on_cpu {
 namespace {
@@ -31,7 +32,7 @@ thread_local Block* current_block = nullptr;
 constexpr std::size_t page = 4096;
 constexpr std::size_t arena_bytes = (limits::shared_bytes_per_block_optin + page - 1) / page * page;
 constexpr std::size_t shared_alignment = 16;
-// Bytes that nobody may change, on both sides of shared memory where no guard page is.
+// Canary bytes in front of shared memory. Behind it, canaries fill the gap up to the guard page.
 constexpr std::size_t canary_bytes = 64;
 constexpr unsigned char canary = 0xC5;
 
@@ -42,16 +43,16 @@ bool same(const Site& a, const Site& b) { return a.line == b.line && same(a.what
 
 }  // namespace
 
-/// One thread of the block, which is to start, runs, waits or has ended.
+/// State of one CUDA thread of the block, which has not started, runs, waits or has ended.
 struct Block::Thread {
     uint3 index{};
     unsigned uses = 0;
     bool started = false, alive = false;
     const Site* waits_in = nullptr;
-    std::uint32_t mask = 0;  // 0: a meeting of the block
+    std::uint32_t mask = 0;  // lanes of the meeting it waits in; 0: the whole block
 };
 
-/// A fiber and the thread that it runs, of one block after another.
+/// Fiber, reused for every block, and the CUDA thread that it runs in the current one.
 struct Block::Lane {
     Lane(Block* owner) : block(owner), fiber(&Block::live, this) {}
     Block* block;
@@ -60,8 +61,9 @@ struct Block::Lane {
     bool quit = false;
 };
 
-/// Threads that wait for others of their block or of a mask. Edges alternate between two objects, so that who is slow
-/// to leave one meeting does not see those who already came to the next.
+/// Group of threads that wait for one another: a whole block, or the lanes of a mask. Happens-before edges alternate
+/// between two objects, so that a thread that is slow to leave one meeting does not acquire the edges of threads that
+/// have already arrived at the next.
 struct Block::Meeting {
     Site site{};
     std::uint32_t mask = 0, arrived = 0;
@@ -69,11 +71,11 @@ struct Block::Meeting {
     char edges[2] = {};
 };
 
-/// A warp's lanes may wait in several meetings at a time, of disjoint masks.
+/// Meetings of the lanes of a warp. Several may be in progress at a time; a lane waits in one of them at most.
 struct Block::Warp {
     Meeting meetings[warp_size];
-    std::uint32_t open = 0;  // the meetings to which somebody has come
-    std::uint32_t exited = 0;
+    std::uint32_t open = 0;    // bit i: meetings[i] is in progress
+    std::uint32_t exited = 0;  // lanes that have exited or do not exist
 };
 
 Block::Block() : random_(settings().seed) {
@@ -130,8 +132,8 @@ void Block::run(const Kernel& kernel, LaunchEdges& edges, uint3 index) {
     check_shared();
 }
 
-/// A rank of a block runs on another fiber than the same rank of the block before. To ThreadSanitizer a fiber is a
-/// thread, and what one thread does is never a race.
+/// Assigns a fiber to each thread of the block, another one than the same rank had in the previous block: to
+/// ThreadSanitizer a fiber is a thread, and accesses of one thread never race.
 void Block::prepare_lanes(const Kernel& kernel) {
     const unsigned wanted = thread_sanitizer ? size_ + warp_size : size_;
     if (fiber_count_ < wanted) {
@@ -152,7 +154,7 @@ void Block::prepare_lanes(const Kernel& kernel) {
         wake(rank);
     }
     for (unsigned w = 0; w * warp_size < size_; ++w) {
-        // Lanes beyond the block's end have, so to say, exited before the start.
+        // Lanes beyond the end of the block count as exited.
         const unsigned present = std::min(size_ - w * warp_size, warp_size);
         warps_[w].exited = present == warp_size ? 0 : ~0u << present;
         warps_[w].open = 0;
@@ -167,8 +169,8 @@ void Block::prepare_shared() {
     shared_ = arena_ + arena_bytes - whole;
     allow(arena_, arena_bytes);
     if (thread_sanitizer) {
-        // To ThreadSanitizer a new mapping that it does not track is memory that nobody has touched: the block before
-        // has nothing to do with this one.
+        // To ThreadSanitizer a new, untracked mapping is memory that no thread has touched, so accesses of the previous
+        // block do not race with those of this one.
         const Untracked untracked;
         const std::size_t used = std::min(arena_bytes, (whole + canary_bytes + page - 1) / page * page);
         mmap(arena_ + arena_bytes - used, used, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
@@ -197,7 +199,7 @@ void Block::check_shared() const {
             fail("block (%u,%u,%u) wrote %zu bytes before its shared memory", index_.x, index_.y, index_.z, i);
 }
 
-/// The first at or after `rank` that can run, or else the first of all; there is one.
+/// Returns the first ready rank at or after `rank`, wrapping around. Requires that a thread is ready.
 unsigned Block::next_ready(unsigned rank) const {
     const unsigned words = (size_ + 63) / 64;
     unsigned w = rank / 64;
@@ -206,7 +208,7 @@ unsigned Block::next_ready(unsigned rank) const {
     return w * 64 + static_cast<unsigned>(std::countr_zero(here));
 }
 
-/// The rank that runs next, `size_` if none can.
+/// Removes the rank that runs next from the ready ones and returns it; returns `size_` if no thread can run.
 unsigned Block::pick() {
     const unsigned words = (size_ + 63) / 64;
     bool any = false;
@@ -247,7 +249,7 @@ unsigned Block::pick() {
     return rank;
 }
 
-/// A fiber's life: one thread after another.
+/// Body of a fiber: runs one CUDA thread after another.
 Fiber& Block::live(void* argument) {
     Lane& lane = *static_cast<Lane*>(argument);
     Block& block = *lane.block;
@@ -261,8 +263,8 @@ Fiber& Block::live(void* argument) {
     return *block.caller_;
 }
 
-/// Makes the thread that is to run next the running one, and returns its fiber; that of run() if none can run. The
-/// fiber of a thread that has just ended takes over one that has not started, which saves the switch.
+/// Selects the thread that runs next and returns its fiber, or the fiber of run() if no thread can run. The fiber of a
+/// thread that has just ended takes over a thread that has not started, which saves a switch.
 Fiber& Block::next(bool ended) {
     const unsigned last = rank_;
     inside_ = false;
@@ -279,7 +281,7 @@ Fiber& Block::next(bool ended) {
     return lanes_[rank_]->fiber;
 }
 
-/// Lets the next thread run; returns when the caller's fiber has one to run again.
+/// Switches to the next thread. Returns when the calling fiber has a thread to run again.
 void Block::pass_on(bool ended) {
     Fiber& mine = lanes_[rank_]->fiber;
     Fiber& other = next(ended);
@@ -349,13 +351,13 @@ Block::Meeting& Block::join(Warp& warp, const Site& site, std::uint32_t mask) co
     for (std::uint32_t open = warp.open; open; open &= open - 1) {
         Meeting& meeting = warp.meetings[std::countr_zero(open)];
         if (meeting.mask == mask && same(meeting.site, site)) return meeting;
-        // Lanes that wait for the caller elsewhere may do so, unless the caller is about to wait for them.
+        // Lanes may wait for the caller in another meeting, unless the caller is about to wait for them.
         if (meeting.mask & bit && meeting.arrived & mask)
             fail_in_kernel("is in %s(0x%08x) at %s:%d while others wait for it in %s(0x%08x) at %s:%d", site.what, mask,
                            site.file, site.line, meeting.site.what, meeting.mask, meeting.site.file, meeting.site.line);
     }
-    // A meeting lives where its lowest lane is, so that edges of one group stay apart from those of another; elsewhere
-    // if that lane still waits with others. Each waiting lane fills one meeting at most, so one of 32 is free.
+    // A meeting is stored at the index of its lowest lane, so that different groups use different edges, or in the
+    // first free slot if that one is taken. Each waiting lane occupies one meeting at most, so one of 32 is free.
     const std::uint32_t lowest = mask & -mask, free = warp.open & lowest ? ~warp.open & (warp.open + 1) : lowest;
     warp.open |= free;
     Meeting& meeting = warp.meetings[std::countr_zero(free)];

@@ -1,16 +1,16 @@
 #pragma once
 
-// A block of threads: each is a fiber, one runs at a time, and it runs until it meets others.
+// Block of CUDA threads. Each thread is a fiber. One runs at a time, until it meets others.
 //
-// A meeting is anything for which CUDA makes threads wait for one another: a barrier, a ballot, a shuffle, the inside
-// of a CUB primitive. Each thread that comes hands in a pointer to its contribution and sleeps; the last one combines
-// all contributions, then all may go on. Who goes on first is the order's choice (settings.h): a thread of the
-// lowest rank, or the highest, or any. So in forward order warp 0 gets as far as it can before warp 1 starts.
+// A meeting is any operation for which CUDA makes threads wait for one another: a barrier, a ballot, a shuffle, the
+// inside of a CUB primitive. Each thread that arrives passes a pointer to its contribution and sleeps; the last one
+// combines all contributions, then all may continue. `Order` (settings.h) chooses which thread continues first: that of
+// the lowest rank, of the highest, or any. So in forward order warp 0 gets as far as it can before warp 1 starts.
 //
-// What is an error: a meeting that can never be complete (threads wait in different places, or have exited), a warp
-// meeting whose mask lacks the caller, names threads that are not there, or differs from what others named. The call
-// site belongs to the meeting: two threads at two different __syncthreads() do not meet. CUDA lets threads that have
-// exited miss a barrier since compute capability 7.0; here they may not, because CUB's primitives do not allow it.
+// Errors are a meeting that can never be complete (threads wait in different places, or have exited), and a warp
+// meeting whose mask lacks the caller, names threads that do not exist, or differs from the masks of others. The call
+// site belongs to the meeting: two threads at two different __syncthreads() do not meet. Since compute capability 7.0
+// CUDA lets threads that have exited miss a barrier; here that is an error, because CUB's primitives do not allow it.
 
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +24,7 @@ namespace cuda_on_cpu {
 inline constexpr unsigned warp_size = 32;
 inline constexpr unsigned most_threads = 1024;
 
-/// Which call threads meet in. Equal if all members are.
+/// Call site of a meeting: function, file and line. Sites are equal if all members are.
 struct Site {
     const char* what;
     const char* file;
@@ -35,8 +35,8 @@ class Fiber;
 
 class Block {
    public:
-    /// Called by the last thread to come. contributions[i] is what thread i of the block, or lane i of the warp, handed
-    /// in; entries of lanes outside of the mask mean nothing.
+    /// Called by the last thread to arrive. contributions[i] is the pointer that thread i of the block, or lane i of
+    /// the warp, passed; entries of lanes outside the mask are undefined.
     using Combine = void (*)(void* context, void* const* contributions);
 
     Block();
@@ -44,20 +44,20 @@ class Block {
     Block(const Block&) = delete;
     Block& operator=(const Block&) = delete;
 
-    /// Runs one block of the launch from begin to end, on the OS thread that made this object.
+    /// Runs one block of the launch from begin to end, on the OS thread that constructed this object.
     void run(const Kernel& kernel, LaunchEdges& edges, uint3 index);
 
-    /// The block whose thread runs on this OS thread, null on the host.
+    /// Returns the block whose thread runs on this OS thread; null on the host.
     static Block* running();
-    /// The same; an error on the host.
+    /// Returns the block whose thread runs on this OS thread. An error on the host.
     static Block& current();
 
-    /// All threads of the block meet. `fence`: the meeting is a barrier that orders memory.
+    /// Waits for all threads of the block. With `fence` the meeting is a barrier that orders memory.
     void meet(const Site& site, bool fence, void* contribution, Combine combine, void* context);
-    /// The lanes of the caller's warp that `mask` names meet.
+    /// Waits for the lanes of the caller's warp that `mask` names.
     void meet_in_warp(const Site& site, std::uint32_t mask, bool fence, void* contribution, Combine combine,
                       void* context);
-    /// Lets others go first, as __nanosleep does.
+    /// Lets other threads run first, as __nanosleep does.
     void yield();
     /// Orders memory within the block.
     void fence();
@@ -70,7 +70,7 @@ class Block {
     /// Dynamic shared memory: `shared_bytes()` bytes that end at a guard page.
     std::byte* shared() const { return shared_; }
     std::size_t shared_bytes() const { return shared_bytes_; }
-    /// Counts the running thread's uses of CUB storage, so that each use touches other bytes.
+    /// Returns and increments the running thread's count of uses of CUB storage, so that each use touches another byte.
     unsigned next_use();
     Random& random() { return random_; }
 
@@ -104,10 +104,10 @@ class Block {
     unsigned size_ = 0, alive_ = 0, rank_ = 0;
     bool inside_ = false;
 
-    Fiber* caller_ = nullptr;  ///< of run()
-    Lane** fibers_ = nullptr;  ///< all that were ever made
+    Fiber* caller_ = nullptr;  ///< fiber that called run()
+    Lane** fibers_ = nullptr;  ///< `fiber_count_` fibers, made so far
     unsigned fiber_count_ = 0, rotation_ = 0;
-    Lane** lanes_ = nullptr;          ///< by rank, this run's
+    Lane** lanes_ = nullptr;          ///< by rank, of the current block
     void** contributions_ = nullptr;  ///< by rank
     Warp* warps_ = nullptr;
     Meeting* barrier_ = nullptr;
@@ -122,12 +122,11 @@ class Block {
     Random random_;
 };
 
-/// Orders memory of all threads. To ThreadSanitizer whoever fences later has seen what was written before an earlier
-/// fence, with or without an atomic access in between: CUDA asks for a fence on both sides, and that is what is
-/// checked.
+/// Orders memory across all threads of the device. To ThreadSanitizer a fence happens after every earlier fence, with
+/// or without an atomic access in between: CUDA requires a fence on both sides, and this is what is checked.
 void device_fence();
 
-/// Contributions as what they are.
+/// Typed view of the contributions to a meeting.
 template <class T>
 class Contributions {
    public:
@@ -138,7 +137,7 @@ class Contributions {
     void* const* all_;
 };
 
-/// All threads of the block meet; combine(contributions) is called once.
+/// Waits for all threads of the block. The last one to arrive calls combine(contributions).
 template <class T, class F>
 void meet(const Site& site, bool fence, T& mine, F&& combine) {
     Block::current().meet(

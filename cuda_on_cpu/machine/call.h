@@ -1,7 +1,7 @@
 #pragma once
 
-// What every function of the runtime API has in common: one host thread at a time, no device is an error, and errors
-// are kept for cudaGetLastError.
+// Common part of the functions of the runtime API: they run in one host thread at a time, fail if there is no device,
+// and store errors for cudaGetLastError.
 
 #include <mutex>
 
@@ -10,7 +10,7 @@
 
 namespace cuda_on_cpu {
 
-/// The calling thread's last error, current device, and how far it respects captures.
+/// State of a host thread: last error, current device, and capture mode (cudaThreadExchangeStreamCaptureMode).
 struct HostThread {
     cudaError_t last_error = cudaSuccess;
     int device = 0;
@@ -18,7 +18,7 @@ struct HostThread {
 };
 HostThread& host_thread();
 
-/// Why there is no device to call, or cudaSuccess.
+/// Returns the error of a call without a working device; cudaSuccess if there is one.
 inline cudaError_t device_missing() {
     if (!settings().driver) return cudaErrorInsufficientDriver;
     return settings().devices < 1 ? cudaErrorNoDevice : settings().broken;

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-// What a launch may ask for: the numbers of compute capability 9.0.
+// Limits of a launch on compute capability 9.0.
 namespace cuda_on_cpu::limits {
 
 inline constexpr int threads_per_block = 1024;
@@ -11,7 +11,7 @@ inline constexpr int grid_x = 2147483647, grid_y = 65535, grid_z = 65535;
 inline constexpr int threads_per_multiprocessor = 2048, blocks_per_multiprocessor = 32;
 inline constexpr int registers = 65536;
 inline constexpr std::size_t shared_bytes_per_block = 48 << 10;
-/// After cudaFuncSetAttribute has asked for it.
+/// Upper bound of the limit that cudaFuncSetAttribute may set.
 inline constexpr std::size_t shared_bytes_per_block_optin = 227 << 10;
 inline constexpr std::size_t shared_bytes_per_multiprocessor = 228 << 10;
 

@@ -1,5 +1,5 @@
-// What a segmentation fault in a kernel means. The handler may only do what is safe then; it reads the lists of
-// allocations without a lock, since the host waits while kernels run and nobody changes them.
+// Explains segmentation faults in kernels on stderr. The signal handler may do only what is safe in one. It reads the
+// lists of allocations without a lock: the host waits while kernels run, so nobody changes them.
 
 #include <signal.h>
 #include <unistd.h>
@@ -17,7 +17,7 @@ namespace cuda_on_cpu {
 namespace {
 
 void explain(int, siginfo_t* info, void*) {
-    signal(SIGSEGV, SIG_DFL);  // the access is tried again after the handler, and ends the process
+    signal(SIGSEGV, SIG_DFL);  // after the handler the access is repeated, and ends the process
     const void* address = info->si_addr;
     char text[300], what[160], where[120] = "the host";
     const Block* block = Block::running();
@@ -43,7 +43,7 @@ void explain(int, siginfo_t* info, void*) {
 
 void explain_faults() {
     if (address_sanitizer || thread_sanitizer) return;
-    // The stack that overflowed is no place to run on.
+    // The handler needs a stack of its own, for the current one may have overflowed.
     constexpr std::size_t stack_bytes = 64 << 10;
     thread_local const std::unique_ptr<char[]> memory(new char[stack_bytes]);
     stack_t stack{};

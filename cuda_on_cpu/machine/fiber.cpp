@@ -39,7 +39,8 @@ void Fiber::switch_to(Fiber& next) {
     arrive(std::move(next.context_).resume());
 }
 
-/// Stores where the fiber that ran before stopped, and its stack: that of an OS thread is known only from this.
+/// Stores the context and the stack bounds of the fiber that ran before. The stack bounds of an OS thread are available
+/// only in this way.
 void Fiber::arrive(boost::context::fiber&& from) {
     from_->context_ = std::move(from);
     arrive_on_stack(fake_stack_, &from_->bottom_, &from_->usable_bytes_);

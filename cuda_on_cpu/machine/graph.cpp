@@ -13,7 +13,7 @@ GraphCount& graph_count() {
 }
 
 std::size_t longest_chain(const Nodes& nodes) {
-    std::vector<std::size_t> length(nodes.size(), 1);  // a node names earlier ones only
+    std::vector<std::size_t> length(nodes.size(), 1);  // nodes depend on earlier ones only
     for (std::size_t i = 0; i < nodes.size(); ++i)
         for (const std::size_t before : nodes[i].after) length[i] = std::max(length[i], length[before] + 1);
     return nodes.empty() ? 0 : *std::max_element(length.begin(), length.end());

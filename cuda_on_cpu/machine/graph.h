@@ -1,7 +1,7 @@
 #pragma once
 
-// Graphs: what a capture records, and what a launch runs. A node runs after those it names; among nodes that are ready
-// the order (settings.h) chooses, so a dependency that was forgotten shows.
+// Graphs, which captures record and launches run. A node runs after those that it depends on. Among ready nodes `Order`
+// (settings.h) chooses, which exposes missing dependencies.
 
 #include <cstdint>
 #include <functional>
@@ -14,35 +14,35 @@
 
 namespace cuda_on_cpu {
 
-/// One thing for a stream to do.
+/// Unit of work of a stream, which is a node if a capture records it.
 struct Work {
     enum class Kind { kernel, copy, set, host, graph };
     Kind kind;
-    const void* function = nullptr;  ///< of a kernel
+    const void* function = nullptr;  ///< identifies the kernel or device-wide primitive
     std::function<void()> run;
 };
 
 struct Node {
     Work work;
-    std::vector<std::size_t> after;  ///< indices of nodes that come before, in ascending order
+    std::vector<std::size_t> after;  ///< indices of the nodes that it depends on, ascending
 };
 using Nodes = std::vector<Node>;
 
-/// Runs all nodes, each after those it names.
+/// Runs all nodes, each after those that it depends on.
 void run_nodes(const Nodes& nodes);
 
-/// The most nodes of which each waits for the one before.
+/// Returns the number of nodes on the longest path of dependencies.
 std::size_t longest_chain(const Nodes& nodes);
 
-/// What has been made of captures so far.
+/// Counters of executable graphs, for tests.
 struct GraphCount {
     std::size_t instantiated = 0;
-    std::size_t nodes = 0;  ///< of the last one
-    std::size_t chain = 0;  ///< of these, the most that wait for each other
+    std::size_t nodes = 0;  ///< nodes of the last one
+    std::size_t chain = 0;  ///< nodes on its longest path of dependencies
 };
 GraphCount& graph_count();
 
-/// A capture in progress. Streams that an event has brought in are members, too.
+/// Capture in progress. Its members are the stream where it began and those that joined it by waiting for an event.
 struct Capture {
     Nodes nodes;
     CUstream_st* origin = nullptr;
@@ -59,7 +59,7 @@ struct CUgraph_st {
     cuda_on_cpu::Nodes nodes;
 };
 
-/// Launched graphs hold the nodes they were launched with: an update changes only what is launched later.
+/// Executable graph. A launch holds the nodes that it was enqueued with: an update affects later launches only.
 struct CUgraphExec_st {
     std::shared_ptr<const cuda_on_cpu::Nodes> nodes;
 };

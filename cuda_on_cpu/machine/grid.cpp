@@ -1,7 +1,7 @@
-// The workers: OS threads that live as long as the process, each with one Block that it runs again and again. They take
-// the next block of a launch from a counter. Signals between host and workers are C++20 waits, which ThreadSanitizer
-// does not see; the edges that it may see are those of LaunchEdges. A mutex here would order the blocks of one launch,
-// and hide their races.
+// Workers: OS threads that serve all launches until the number of workers or the seed changes. Each has one Block
+// object, which it reuses, and takes the next block of a launch from a counter. Host and workers signal each other by
+// C++20 waits, which ThreadSanitizer does not see; the only edges that it may see are those of LaunchEdges. A mutex
+// would order the blocks of one launch, and hide their races.
 
 #include <algorithm>
 #include <atomic>
@@ -19,7 +19,7 @@
 namespace cuda_on_cpu {
 namespace {
 
-/// The order of blocks is a walk over all of them: from `first` by `stride`, which has no common divisor with `blocks`.
+/// Launch in progress. Its blocks are visited from `first` in steps of `stride` modulo `blocks`; the two are coprime.
 struct Launch {
     const Kernel* kernel;
     std::uint64_t blocks, first, stride;
@@ -41,7 +41,7 @@ class Worker {
         give(nullptr);
         thread_.join();
     }
-    /// Starts work on a launch, at whose end `busy` loses one; null ends the worker.
+    /// Starts work on a launch, and decrements `busy` at its end. Null ends the worker.
     void give(Launch* launch) {
         launch_.store(launch);
         orders_.fetch_add(1);
@@ -50,7 +50,7 @@ class Worker {
 
    private:
     void work() {
-        std::fesetenv(FE_DFL_ENV);  // a device knows no other mode
+        std::fesetenv(FE_DFL_ENV);  // a device has no other floating-point mode
         explain_faults();
         Block block;
         for (unsigned done = 0;; ++done) {
@@ -72,7 +72,7 @@ class Worker {
 class Workers {
    public:
     Workers(unsigned count, std::uint32_t seed) : seed_(seed), random_(seed), all_(count) {}
-    /// The seed belongs to each worker's Block: another one asks for other workers.
+    /// True if the settings still have this number of workers and this seed, with which each worker's Block was made.
     bool fit() const { return all_.size() == worker_count() && seed_ == settings().seed; }
 
     void run(const Kernel& kernel) {

@@ -8,17 +8,18 @@
 
 namespace cuda_on_cpu {
 
-/// A launch: how many threads, how much shared memory, and what each thread runs.
+/// Kernel launch: number of threads, bytes of shared memory, and the body that each thread runs.
 struct Kernel {
     dim3 grid, block;
     std::size_t shared_bytes = 0;
-    const void* function = nullptr;       ///< names the kernel: attributes and graph updates ask for it
-    std::vector<const void*> parameters;  ///< addresses
+    const void* function = nullptr;       ///< identifies the kernel
+    std::vector<const void*> parameters;  ///< addresses of the kernel's arguments
     std::function<void()> body;
 };
 
-/// Where happens-before edges between the host and the threads of one launch meet: begin holds what the launch saw,
-/// end what the threads left. They are two, because a thread that ends must not seem to precede one that starts.
+/// Addresses of the happens-before edges between the host and the threads of one launch: `begin` from the host to the
+/// threads, `end` from the threads to the host. They are two, because a thread that ends must not appear to precede one
+/// that starts.
 struct LaunchEdges {
     char begin = 0, end = 0;
 };

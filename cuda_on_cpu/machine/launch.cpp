@@ -11,7 +11,7 @@
 namespace cuda_on_cpu {
 namespace {
 
-/// Dynamic shared memory that a kernel may have: 48 KiB, or what cudaFuncSetAttribute has asked for.
+/// Bytes of dynamic shared memory allowed by cudaFuncSetAttribute, by kernel. Other kernels may have 48 KiB.
 std::map<const void*, std::size_t>& shared_limits() {
     static std::map<const void*, std::size_t> instance;
     return instance;
@@ -32,7 +32,7 @@ cudaError_t check(const cudaLaunchConfig_t& config, const void* kernel) {
     if (!within(config.gridDim, limits::grid_x, limits::grid_y, limits::grid_z) ||
         !within(block, limits::block_x, limits::block_y, limits::block_z) ||
         block.x * block.y * block.z > static_cast<unsigned>(limits::threads_per_block))
-        return cudaErrorInvalidValue;  // as cudaLaunchKernelEx has it; <<<>>> has cudaErrorInvalidConfiguration
+        return cudaErrorInvalidValue;  // as cudaLaunchKernelEx does; <<<>>> gives cudaErrorInvalidConfiguration
     if (config.dynamicSmemBytes > shared_limit(kernel)) return cudaErrorInvalidValue;
     for (unsigned i = 0; i < config.numAttrs; ++i) switch (config.attrs[i].id) {
             case cudaLaunchAttributeIgnore:
@@ -95,7 +95,7 @@ cudaError_t occupancy(int& blocks, const void* kernel, int threads, std::size_t 
     return call([&] {
         if (!kernel) return cudaErrorInvalidDeviceFunction;
         if (threads < 1) return cudaErrorInvalidValue;
-        const std::size_t per_block = shared_bytes + 1024;  // each block costs the system's own 1 KiB, too
+        const std::size_t per_block = shared_bytes + 1024;  // the system reserves 1 KiB per block
         const auto by_memory = static_cast<int>(limits::shared_bytes_per_multiprocessor / per_block);
         blocks = threads > limits::threads_per_block || shared_bytes > shared_limit(kernel)
                      ? 0

@@ -1,6 +1,6 @@
 #pragma once
 
-// The untyped side of a launch: checks, and a place in the stream.
+// Type-erased part of a launch: checks it and enqueues it in its stream.
 
 #include <cstddef>
 #include <functional>
@@ -10,19 +10,19 @@
 
 namespace cuda_on_cpu {
 
-/// Gives the stream a launch, each thread of which runs `body`. `parameters`: addresses of the kernel's, which live as
-/// long as `body`.
+/// Enqueues a launch, each thread of which runs `body`. `parameters`: addresses of the kernel's arguments, which must
+/// live as long as `body`.
 cudaError_t launch(const cudaLaunchConfig_t& config, const void* kernel, std::function<void()> body,
                    std::vector<const void*> parameters);
 
-/// Numbers of launches of kernels, and of copies, that were given to streams so far.
+/// Numbers of kernel launches and of copies enqueued so far.
 struct WorkCount {
     std::size_t launches = 0, copies = 0;
 };
 WorkCount& work_count();
 
-/// Gives a stream something for the device to do that is no launch of ours, such as one of CUB's device-wide
-/// primitives. `function` tells one kind from another when a graph is updated.
+/// Enqueues device work that is no kernel launch, such as one of CUB's device-wide primitives, which `function`
+/// identifies.
 cudaError_t enqueue_device_work(cudaStream_t stream, const void* function, std::function<void()> run);
 
 cudaError_t set_attribute(const void* kernel, cudaFuncAttribute attribute, int value);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t page = 4096;
 constexpr unsigned char canary = 0xC5;
-// Freed allocations whose pages stay untouchable; a process may have some 65,000 mappings.
+// Number of freed allocations whose pages stay inaccessible. A process may have some 65,000 mappings.
 constexpr std::size_t quarantine_length = 4096;
 
 std::size_t round_up(std::size_t n, std::size_t to) { return (n + to - 1) / to * to; }
@@ -29,7 +29,7 @@ struct Mapping {
     std::size_t bytes;
 };
 
-/// Pages for an allocation, its end rounded to `alignment`, and a guard page.
+/// Returns the pages of an allocation, whose end is rounded up to `alignment`, and its guard page.
 Mapping mapping_of(const Allocation& a) {
     const std::size_t body = round_up(a.bytes, page);
     return {a.begin + round_up(a.bytes, alignment) - body, body + page};
@@ -68,7 +68,7 @@ void unmap(const Allocation& a) {
         std::free(a.begin);
         return;
     }
-    // A fresh inaccessible mapping in its place gives the pages back and keeps the addresses.
+    // A fresh inaccessible mapping in its place frees the pages and keeps the addresses reserved.
     const Mapping m = mapping_of(a);
     mmap(m.begin, m.bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1, 0);
     auto& quarantine = state().quarantine;

@@ -6,7 +6,7 @@
 
 namespace cuda_on_cpu {
 
-/// Marsaglia's 64-bit xorshift: rubbish for fresh memory and choices for random orders, the same for the same seed.
+/// Marsaglia's 64-bit xorshift, for rubbish in fresh memory and choices of random orders. Deterministic for a seed.
 class Random {
    public:
     explicit Random(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15u + 0xD1B54A32D192ED03u) { next(); }
@@ -17,7 +17,7 @@ class Random {
         state_ ^= state_ << 17;
         return state_;
     }
-    /// Below n, which is at least 1.
+    /// Returns a number below `n`, which must be at least 1.
     std::uint64_t below(std::uint64_t n) { return next() % n; }
 
     void fill(void* memory, std::size_t bytes) {

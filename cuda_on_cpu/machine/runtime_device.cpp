@@ -139,7 +139,7 @@ const char* cudaGetErrorString(cudaError_t error) {
     return "unrecognised error code";
 }
 
-// Without a driver CUDA's runtime has that one answer to everything.
+// Without a driver CUDA's runtime always returns cudaErrorInsufficientDriver.
 cudaError_t cudaGetLastError() {
     const cudaError_t error = std::exchange(host_thread().last_error, settings().broken);
     return settings().driver ? error : cudaErrorInsufficientDriver;
@@ -222,7 +222,7 @@ cudaError_t cudaDeviceGetStreamPriorityRange(int* least, int* greatest) {
 
 cudaError_t cudaDeviceSynchronize() {
     return call([&] {
-        // A thread in relaxed mode spoils a global capture, too.
+        // A thread in relaxed mode invalidates a global capture, too.
         if (const cudaError_t error = leave_capture_alone(cudaStreamCaptureModeGlobal)) return error;
         drain_all();
         return cudaSuccess;

@@ -10,7 +10,7 @@
 #include "cuda_on_cpu/machine/report.h"
 #include "cuda_on_cpu/shim/cuda_on_cpu/runtime_api.h"
 
-/// There is one pool a device. What it keeps in reserve is nothing, so its threshold is only remembered.
+/// Memory pool, one for all devices. It holds nothing in reserve, so its threshold is stored and has no effect.
 struct CUmemPoolHandle_st {
     std::uint64_t release_threshold = 0;
 };
@@ -30,7 +30,7 @@ cudaError_t allocate(void** result, std::size_t bytes, Kind kind) {
     return *result ? cudaSuccess : cudaErrorMemoryAllocation;
 }
 
-/// Waits for all work, as cudaFree does.
+/// Frees memory after all pending work is done, as cudaFree does.
 cudaError_t release(void* pointer, Kind kind) {
     if (const cudaError_t error = leave_capture_alone()) return error;
     if (!pointer) return cudaSuccess;
@@ -38,7 +38,8 @@ cudaError_t release(void* pointer, Kind kind) {
     return memory::release(pointer, kind) ? cudaSuccess : cudaErrorInvalidValue;
 }
 
-/// Which memory an address is; one that lies just past an allocation is pageable memory, and so refused as device's.
+/// Kind of memory at an address. An address just past an allocation counts as pageable memory, so it is refused as
+/// device memory.
 struct Place {
     bool on_device = false, on_host = true, pinned = false;
     explicit Place(const void* address) {
@@ -62,7 +63,7 @@ struct Copy {
     }
 };
 
-/// The kind must fit the places, and each must hold the whole range.
+/// Checks that the kind fits both addresses, and that allocations of the machine hold the whole range.
 cudaError_t check(const Copy& copy, cudaMemcpyKind kind) {
     const Place to(copy.to), from(copy.from);
     const bool fits = kind == cudaMemcpyHostToHost       ? to.on_host && from.on_host
@@ -76,7 +77,7 @@ cudaError_t check(const Copy& copy, cudaMemcpyKind kind) {
     return cudaSuccess;
 }
 
-/// A graph has no node that does nothing.
+/// Handles a copy or fill of no bytes. It is an error during a capture, because a graph has no empty nodes.
 cudaError_t enqueue_nothing(cudaStream_t handle) {
     const CUstream_st* stream = stream_of(handle);
     if (!stream) return cudaErrorInvalidResourceHandle;
@@ -85,8 +86,8 @@ cudaError_t enqueue_nothing(cudaStream_t handle) {
     return cudaErrorInvalidValue;
 }
 
-/// What pageable memory holds is read before the call returns, and written before it returns; so a graph, which runs
-/// later, may not name it.
+/// Enqueues a copy. Pageable memory is read, and written, before the call returns; so it is refused during a capture,
+/// whose graph runs later.
 cudaError_t enqueue_copy(Copy copy, cudaMemcpyKind kind, cudaStream_t handle) {
     if (copy.width == 0 || copy.height == 0) return enqueue_nothing(handle);
     ++work_count().copies;
@@ -114,7 +115,7 @@ Copy flat(void* to, const void* from, std::size_t bytes) {
     return {static_cast<std::byte*>(to), static_cast<const std::byte*>(from), bytes, bytes, bytes, bytes ? 1u : 0u};
 }
 
-/// Copies in the legacy stream and returns when it is done. A capture forbids that only if it is a blocking stream's.
+/// Copies in the legacy stream and waits for the end. Only a capture of a blocking stream forbids that.
 cudaError_t copy_and_wait(const Copy& copy, cudaMemcpyKind kind) {
     if (const cudaError_t error = enqueue_copy(copy, kind, nullptr)) return error;
     drain(stream_of(nullptr));

@@ -7,7 +7,7 @@ using namespace cuda_on_cpu;
 
 namespace {
 
-/// f(stream), if there is such a stream.
+/// Calls f(stream) if the handle names a stream.
 template <class F>
 cudaError_t with_stream(cudaStream_t handle, F f) {
     return call([&] {
@@ -21,7 +21,7 @@ cudaError_t with_event(cudaEvent_t event, F f) {
     return call([&] { return is_event(event) ? f(*event) : cudaErrorInvalidResourceHandle; });
 }
 
-/// To wait for a stream that captures makes no sense, and ends the capture.
+/// Fails and invalidates the capture if the stream captures: nobody can wait for such a stream.
 cudaError_t refuse_capture(CUstream_st& stream) {
     if (!stream.capture) return cudaSuccess;
     stream.capture->invalid = true;
@@ -169,7 +169,7 @@ cudaError_t cudaThreadExchangeStreamCaptureMode(cudaStreamCaptureMode* mode) {
 cudaError_t cudaStreamGetCaptureInfo(cudaStream_t handle, cudaStreamCaptureStatus* status, unsigned long long* id) {
     return with_stream(handle, [&](CUstream_st& stream) {
         if (!status) return cudaErrorInvalidValue;
-        if (is_blocked(&stream)) return cudaErrorStreamCaptureImplicit;  // which leaves the capture as it was
+        if (is_blocked(&stream)) return cudaErrorStreamCaptureImplicit;  // the capture stays valid
         *status = !stream.capture           ? cudaStreamCaptureStatusNone
                   : stream.capture->invalid ? cudaStreamCaptureStatusInvalidated
                                             : cudaStreamCaptureStatusActive;
@@ -184,7 +184,7 @@ cudaError_t cudaStreamIsCapturing(cudaStream_t handle, cudaStreamCaptureStatus* 
 cudaError_t cudaGraphGetNodes(cudaGraph_t graph, cudaGraphNode_t* nodes, std::size_t* count) {
     return call([&] {
         if (!graph || !count) return cudaErrorInvalidValue;
-        if (nodes) return cudaErrorNotSupported;  // nodes have no handles here, only a number
+        if (nodes) return cudaErrorNotSupported;  // nodes have no handles, only their number is available
         *count = graph->nodes.size();
         return cudaSuccess;
     });

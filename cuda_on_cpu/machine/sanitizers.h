@@ -1,14 +1,15 @@
 #pragma once
 
-// What the machine tells the sanitizers, and nothing where there are none.
+// Annotations for the sanitizers, which do nothing in builds without them.
 //
-// ThreadSanitizer sees each CUDA thread as a thread of its own. An edge of happens-before exists only where CUDA gives
+// ThreadSanitizer sees each CUDA thread as a thread of its own. A happens-before edge exists only where CUDA guarantees
 // one: from launch to thread, at a barrier, from thread to the end of the launch. The machine's own bookkeeping is
-// compiled without instrumentation; what must be inline in instrumented code hides behind `Untracked`.
+// compiled without instrumentation; parts that must be inline in instrumented code are wrapped in `Untracked`.
 
 #include <cstddef>
 
-// Parts of the machine are compiled without instrumentation; the build tells those that the rest has it.
+// The build defines CUDA_ON_CPU_ASAN for parts of the machine that are compiled without instrumentation if the rest has
+// it.
 #if !defined(CUDA_ON_CPU_ASAN)
 #if defined(__SANITIZE_ADDRESS__)
 #define CUDA_ON_CPU_ASAN
@@ -39,7 +40,8 @@ namespace cuda_on_cpu {
 inline constexpr bool thread_sanitizer = true;
 inline void release_edge(void* object) { __tsan_release(object); }
 inline void acquire_edge(void* object) { __tsan_acquire(object); }
-// A thread of its own for a fiber. The switch adds no edge: that one runs after another proves nothing.
+// Threads of ThreadSanitizer, one for each fiber. A switch adds no edge: that one fiber runs after another does not
+// order their memory accesses.
 inline void* new_thread() { return __tsan_create_fiber(0); }
 inline void* current_thread() { return __tsan_get_current_fiber(); }
 inline void switch_thread(void* thread) { __tsan_switch_to_fiber(thread, __tsan_switch_to_fiber_no_sync); }
@@ -75,8 +77,8 @@ struct Untracked {
 inline constexpr bool address_sanitizer = true;
 inline void forbid(void* memory, std::size_t bytes) { __asan_poison_memory_region(memory, bytes); }
 inline void allow(void* memory, std::size_t bytes) { __asan_unpoison_memory_region(memory, bytes); }
-// Around a switch to another stack: who leaves says where it goes, and keeps its own state in `kept` (null if it will
-// not return); who arrives hands that back, and learns where it comes from.
+// Announce a switch between stacks. leave_stack names the next stack and saves the state of the current one in `kept`
+// (null if the fiber ends). arrive_on_stack restores that state and returns the bounds of the previous stack.
 inline void leave_stack(void** kept, const void* to_bottom, std::size_t to_bytes) {
     __sanitizer_start_switch_fiber(kept, to_bottom, to_bytes);
 }

@@ -17,7 +17,7 @@ struct State {
     std::set<CUevent_st*> events;
     std::vector<std::weak_ptr<Capture>> captures;
     std::uint64_t number = 0;
-    unsigned long long captured = 0;  // captures so far
+    unsigned long long captured = 0;  // number of captures so far
     State() { legacy.legacy = true; }
     ~State() {
         for (CUevent_st* event : events) delete event;
@@ -29,7 +29,7 @@ State& state() {
     return instance;
 }
 
-/// Streams that the legacy stream waits for, and that wait for it.
+/// Calls f(stream) for each blocking stream: the legacy stream and these wait for each other.
 template <class F>
 void for_each_blocking(F f) {
     for (const auto& stream : state().streams)
@@ -42,7 +42,7 @@ void run_first(CUstream_st* stream) {
         for_each_blocking([&](CUstream_st& other) { drain(&other, number); });
     else if (stream->blocking)
         drain(&state().legacy, number);
-    // What came before may have come here, too.
+    // Draining another stream may have run this item, too.
     if (stream->queue.empty() || stream->queue.front().number != number) return;
     const CUstream_st::Item item = std::move(stream->queue.front());
     stream->queue.pop_front();
@@ -71,7 +71,7 @@ bool forbids_legacy(const CUstream_st& blocking) {
     return blocking.capture && blocking.capture->mode != cudaStreamCaptureModeRelaxed;
 }
 
-/// True if the stream is blocked. The captures that block it are invalid from now on.
+/// Returns true if captures block the stream, and invalidates these.
 bool legacy_meets_capture(const CUstream_st* stream) {
     if (!is_blocked(stream)) return false;
     for_each_blocking([](CUstream_st& other) {
@@ -304,7 +304,7 @@ cudaError_t end_capture(cudaStream_t handle, Nodes& nodes) {
     if (capture->origin != stream) return cudaErrorStreamCaptureUnmatched;
     if (capture->mode != cudaStreamCaptureModeRelaxed && capture->thread != std::this_thread::get_id())
         return cudaErrorStreamCaptureWrongThread;
-    // Whatever other streams did must lead back to the origin's last nodes.
+    // The origin's last nodes must depend on all nodes of other streams.
     std::vector<bool> joined(capture->nodes.size(), false);
     for (const std::size_t tail : stream->tails) joined[tail] = true;
     for (std::size_t i = joined.size(); i-- > 0;)

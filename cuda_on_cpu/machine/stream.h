@@ -1,8 +1,8 @@
 #pragma once
 
-// Streams and events. Work that is given to a stream waits in its queue until somebody waits for it (settings.h,
-// Progress); then the host's own thread does it, one piece at a time. Work is numbered as it is given: the legacy
-// default stream and the blocking ones wait for each other's lower numbers, as CUDA promises.
+// Streams and events. Work enqueued in a stream stays in its queue until somebody waits for it (settings.h, Progress);
+// then the host's own thread does it, one item at a time. Items are numbered as they are enqueued: the legacy default
+// stream and the blocking ones wait for each other's lower numbers, as CUDA promises.
 
 #include <chrono>
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace cuda_on_cpu {
 
-/// A place in a stream's queue, which an event names.
+/// Position in a stream's queue, where an event was recorded.
 struct Marker {
     CUstream_st* stream = nullptr;
     std::uint64_t number = 0;
@@ -36,50 +36,51 @@ struct CUstream_st {
     int device = 0;
     std::deque<Item> queue;
     std::shared_ptr<cuda_on_cpu::Capture> capture;
-    std::vector<std::size_t> tails;  ///< nodes of the capture that the next one comes after
+    std::vector<std::size_t> tails;  ///< nodes of the capture on which the next one depends
 };
 
 struct CUevent_st {
     unsigned flags = 0;
     std::shared_ptr<cuda_on_cpu::Marker> marker;  ///< null: never recorded, which counts as reached
-    std::weak_ptr<cuda_on_cpu::Capture> capture;  ///< the one it was recorded in
+    std::weak_ptr<cuda_on_cpu::Capture> capture;  ///< capture in which it was recorded
     bool captured = false;
     std::vector<std::size_t> tails;
 };
 
 namespace cuda_on_cpu {
 
-/// Held by every call of the runtime: one host thread at a time drives the machine.
+/// Returns the mutex that every call of the runtime holds: one host thread at a time drives the machine.
 std::recursive_mutex& machine_mutex();
 
 CUstream_st* create_stream(bool blocking, int priority, int device);
 void destroy_stream(CUstream_st* stream);
-/// The stream that a handle names: null and cudaStreamLegacy are the legacy stream, cudaStreamPerThread the calling
-/// thread's own. Null if there is no such stream.
+/// Returns the stream that a handle names: null and cudaStreamLegacy name the legacy stream, cudaStreamPerThread the
+/// calling thread's own. Returns null if there is no such stream.
 CUstream_st* stream_of(cudaStream_t handle);
 CUevent_st* create_event(unsigned flags);
 bool is_event(cudaEvent_t event);
 void destroy_event(CUevent_st* event);
 
-/// Gives a stream work: to its queue, or to the graph it captures.
+/// Adds work to a stream's queue or, if it captures, to its graph.
 cudaError_t enqueue(cudaStream_t handle, Work work);
-/// The same for what has no place in a graph; refused during capture.
+/// Adds work that cannot be a node of a graph. During a capture it is refused, and invalidates the capture.
 cudaError_t enqueue_uncaptured(cudaStream_t handle, std::function<void()> run);
 
-/// True for the legacy stream while a blocking stream captures: it would wait for that one, so it cannot be used.
+/// True for the legacy stream while a blocking stream captures, unless in relaxed mode: the legacy stream would wait
+/// for that one, so it cannot be used.
 bool is_blocked(const CUstream_st* stream);
 
-/// cudaSuccess if the host may wait, allocate, free or destroy a graph's executable now, in the mode of its thread or
-/// in `mode`. If a capture forbids that, the capture is invalid from now on.
+/// Returns cudaSuccess if the host may wait, allocate, free or destroy a graph's executable now, in the mode of its
+/// thread or in `mode`. Otherwise invalidates the captures that forbid it and returns an error.
 cudaError_t leave_capture_alone();
 cudaError_t leave_capture_alone(cudaStreamCaptureMode mode);
 
-/// Does all that waits in a stream, or up to and with a number.
+/// Does all pending work of a stream, or that up to and including a number.
 void drain(CUstream_st* stream);
 void drain(CUstream_st* stream, std::uint64_t number);
-/// All streams, in the order of the settings.
+/// Does all pending work of all streams, in the order of the settings.
 void drain_all();
-/// The first piece of work that waits, if any; so that a host that polls gets there.
+/// Does the first pending item of a stream, if any, so that a host that polls makes progress.
 void step(CUstream_st* stream);
 
 cudaError_t record(CUevent_st* event, cudaStream_t handle);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Copies from global to shared memory that a thread does not wait for. Here they are done at once.
+// Asynchronous copies from global to shared memory. Here they are done at once.
 
 #include <cstddef>
 #include <cstring>

@@ -1,6 +1,6 @@
 #pragma once
 
-// Nobody profiles the machine.
+// Calls of the profiler, which do nothing.
 
 #include "cuda_on_cpu/shim/cuda_on_cpu/runtime_types.h"
 

@@ -1,8 +1,8 @@
 #pragma once
 
-// CUDA's runtime API and device functions, done by the CPU. See cuda_on_cpu/README.md.
+// CUDA's runtime API and device functions on the CPU. See cuda_on_cpu/README.md.
 
-// As CUDA's own header, this one brings the host's mathematics along.
+// Like CUDA's own header, this one includes the host's mathematical functions.
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,5 +16,5 @@
 #include "cuda_on_cpu/shim/cuda_on_cpu/synchronize.h"
 #include "cuda_on_cpu/shim/cuda_on_cpu/thread_index.h"
 #include "cuda_on_cpu/shim/cuda_on_cpu/warp.h"
-// Last, since it takes words away that others' headers might use.
+// Last, because its macros replace words that other headers might use.
 #include "cuda_on_cpu/shim/cuda_on_cpu/qualifiers.h"

@@ -1,5 +1,5 @@
 #pragma once
 
-// CUDA's runtime API, done by the CPU. See cuda_on_cpu/README.md.
+// CUDA's runtime API on the CPU. See cuda_on_cpu/README.md.
 
 #include "cuda_on_cpu/shim/cuda_on_cpu/runtime_api.h"

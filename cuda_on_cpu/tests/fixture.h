@@ -1,6 +1,6 @@
 #pragma once
 
-// What tests that turn the machine's settings start from, and leave behind: the defaults.
+// Fixture for tests that change the machine's settings: they begin with the defaults, and restore them.
 
 #include <cuda_runtime.h>
 #include <gtest/gtest.h>

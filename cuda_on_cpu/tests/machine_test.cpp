@@ -1,4 +1,4 @@
-// What a test can set of the machine: no device, little memory, orders.
+// Settings of the machine: no device, little memory, failing calls, orders.
 
 #include <unistd.h>
 
@@ -93,7 +93,7 @@ TEST_F(Machine, can_fail_any_launch) {
     check(cudaDeviceSynchronize());
 }
 
-TEST_F(Machine, stays_broken) {
+TEST_F(Machine, permanent_error_is_returned_by_every_call) {
     settings().broken = cudaErrorIllegalAddress;
     void* memory = nullptr;
     EXPECT_EQ(cudaMalloc(&memory, 4), cudaErrorIllegalAddress);
@@ -168,7 +168,7 @@ TEST_F(Machine, streams_are_lazy_or_eager) {
 
 __global__ void third(float* out, float one) { *out = one / 3.0f; }
 
-TEST_F(Machine, rounds_to_nearest_whatever_the_host_does) {
+TEST_F(Machine, kernels_round_to_nearest_in_any_mode_of_the_host) {
     const Array<float> out(1);
     const int before = std::fegetround();
     std::fesetround(FE_DOWNWARD);
@@ -178,7 +178,7 @@ TEST_F(Machine, rounds_to_nearest_whatever_the_host_does) {
     EXPECT_EQ(out.values()[0], 1.0f / 3.0f);
 }
 
-TEST_F(Machine, a_setting_that_means_nothing_is_an_error) {
+TEST_F(Machine, invalid_setting_is_an_error) {
     EXPECT_DEATH(
         {
             setenv("CUDA_ON_CPU_ORDER", "sideways", 1);
@@ -187,6 +187,6 @@ TEST_F(Machine, a_setting_that_means_nothing_is_an_error) {
         "CUDA_ON_CPU_ORDER=sideways means nothing");
 }
 
-TEST_F(Machine, device_code_has_no_place_on_the_host) { EXPECT_DEATH(__syncthreads(), "device code runs on the host"); }
+TEST_F(Machine, device_code_on_the_host_is_an_error) { EXPECT_DEATH(__syncthreads(), "device code runs on the host"); }
 
 }  // namespace

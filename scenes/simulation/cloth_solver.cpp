@@ -28,7 +28,7 @@ std::vector<Side> sides_of(std::span<const Fabric::Corners> triangles) {
     return sides;
 }
 
-/// What is left of a tangential way after friction with a normal correction has taken its share.
+/// Returns the share of a tangential movement that friction takes away, for the size of the normal correction.
 double friction_share(Vec3d way, double coefficient, double correction) {
     const double far = length(way);
     return far > 0 ? std::min(1.0, coefficient * correction / far) : 0;
@@ -99,7 +99,8 @@ StepTaken ClothSolver::step_freely(double dt, int substeps) {
     double fastest = 0;
     for (const Vec3d& velocity : velocities) fastest = std::max(fastest, length(velocity));
 
-    // What may come closer than the thickness. Of what is still faster, which is little, only the way is cut short.
+    // Finds pairs that may come closer than the thickness. For the few points that are still faster, only the step is
+    // shortened.
     const double reach = std::min(2 * fastest * dt, properties_.thickness);
     const std::span<const NearContact> contacts = near_->find(points, properties_.thickness + reach);
     start_ = points;
@@ -162,7 +163,7 @@ void ClothSolver::part(const SelfContact& contact, double age) {
     };
     const Vec3d normal = contact.side * normalised(cross(points[t[1]] - points[t[0]], points[t[2]] - points[t[0]]));
     const Vec3d apart = points[p] - meet(points);
-    // What came too close is let go slowly, or it would be shot away.
+    // Points that came too close separate slowly, or they would be shot away.
     const double wanted = std::min(properties_.thickness, contact.distance + properties_.separation_speed * age);
     const double correction = wanted - dot(normal, apart);
     if (!(correction > 0)) return;
@@ -185,7 +186,7 @@ void ClothSolver::part(const NearContact& contact, double age) {
     const double correction = wanted - dot(contact.direction, apart);
     if (!(correction > 0)) return;
     double share = 0;
-    std::int32_t last = 0;  // an obstacle's, if there is one
+    std::int32_t last = 0;  // that of an obstacle, if there is one
     for (std::size_t k = 0; k < 4; ++k) {
         share += (1 - held[static_cast<std::size_t>(contact.points[k])]) * contact.weights[k] * contact.weights[k];
         last = std::max(last, contact.points[k]);

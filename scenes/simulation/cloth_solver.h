@@ -2,17 +2,15 @@
 
 // A cloth solver by extended position based dynamics: XPBD with small steps (Macklin, Mueller, Chentanez, XPBD, 2016;
 // Macklin et al., Small Steps in Physics Simulation, 2019).
-//
-// A time step predicts positions, moves them onto constraints one after another (Gauss-Seidel), and reads velocities
-// off what has moved. It goes through the constraints once and back: one way alone gains energy on a regular grid,
-// because its iteration has complex eigenvalues, while there and back it is symmetric, with eigenvalues in [0, 1].
-// Constraints are distances: along the triangles' edges, stiff along warp and weft and soft between them, as woven
-// cloth is, and across each inner edge, between the two opposite corners, against bending. Then come contacts of the
-// sheet with itself and with bodies, with Coulomb friction. All points have mass 1.
-//
-// advance() takes contacts with bodies from signed distances and those of the sheet with itself from whiskers
-// (self_contact.h): fast, and cloth may pass through itself. advance_freely() takes all of them from nearness, bodies
-// are meshes, and every step ends where motion finds its way free (near_contact.h): nothing passes through anything.
+// A time step predicts positions, moves them onto constraints one after another (Gauss-Seidel), and derives velocities
+// from the displacements. It goes through the constraints forward and backward: a forward pass alone gains energy on a
+// regular grid, because its iteration has complex eigenvalues, while both passes together are symmetric, with
+// eigenvalues in [0, 1]. Constraints are distances: along the triangles' edges, stiff along warp and weft and soft
+// between them, as woven cloth is, and across each inner edge, between the two opposite corners, against bending. Then
+// come contacts of the sheet with itself and with bodies, with Coulomb friction. All points have mass 1. advance()
+// takes contacts with bodies from signed distances and those of the sheet with itself from whiskers (self_contact.h):
+// fast, but cloth may pass through itself. advance_freely() takes all contacts from proximity queries, bodies are
+// meshes, and motion queries shorten every step until it is free (near_contact.h): nothing passes through anything.
 //
 // The order of everything is fixed and arithmetic is that of IEEE: the same input gives the same bits everywhere.
 
@@ -33,32 +31,31 @@ struct ClothProperties {
     double gravity = 9.81;        ///< units / s², downwards
     double drag = 0.5;            ///< of the air, 1 / s
     double shear_speed = 0;       ///< of shear waves, units / s: the faster, the stiffer; warp and weft do not stretch
-    double bend_speed = 0;        ///< the same for the springs across edges
+    double bend_speed = 0;        ///< of bending waves, by the springs across edges, units / s
     double thickness = 0;         ///< distance that the sheet keeps from itself and from obstacles, units
     double clearance = 0;         ///< distance that it keeps from bodies, units
-    double separation_speed = 0;  ///< at most, of points that come out of a contact, units / s
+    double separation_speed = 0;  ///< highest speed of points that leave a contact, units / s
     double self_friction = 0.2;   ///< Coulomb's coefficient between cloth and cloth
 };
 
-/// What a step of ClothSolver::advance_freely() met with.
+/// Result of one step of ClothSolver::advance_freely().
 struct StepTaken {
     std::size_t contacts;   ///< pairs of features that were near at its start
     double toi;             ///< share of the step until the first pair would have met; 1: none before its end
-    std::size_t held_back;  ///< points that did not go all their way
-    double share;           ///< how much of their way the others went; 1 but where something is caught
+    std::size_t held_back;  ///< points whose movement was shortened
+    double share;           ///< share of their movement that the others made; below 1 only if cloth is caught
 };
 
 class ClothSolver {
    public:
     ClothSolver(const Fabric& fabric, const ClothProperties& properties);
 
-    /// Goes on with another fabric, for which `points` and `velocities` have been brought to its size. Obstacles are
-    /// gone.
+    /// Replaces the fabric: resizes `points`, `velocities` and `held`, and removes all obstacles.
     void set_fabric(const Fabric& fabric);
 
-    /// `steps` equal steps from `time` on, `seconds` long together; `move(t)` brings the bodies to where they are at
-    /// the time t, before the step that ends then. Contacts of the sheet with itself are looked for before every
-    /// `contact_interval`-th step: what comes closer by more than the thickness until the next time may pass through.
+    /// Makes `steps` equal steps from `time` on, `seconds` long together. Calls move(t) before the step that ends at
+    /// time t, to place the bodies. Finds contacts of the sheet with itself before every `contact_interval`-th step:
+    /// points that come closer by more than the thickness until the next time may pass through.
     template <class Move>
     void advance(double time, double seconds, int steps, int contact_interval, std::span<const Collider* const> bodies,
                  Move move) {
@@ -70,15 +67,15 @@ class ClothSolver {
         }
     }
 
-    /// A body in the way of advance_freely(), as a mesh. Its points come after those that are there, and are held.
+    /// Adds a body for advance_freely(), as a mesh. Its points are appended to `points`, and are held.
     void add_obstacle(std::span<const Vec3d> at, std::span<const Fabric::Corners> triangles, double friction);
 
-    /// `steps` equal steps, each of `substeps`, through which nothing passes through anything, for the coordinates as
-    /// they are in `points`. Nothing may touch at the start, or an Error is thrown, and nothing should intersect: that
-    /// would stay. `move(t, at)` brings the obstacles' points, in their order, to where they should be at the time t;
-    /// they go straight there. `watch` is told of each StepTaken. Where cloth is caught between obstacles that move, a
-    /// step's share is less than 1: then obstacles lag behind, and catch up as soon as the way is free. If it never is,
-    /// because all that could give way is held, shares become less and less, and 0 in the end.
+    /// Makes `steps` equal steps, each of `substeps`, in which nothing passes through anything, for the coordinates as
+    /// they are in `points`. Throws Error if anything touches at the start. Nothing should intersect then, for that
+    /// would stay. move(t, at) sets the obstacles' points, in their order, to their positions at time t; they move
+    /// there on straight lines. Calls `watch` with each StepTaken. Where cloth is caught between moving obstacles, a
+    /// step's share is less than 1: obstacles then lag behind, and catch up as soon as nothing blocks them. If all
+    /// points that could give way are held, shares decrease, and are 0 in the end.
     template <class Move, class Watch>
     void advance_freely(double time, double seconds, int steps, int substeps, Move move, Watch watch) {
         for (int i = 0; i < steps; ++i) {
@@ -104,7 +101,7 @@ class ClothSolver {
     void predict(double dt);
     void read_velocities(double dt);
     void keep_distance(const Spring& spring, double dt);
-    /// `age`: seconds from when the contact was found to the end of the step.
+    /// Separates the features of a contact. `age`: seconds from when the contact was found to the end of the step.
     void part(const SelfContact& contact, double age);
     void part(const NearContact& contact, double age);
     void push_out(std::span<const Collider* const> bodies, double dt);

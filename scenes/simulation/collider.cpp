@@ -30,7 +30,8 @@ Nearest Funnel::nearest(Vec3d point) const {
         best = square;
         best_r = off_r;
         best_z = off_z;
-        inside = along_z * off_r - along_r * off_z >= 0;  // left of the way down, seen with the axis on the left
+        inside =
+            along_z * off_r - along_r * off_z >= 0;  // left of the downward profile, seen with the axis on the left
         smooth = (t > 0 || i > 0) && (t < 1 || i + 2 < profile_.size());
     }
     double distance = std::sqrt(best);

@@ -44,8 +44,8 @@ class Ball : public Collider {
     Nearest nearest(Vec3d point) const override;
 };
 
-/// The inside of a surface of revolution about z, drawn by a profile from the rim down to the spout. What lies deeper
-/// behind it than `wall` is outside and free.
+/// The inside of a surface of revolution about z, drawn by a profile from the rim down to the spout. Points deeper
+/// behind it than `wall` are outside and free.
 class Funnel : public Collider {
    public:
     using Profile = std::vector<std::array<double, 2>>;  ///< (radius, height)

@@ -35,7 +35,7 @@ class Cutter {
     const std::array<double, 2>& flat(std::int32_t i) const { return uncut_.flat[static_cast<std::size_t>(i)]; }
     double height_above(const Cut& cut, std::int32_t i) const { return flat(i)[1] - cut.height(flat(i)[0]); }
 
-    /// Where the cut that crosses the edge does so.
+    /// Returns where a cut crosses the edge, as a share from its lower index, or nothing.
     std::optional<double> share_of(Edge edge) const {
         constexpr double least = 0.1;  // no slivers at the ends
         for (const Cut& cut : cuts_) {
@@ -110,7 +110,7 @@ class Cutter {
         triangles.push_back(t);
     }
 
-    /// Which end of a crossed edge is above the cut.
+    /// True if `a` is above the cut that crosses the edge between a and b.
     bool is_above(std::int32_t a, std::int32_t b) const {
         for (const Cut& cut : cuts_) {
             const bool below_a = height_above(cut, a) < 0, below_b = height_above(cut, b) < 0;

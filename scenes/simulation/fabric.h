@@ -1,6 +1,6 @@
 #pragma once
 
-// A woven sheet before anything happens to it: its points in the plane and its triangles.
+// Woven sheet before simulation: its points in the plane and its triangles.
 
 #include <array>
 #include <cstdint>
@@ -13,16 +13,16 @@ namespace crumple::scenes {
 struct Fabric {
     using Corners = std::array<std::int32_t, 3>;
 
-    double spacing = 0;                       ///< between neighbouring points
+    double spacing = 0;                       ///< between adjacent points
     std::vector<std::array<double, 2>> flat;  ///< (u, v) of each point; warp runs along u, weft along v
     std::vector<Corners> triangles;           ///< counter-clockwise
 };
 
-/// A rectangle about the origin, `columns` by `rows` cells of width `spacing`, points moved by up to a tenth of a cell,
-/// diagonals drawn at random: 2 columns rows triangles, points row by row.
+/// Returns a rectangle about the origin, `columns` by `rows` cells of width `spacing`, points moved by up to a tenth of
+/// a cell, diagonals drawn at random: 2 columns rows triangles, points row by row.
 Fabric weave(int columns, int rows, double spacing, Random& random);
 
-/// As few cells as a square fabric of about that many triangles needs along one side, at least 4.
+/// Returns the number of cells along one side of a square fabric of about that many triangles, at least 4.
 int cells_of_square(double triangles);
 
 }  // namespace crumple::scenes

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// To be raised with every change that makes another simulation of the same parameters.
+/// Version of the simulations. Raise it with every change that alters a simulation with the same parameters.
 constexpr int version = 1;
 
 struct Header {
@@ -114,7 +114,7 @@ void FrameCache::store(int frame, std::span<const float> points, const ClothSolv
         write(frame_file(folder_, frame), frame, bytes_of(points.data(), points.size()));
         write(state_file(folder_), frame, state);
     } catch (const Error&) {
-        // No space, or not allowed to: the frame is simulated again when it is asked for again.
+        // No space or no permission: the frame is simulated again when it is requested again.
     }
 }
 

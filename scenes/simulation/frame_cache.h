@@ -1,12 +1,10 @@
 #pragma once
 
-// Frames that have been simulated, on disk: one folder a scene with its parameters, under $XDG_CACHE_HOME/crumple or
-// ~/.cache/crumple.
-//
-// A frame is a file of its points in float32; one more file has the state, in float64, of the frame that a simulation
-// reached last, to go on from. Files appear whole or not at all and carry a checksum, so an interrupted run leaves what
-// it has. What is missing, damaged or of another version is as good as not there, and what cannot be written is not
-// kept: a cache saves time and changes nothing.
+// Disk cache of simulated frames: one folder for each scene with its parameters, under $XDG_CACHE_HOME/crumple or
+// ~/.cache/crumple. A frame is a file of its points in float32. One more file has the state, in float64, of the last
+// frame that a simulation reached, from which it resumes. Files appear whole or not at all and carry a checksum, so an
+// interrupted run leaves valid frames. Files that are missing, damaged or of another version are ignored, and frames
+// that cannot be written are not cached: the cache saves time and changes no result.
 
 #include <filesystem>
 #include <optional>
@@ -27,14 +25,14 @@ class FrameCache {
     /// `key` names the scene and all its parameters, and is a file name.
     explicit FrameCache(const std::string& key);
 
-    /// The frame's points, 3 coordinates each.
+    /// Returns the frame's points, 3 coordinates each, or nothing if it is not cached.
     std::optional<std::vector<float>> points(int frame) const;
     std::optional<State> last_state() const;
 
     void store(int frame, std::span<const float> points, const ClothSolver& solver) const;
 
    private:
-    std::filesystem::path folder_;  ///< empty: there is no place to keep anything
+    std::filesystem::path folder_;  ///< empty: there is no place for a cache
 };
 
 }  // namespace crumple::scenes

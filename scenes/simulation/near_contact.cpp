@@ -12,10 +12,10 @@ namespace {
 
 constexpr std::int32_t cloth_group = 0, obstacle_group = 1;
 
-/// A pair keeps this share of its distance in a step. Contact itself would leave no room for the next one.
+/// Minimum share of its distance that a pair keeps in a step. Contact itself would leave no room for the next step.
 constexpr double kept_distance = 0.1;
 
-constexpr int most_rounds = 10;  // of holding single points back
+constexpr int most_rounds = 10;  // rounds of holding single points back
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -56,7 +56,7 @@ std::span<const NearContact> NearContactFinder::find(std::span<const Vec3d> poin
         NearContact contact{of, weights};
         const Vec3d way = contact.way(points);
         contact.distance = length(way);
-        if (!(contact.distance > 0)) return;  // rounded to nothing, and without a direction; motion keeps it apart
+        if (!(contact.distance > 0)) return;  // rounded to 0, so without a direction; shorten() keeps the pair apart
         contact.direction = (1 / contact.distance) * way;
         contacts_.push_back(contact);
     };
@@ -96,7 +96,7 @@ NearContactFinder::FreeWay NearContactFinder::shorten(std::span<const Vec3d> sta
     return {toi, step.share};
 }
 
-/// Points that would touch something go half the way there.
+/// Moves points that would touch something only half as far as to their first impact.
 void NearContactFinder::hold_back(const Impacts& impacts, std::span<const Vec3d> start, std::span<Vec3d> end,
                                   std::span<const std::uint8_t> held) {
     constexpr double never = std::numeric_limits<double>::infinity();

@@ -1,10 +1,9 @@
 #pragma once
 
-// What comes close to what, cloth to itself and to obstacles, and how far all may go until something touches: by
-// Crumple's nearness and motion (docs/nearness.md, docs/motion.md).
-//
-// Cloth and obstacles are one mesh. It is read where the solver has it, in float64, so what is found to be free is free
-// for the solver's own numbers. Obstacles are not tested against each other.
+// Finds where cloth is near itself and obstacles, and shortens steps so that nothing touches, by Crumple's queries
+// about nearness and motion (docs/nearness.md, docs/motion.md). Cloth and obstacles are one mesh. Its points are the
+// solver's own, in float64, so a step that is found to be free is free for exactly these numbers. Obstacles are not
+// tested against each other.
 
 #include <array>
 #include <cstdint>
@@ -17,15 +16,15 @@
 
 namespace crumple::scenes {
 
-/// A vertex and a face, or two edges, that are near each other. The way from the closest point of the second to that of
-/// the first is the sum of `weights` times positions.
+/// Vertex and face, or two edges, that are near each other. The vector from the closest point of the second feature to
+/// that of the first is the sum of `weights` times positions.
 struct NearContact {
     std::array<std::int32_t, 4> points;
     std::array<double, 4> weights;  ///< those of the first sum to 1, those of the second to -1
-    Vec3d direction{};              ///< of that way when the contact was found, of length 1
-    double distance = 0;            ///< its length then
+    Vec3d direction{};              ///< unit vector along it when the contact was found
+    double distance = 0;            ///< length of the vector then
 
-    /// The way between the same two points, for other positions.
+    /// Returns the vector between the same points of the features, for other positions.
     Vec3d way(std::span<const Vec3d> positions) const;
 };
 
@@ -33,18 +32,18 @@ class NearContactFinder {
    public:
     NearContactFinder(std::span<const Fabric::Corners> cloth, std::span<const Fabric::Corners> obstacles);
 
-    /// All pairs of features within `radius` but those of obstacles alone, vertices and faces first. Throws Error
-    /// (invalid_argument) if any touch: there is no direction to part them. Valid until the next call.
+    /// Returns all pairs of features within `radius`, except pairs of obstacles, vertices and faces first. Throws Error
+    /// (invalid_argument) if any touch, as there is no direction to separate them. Valid until the next call.
     std::span<const NearContact> find(std::span<const Vec3d> points, double radius);
 
     struct FreeWay {
-        double toi;    ///< share of the way until the first pair would have met; 1: none would have before the end
-        double share;  ///< share of it that all went, after single points had been held back
+        double toi;    ///< share of the step until the first pair would have met; 1: none before its end
+        double share;  ///< share of the step that all points made, after single points were held back
     };
 
-    /// Shortens the way from `start` to `end` until nothing touches on it: it is free for the numbers that are left in
-    /// `end`. Points on course for something are held back, unless they are `held`, which is to say driven; if that
-    /// does not do, everything goes less far. Cost: a question about motion, several where something would touch.
+    /// Shortens the step from `start` to `end` until nothing touches during it, for exactly the numbers left in `end`.
+    /// Holds back points that would touch something, unless they are `held`, that is, driven. If that does not suffice,
+    /// shortens the step of all points. Cost: one motion query, several if something would touch.
     FreeWay shorten(std::span<const Vec3d> start, std::span<Vec3d> end, std::span<const std::uint8_t> held);
 
    private:

@@ -7,7 +7,8 @@
 namespace crumple::scenes {
 namespace {
 
-/// Barycentric weights of p's projection to the plane of a, b and c, whose normal (not normalised) is given.
+/// Returns the barycentric weights of p's projection to the plane of a, b and c, whose normal (not normalised) is
+/// given.
 std::array<double, 3> weights_of(Vec3d p, Vec3d a, Vec3d b, Vec3d c, Vec3d normal) {
     const double whole = dot(normal, normal);
     const double u = std::clamp(dot(cross(c - b, p - b), normal) / whole, 0.0, 1.0);
@@ -50,7 +51,7 @@ std::span<const SelfContact> SelfContactFinder::find(std::span<const Vec3d> poin
     const MeshView soup(vertices_.data(), static_cast<std::int64_t>(3 * n), soup_.data()->data(),
                         static_cast<std::int64_t>(m + n), groups_);
     IntersectionQuery query;
-    query.neighbours = Neighbours::skip;  // a point's own triangles
+    query.neighbours = Neighbours::skip;  // leaves out a point's own triangles
     query.filter.groups = PairScope::between;
     contacts_.clear();
     for (const Pair pair : detector_.find(soup, query).pairs) {
@@ -58,7 +59,7 @@ std::span<const SelfContact> SelfContactFinder::find(std::span<const Vec3d> poin
         const auto point = pair.b - static_cast<std::int32_t>(m);
         const Vec3d normal = normal_of(t), p = at(point);
         const double area = length(normal);
-        if (!(area > 0)) continue;  // no side to be on
+        if (!(area > 0)) continue;  // degenerate, without sides
         const double distance = dot(normal, p - at(t[0])) / area;
         contacts_.push_back({point, t, weights_of(p, at(t[0]), at(t[1]), at(t[2]), normal), distance < 0 ? -1.0 : 1.0,
                              std::abs(distance)});

@@ -1,6 +1,6 @@
 #pragma once
 
-// The frames of a simulation, from the cache where they are there, else simulated and put there.
+// Frames of a simulation: read from the cache, or simulated and stored there.
 
 #include <functional>
 #include <memory>
@@ -14,11 +14,11 @@ namespace crumple::scenes {
 
 class SimulatedFrames {
    public:
-    /// `key` as for FrameCache; empty: nothing is kept on disk.
+    /// `key`: as for FrameCache; empty: nothing is cached on disk.
     SimulatedFrames(std::unique_ptr<Simulation> simulation, const std::string& key);
 
-    /// Frames in ascending order are simulated once each; one before the last begins anew, unless it is in the cache.
-    /// `progress` is told each frame that has been simulated on the way.
+    /// Returns a frame. Requests in ascending order simulate each frame once; a frame before the last one restarts the
+    /// simulation, unless it is cached. Calls `progress` with each frame that has been simulated.
     io::TriangleMesh frame(int index, const std::function<void(int)>& progress);
 
    private:

@@ -1,9 +1,8 @@
 #pragma once
 
-// A scene that is simulated: where it starts, what happens from frame to frame, and how a frame becomes a mesh.
-//
-// What changes is the cloth's points and their velocities alone; everything else follows from the parameters and the
-// frame. So a frame can be shown from its points, and a simulation can go on from any frame's state.
+// Interface of a simulated scene: its start, its advance from frame to frame, and the mesh of a frame.
+// Only the cloth's points and their velocities change; everything else follows from the parameters and the frame. So
+// the mesh of a frame can be made from its points, and a simulation can resume from any frame's state.
 
 #include <span>
 
@@ -16,16 +15,16 @@ class Simulation {
    public:
     virtual ~Simulation() = default;
 
-    /// The cloth of a frame, flat.
+    /// Returns the flat cloth of a frame.
     virtual Fabric fabric(int frame) const = 0;
 
-    /// The solver as it stands at frame 0.
+    /// Returns the solver at frame 0.
     virtual ClothSolver begin() const = 0;
 
-    /// Takes the solver from frame - 1 to `frame`, at least 1.
+    /// Advances the solver from frame - 1 to `frame`, which is at least 1.
     virtual void advance(ClothSolver& solver, int frame) const = 0;
 
-    /// The frame as a mesh, from the cloth's points, 3 coordinates each.
+    /// Returns the frame as a mesh, from the cloth's points, 3 coordinates each.
     virtual io::TriangleMesh mesh(int frame, std::span<const float> points) const = 0;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Whole answers compared: pairs as sets, so that a failure names them, and everything else byte for byte.
+// Comparison of complete results: pairs as sets, so that a failure lists them, everything else byte by byte.
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,8 @@ testing::AssertionResult same_bytes(const Array<T>& found, const Array<T>& expec
     return testing::AssertionSuccess();
 }
 
-/// All of an answer. Of its statistics, the one that does not depend on the way: contacts in rational arithmetic.
+/// Compares complete results. Of the statistics, it compares only rational_contacts, which does not depend on backend
+/// and options.
 inline testing::AssertionResult same_answer(const Intersections& found, const Intersections& expected) {
     testing::AssertionResult same = same_pairs(found.pairs.span(), expected.pairs.span());
     if (same) same = same_bytes(found.offsets, expected.offsets, "offsets");
@@ -40,13 +41,15 @@ inline testing::AssertionResult same_answer(const Intersections& found, const In
     if (same) same = same_bytes(found.contacts.kinds, expected.contacts.kinds, "contact kinds");
     if (same) same = same_bytes(found.contacts.offsets, expected.contacts.offsets, "contact offsets");
     if (same) same = same_bytes(found.contacts.points, expected.contacts.points, "contact points");
-    const std::int64_t rational = found.statistics.rational_contacts, wanted = expected.statistics.rational_contacts;
-    if (same && rational != wanted)
-        same = testing::AssertionFailure() << rational << " contacts in rational arithmetic instead of " << wanted;
+    const std::int64_t rational = found.statistics.rational_contacts,
+                       expected_rational = expected.statistics.rational_contacts;
+    if (same && rational != expected_rational)
+        same = testing::AssertionFailure()
+               << rational << " contacts in rational arithmetic instead of " << expected_rational;
     return same;
 }
 
-/// GoogleTest takes letters, digits and underscores only.
+/// Replaces characters that GoogleTest does not allow in names by underscores.
 inline std::string test_name(std::string text) {
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');

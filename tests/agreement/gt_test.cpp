@@ -1,4 +1,5 @@
-// Every backend against exact answers from outside, on real scenes: as sets, in both precisions, under all policies.
+// Compares every backend with independent exact results on real scenes: pairs as sets, in both precisions, for all
+// kinds of intersections and with adjacent triangles skipped or not.
 
 #include <fstream>
 #include <memory>
@@ -16,8 +17,9 @@ using test::backend_name;
 using test::same_pairs;
 namespace fs = std::filesystem;
 
-/// A line of an answer: `shared` distinct vertices that both name, extreme points of the intersection, and whether an
-/// edge of one strictly crosses the inside of the other.
+/// One line of a ground-truth file: a pair, the number of distinct vertices that both triangles use (`shared`), of
+/// extreme points of their intersection (`points`), and 1 if an edge of one strictly crosses the interior of the other
+/// (`strict`).
 struct Line {
     Pair pair;
     int shared, degenerate, points, strict;
@@ -27,10 +29,10 @@ struct Truth {
     std::vector<Line> lines;
 
     template <class PairScope>
-    std::vector<Pair> pairs(PairScope wanted) const {
+    std::vector<Pair> pairs(PairScope is_chosen) const {
         std::vector<Pair> chosen;
         for (const Line& line : lines) {
-            if (wanted(line)) chosen.push_back(line.pair);
+            if (is_chosen(line)) chosen.push_back(line.pair);
         }
         return chosen;
     }
@@ -41,14 +43,14 @@ class DataTest : public testing::Test {
     void SetUp() override {
         if (!folder) GTEST_SKIP() << "no scenes: set CRUMPLE_DATA";
     }
-    std::ifstream open(const std::string& answer) const {
-        std::ifstream file(*folder / "gt" / answer);
-        EXPECT_TRUE(file) << answer;
+    std::ifstream open(const std::string& truth_file) const {
+        std::ifstream file(*folder / "gt" / truth_file);
+        EXPECT_TRUE(file) << truth_file;
         return file;
     }
-    Truth truth(const std::string& answer) const {
+    Truth truth(const std::string& truth_file) const {
         Truth truth;
-        std::ifstream file = open(answer);
+        std::ifstream file = open(truth_file);
         Line x;
         while (file >> x.pair.a >> x.pair.b >> x.shared >> x.degenerate >> x.points >> x.strict)
             truth.lines.push_back(x);
@@ -57,9 +59,9 @@ class DataTest : public testing::Test {
     std::optional<fs::path> folder = io::test::data_folder();
 };
 
-// The same tests are built once for each backend that has to be shown right.
+// These tests are built once for each backend to be verified.
 
-/// Brute force is left out where it takes more than a second.
+/// Returns the backends to compare; leaves out brute force where it would take more than a second.
 std::vector<Backend> backends_for(std::int64_t triangles) {
     if (triangles <= 1'500) return {Backend::reference, test::tested_backend};
     return {test::tested_backend};
@@ -102,15 +104,15 @@ void expect_contacts(Detector& detector, const MeshView& mesh, const Truth& trut
 
 struct SelfCase {
     const char* mesh;
-    const char* answer;
+    const char* truth_file;
     Precision precision = Precision::automatic;
-    friend std::ostream& operator<<(std::ostream& out, const SelfCase& c) { return out << c.answer; }
+    friend std::ostream& operator<<(std::ostream& out, const SelfCase& c) { return out << c.truth_file; }
 };
 
-/// Tests are named by their answers.
-const auto name_of = [](const auto& info) { return test::test_name(info.param.answer); };
+/// Names tests by their ground-truth files.
+const auto name_of = [](const auto& info) { return test::test_name(info.param.truth_file); };
 
-/// Answers that hold in either precision are tested in both.
+/// Returns both precisions if the ground truth holds in either.
 std::vector<Precision> precisions(const SelfCase& scene) {
     if (scene.precision != Precision::automatic) return {scene.precision};
     return {Precision::float32, Precision::float64};
@@ -120,9 +122,9 @@ std::vector<int> part_counts(const SelfCase& scene);
 
 class SelfTruth : public DataTest, public testing::WithParamInterface<SelfCase> {};
 
-TEST_P(SelfTruth, IsFoundByEveryBackend) {
+TEST_P(SelfTruth, every_backend_matches_ground_truth) {
     const SelfCase scene = GetParam();
-    const Truth expected = truth(scene.answer);
+    const Truth expected = truth(scene.truth_file);
     for (const Precision precision : precisions(scene)) {
         const io::TriangleMesh mesh =
             io::read_mesh(*folder / scene.mesh, {.precision = precision, .triangulation = io::Triangulation::fan});
@@ -136,23 +138,24 @@ TEST_P(SelfTruth, IsFoundByEveryBackend) {
     }
 }
 
-// In rational arithmetic, 20 us for each pair of boxes that overlap, some times that under sanitizers; larger scenes
-// have answers from outside only.
+// Largest number of overlapping boxes for brute force: its rational arithmetic takes 20 us for each pair, several times
+// that under sanitizers. Larger scenes are compared with the ground truth only.
 constexpr std::int64_t most_overlaps = sanitized ? 20'000 : 200'000;
-TEST_P(SelfTruth, IsFoundByBruteForce) {
+TEST_P(SelfTruth, brute_force_matches_tested_backend) {
     const SelfCase scene = GetParam();
     const io::TriangleMesh mesh =
         io::read_mesh(*folder / scene.mesh, {.precision = scene.precision, .triangulation = io::Triangulation::fan});
     if (mesh.triangle_count() > 20'000) GTEST_SKIP() << "too large";
-    if (backends_for(mesh.triangle_count()).size() > 1) GTEST_SKIP() << "small, so compared in IsFoundByEveryBackend";
+    if (backends_for(mesh.triangle_count()).size() > 1)
+        GTEST_SKIP() << "small, so compared in every_backend_matches_ground_truth";
     Detector detector = detector_of(test::tested_backend), reference = detector_of(Backend::reference);
     const Intersections& found = detector.find(mesh.view());
     if (found.statistics.box_overlaps > most_overlaps) GTEST_SKIP() << "too many boxes overlap";
     EXPECT_TRUE(same_pairs(reference.find(mesh.view()).pairs.span(), found.pairs.span()));
 }
 
-// Other numbers of parts for each scene: all together have each from 1 to 64.
-TEST_P(SelfTruth, IsTheUnionOfItsParts) {
+// Takes other numbers of parts for each scene; together the scenes cover 1 to 64.
+TEST_P(SelfTruth, union_of_parts_equals_whole_result) {
     const SelfCase scene = GetParam();
     const io::TriangleMesh mesh =
         io::read_mesh(*folder / scene.mesh, {.precision = scene.precision, .triangulation = io::Triangulation::fan});
@@ -211,7 +214,7 @@ const SelfCase self_cases[] = {
 };
 
 std::vector<int> part_counts(const SelfCase& scene) {
-    const auto same = [&](const SelfCase& c) { return std::string_view(c.answer) == scene.answer; };
+    const auto same = [&](const SelfCase& c) { return std::string_view(c.truth_file) == scene.truth_file; };
     const auto number = static_cast<int>(std::find_if(std::begin(self_cases), std::end(self_cases), same) - self_cases);
     return {1 + number, 64 - number};
 }
@@ -220,10 +223,10 @@ INSTANTIATE_TEST_SUITE_P(GroundTruth, SelfTruth, testing::ValuesIn(self_cases), 
 
 class WeldedTruth : public DataTest, public testing::WithParamInterface<SelfCase> {};
 
-TEST_P(WeldedTruth, IsFoundWhenEqualPositionsAreOneVertex) {
+TEST_P(WeldedTruth, welded_pairs_match_ground_truth) {
     const SelfCase scene = GetParam();
     std::vector<Pair> expected;
-    std::ifstream file = open(scene.answer);
+    std::ifstream file = open(scene.truth_file);
     for (Pair pair; file >> pair.a >> pair.b;) expected.push_back(pair);
     ASSERT_FALSE(expected.empty());
 
@@ -245,16 +248,16 @@ INSTANTIATE_TEST_SUITE_P(GroundTruth, WeldedTruth,
                          name_of);
 
 struct BetweenCase {
-    const char *a, *b, *answer;
-    friend std::ostream& operator<<(std::ostream& out, const BetweenCase& c) { return out << c.answer; }
+    const char *a, *b, *truth_file;
+    friend std::ostream& operator<<(std::ostream& out, const BetweenCase& c) { return out << c.truth_file; }
 };
 
 class BetweenTruth : public DataTest, public testing::WithParamInterface<BetweenCase> {};
 
-TEST_P(BetweenTruth, IsFoundForOneMeshAgainstAnother) {
+TEST_P(BetweenTruth, pairs_of_two_meshes_match_ground_truth) {
     const BetweenCase scene = GetParam();
     std::vector<Pair> all, coincident_none, proper;
-    std::ifstream file = open(scene.answer);
+    std::ifstream file = open(scene.truth_file);
     int coincident = 0, strict = 0;
     for (Pair pair; file >> pair.a >> pair.b >> coincident >> strict;) {
         all.push_back(pair);
@@ -293,8 +296,8 @@ INSTANTIATE_TEST_SUITE_P(GroundTruth, BetweenTruth,
 
 class Frames : public DataTest {};
 
-// As groups of one soup and as two meshes.
-TEST_F(Frames, ClothNeverMeetsTheBall) {
+// Compares cloth and ball both as groups of one soup and as two meshes.
+TEST_F(Frames, cloth_never_meets_ball) {
     for (const char* frame : {"cloth_ball92.ply", "cloth_ball93.ply"}) {
         io::TriangleMesh mesh = io::read_mesh(*folder / "scalable-ccd/cloth-ball/frames" / frame);
         constexpr std::int64_t cloth_end = 91'470;
@@ -315,8 +318,8 @@ TEST_F(Frames, ClothNeverMeetsTheBall) {
     }
 }
 
-// One detector for all frames, so that it starts each from the centres of the frame before.
-TEST_F(Frames, OfACharacterAreRightOneAfterTheOther) {
+// Uses one detector for all frames, so that each is warm-started from the cluster centres of the frame before.
+TEST_F(Frames, warm_started_frames_match_ground_truth) {
     constexpr std::int64_t vertices = 12'811, triangles = 25'472;
     std::vector<std::int32_t> corners(3 * triangles);
     std::vector<float> xyz(3 * vertices);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Small soups on integer grids in which everything happens exactly: triangles that touch, lie in one plane, are
-// doubled, folded, degenerate, in one line. Integers are exact in both precisions.
+// Small soups on integer grids with exact special cases: triangles that touch, are coplanar, doubled, folded,
+// degenerate or collinear. Integers are exact in both precisions.
 
 #include <string>
 #include <utility>
@@ -29,13 +29,13 @@ class SoupBuilder {
     void triangle(std::int32_t a, std::int32_t b, std::int32_t c) {
         for (const std::int32_t corner : {a, b, c}) corners_.push_back(corner);
     }
-    /// Two triangles on four corners given in a circle.
+    /// Adds two triangles on four corners given in circular order.
     void quad(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
         triangle(a, b, c);
         triangle(a, c, d);
     }
 
-    /// Copy whose vertices are each moved by at most one unit along each axis.
+    /// Returns a copy whose vertices are each moved by at most one unit along each axis.
     SoupBuilder moved() const {
         SoupBuilder copy(*this);
         scenes::Random steps(13);
@@ -63,7 +63,8 @@ class SoupBuilder {
     std::vector<std::int32_t> corners_;
 };
 
-/// Random triangles among a few vertices of a small grid: neighbours of every kind, coincident positions, degenerates.
+/// Random triangles among a few vertices of a small grid: adjacent triangles of every kind, coincident positions,
+/// degenerate triangles.
 inline SoupBuilder grid_soup(int width, int vertices, int triangles, std::uint64_t seed) {
     SoupBuilder soup(seed);
     for (int i = 0; i < vertices; ++i) {
@@ -163,7 +164,7 @@ inline SoupBuilder degenerate_soup(int triangles) {
     return soup;
 }
 
-/// All on one line.
+/// Degenerate triangles that all lie on one line.
 inline SoupBuilder collinear_soup(int triangles) {
     SoupBuilder soup(9);
     for (int i = 0; i < triangles; ++i) {
@@ -189,7 +190,7 @@ inline SoupBuilder needle_soup(int triangles) {
     return soup;
 }
 
-/// One face again and again, by index and by position, in every order of corners.
+/// Copies of one face, by index and by position, in every order of corners.
 inline SoupBuilder duplicates(int copies) {
     SoupBuilder soup(11);
     std::array<std::int32_t, 3> id{};
@@ -201,8 +202,8 @@ inline SoupBuilder duplicates(int copies) {
     return soup;
 }
 
-/// A grid soup padded with copies of points and segments, in every order of corners and in groups of their own, at
-/// places where triangles pass and at positions of others.
+/// A grid soup padded with copies of points and segments (degenerate triangles) between its vertices, in every order of
+/// corners.
 inline SoupBuilder padded_soup(int copies) {
     SoupBuilder soup = grid_soup(4, 40, 50, 6);
     const auto any_vertex = [&] { return soup.random.integer(40); };

@@ -1,5 +1,5 @@
-// What must hold between the answers to related questions, whatever they are: RapidCheck looks for the smallest soup on
-// a small grid that breaks it.
+// Properties that relate results of similar queries: RapidCheck looks for the smallest soup on a small grid that
+// violates one.
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -23,7 +23,7 @@ Grid any_soup() {
     const auto corner = rc::gen::inRange<std::int32_t>(0, static_cast<std::int32_t>(soup.vertices.size()));
     soup.triangles = *rc::gen::container<std::vector<std::array<std::int32_t, 3>>>(
         rc::gen::container<std::array<std::int32_t, 3>>(corner));
-    // Degenerate ones, again and again.
+    // Repeated degenerate triangles.
     for (int copies = *rc::gen::inRange(0, 4); copies > 0; --copies) {
         const std::int32_t a = *corner, b = *corner;
         const std::array<std::int32_t, 3> copied = *rc::gen::element(
@@ -64,7 +64,7 @@ void require_same(const std::vector<Pair>& expected, std::vector<Pair> found) {
     RC_ASSERT(difference(expected, found) == "");
 }
 
-/// A random order of 0 to n − 1.
+/// Returns a random order of 0 to n − 1.
 std::vector<std::int32_t> any_order(std::size_t n) {
     std::vector<std::int32_t> order(n);
     std::iota(order.begin(), order.end(), 0);
@@ -78,7 +78,7 @@ Grid with_positions(Grid soup, Change change) {
     return soup;
 }
 
-RC_GTEST_PROP(Property, TheOrderOfTrianglesDoesNotMatter, ()) {
+RC_GTEST_PROP(Property, order_of_triangles_does_not_matter, ()) {
     const Grid soup = any_soup();
     const IntersectionQuery query = any_query();
     const auto order = any_order(soup.triangles.size());
@@ -94,7 +94,7 @@ RC_GTEST_PROP(Property, TheOrderOfTrianglesDoesNotMatter, ()) {
     require_same(self_pairs(soup, query), found);
 }
 
-RC_GTEST_PROP(Property, TheOrderOfVerticesAndCornersDoesNotMatter, ()) {
+RC_GTEST_PROP(Property, order_of_vertices_and_corners_does_not_matter, ()) {
     const Grid soup = any_soup();
     const IntersectionQuery query = any_query();
     const auto order = any_order(soup.vertices.size());
@@ -110,7 +110,7 @@ RC_GTEST_PROP(Property, TheOrderOfVerticesAndCornersDoesNotMatter, ()) {
     require_same(self_pairs(soup, query), self_pairs(renamed, query));
 }
 
-RC_GTEST_PROP(Property, AxesAreAlike, ()) {
+RC_GTEST_PROP(Property, swapping_or_mirroring_axes_does_not_matter, ()) {
     const Grid soup = any_soup();
     const IntersectionQuery query = any_query();
     const auto axis = any_order(3);
@@ -123,7 +123,7 @@ RC_GTEST_PROP(Property, AxesAreAlike, ()) {
     require_same(self_pairs(soup, query), self_pairs(turned, query));
 }
 
-RC_GTEST_PROP(Property, ScaleDoesNotMatter, ()) {
+RC_GTEST_PROP(Property, scale_does_not_matter, ()) {
     const Grid soup = any_soup();
     IntersectionQuery query = any_query();
     query.output = Output::contacts;
@@ -146,7 +146,7 @@ RC_GTEST_PROP(Property, ScaleDoesNotMatter, ()) {
     }
 }
 
-RC_GTEST_PROP(Property, PlaceDoesNotMatter, ()) {
+RC_GTEST_PROP(Property, translation_does_not_matter, ()) {
     const Grid soup = any_soup();
     const IntersectionQuery query = any_query();
     const auto offset = [] { return static_cast<double>(*rc::gen::inRange<std::int64_t>(-(1LL << 50), 1LL << 50)); };
@@ -158,7 +158,7 @@ RC_GTEST_PROP(Property, PlaceDoesNotMatter, ()) {
     require_same(self_pairs(soup, query), self_pairs(moved, query));
 }
 
-RC_GTEST_PROP(Property, AAgainstBIsBAgainstA, ()) {
+RC_GTEST_PROP(Property, swapping_meshes_swaps_pairs, ()) {
     const Grid a = any_soup(), b = any_soup();
     const IntersectionQuery query = any_query();
     std::vector<Pair> mirrored = between_pairs(b, a, query);
@@ -166,7 +166,7 @@ RC_GTEST_PROP(Property, AAgainstBIsBAgainstA, ()) {
     require_same(between_pairs(a, b, query), mirrored);
 }
 
-RC_GTEST_PROP(Property, TwoMeshesAreTwoGroupsOfOneSoup, ()) {
+RC_GTEST_PROP(Property, two_meshes_equal_two_groups_of_one_soup, ()) {
     const Grid a = any_soup(), b = any_soup();
     IntersectionQuery query = any_query();
     const std::vector<Pair> expected = between_pairs(a, b, query);
@@ -184,7 +184,7 @@ RC_GTEST_PROP(Property, TwoMeshesAreTwoGroupsOfOneSoup, ()) {
     require_same(expected, found);
 }
 
-RC_GTEST_PROP(Property, GroupsSplitTheAnswer, ()) {
+RC_GTEST_PROP(Property, group_filters_split_the_result, ()) {
     const Grid soup = any_soup();
     IntersectionQuery query = any_query();
     const std::vector<Pair> all = self_pairs(soup, query);
@@ -194,7 +194,7 @@ RC_GTEST_PROP(Property, GroupsSplitTheAnswer, ()) {
     for (const Pair& pair : self_pairs(soup, query)) joined.push_back(pair);
     require_same(all, joined);
 
-    // An excluded pair of groups and the rest.
+    // Excluding one pair of groups leaves all other pairs.
     query.filter.groups = PairScope::both;
     query.filter.excluded_groups = {{2, 0}};
     std::vector<Pair> kept;
@@ -205,7 +205,7 @@ RC_GTEST_PROP(Property, GroupsSplitTheAnswer, ()) {
     require_same(kept, self_pairs(soup, query));
 }
 
-RC_GTEST_PROP(Property, PartsSplitTheAnswer, ()) {
+RC_GTEST_PROP(Property, parts_split_the_result, ()) {
     const Grid soup = any_soup();
     const IntersectionQuery query = any_query();
     Detector detector = any_detector();
@@ -216,7 +216,7 @@ RC_GTEST_PROP(Property, PartsSplitTheAnswer, ()) {
     require_same(self_pairs(soup, query), joined);
 }
 
-RC_GTEST_PROP(Property, WeldingForgetsHowVerticesWereIndexed, ()) {
+RC_GTEST_PROP(Property, welding_ignores_vertex_indices, ()) {
     const Grid soup = any_soup();
     IntersectionQuery query = any_query();
     query.weld = true;
@@ -230,7 +230,7 @@ RC_GTEST_PROP(Property, WeldingForgetsHowVerticesWereIndexed, ()) {
     require_same(self_pairs(soup, query), self_pairs(exploded, query));
 }
 
-RC_GTEST_PROP(Property, StricterPoliciesOnlyRemovePairs, ()) {
+RC_GTEST_PROP(Property, stricter_options_only_remove_pairs, ()) {
     const Grid soup = any_soup();
     const bool weld = *rc::gen::arbitrary<bool>();
     const auto under = [&](Neighbours neighbours, IntersectionKind intersections) {
@@ -251,7 +251,7 @@ RC_GTEST_PROP(Property, StricterPoliciesOnlyRemovePairs, ()) {
     require_same(in_both, both);
 }
 
-RC_GTEST_PROP(Property, BruteForceAgrees, ()) {
+RC_GTEST_PROP(Property, brute_force_agrees, ()) {
     const Grid soup = any_soup();
     IntersectionQuery query = any_query();
     query.output = Output::contacts;

@@ -1,5 +1,5 @@
-// Every backend under every option against brute force: the same bytes, on procedural scenes and on soups in which
-// everything happens exactly.
+// Compares every backend under every option with brute force, byte by byte, on procedural scenes and on soups with
+// exact special cases.
 
 #include <gtest/gtest.h>
 
@@ -26,11 +26,11 @@ namespace crumple::test {
 namespace {
 
 #ifndef CRUMPLE_STD_THREADS
-// Lets an arena of 16 have 16 threads on any machine.
+// Allows an arena of 16 threads on any machine.
 const tbb::global_control sixteen_threads(tbb::global_control::max_allowed_parallelism, 16);
 #endif
 
-// Soups first, then scenes, small ones. A scene is made when a test asks for it: each test is a process of its own, and
+// Soups first, then small scenes. A scene is made when a test first uses it: each shard is a process of its own, and
 // some scenes are simulations.
 const std::vector<NamedMesh>& soups() {
     static const std::vector<NamedMesh> all = hard_soups();
@@ -56,8 +56,8 @@ const io::TriangleMesh& mesh_of(std::size_t i) {
 }
 
 const bool on_cpu = tested_backend == Backend::cpu;
-// Sanitizers are slow, and so is a device that the CPU plays; what else options and queries cover is no matter of
-// memory or of threads.
+// Counts of options, queries and parts. Sanitizers are slow, and so is a device that the CPU plays: these runs use
+// fewer, since more would not find further memory errors or data races.
 constexpr std::size_t cpu_options = sanitized ? 6 : 24;
 const std::size_t query_step = played ? (sanitized ? 4 : 3) : (sanitized ? 2 : 1);
 const std::vector<int> part_counts = sanitized ? played ? std::vector{5} : std::vector{2, 70}
@@ -71,8 +71,8 @@ struct NamedQuery {
     IntersectionQuery query;
 };
 
-/// All that make sense: without groups there is nothing between groups, and nothing to exclude. Or some of them, others
-/// for each scene.
+/// Returns the queries that make sense for the mesh: without groups none about groups. Slow runs get a subset, which
+/// differs from scene to scene.
 std::vector<NamedQuery> queries(const io::TriangleMesh& mesh) {
     static const std::vector<GroupPair> excluded{{1, -1}, {0, 0}};
     std::vector<NamedQuery> all(1);
@@ -122,7 +122,8 @@ std::string describe(const Options& o) {
     return text.str();
 }
 
-/// Few and many clusters, leaves so small that there are several levels, all thread counts and instruction sets.
+/// Returns options with few and many clusters, leaves so small that there are several levels, all thread counts and
+/// instruction sets.
 std::vector<Options> option_list() {
     std::vector<Options> list(1);
     list[0].backend = tested_backend;
@@ -147,7 +148,7 @@ struct Subject {
     Detector detector;
 };
 
-/// A detector for each of the options, but for those that the machine lacks.
+/// Returns a detector for each set of options that the machine supports.
 std::vector<Subject> subjects() {
     std::vector<Subject> list;
     for (const Options& o : option_list()) {
@@ -160,7 +161,7 @@ std::vector<Subject> subjects() {
     return list;
 }
 
-/// Another fifth of the list at each turn.
+/// Returns a fifth of the list, another one at each turn.
 std::span<Subject> share(std::vector<Subject>& list, std::size_t turn) {
     constexpr std::size_t parts = 5;
     const std::size_t part = turn % parts, begin = part * list.size() / parts;
@@ -172,14 +173,14 @@ class Agreement : public testing::TestWithParam<std::size_t> {
     const io::TriangleMesh& scene() const { return mesh_of(GetParam()); }
     std::string scene_name() const { return mesh_name(GetParam()); }
     MeshView view() const { return scene().view(); }
-    /// It takes 20 us for each pair of boxes that overlap.
+    /// True if brute force, at 20 us for each pair of overlapping boxes, would take too long.
     bool too_large_for_brute_force() const { return scene().triangle_count() > 1'000; }
 
     Detector reference{{.backend = Backend::reference}};
 };
 
-// Each detector goes through several queries, so that what it keeps from one must not show in the next.
-TEST_P(Agreement, ForEveryQueryUnderEveryOption) {
+// Each detector runs several queries, so that state kept from one query would show in the next.
+TEST_P(Agreement, every_option_gives_brute_force_result) {
     if (too_large_for_brute_force()) GTEST_SKIP() << scene_name();
     std::vector<Subject> list = subjects();
     std::size_t turn = 0;
@@ -194,7 +195,7 @@ TEST_P(Agreement, ForEveryQueryUnderEveryOption) {
     }
 }
 
-TEST_P(Agreement, ForOneMeshAgainstAnother) {
+TEST_P(Agreement, two_meshes_give_brute_force_result) {
     if (too_large_for_brute_force()) GTEST_SKIP() << scene_name();
     const Halves half(view());
     std::vector<Subject> list = subjects();
@@ -209,7 +210,7 @@ TEST_P(Agreement, ForOneMeshAgainstAnother) {
     }
 }
 
-/// The answers of parts put together: pairs in order, contacts with their pairs.
+/// Joined results of parts: pairs in order, contacts with their pairs.
 struct Union {
     struct Contact {
         ContactKind kind;
@@ -218,16 +219,16 @@ struct Union {
     };
     std::map<Pair, Contact> pairs;
 
-    void add(const Intersections& answer) {
-        for (std::size_t i = 0; i < answer.pairs.size(); ++i) {
+    void add(const Intersections& result) {
+        for (std::size_t i = 0; i < result.pairs.size(); ++i) {
             Contact contact{};
-            if (!answer.contacts.kinds.empty()) {
-                contact.kind = answer.contacts.kinds[i];
-                const auto* points = answer.contacts.points.data();
-                contact.points.assign(points + answer.contacts.offsets[i], points + answer.contacts.offsets[i + 1]);
+            if (!result.contacts.kinds.empty()) {
+                contact.kind = result.contacts.kinds[i];
+                const auto* points = result.contacts.points.data();
+                contact.points.assign(points + result.contacts.offsets[i], points + result.contacts.offsets[i + 1]);
             }
-            const bool fresh = pairs.emplace(answer.pairs[i], contact).second;
-            EXPECT_TRUE(fresh) << "two parts own " << testing::PrintToString(answer.pairs[i]);
+            const bool fresh = pairs.emplace(result.pairs[i], contact).second;
+            EXPECT_TRUE(fresh) << "two parts own " << testing::PrintToString(result.pairs[i]);
         }
     }
     std::vector<Pair> list() const {
@@ -237,7 +238,7 @@ struct Union {
     }
 };
 
-TEST_P(Agreement, OfTheUnionOfAnyNumberOfParts) {
+TEST_P(Agreement, union_of_parts_equals_whole_result) {
     Detector parted({.backend = tested_backend, .leaf_size = 100});
     IntersectionQuery query;
     query.output = Output::contacts;
@@ -251,7 +252,7 @@ TEST_P(Agreement, OfTheUnionOfAnyNumberOfParts) {
                                 between = parted.partition({half.a, half.b}, {}, count);
         ASSERT_EQ(parts.size(), static_cast<std::size_t>(count));
         Union joined, joined_between, joined_reference;
-        // In any order: from the last to the first.
+        // Joins parts from the last to the first: their order must not matter.
         for (auto part = parts.rbegin(); part != parts.rend(); ++part) joined.add(parted.find(*part, query));
         for (const Part& part : between) joined_between.add(parted.find(part, query));
         ASSERT_EQ(difference(whole.list(), joined.list()), "");
@@ -264,7 +265,7 @@ TEST_P(Agreement, OfTheUnionOfAnyNumberOfParts) {
     }
 }
 
-TEST_P(Agreement, UnderAnyMemoryLimit) {
+TEST_P(Agreement, memory_limits_do_not_change_result) {
     IntersectionQuery query;
     query.output = Output::contacts;
     const Options unlimited{.backend = tested_backend, .leaf_size = 100};

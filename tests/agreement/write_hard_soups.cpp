@@ -1,8 +1,9 @@
-// write_hard_soups FOLDER: degenerate scenes as PLY files, for comparisons of two backends by the command line. Scenes
-// of scans and simulations hardly ever need exact arithmetic; these need it for most pairs.
+// Writes degenerate scenes as PLY files, to compare two backends on the command line. Usage: write_hard_soups FOLDER.
+// Scenes of scans and simulations hardly ever need exact arithmetic; these need it for most pairs.
 //
-// Each soup is written twice: NAME.ply, integers in float32, and NAME_tenths.ply, a tenth of them in float64, so that
-// what touched is apart or crosses by a rounding error. FOLDER/moved/ has the same triangles at the end of a step.
+// Each soup is written twice: NAME.ply, integers in float32, and NAME_tenths.ply, a tenth of them in float64, where
+// rounding makes touching triangles miss each other or cross. FOLDER/moved/ has the same triangles at the end of a
+// step.
 
 #include <cstdio>
 #include <exception>
@@ -36,10 +37,10 @@ int main(int argc, char** argv) {
         fs::create_directories(folder / "moved");
         for (const auto& [name, soup] : soups)
             for (const bool at_end : {false, true}) {
-                const SoupBuilder here = at_end ? soup.moved() : soup;
+                const SoupBuilder written = at_end ? soup.moved() : soup;
                 const fs::path place = at_end ? folder / "moved" : folder;
-                io::write_mesh(place / (std::string(name) + ".ply"), here.mesh<float>());
-                io::write_mesh(place / (std::string(name) + "_tenths.ply"), here.mesh<double>(0.1));
+                io::write_mesh(place / (std::string(name) + ".ply"), written.mesh<float>());
+                io::write_mesh(place / (std::string(name) + "_tenths.ply"), written.mesh<double>(0.1));
             }
     } catch (const std::exception& error) {
         std::fprintf(stderr, "write_hard_soups: %s\n", error.what());

@@ -1,4 +1,4 @@
-// Candidates of small hard soups: the backend, however it works, against brute force in rational numbers.
+// Compares candidates of small hard soups, for each of the tested detectors, with brute force in rational numbers.
 
 #include <gtest/gtest.h>
 
@@ -12,13 +12,13 @@
 namespace crumple::test {
 namespace {
 
-/// On the way to the end, at rest at the start, and welded.
+/// Compares candidates of the step, and of the start positions alone.
 template <class Scalar>
-void expect_candidates(const MovingSoup<Scalar>& soup, const CandidateQuery& question) {
+void expect_candidates(const MovingSoup<Scalar>& soup, const CandidateQuery& query) {
     const auto expect = [&](bool step) {
         const auto find = [&](Detector& detector) -> const Candidates& {
-            return step ? detector.find(soup.view().moving_to(soup.end_view()), question)
-                        : detector.find(soup.view(), question);
+            return step ? detector.find(soup.view().moving_to(soup.end_view()), query)
+                        : detector.find(soup.view(), query);
         };
         const Candidates& expected = find(reference());
         for (const auto& [name, detector] : tested()) {
@@ -30,7 +30,7 @@ void expect_candidates(const MovingSoup<Scalar>& soup, const CandidateQuery& que
     expect(false);
 }
 
-/// Of all kinds, and of those that impacts are among.
+/// Compares candidates of all kinds, and of the default kinds, which are those of impacts.
 template <class Scalar>
 void expect_candidates(const MovingSoup<Scalar>& soup, double inflation, bool weld = false) {
     expect_candidates(soup, {.kinds = all_candidate_kinds(), .inflation = inflation, .weld = weld});
@@ -42,7 +42,7 @@ class CandidateAgreement : public testing::Test {
    protected:
     void expect_all(double inflation, bool weld = false) {
         SCOPED_TRACE(testing::Message() << "inflation " << inflation);
-        // Where most features overlap a soup of few triangles tells as much.
+        // Where most features overlap, a soup with few triangles tests as much.
         for (const NamedMove<Scalar>& move : soups_to_try<Scalar>(inflation > 0.1 ? 0.25 : 1, 0.5)) {
             if (inflation * move.unit > std::numeric_limits<double>::max()) continue;
             SCOPED_TRACE(move.name);
@@ -54,14 +54,14 @@ class CandidateAgreement : public testing::Test {
 using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(CandidateAgreement, Precisions, PrecisionNames);
 
-TYPED_TEST(CandidateAgreement, OfBoxesAsTheyAre) { this->expect_all(0); }
-TYPED_TEST(CandidateAgreement, OfWeldedSoups) { this->expect_all(0, true); }
-TYPED_TEST(CandidateAgreement, OfBoxesThatGrow) {
+TYPED_TEST(CandidateAgreement, uninflated_boxes_match_brute_force) { this->expect_all(0); }
+TYPED_TEST(CandidateAgreement, welded_soups_match_brute_force) { this->expect_all(0, true); }
+TYPED_TEST(CandidateAgreement, inflated_boxes_match_brute_force) {
     for (const double inflation : {1e-3, 0.5, 1.0, 7.0}) this->expect_all(inflation);
 }
-TYPED_TEST(CandidateAgreement, OfBoxesThatHoldEverything) { this->expect_all(1e9); }
+TYPED_TEST(CandidateAgreement, inflation_beyond_the_scene_matches_brute_force) { this->expect_all(1e9); }
 
-TYPED_TEST(CandidateAgreement, OfListedEdgesAndPoints) {
+TYPED_TEST(CandidateAgreement, codimensional_edges_and_points_match_brute_force) {
     unsigned seed = 0;
     for (const NamedMove<TypeParam>& move : soups_to_try<TypeParam>(0.5, 1))
         for (int i = 0; i < 4; ++i, ++seed) {
@@ -71,49 +71,50 @@ TYPED_TEST(CandidateAgreement, OfListedEdgesAndPoints) {
         }
 }
 
-/// Growth that is not the soup's size: far below an ulp, and far beyond all.
-TYPED_TEST(CandidateAgreement, OfAnyGrowth) {
+/// Inflations far below an ulp of the coordinates, and far beyond the soup's extent.
+TYPED_TEST(CandidateAgreement, extreme_inflations_match_brute_force) {
     const auto soup = rounded<TypeParam>(moving_grid(3, 16, 12, 5));
     for (const double inflation :
          {0x1p-1074, 1e-300, 1e-20, 0x1p-53, 0x1p-24, 1e300, std::numeric_limits<double>::max()})
         expect_candidates(soup, inflation);
 }
 
-TEST(CandidateKinds, AreListedAsAskedFor) {
+TEST(CandidateKinds, only_requested_kinds_are_listed) {
     const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
     Detector detector({.backend = tested_backend, .threads = 2, .leaf_size = 8});
     const Candidates all =
         detector.find(soup.view().moving_to(soup.end_view()), CandidateQuery{.kinds = all_candidate_kinds()});
     for (unsigned chosen = 1; chosen < 64; ++chosen) {
-        CandidateQuery question{.kinds = {}};
+        CandidateQuery query{.kinds = {}};
         for (const CandidateKind kind : all_candidate_kinds())
-            if (chosen >> static_cast<unsigned>(kind) & 1) question.kinds.push_back(kind);
-        const Candidates& some = detector.find(soup.view().moving_to(soup.end_view()), question);
+            if (chosen >> static_cast<unsigned>(kind) & 1) query.kinds.push_back(kind);
+        const Candidates& some = detector.find(soup.view().moving_to(soup.end_view()), query);
         for (const CandidateKind kind : all_candidate_kinds()) {
-            const bool asked = chosen >> static_cast<unsigned>(kind) & 1;
-            EXPECT_EQ(some.listed[static_cast<std::size_t>(kind)], asked);
+            const bool requested = chosen >> static_cast<unsigned>(kind) & 1;
+            EXPECT_EQ(some.listed[static_cast<std::size_t>(kind)], requested);
             EXPECT_GT(all[kind].pairs.size(), 0U);
-            EXPECT_TRUE(same_pairs(some[kind].pairs.span(), asked ? all[kind].pairs.span() : std::span<const Pair>()));
+            EXPECT_TRUE(
+                same_pairs(some[kind].pairs.span(), requested ? all[kind].pairs.span() : std::span<const Pair>()));
         }
     }
 }
 
-TEST(CandidateGroups, AreThoseOfTheLowestTriangle) {
+TEST(CandidateGroups, group_filters_match_brute_force) {
     MovingSoup<> soup = in_general(80, 0.5, 0.3, 4);
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
         soup.groups.push_back(static_cast<std::int32_t>(t % 5));
         if (t > 0) soup.triangles[t][0] = soup.triangles[t - 1][1];
     }
-    CandidateQuery question{.kinds = all_candidate_kinds(), .inflation = 0.01};
-    question.filter.excluded_groups = {{0, 1}, {2, 2}};
-    for (const PairScope wanted : {PairScope::between, PairScope::within}) {
-        question.filter.groups = wanted;
-        expect_candidates(soup, question);
+    CandidateQuery query{.kinds = all_candidate_kinds(), .inflation = 0.01};
+    query.filter.excluded_groups = {{0, 1}, {2, 2}};
+    for (const PairScope scope : {PairScope::between, PairScope::within}) {
+        query.filter.groups = scope;
+        expect_candidates(soup, query);
     }
 }
 
-/// What touches on the way has boxes that overlap on the way.
-TEST(CandidatesAndImpacts, EveryImpactIsACandidate) {
+/// Features that touch during the step have swept boxes that overlap.
+TEST(CandidatesAndImpacts, every_impact_is_a_candidate) {
     for (const NamedMove<double>& move : soups_to_try<double>(1, 1)) {
         SCOPED_TRACE(move.name);
         Detector& detector = *tested()[1].detector;

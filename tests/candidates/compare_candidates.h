@@ -1,6 +1,6 @@
 #pragma once
 
-// Whole answers on candidates compared, byte for byte but for the statistics.
+// Comparison of complete candidate lists, byte by byte; statistics are ignored.
 
 #include "agreement/compare.h"
 

@@ -1,4 +1,5 @@
-// The definition of a candidate at its edges, what goes wrong, what is left behind then, and who owns an answer.
+// Boundary cases of the definition of a candidate, errors and the detector's state after them, and ownership of
+// results.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +23,8 @@ class Candidacy : public testing::TestWithParam<Backend> {
    protected:
     Detector detector_{Options{.backend = GetParam(), .threads = 2}};
 
-    /// Whether two points, as triangles, are a candidate if they are these numbers on one axis and equal on the others.
+    /// True if two points (degenerate triangles) are a candidate pair when their coordinates are `low` and `high` on
+    /// one axis and equal on the others.
     bool listed(double low, double high, double r, int axis) {
         MovingSoup<> soup;
         for (const double at : {low, high}) {
@@ -33,7 +35,7 @@ class Candidacy : public testing::TestWithParam<Backend> {
         }
         const Candidates& found =
             detector_.find(soup.view(), CandidateQuery{.kinds = all_candidate_kinds(), .inflation = r});
-        // A vertex in one triangle and that of the other, each with the other's face, face with face; no edges.
+        // Pairs of the two vertices, of each vertex with the other's face, and of the two faces; no edges.
         const bool any = found.count > 0;
         EXPECT_EQ(found[CandidateKind::vertex_vertex].pairs.size(), any ? 1U : 0U);
         EXPECT_EQ(found[CandidateKind::vertex_face].pairs.size(), any ? 2U : 0U);
@@ -51,7 +53,7 @@ class Candidacy : public testing::TestWithParam<Backend> {
     }
 };
 
-TEST_P(Candidacy, is_a_gap_of_twice_the_inflation_and_no_ulp_more) {
+TEST_P(Candidacy, gap_may_be_twice_the_inflation_but_no_ulp_more) {
     expect_edge(0, 0, 0);
     expect_edge(3, 3, 0);
     expect_edge(1, 2, 0.5);
@@ -63,8 +65,8 @@ TEST_P(Candidacy, is_a_gap_of_twice_the_inflation_and_no_ulp_more) {
     expect_edge(0x1p52, 0x1p52 + 1, 0.5);
     expect_edge(-0x1p1023, 0x1p1023, 0x1p1023);
 }
-/// Sums that round to the same number, but are not.
-TEST_P(Candidacy, knows_what_rounding_hides) {
+/// Sums that differ but round to the same number.
+TEST_P(Candidacy, gaps_are_compared_without_rounding_error) {
     for (int axis = 0; axis < 3; ++axis) {
         EXPECT_TRUE(listed(1, 1 + 0x1p-52, 0x1p-53, axis));
         EXPECT_FALSE(listed(1, 1 + 0x1p-52, std::nextafter(0x1p-53, 0), axis));
@@ -80,19 +82,19 @@ TEST_P(Candidacy, knows_what_rounding_hides) {
         EXPECT_FALSE(listed(-0x1p1023, 0x1p-1074, 0x1p1022, axis));
     }
 }
-TEST_P(Candidacy, holds_the_whole_way) {
+TEST_P(Candidacy, boxes_hold_whole_trajectories) {
     MovingSoup<> soup;
     const auto point = [&](PointOf<double> from, PointOf<double> to) {
         const std::int32_t v = soup.vertex(from, to);
         soup.triangles.push_back({v, v, v});
     };
-    point({0, 0, 0}, {4, 4, 0});  // its way is a diagonal, its box a square
-    point({0, 4, 0}, {0, 4, 0});  // the corner of it
+    point({0, 0, 0}, {4, 4, 0});  // its trajectory is a diagonal, its box a square
+    point({0, 4, 0}, {0, 4, 0});  // at a corner of that box
     point({5, 4, 0}, {5, 4, 0});
     const auto pairs = [&](double r, bool step) {
-        const CandidateQuery question{.kinds = {CandidateKind::vertex_vertex}, .inflation = r};
-        const Candidates& found = step ? detector_.find(soup.view().moving_to(soup.end_view()), question)
-                                       : detector_.find(soup.view(), question);
+        const CandidateQuery query{.kinds = {CandidateKind::vertex_vertex}, .inflation = r};
+        const Candidates& found =
+            step ? detector_.find(soup.view().moving_to(soup.end_view()), query) : detector_.find(soup.view(), query);
         return std::vector<Pair>(found[CandidateKind::vertex_vertex].pairs.begin(),
                                  found[CandidateKind::vertex_vertex].pairs.end());
     };
@@ -102,15 +104,16 @@ TEST_P(Candidacy, holds_the_whole_way) {
     EXPECT_EQ(pairs(1, false), (std::vector<Pair>{}));
 }
 
-TEST_P(Candidacy, empty_braces_ask_the_default_question_at_rest) {
+TEST_P(Candidacy, static_mesh_and_step_have_different_candidates) {
     const MovingSoup<> soup = moving_grid(3, 14, 10, 1);
-    const Candidates at_rest = detector_.find(soup.view(), CandidateQuery());
-    EXPECT_GT(at_rest.count, 0);
-    EXPECT_TRUE(same_candidates(detector_.find(soup.view(), CandidateQuery()), at_rest));
-    EXPECT_FALSE(same_candidates(detector_.find(soup.view().moving_to(soup.end_view()), CandidateQuery()), at_rest));
+    const Candidates of_static_mesh = detector_.find(soup.view(), CandidateQuery());
+    EXPECT_GT(of_static_mesh.count, 0);
+    EXPECT_TRUE(same_candidates(detector_.find(soup.view(), CandidateQuery()), of_static_mesh));
+    EXPECT_FALSE(
+        same_candidates(detector_.find(soup.view().moving_to(soup.end_view()), CandidateQuery()), of_static_mesh));
 }
 
-TEST_P(Candidacy, knows_features_of_one_triangle) {
+TEST_P(Candidacy, features_of_one_triangle_can_be_candidates) {
     const std::vector<std::array<double, 3>> vertices{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
     const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}};
     const auto count = [&](double r) {
@@ -134,7 +137,8 @@ class CandidateErrors : public testing::TestWithParam<Backend> {
     Detector detector_{Options{.backend = GetParam(), .threads = 2}};
     const MovingSoup<> soup_ = moving_grid(3, 14, 10, 1);
 
-    /// The error of a call; before it the detector holds answers, afterwards none, and it works as if nothing had been.
+    /// Returns the error of a call. Expects the call to empty the result that the detector holds, and not to affect
+    /// later calls.
     template <class Call>
     Error refused(Call call) {
         const Candidates& held = detector_.find(soup_.view().moving_to(soup_.end_view()), CandidateQuery());
@@ -148,12 +152,12 @@ class CandidateErrors : public testing::TestWithParam<Backend> {
                                     fresh.find(soup_.view().moving_to(soup_.end_view()), CandidateQuery())));
         return error;
     }
-    Error refused(const CandidateQuery& question) {
-        return refused([&] { detector_.find(soup_.view().moving_to(soup_.end_view()), question); });
+    Error refused(const CandidateQuery& query) {
+        return refused([&] { detector_.find(soup_.view().moving_to(soup_.end_view()), query); });
     }
 };
 
-TEST_P(CandidateErrors, of_inflations) {
+TEST_P(CandidateErrors, invalid_inflation_is_rejected) {
     for (const double wrong : {nan, inf, -inf, -1.0, -0x1p-1074}) {
         const Error error = refused({.inflation = wrong});
         EXPECT_EQ(error.code, ErrorCode::invalid_argument);
@@ -161,12 +165,12 @@ TEST_P(CandidateErrors, of_inflations) {
         EXPECT_STREQ(error.what(), "inflation must be finite and 0 or more");
     }
 }
-TEST_P(CandidateErrors, of_kinds) {
+TEST_P(CandidateErrors, missing_and_unknown_kinds_are_rejected) {
     EXPECT_STREQ(refused({.kinds = {}}).what(), "kinds names no kind of candidates");
     EXPECT_STREQ(refused({.kinds = {static_cast<CandidateKind>(6)}}).what(),
                  "kinds names a kind of candidates that there is not");
 }
-TEST_P(CandidateErrors, of_ends) {
+TEST_P(CandidateErrors, invalid_end_positions_are_rejected) {
     const auto at = [&](const VertexView& end) {
         return refused([&] { detector_.find(soup_.view().moving_to(end), CandidateQuery()); });
     };
@@ -177,7 +181,7 @@ TEST_P(CandidateErrors, of_ends) {
     soup.end[11][2] = nan;
     EXPECT_STREQ(at(soup.end_view()).what(), "at the end: vertex 11 is not finite");
 }
-TEST_P(CandidateErrors, of_meshes) {
+TEST_P(CandidateErrors, invalid_meshes_are_rejected) {
     auto soup = soup_;
     soup.triangles[4][1] = 14;
     EXPECT_STREQ(refused([&] { detector_.find(soup.view(), CandidateQuery()); }).what(),
@@ -186,7 +190,7 @@ TEST_P(CandidateErrors, of_meshes) {
     mesh.memory = MemorySpace::cuda;
     EXPECT_EQ(refused([&] { detector_.find(mesh, CandidateQuery()); }).code, ErrorCode::invalid_argument);
 }
-TEST_P(CandidateErrors, of_calls_that_were_stopped) {
+TEST_P(CandidateErrors, stopped_call_reports_cancellation) {
     std::stop_source stop;
     stop.request_stop();
     const auto call = [&] { detector_.find(soup_.view(), CandidateQuery(), stop.get_token()); };
@@ -196,7 +200,7 @@ TEST_P(CandidateErrors, of_calls_that_were_stopped) {
 INSTANTIATE_TEST_SUITE_P(, CandidateErrors, testing::Values(Backend::reference, Backend::cpu),
                          [](const auto& info) { return std::string(backend_name(info.param)); });
 
-TEST(CandidateCalls, HandTheirAnswersOver) {
+TEST(CandidateCalls, swap_result_moves_the_result_without_copying) {
     const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
     Detector detector({.backend = Backend::cpu, .threads = 2}), fresh({.backend = Backend::cpu});
     const Candidates& held = detector.find(soup.view(), CandidateQuery{.inflation = 1});
@@ -209,15 +213,15 @@ TEST(CandidateCalls, HandTheirAnswersOver) {
     EXPECT_TRUE(same_candidates(taken, fresh.find(soup.view(), CandidateQuery{.inflation = 1})));
 }
 
-TEST(CandidateCalls, DoNotDependOnThoseBefore) {
+TEST(CandidateCalls, results_do_not_depend_on_earlier_calls) {
     const std::vector<MovingSoup<>> soups{moving_grid(3, 20, 20, 4), in_general(60, 0.3, 0.2, 5), {}};
     Detector warm({.backend = Backend::cpu, .threads = 2, .leaf_size = 8});
     for (int round = 0; round < 2; ++round)
         for (const MovingSoup<>& soup : soups) {
             Detector fresh({.backend = Backend::cpu, .threads = 2, .leaf_size = 8});
-            const CandidateQuery question{.kinds = all_candidate_kinds(), .inflation = 0.1 * round};
-            ASSERT_TRUE(same_candidates(warm.find(soup.view().moving_to(soup.end_view()), question),
-                                        fresh.find(soup.view().moving_to(soup.end_view()), question)));
+            const CandidateQuery query{.kinds = all_candidate_kinds(), .inflation = 0.1 * round};
+            ASSERT_TRUE(same_candidates(warm.find(soup.view().moving_to(soup.end_view()), query),
+                                        fresh.find(soup.view().moving_to(soup.end_view()), query)));
             ASSERT_TRUE(same_features(warm.find(soup.view(), ProximityQuery{.radius = 0.1}),
                                       fresh.find(soup.view(), ProximityQuery{.radius = 0.1})));
             ASSERT_TRUE(same_answer(warm.find(soup.view()), fresh.find(soup.view())));
@@ -226,14 +230,14 @@ TEST(CandidateCalls, DoNotDependOnThoseBefore) {
 
 class CandidateMemory : public testing::TestWithParam<int> {};
 
-TEST_P(CandidateMemory, IsBounded) {
+TEST_P(CandidateMemory, memory_limit_is_respected) {
     const MovingSoup<> soup = in_general(1500, 0.07, 0.06, 6);
     const Options options{.backend = Backend::cpu, .threads = GetParam(), .leaf_size = 40};
-    const auto ask = [&](Detector& detector) -> const Candidates& {
+    const auto find = [&](Detector& detector) -> const Candidates& {
         return detector.find(soup.view().moving_to(soup.end_view()), CandidateQuery{.kinds = all_candidate_kinds()});
     };
     Detector free(options);
-    const Candidates expected = ask(free);
+    const Candidates expected = find(free);
     bool refused = false;
     for (std::int64_t limit = expected.statistics.peak_memory_bytes; limit > 10'000; limit = limit * 3 / 5) {
         SCOPED_TRACE(limit);
@@ -241,16 +245,16 @@ TEST_P(CandidateMemory, IsBounded) {
         tight.memory_limit = limit;
         Detector limited(tight);
         try {
-            EXPECT_TRUE(same_candidates(ask(limited), expected));
-            EXPECT_LE(ask(limited).statistics.peak_memory_bytes, limit);
+            EXPECT_TRUE(same_candidates(find(limited), expected));
+            EXPECT_LE(find(limited).statistics.peak_memory_bytes, limit);
         } catch (const Error& error) {
             refused = true;
             ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
             EXPECT_GT(error.bytes_needed, limit);
-            tight.memory_limit = sufficient_limit(tight, ask);
+            tight.memory_limit = sufficient_limit(tight, find);
             for (int again = 0; again < 3; ++again) {
                 Detector enough(tight);
-                EXPECT_TRUE(same_candidates(ask(enough), expected));
+                EXPECT_TRUE(same_candidates(find(enough), expected));
             }
         }
     }

@@ -1,4 +1,4 @@
-// crumple detect --groups bodies: bodies of glTF scenes and files, exclusions, many configurations.
+// Tests of crumple detect --groups bodies: bodies of glTF scenes and files, exclusions, many configurations.
 
 #include <nlohmann/json.hpp>
 
@@ -16,11 +16,11 @@ class Bodies : public Cli {
         write("five.off", five_off);
         write("two.off", two_off);
     }
-    /// Standard output of a run that succeeds and says nothing else.
+    /// Returns standard output of a run. Expects success, and no message on standard error unless the list is empty.
     std::string list(const std::string& arguments) const {
         const Outcome outcome = crumple("detect --groups bodies " + arguments);
         EXPECT_EQ(outcome.status, 0) << arguments;
-        EXPECT_TRUE(tells_emptiness(outcome)) << arguments << outcome.err;
+        EXPECT_TRUE(reports_empty_list(outcome)) << arguments << outcome.err;
         return outcome.out;
     }
     void expect_refused(const std::string& arguments, const std::string& reason) const {
@@ -30,12 +30,13 @@ class Bodies : public Cli {
         EXPECT_TRUE(is_error_line(outcome.err)) << arguments << ": " << outcome.err;
         EXPECT_TRUE(contains(outcome.err, reason)) << arguments << ": " << outcome.err;
     }
-    /// A row of a pose that only moves.
+    /// Returns the row of a pose that only translates.
     static std::string at(double x, double y, double z) {
         const auto text = [](double v) { return std::to_string(v); };
         return "1,0,0," + text(x) + ",0,1,0," + text(y) + ",0,0,1," + text(z) + "\n";
     }
-    /// Four bodies: all apart, `arm` and `hand` together, all together.
+    /// Returns poses of four bodies in three configurations: all apart, only `arm` and `hand` in contact, all in
+    /// contact.
     static std::string three_configurations() {
         std::string rows;
         for (const double step : {9.0, 0.0, 0.125}) {
@@ -46,7 +47,7 @@ class Bodies : public Cli {
     }
 };
 
-TEST_F(Bodies, ThatCollideAreNamed) {
+TEST_F(Bodies, colliding_pairs_are_listed_by_name) {
     EXPECT_EQ(list("robot.glb"), "base\tarm\narm\thand\n");
     EXPECT_EQ(list("robot.glb --filter between"), "base\tarm\narm\thand\n");
     EXPECT_EQ(list("robot.glb --kind proper"), "arm\thand\n");
@@ -55,7 +56,7 @@ TEST_F(Bodies, ThatCollideAreNamed) {
     EXPECT_EQ(shell("cat robot.glb | $crumple detect - --groups bodies").out, "base\tarm\narm\thand\n");
 }
 
-TEST_F(Bodies, MayCollideWithThemselves) {
+TEST_F(Bodies, body_can_collide_with_itself) {
     crumple::test::GltfScene scene = crumple::test::robot_scene();
     scene.add_body("folded", scene.add_mesh({0, 0, 90, 4, 0, 90, 0, 4, 90, 1, 3, 90}, {0, 1, 2, 0, 1, 3}));
     write("folded.glb", scene.glb());
@@ -65,14 +66,14 @@ TEST_F(Bodies, MayCollideWithThemselves) {
     EXPECT_EQ(list("folded.glb --filter both --excluded-bodies folded,folded"), "base\tarm\narm\thand\n");
 }
 
-TEST_F(Bodies, MayBeFiles) {
+TEST_F(Bodies, each_file_is_a_body) {
     EXPECT_EQ(list("five.off two.off"), "five\ttwo\n");
     EXPECT_EQ(list("five.off two.off five.off"), "five\ttwo\nfive\tfive_2\ntwo\tfive_2\n");
     EXPECT_EQ(list("robot.glb robot.glb --filter between | grep far"), "far away\tfar away_2\n");
     EXPECT_EQ(crumple("detect five.off two.off").out, "0 1\n2 0\n3 1\n4 0\n") << "without --groups as ever";
 }
 
-TEST_F(Bodies, AreExcludedByName) {
+TEST_F(Bodies, pairs_are_excluded_by_name) {
     EXPECT_EQ(list("robot.glb --excluded-bodies base,arm"), "arm\thand\n");
     EXPECT_EQ(list("robot.glb --excluded-bodies hand,arm --excluded-bodies base,arm"), "");
     write("all.txt", list("robot.glb"));
@@ -92,7 +93,7 @@ TEST_F(Bodies, AreExcludedByName) {
                    "bad.txt, line 1: two names are expected");
 }
 
-TEST_F(Bodies, WithOddNamesAreQuotedAndReadBack) {
+TEST_F(Bodies, odd_names_are_quoted_and_read_back) {
     crumple::test::GltfScene scene;
     const int shape = scene.add_tetrahedron();
     for (const char* const name : {"a,b", "tab\there", "say \"x\"", " blank",
@@ -126,7 +127,7 @@ TEST_F(Bodies, WithOddNamesAreQuotedAndReadBack) {
                    "bad.json, byte 0: an object with a list of pairs");
 }
 
-TEST_F(Bodies, AreWrittenAsLists) {
+TEST_F(Bodies, pairs_are_written_as_lists) {
     const Outcome outcome = crumple("detect robot.glb --groups bodies -o p.txt -o p.csv -o p.json");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.out, "");
@@ -141,7 +142,7 @@ TEST_F(Bodies, AreWrittenAsLists) {
     EXPECT_TRUE(crumple("detect five.off --groups bodies -o p.txt").err.starts_with("nothing collides: 1 body, "));
 }
 
-TEST_F(Bodies, AreWrittenColoured) {
+TEST_F(Bodies, coloured_files_keep_names_and_poses) {
     ASSERT_EQ(crumple("detect robot.glb --groups bodies -o c.glb -o c.ply -o c.html -o c.obj").status, 0);
     EXPECT_EQ(list("c.glb"), "base\tarm\narm\thand\n") << "names and poses are kept";
     const io::WorldMesh world = io::read_world(file("c.glb"));
@@ -153,14 +154,14 @@ TEST_F(Bodies, AreWrittenColoured) {
     expect_refused("robot.glb --groups bodies -o robot.glb", "would overwrite the input robot.glb");
 }
 
-TEST_F(Bodies, AreCheckedByExitStatus) {
+TEST_F(Bodies, check_reports_collisions_by_exit_status) {
     EXPECT_EQ(crumple("detect robot.glb --groups bodies --check").status, 1);
     EXPECT_EQ(crumple("detect robot.glb --groups bodies --check").out, "something collides\n");
     EXPECT_EQ(crumple("detect five.off --groups bodies --check").out, "nothing collides\n");
     EXPECT_EQ(crumple("detect robot.glb --groups bodies --check -o p.txt").status, 1);
 }
 
-TEST_F(Bodies, HaveManyConfigurationsInOneRun) {
+TEST_F(Bodies, one_run_checks_many_configurations) {
     write("poses.csv", three_configurations());
     EXPECT_EQ(list("robot.glb --poses poses.csv"), "configuration,collides,pairs\n0,0,0\n1,1,1\n2,1,6\n");
     EXPECT_EQ(list("robot.glb --poses poses.csv --excluded-bodies arm,hand"),
@@ -180,7 +181,7 @@ TEST_F(Bodies, HaveManyConfigurationsInOneRun) {
     EXPECT_EQ(list("robot.glb --poses none.csv"), "configuration,collides,pairs\n");
 }
 
-TEST_F(Bodies, OfMoreConfigurationsThanAreSearchedAtOnceAreTheSame) {
+TEST_F(Bodies, configurations_in_several_batches_keep_their_order) {
     std::string rows;
     for (int i = 0; i < 20'000; ++i) rows += three_configurations();
     write("many.csv", rows);
@@ -192,7 +193,7 @@ TEST_F(Bodies, OfMoreConfigurationsThanAreSearchedAtOnceAreTheSame) {
     EXPECT_TRUE(outcome.out == expected);
 }
 
-TEST_F(Bodies, PosesThatAreNoneNameTheirRowAndBody) {
+TEST_F(Bodies, error_in_poses_names_row_and_body) {
     const auto refused = [&](const std::string& rows, const std::string& reason) {
         write("p.csv", rows);
         expect_refused("robot.glb --groups bodies --poses p.csv", reason);
@@ -214,7 +215,7 @@ TEST_F(Bodies, PosesThatAreNoneNameTheirRowAndBody) {
             "configuration 30000, body 'base': vertex");
 }
 
-TEST_F(Bodies, AreListedByInfo) {
+TEST_F(Bodies, info_lists_bodies) {
     const Outcome outcome = crumple("info robot.glb");
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_TRUE(contains(outcome.out,
@@ -227,7 +228,7 @@ TEST_F(Bodies, AreListedByInfo) {
     EXPECT_EQ(shell("cat robot.glb | $crumple info -").out, outcome.out);
 }
 
-TEST_F(Bodies, AreOneMeshWithoutGroups) {
+TEST_F(Bodies, scene_without_groups_is_one_mesh) {
     EXPECT_EQ(crumple("convert robot.glb robot.ply").status, 0);
     const Outcome scene = crumple("detect robot.glb"), mesh = crumple("detect robot.ply");
     EXPECT_EQ(scene.status, 0) << scene.err;
@@ -235,13 +236,13 @@ TEST_F(Bodies, AreOneMeshWithoutGroups) {
     EXPECT_EQ(crumple("near robot.glb --radius 0.01").out, crumple("near robot.ply --radius 0.01").out);
 }
 
-TEST_F(Bodies, ThatDoNotCollideAreTold) {
+TEST_F(Bodies, summary_says_that_nothing_collides) {
     EXPECT_TRUE(
         contains(crumple("detect robot.glb --groups bodies --excluded-bodies base,arm --excluded-bodies arm,hand").err,
                  "nothing collides: 4 bodies"));
 }
 
-TEST_F(Bodies, WarningsAreToldAndStrictMakesThemErrors) {
+TEST_F(Bodies, strict_turns_warnings_into_errors) {
     crumple::test::GltfScene scene = crumple::test::robot_scene();
     scene.json["nodes"][1]["skin"] = 0;
     write("skin.glb", scene.glb());
@@ -251,7 +252,7 @@ TEST_F(Bodies, WarningsAreToldAndStrictMakesThemErrors) {
     expect_refused("skin.glb --groups bodies --strict", "nodes[1] has a skin");
 }
 
-TEST_F(Bodies, OptionsThatDoNotGoTogetherAreRefused) {
+TEST_F(Bodies, incompatible_options_are_refused) {
     write("poses.csv", three_configurations());
     expect_refused("robot.glb --excluded-bodies base,arm", "--excluded-bodies needs --groups bodies");
     expect_refused("five.off --excluded-bodies-from x", "--excluded-bodies-from needs --groups bodies");

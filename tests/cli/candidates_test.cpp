@@ -7,36 +7,36 @@ namespace {
 
 using Candidates = Moving;
 
-const std::string step = "impacts above.off below.off --candidates", at_rest = "impacts above.off --candidates";
+const std::string step = "impacts above.off below.off --candidates", static_query = "impacts above.off --candidates";
 
-// Of the corner that falls through the lower triangle, and of the edges that it drags along.
-constexpr const char* on_the_way = "vf 3 0\nee 1 2 3 4\nee 1 2 3 5\n";
+// Candidates of the corner that falls through the lower triangle, and of the two edges that end at it.
+constexpr const char* step_candidates = "vf 3 0\nee 1 2 3 4\nee 1 2 3 5\n";
 
-TEST_F(Candidates, GoToStandardOutput) {
-    EXPECT_EQ(list(step), on_the_way);
-    EXPECT_EQ(list(step + " --backend reference"), on_the_way);
-    EXPECT_EQ(list(step + " --threads 1"), on_the_way);
-    EXPECT_EQ(shell("cat above.off | $crumple impacts - below.off --candidates").out, on_the_way);
+TEST_F(Candidates, go_to_standard_output) {
+    EXPECT_EQ(list(step), step_candidates);
+    EXPECT_EQ(list(step + " --backend reference"), step_candidates);
+    EXPECT_EQ(list(step + " --threads 1"), step_candidates);
+    EXPECT_EQ(shell("cat above.off | $crumple impacts - below.off --candidates").out, step_candidates);
 }
 
-TEST_F(Candidates, AtRestAreThoseOfOneFile) {
-    EXPECT_EQ(list(at_rest), "");
-    EXPECT_EQ(list(at_rest + " --kinds vertex_face --inflation 0.5"), "vf 0 1\nvf 3 0\n");
-    EXPECT_EQ(list(at_rest + " --kinds vertex_face --inflation 0.499"), "");
+TEST_F(Candidates, one_file_gives_static_candidates) {
+    EXPECT_EQ(list(static_query), "");
+    EXPECT_EQ(list(static_query + " --kinds vertex_face --inflation 0.5"), "vf 0 1\nvf 3 0\n");
+    EXPECT_EQ(list(static_query + " --kinds vertex_face --inflation 0.499"), "");
     EXPECT_EQ(list("impacts above.off above.off --candidates --kinds vertex_face --inflation 0.5"),
-              list(at_rest + " --kinds vertex_face --inflation 0.5"));
+              list(static_query + " --kinds vertex_face --inflation 0.5"));
 }
 
-TEST_F(Candidates, OfEveryKindHaveTheirTag) {
-    const std::string all = at_rest + " --inflation 0.5 --kinds ";
+TEST_F(Candidates, each_kind_has_its_tag) {
+    const std::string all = static_query + " --inflation 0.5 --kinds ";
     EXPECT_EQ(list(all + "edge_face,face_face"), "ef 0 1 1\nef 0 2 1\nef 1 2 1\nef 3 4 0\nef 3 5 0\nff 0 1\n");
     EXPECT_EQ(list(all + "face_face --kinds edge_face"), list(all + "edge_face,face_face"));
     EXPECT_EQ(list(all + "vertex_vertex"), "vv 0 3\nvv 3 4\nvv 3 5\nvv 4 5\n");
     EXPECT_TRUE(contains(list(all + "vertex_edge"), "ve 3 1 2\n"));
-    EXPECT_EQ(list(all + "vertex_face,edge_edge"), list(at_rest + " --inflation 0.5"));
+    EXPECT_EQ(list(all + "vertex_face,edge_edge"), list(static_query + " --inflation 0.5"));
 }
 
-TEST_F(Candidates, AreWrittenInEveryFormat) {
+TEST_F(Candidates, are_written_in_every_format) {
     const Outcome outcome = crumple(step + " --kinds vertex_face,face_face -o a.txt -o a.csv -o a.json -o a.npz");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.out, "");
@@ -53,33 +53,33 @@ TEST_F(Candidates, AreWrittenInEveryFormat) {
     EXPECT_EQ(crumple(step + " --kinds vertex_face,face_face -o - --format csv").out, read("a.csv"));
 }
 
-TEST_F(Candidates, OfNothingSayHowMuchWasSearched) {
-    const Outcome outcome = crumple(at_rest + " -o a.txt");
+TEST_F(Candidates, summary_of_empty_list_counts_triangles) {
+    const Outcome outcome = crumple(static_query + " -o a.txt");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_TRUE(outcome.err.starts_with("no candidates: 2 triangles, ")) << outcome.err;
     EXPECT_EQ(read("a.txt"), "");
 }
 
-TEST_F(Candidates, GroupsWeldingAndStatistics) {
+TEST_F(Candidates, groups_welding_and_statistics_apply) {
     const std::string groups = step + " --groups components --filter ";
-    EXPECT_EQ(list(groups + "between"), on_the_way);
+    EXPECT_EQ(list(groups + "between"), step_candidates);
     EXPECT_EQ(list(groups + "within"), "");
     // Two triangles that touch with a corner each: one vertex, if welded, that keeps its own ids.
     write("corner.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n0 0 0\n-1 0 1\n0 -1 1\n3 0 1 2\n3 3 4 5\n");
     EXPECT_EQ(list("impacts corner.off --candidates --kinds vertex_face"), "vf 0 1\nvf 3 0\n");
     EXPECT_EQ(list("impacts corner.off --candidates --kinds vertex_face --weld"), "");
     const Outcome outcome = crumple(step + " --stats");
-    EXPECT_EQ(outcome.out, on_the_way);
+    EXPECT_EQ(outcome.out, step_candidates);
     EXPECT_TRUE(contains(outcome.err, "1 vertex-face, 2 edge-edge")) << outcome.err;
 }
 
-TEST_F(Candidates, LinesAndPointsOfObjCount) {
+TEST_F(Candidates, lines_and_points_of_obj_take_part) {
     write("hair.obj", "v 0 0 0\nv 1 0 0\nv 0.5 1 0\nv 0.5 1.5 0\nl 1 2\np 3 4\n");
     EXPECT_EQ(list("impacts hair.obj --candidates --kinds vertex_edge,vertex_vertex --inflation 0.5"),
               "ve 2 0 1\nvv 0 1\nvv 0 2\nvv 1 2\nvv 2 3\n");
 }
 
-TEST_F(Candidates, AreRefusedWhereTheyMakeNoSense) {
+TEST_F(Candidates, wrong_options_are_refused) {
     for (const char* const option : {"--min-distance 0", "--min-distance-share 0.1", "--first", "--check"}) {
         const std::string name = std::string(option).substr(0, std::string(option).find(' '));
         expect_refused(step + ' ' + option, name + " does not go with --candidates");

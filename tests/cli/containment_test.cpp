@@ -1,4 +1,5 @@
-// crumple detect --groups bodies --containment: bodies inside others, in lists, pictures and many configurations.
+// Tests of crumple detect --groups bodies --containment: bodies inside others in lists, coloured meshes and many
+// configurations.
 
 #include <array>
 #include <sstream>
@@ -12,7 +13,7 @@
 namespace crumple::cli::test {
 namespace {
 
-/// A cube of a size around a point on the x axis, of which so many triangles are there.
+/// Returns a cube in OFF with edges of length `size`, centre (x, 0, 0) and the first `triangles` of its 12 triangles.
 std::string cube_off(double x, double size, int triangles = 12) {
     std::ostringstream out;
     out << "OFF\n8 " << triangles << " 0\n";
@@ -34,7 +35,7 @@ class Containment : public Cli {
         write("open.off", cube_off(-1, 1, 11));
         write("open_large.off", cube_off(0, 8, 11));
     }
-    /// Standard output of a run that succeeds.
+    /// Returns standard output of a run that must succeed.
     std::string list(const std::string& arguments) const {
         const Outcome outcome = crumple("detect --groups bodies " + arguments);
         EXPECT_EQ(outcome.status, 0) << arguments << outcome.err;
@@ -52,7 +53,7 @@ constexpr const char* three_files = "large.off small.off edge.off ";
 constexpr const char* meeting = "large\tedge\n";
 constexpr const char* with_inside = "large\tsmall\tinside\nlarge\tedge\n";
 
-TEST_F(Containment, lists_say_which_pairs_are_inside) {
+TEST_F(Containment, lists_mark_pairs_inside) {
     EXPECT_EQ(list(three_files), meeting);
     EXPECT_EQ(list(std::string(three_files) + "--containment"), with_inside);
     EXPECT_EQ(list(std::string(three_files) + "--containment --backend reference"), with_inside);
@@ -66,7 +67,7 @@ TEST_F(Containment, lists_say_which_pairs_are_inside) {
     EXPECT_EQ(json["inside"].dump(), "[true,false]");
 }
 
-TEST_F(Containment, lists_read_back_as_pairs_to_exclude) {
+TEST_F(Containment, lists_can_be_read_back_as_exclusions) {
     list(std::string(three_files) + "--containment -o p.txt -o p.csv -o p.json");
     for (const std::string name : {"p.txt", "p.csv", "p.json"})
         EXPECT_EQ(list(std::string(three_files) + "--containment --excluded-bodies-from " + name), "") << name;
@@ -75,13 +76,13 @@ TEST_F(Containment, lists_read_back_as_pairs_to_exclude) {
                    "odd.txt, line 1: two names are expected");
 }
 
-TEST_F(Containment, check_tells_by_its_status) {
+TEST_F(Containment, check_reports_containment_by_exit_status) {
     EXPECT_EQ(crumple("detect --groups bodies --check large.off small.off").status, 0);
     EXPECT_EQ(crumple("detect --groups bodies --check --containment large.off small.off").status, 1);
     EXPECT_EQ(crumple("detect --groups bodies --check --containment small.off edge.off").status, 0);
 }
 
-TEST_F(Containment, configurations_count_pairs_that_are_inside) {
+TEST_F(Containment, configurations_count_pairs_inside) {
     std::string poses;
     for (const double step : {0.0, 3.0, 20.0})
         poses += "1,0,0,0,0,1,0,0,0,0,1,0\n1,0,0," + std::to_string(step) + ",0,1,0,0,0,0,1,0\n";
@@ -112,7 +113,7 @@ TEST_F(Containment, open_bodies_are_an_error_or_contain_nothing) {
     EXPECT_EQ(list("--containment open_large.off edge.off"), "open_large\tedge\n") << "surfaces meet";
 }
 
-TEST_F(Containment, pictures_colour_whole_bodies) {
+TEST_F(Containment, containment_changes_colours_of_written_meshes) {
     ASSERT_EQ(crumple("detect --groups bodies --containment large.off small.off -o c.ply -o c.glb -o p.txt").status, 0);
     EXPECT_EQ(read("p.txt"), "large\tsmall\tinside\n");
     EXPECT_EQ(io::read_mesh(file("c.ply")).triangle_count(), 24);
@@ -120,7 +121,7 @@ TEST_F(Containment, pictures_colour_whole_bodies) {
     EXPECT_NE(read("c.ply"), read("grey.ply"));
 }
 
-TEST_F(Containment, options_that_do_not_go_together_are_refused) {
+TEST_F(Containment, incompatible_options_are_refused) {
     expect_refused("large.off small.off --containment", "--containment needs --groups bodies");
     expect_refused("large.off --groups bodies --open skip", "--open changes nothing without --containment");
     expect_refused("large.off small.off --groups bodies --containment --kind proper", "kind must be all");

@@ -15,14 +15,14 @@ class Detect : public Cli {
         write("two.off", two_off);
         write("near.off", near_off);
     }
-    /// Standard output of a run that succeeds, and says nothing else unless it is empty.
+    /// Returns standard output of a run. Expects success, and no message on standard error unless the list is empty.
     std::string pairs(const std::string& arguments) const {
         const Outcome outcome = crumple("detect " + arguments);
         EXPECT_EQ(outcome.status, 0) << arguments;
-        EXPECT_TRUE(tells_emptiness(outcome)) << arguments << ": " << outcome.err;
+        EXPECT_TRUE(reports_empty_list(outcome)) << arguments << ": " << outcome.err;
         return outcome.out;
     }
-    /// Standard error of a run that succeeds and prints no pairs: one line.
+    /// Returns standard error of a run. Expects success, exactly one line, and no pairs on standard output.
     std::string summary(const std::string& arguments) const {
         const Outcome outcome = crumple("detect " + arguments);
         EXPECT_EQ(outcome.status, 0) << arguments;
@@ -32,24 +32,26 @@ class Detect : public Cli {
     }
 };
 
-TEST_F(Detect, WritesPairsToStandardOutput) { EXPECT_EQ(pairs("five.off"), five_pairs); }
+TEST_F(Detect, writes_pairs_to_standard_output) { EXPECT_EQ(pairs("five.off"), five_pairs); }
 
-TEST_F(Detect, OfTwoFilesCountsFirstInTheFirst) { EXPECT_EQ(pairs("five.off two.off"), "0 1\n2 0\n3 1\n4 0\n"); }
+TEST_F(Detect, pairs_of_two_files_name_the_first_file_first) {
+    EXPECT_EQ(pairs("five.off two.off"), "0 1\n2 0\n3 1\n4 0\n");
+}
 
-TEST_F(Detect, StreamsTheSameLines) {
-    for (const std::string way :
+TEST_F(Detect, streams_the_same_lines) {
+    for (const std::string input :
          {"five.off", "five.off two.off", "five.off --contacts", "five.off --memory-limit 1MB"}) {
-        EXPECT_EQ(sorted_lines(pairs(way + " --stream")), sorted_lines(pairs(way)));
+        EXPECT_EQ(sorted_lines(pairs(input + " --stream")), sorted_lines(pairs(input)));
         for (const std::string out : {"pairs.txt", "pairs.csv"}) {
-            const std::string said = summary(way + " --stream -o streamed_" + out);
-            const std::string expected = summary(way + " -o " + out);
-            EXPECT_EQ(said.substr(0, said.rfind(',')), expected.substr(0, expected.rfind(',')));
-            EXPECT_EQ(sorted_lines(read("streamed_" + out)), sorted_lines(read(out))) << way;
+            const std::string streamed = summary(input + " --stream -o streamed_" + out);
+            const std::string expected = summary(input + " -o " + out);
+            EXPECT_EQ(streamed.substr(0, streamed.rfind(',')), expected.substr(0, expected.rfind(',')));
+            EXPECT_EQ(sorted_lines(read("streamed_" + out)), sorted_lines(read(out))) << input;
         }
     }
 }
 
-TEST_F(Detect, StreamsOneListOfPairsOnly) {
+TEST_F(Detect, streams_only_one_list_of_pairs) {
     for (const std::string bad :
          {"-o a.json", "-o a.glb", "-o a.txt -o b.txt", "--check", "--polygons", "--part 1/2"}) {
         const Outcome outcome = crumple("detect five.off --stream " + bad);
@@ -58,23 +60,23 @@ TEST_F(Detect, StreamsOneListOfPairsOnly) {
     }
 }
 
-TEST_F(Detect, SkipsNeighboursIfAsked) {
+TEST_F(Detect, skips_adjacent_triangles_on_request) {
     EXPECT_EQ(pairs("five.off --neighbours skip"), "0 1\n0 3\n");
     EXPECT_EQ(pairs("five.off --neighbours geometric"), five_pairs);
 }
 
-TEST_F(Detect, ProperLeavesOutTouchesAndFolds) {
+TEST_F(Detect, proper_excludes_touches_and_folds) {
     EXPECT_EQ(pairs("five.off --kind proper"), "0 1\n");
     EXPECT_EQ(pairs("five.off --kind all"), five_pairs);
 }
 
-TEST_F(Detect, WeldMakesTheCornerAHinge) {
+TEST_F(Detect, weld_merges_vertices_of_touching_corners) {
     EXPECT_EQ(pairs("five.off --weld"), "0 1\n2 4\n");
     EXPECT_EQ(pairs("five.off --no-weld"), five_pairs);
     EXPECT_EQ(pairs("five.off two.off --weld"), "2 0\n4 0\n");
 }
 
-TEST_F(Detect, StlIsWeldedUnlessToldOtherwise) {
+TEST_F(Detect, stl_is_welded_by_default) {
     write("hinge.stl",
           "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
           "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\nendsolid\n");
@@ -82,30 +84,30 @@ TEST_F(Detect, StlIsWeldedUnlessToldOtherwise) {
     EXPECT_EQ(pairs("hinge.stl --no-weld"), "0 1\n");
 }
 
-TEST_F(Detect, PrecisionDecidesWhatTouches) {
+TEST_F(Detect, precision_decides_what_touches) {
     EXPECT_EQ(pairs("near.off"), "");
     EXPECT_EQ(pairs("near.off --precision float64"), "");
     EXPECT_EQ(pairs("near.off --precision float32"), "0 1\n");
 }
 
-TEST_F(Detect, ContactsFollowThePairs) {
+TEST_F(Detect, contacts_follow_their_pairs) {
     EXPECT_EQ(pairs("five.off --contacts"),
               "0 1 segment 1 1 0 2 2 0\n0 3 point 0 0 0\n2 4 area 10 0 0 14 0 0 11 3 0\n");
 }
 
-TEST_F(Detect, GroupsMayBeComponents) {
+TEST_F(Detect, groups_can_be_components) {
     EXPECT_EQ(pairs("five.off --groups components --filter between"), "0 1\n0 3\n");
     EXPECT_EQ(pairs("five.off --groups components --filter within"), "2 4\n");
     EXPECT_EQ(pairs("five.off --groups components --filter both"), five_pairs);
     EXPECT_EQ(pairs("five.off --groups components --filter between --weld"), "0 1\n");
 }
 
-TEST_F(Detect, ComponentsOfTwoFilesAreDistinct) {
+TEST_F(Detect, components_of_two_files_are_distinct) {
     EXPECT_EQ(pairs("five.off two.off --groups components --filter within"), "");
     EXPECT_EQ(pairs("five.off two.off --groups components --filter between"), "0 1\n2 0\n3 1\n4 0\n");
 }
 
-TEST_F(Detect, GroupsMayComeFromAFile) {
+TEST_F(Detect, groups_can_come_from_a_file) {
     write("groups.txt", "0\n0\n1\n1\n0\n");
     EXPECT_EQ(pairs("five.off --groups groups.txt --filter between"), "0 3\n2 4\n");
     EXPECT_EQ(pairs("five.off --groups groups.txt --filter within"), "0 1\n");
@@ -113,7 +115,7 @@ TEST_F(Detect, GroupsMayComeFromAFile) {
     EXPECT_EQ(pairs("five.off two.off --groups seven.txt --filter within"), "2 0\n");
 }
 
-TEST_F(Detect, GroupsMayBeAPropertyOfPly) {
+TEST_F(Detect, groups_can_be_a_ply_property) {
     write("parts.ply",
           "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
           "element face 3\nproperty list uchar int vertex_indices\nproperty int part\nend_header\n"
@@ -123,7 +125,7 @@ TEST_F(Detect, GroupsMayBeAPropertyOfPly) {
     EXPECT_EQ(pairs("parts.ply --groups part --filter within"), "0 2\n");
 }
 
-TEST_F(Detect, BackendsThreadsAndClustersChangeNothing) {
+TEST_F(Detect, backends_threads_and_clusters_give_the_same_pairs) {
     ASSERT_EQ(crumple("make bodies --triangles 3000 -o bodies.ply").status, 0);
     const std::string result = pairs("bodies.ply");
     ASSERT_GT(std::count(result.begin(), result.end(), '\n'), 100);
@@ -133,7 +135,7 @@ TEST_F(Detect, BackendsThreadsAndClustersChangeNothing) {
     }
 }
 
-TEST_F(Detect, PartsTogetherAreTheResult) {
+TEST_F(Detect, parts_together_give_the_whole_result) {
     ASSERT_EQ(crumple("make soup --triangles 20000 -o soup.ply").status, 0);
     std::vector<std::string> lines;
     for (const char* part : {"3/3", "1/3", "2/3"}) {
@@ -151,7 +153,7 @@ TEST_F(Detect, PartsTogetherAreTheResult) {
     EXPECT_EQ(pairs("five.off two.off --part 1/1"), pairs("five.off two.off"));
 }
 
-TEST_F(Detect, WritesLists) {
+TEST_F(Detect, writes_lists_in_every_format) {
     EXPECT_TRUE(summary("five.off -o p.txt -o p.csv -o p.json -o p.npz").starts_with("3 pairs, 5 of 5 triangles, "));
     EXPECT_EQ(read("p.txt"), five_pairs);
     EXPECT_EQ(read("p.csv"), "a,b\n0,1\n0,3\n2,4\n");
@@ -162,14 +164,14 @@ TEST_F(Detect, WritesLists) {
     EXPECT_TRUE(contains(read("p.npz"), "pairs.npy"));
 }
 
-TEST_F(Detect, WritesContactsToLists) {
+TEST_F(Detect, writes_contacts_to_lists) {
     summary("five.off --contacts --output p.csv -o p.json");
     EXPECT_TRUE(contains(read("p.csv"), "0,3,point,1,0,0,0,"));
     EXPECT_EQ(nlohmann::json::parse(read("p.json"))["contacts"][0].dump(),
               R"({"kind":"segment","points":[[1,1,0],[2,2,0]]})");
 }
 
-TEST_F(Detect, WritesColouredMeshes) {
+TEST_F(Detect, writes_coloured_meshes) {
     EXPECT_TRUE(summary("-o c.ply -o c.obj -o c.glb five.off two.off").starts_with("4 pairs, 6 of 7 triangles, "));
     EXPECT_EQ(io::read_mesh(file("c.ply")).triangle_count(), 7);
     EXPECT_TRUE(contains(read("c.ply"), "property uchar red"));
@@ -178,7 +180,7 @@ TEST_F(Detect, WritesColouredMeshes) {
     EXPECT_TRUE(read("c.glb").starts_with("glTF"));
 }
 
-TEST_F(Detect, ChecksByExitStatus) {
+TEST_F(Detect, check_reports_collisions_by_exit_status) {
     EXPECT_EQ(crumple("detect five.off --check").status, 1);
     EXPECT_EQ(crumple("detect five.off --check").out, "something collides\n");
     EXPECT_EQ(crumple("detect near.off --check").out, "nothing collides\n");
@@ -192,14 +194,14 @@ TEST_F(Detect, ChecksByExitStatus) {
     EXPECT_EQ(crumple("detect near.off --check").status, 0);
 }
 
-TEST_F(Detect, TellsInOneLineWhatAFileHolds) {
+TEST_F(Detect, prints_one_line_summary_of_a_written_list) {
     EXPECT_TRUE(summary("near.off -o p.txt").starts_with("nothing collides: 2 triangles, "));
     write("one.off", "OFF\n6 2 0\n0 0 0\n2 0 0\n0 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 3 4 5\n");
     EXPECT_TRUE(summary("one.off -o p.txt").starts_with("1 pair, 2 of 2 triangles, "));
     EXPECT_FALSE(contains(crumple("detect one.off -o p.txt --stats").err, "1 pair,"));
 }
 
-TEST_F(Detect, WritesAPage) {
+TEST_F(Detect, writes_an_html_page) {
     summary("five.off two.off --contacts -o p.html");
     const std::string page = read("p.html");
     EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
@@ -210,7 +212,7 @@ TEST_F(Detect, WritesAPage) {
     EXPECT_FALSE(contains(page, "@ID@") || contains(page, "@DATA@"));
 }
 
-TEST_F(Detect, ListsPolygons) {
+TEST_F(Detect, lists_pairs_of_polygons) {
     // Two squares that cross, each cut in two, and a triangle that touches the first.
     write("squares.obj",
           "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 -1 -1\nv 1 3 -1\nv 1 3 1\nv 1 -1 1\nv 9 0 0\nv 9 1 0\nv 2 1 0\n"
@@ -233,7 +235,7 @@ TEST_F(Detect, ListsPolygons) {
     EXPECT_EQ(crumple("detect squares.obj --polygons --part 1/2").status, 2);
 }
 
-TEST_F(Detect, APolygonMayCollideWithItself) {
+TEST_F(Detect, polygon_can_collide_with_itself) {
     write("bow.obj", "v 0 0 0\nv 3 3 0\nv 3 0 0\nv 0 3 0\nf 1 2 3 4\n");
     const Outcome fan = crumple("detect bow.obj --polygons");
     EXPECT_EQ(fan.out, "0 0\n");
@@ -241,14 +243,14 @@ TEST_F(Detect, APolygonMayCollideWithItself) {
     EXPECT_EQ(crumple("detect bow.obj --strict").status, 2);
 }
 
-TEST_F(Detect, CutsConcavePolygonsOrFansThem) {
+TEST_F(Detect, triangulates_concave_polygons_by_ears_or_fan) {
     write("chevron.obj", "v 4 -2 0\nv 1 0 0\nv 4 2 0\nv 0 0 0\nf 1 2 3 4\n");
     EXPECT_EQ(pairs("chevron.obj"), "");
     EXPECT_EQ(pairs("chevron.obj --triangulation ears"), "");
     EXPECT_EQ(pairs("chevron.obj --triangulation fan"), "0 1\n");
 }
 
-TEST_F(Detect, WarnsInALineEach) {
+TEST_F(Detect, prints_each_warning_on_one_line) {
     write("odd.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nseam 1 2\nseam 2 3\n");
     const Outcome outcome = crumple("detect odd.obj");
     EXPECT_EQ(outcome.status, 0);
@@ -258,7 +260,7 @@ TEST_F(Detect, WarnsInALineEach) {
     EXPECT_EQ(crumple("info odd.obj --strict").status, 2);
 }
 
-TEST_F(Detect, PrintsStatisticsToStandardError) {
+TEST_F(Detect, prints_statistics_to_standard_error) {
     const Outcome outcome = crumple("detect five.off --stats");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.out, five_pairs);
@@ -269,7 +271,7 @@ TEST_F(Detect, PrintsStatisticsToStandardError) {
     }
 }
 
-TEST_F(Detect, TellsItsStepsIfAsked) {
+TEST_F(Detect, progress_prints_each_step) {
     const auto steps = [&](const std::string& arguments) {
         std::istringstream lines(crumple("detect five.off --progress " + arguments).err);
         std::string all;
@@ -289,7 +291,7 @@ TEST_F(Detect, TellsItsStepsIfAsked) {
     EXPECT_EQ(crumple("detect five.off").err, "");
 }
 
-TEST_F(Detect, MemoryLimitNamesALowerBoundAndWhatToTry) {
+TEST_F(Detect, memory_error_names_lower_bound_and_limit_to_try) {
     ASSERT_EQ(crumple("make bodies --triangles 3000 -o bodies.ply").status, 0);
     std::string limit = "1000";
     for (int tries = 0; tries < 20; ++tries) {
@@ -309,13 +311,13 @@ TEST_F(Detect, MemoryLimitNamesALowerBoundAndWhatToTry) {
     EXPECT_EQ(pairs("bodies.ply --memory-limit " + limit), pairs("bodies.ply"));
 }
 
-TEST_F(Detect, SettingsOfFuzzyCMeansChangeNoResult) {
+TEST_F(Detect, fuzzy_c_means_settings_change_no_result) {
     ASSERT_EQ(crumple("make bodies --triangles 3000 -o bodies.ply").status, 0);
     const std::string settings = "fuzziness=1.5,max_iterations=0,first_iterations=1,stop=0.5,first_stop=0.5";
     EXPECT_EQ(pairs("bodies.ply --fuzzy-c-means " + settings), pairs("bodies.ply"));
 }
 
-TEST_F(Detect, MemoryLimitTakesUnits) {
+TEST_F(Detect, memory_limit_accepts_units) {
     for (const char* size : {"1GiB", "500MB", "'1.5 g'", "700kib", "1T", "100000000", "100000000B"}) {
         EXPECT_EQ(pairs(std::string("five.off --memory-limit ") + size), five_pairs) << size;
     }

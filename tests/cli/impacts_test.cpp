@@ -9,7 +9,7 @@ using Impacts = Moving;
 
 constexpr const char* impact = "vf 3 0 0.5 0\n";
 
-TEST_F(Impacts, GoToStandardOutput) {
+TEST_F(Impacts, go_to_standard_output) {
     EXPECT_EQ(list("impacts above.off below.off"), impact);
     EXPECT_EQ(list("impacts above.off below.off --backend reference"), impact);
     EXPECT_EQ(list("impacts above.off below.off --threads 1"), impact);
@@ -17,12 +17,12 @@ TEST_F(Impacts, GoToStandardOutput) {
     EXPECT_EQ(shell("cat above.off | $crumple impacts - below.off").out, impact);
 }
 
-TEST_F(Impacts, AtTheStartHaveTimeZero) {
+TEST_F(Impacts, contact_at_the_start_has_time_zero) {
     write("touching.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 0\n2 1 2\n1 2 2\n3 0 1 2\n3 3 4 5\n");
     EXPECT_EQ(list("impacts touching.off above.off"), "vf 3 0 0 1\n");
 }
 
-TEST_F(Impacts, AreWrittenInEveryFormat) {
+TEST_F(Impacts, are_written_in_every_format) {
     const Outcome outcome = crumple("impacts above.off below.off -o a.txt -o a.csv -o a.json -o a.npz -o a.glb");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.out, "");
@@ -39,7 +39,7 @@ TEST_F(Impacts, AreWrittenInEveryFormat) {
     EXPECT_EQ(crumple("impacts above.off below.off -o - --format glb").out, read("a.glb"));
 }
 
-TEST_F(Impacts, EarliestIsOne) {
+TEST_F(Impacts, first_lists_only_the_earliest_impact) {
     // Triangles 2 and 3 do what 0 and 1 do, later.
     const std::string more = "9 9 0\n13 9 0\n9 13 0\n10 10 3\n11 10 4\n10 11 4\n3 0 1 2\n3 3 4 5\n3 6 7 8\n3 9 10 11\n";
     write("start.off", "OFF\n12 4 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n" + more);
@@ -54,7 +54,7 @@ TEST_F(Impacts, EarliestIsOne) {
     EXPECT_EQ(nlohmann::json::parse(read("a.json"))["vertex_faces"].size(), 1u);
 }
 
-TEST_F(Impacts, CheckTellsByItsStatus) {
+TEST_F(Impacts, check_reports_impacts_by_exit_status) {
     Outcome outcome = crumple("impacts above.off below.off --check");
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(outcome.out, "something touches\n");
@@ -69,12 +69,12 @@ TEST_F(Impacts, CheckTellsByItsStatus) {
     EXPECT_EQ(read("a.txt"), "");
 }
 
-TEST_F(Impacts, OfNothingSayHowMuchWasSearched) {
+TEST_F(Impacts, summary_of_empty_list_counts_triangles) {
     const Outcome outcome = crumple("impacts above.off above.off -o a.txt");
     EXPECT_TRUE(outcome.err.starts_with("nothing touches: 2 triangles, ")) << outcome.err;
 }
 
-TEST_F(Impacts, StatisticsGoToStandardError) {
+TEST_F(Impacts, statistics_go_to_standard_error) {
     EXPECT_TRUE(contains(crumple("impacts above.off below.off --progress").err, " s  search\n"));
     const Outcome outcome = crumple("impacts above.off below.off --stats");
     EXPECT_EQ(outcome.out, impact);
@@ -82,7 +82,7 @@ TEST_F(Impacts, StatisticsGoToStandardError) {
     EXPECT_TRUE(contains(outcome.err, "wall clock")) << outcome.err;
 }
 
-TEST_F(Impacts, SeparationIsTouching) {
+TEST_F(Impacts, pairs_within_min_distance_count_as_touching) {
     EXPECT_EQ(list("impacts above.off below.off --min-distance 0.25"), "vf 3 0 0.375 0\n");
     const std::string halved = list("impacts above.off below.off --min-distance-share 0.5");
     EXPECT_TRUE(halved.starts_with("vf 3 0 0.25 0\n")) << halved;
@@ -100,14 +100,14 @@ TEST_F(Impacts, SeparationIsTouching) {
                        "is no share of 0 or more");
 }
 
-TEST_F(Impacts, GroupsAreThoseOfTheStart) {
+TEST_F(Impacts, groups_filter_impacts) {
     write("groups.txt", "0\n1\n");
     EXPECT_EQ(list("impacts above.off below.off --groups groups.txt --filter between"), impact);
     EXPECT_EQ(list("impacts above.off below.off --groups groups.txt --filter within"), "");
     EXPECT_EQ(list("impacts above.off below.off --groups components --filter within"), "");
 }
 
-TEST_F(Impacts, WeldIsOfBothMoments) {
+TEST_F(Impacts, weld_merges_only_vertices_equal_at_both_times) {
     // Vertex 3 is where vertex 0 is, at the start only; vertex 6 is so at both times, a corner of both triangles.
     write("start.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n0 0 0\n-1 0 1\n0 -1 1\n3 0 1 2\n3 3 4 5\n");
     write("end.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n0 0 1\n-1 0 2\n0 -1 2\n3 0 1 2\n3 3 4 5\n");
@@ -118,7 +118,7 @@ TEST_F(Impacts, WeldIsOfBothMoments) {
     EXPECT_EQ(list("impacts start.off start.off --weld"), "") << "now the corner is one vertex";
 }
 
-TEST_F(Impacts, OfStlMayNeedAnOption) {
+TEST_F(Impacts, stl_that_welds_differently_needs_weld_option) {
     const std::string stl =
         "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
         "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex -1 0 0\nvertex 0 -1 0\nendloop\nendfacet\nendsolid\n";
@@ -133,7 +133,7 @@ TEST_F(Impacts, OfStlMayNeedAnOption) {
     EXPECT_EQ(list("impacts start.stl end.stl --weld"), list("impacts start.stl end.stl --no-weld"));
 }
 
-TEST_F(Impacts, OfLinesAndPointsOfObj) {
+TEST_F(Impacts, lines_and_points_of_obj_take_part) {
     const std::string elements = "l 1 2\np 3\n";
     write("a.obj", "v 0 0 0\nv 1 0 0\nv 0.5 1 0\n" + elements);
     write("b.obj", "v 0 0 0\nv 1 0 0\nv 0.5 -1 0\n" + elements);
@@ -145,7 +145,7 @@ TEST_F(Impacts, OfLinesAndPointsOfObj) {
     expect_refused("impacts a.obj b.obj", "lines or points name other vertices");
 }
 
-TEST_F(Impacts, NeedTheSameMesh) {
+TEST_F(Impacts, need_the_same_mesh_at_both_times) {
     write("more.off", "OFF\n7 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n7 7 7\n3 0 1 2\n3 3 4 5\n");
     write("less.off", "OFF\n6 1 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n3 0 1 2\n");
     write("other.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n3 0 1 2\n3 3 5 4\n");
@@ -157,11 +157,11 @@ TEST_F(Impacts, NeedTheSameMesh) {
     expect_refused("impacts above.off other.off", named("other.off") + ", but triangle 1 has other vertices");
 }
 
-TEST_F(Impacts, PolygonsMayBeCutOtherwiseAtTheEnd) {
+TEST_F(Impacts, polygons_of_the_end_are_cut_as_at_the_start) {
     // A square whose first corner moves inwards, so that it is concave at the end and would be cut along 0 2.
-    const std::string faces = "4 1 2 3 0\n3 4 5 6\n", rest = "4 0 0\n4 4 0\n0 4 0\n1 1 ";
-    const std::string start = "OFF\n7 2 0\n0 0 0\n" + rest + "5\n2 1 6\n1 2 6\n",
-                      end = "OFF\n7 2 0\n3 3 0\n" + rest + "-1\n2 1 6\n1 2 6\n";
+    const std::string faces = "4 1 2 3 0\n3 4 5 6\n", other_vertices = "4 0 0\n4 4 0\n0 4 0\n1 1 ";
+    const std::string start = "OFF\n7 2 0\n0 0 0\n" + other_vertices + "5\n2 1 6\n1 2 6\n",
+                      end = "OFF\n7 2 0\n3 3 0\n" + other_vertices + "-1\n2 1 6\n1 2 6\n";
     write("start.off", start + faces);
     write("end.off", end + faces);
     ASSERT_NE(crumple("detect start.off -o a.ply").status, 2);
@@ -169,7 +169,7 @@ TEST_F(Impacts, PolygonsMayBeCutOtherwiseAtTheEnd) {
     EXPECT_EQ(result, list("impacts start.off end.off --triangulation fan"));
 }
 
-TEST_F(Impacts, AreRefusedWhereTheyMakeNoSense) {
+TEST_F(Impacts, wrong_arguments_are_refused) {
     expect_refused("impacts above.off", "impacts: END is required; see crumple impacts --help");
     expect_refused("impacts - -", "standard input, -, can be read once");
     expect_refused("impacts above.off below.off -o a.ply",

@@ -7,7 +7,7 @@ namespace {
 
 using Info = Cli;
 
-TEST_F(Info, TellsWhatAMeshHolds) {
+TEST_F(Info, prints_counts_and_properties_of_a_mesh) {
     write("five.off", five_off);
     const Outcome outcome = crumple("info five.off");
     EXPECT_EQ(outcome.status, 0);
@@ -34,14 +34,14 @@ TEST_F(Info, TellsWhatAMeshHolds) {
               "volume                none, for the surface is not closed, or not consistently oriented\n");
 }
 
-/// Eight corners of a cube and its twelve triangles, seen from outside anticlockwise, in OFF.
+/// Returns a cube in OFF whose triangles are anticlockwise from outside. The last of the twelve is given by the caller.
 std::string cube_with(const std::string& last_triangle) {
     return "OFF\n8 12 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n3 0 2 1\n3 1 2 3\n3 4 5 6\n"
            "3 5 7 6\n3 0 1 4\n3 1 5 4\n3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n3 1 3 5\n" +
            last_triangle + "\n";
 }
 
-TEST_F(Info, JudgesWhetherASurfaceIsThatOfASolid) {
+TEST_F(Info, check_fails_unless_surface_bounds_a_solid) {
     const auto info = [&](const std::string& off, const std::string& options = "") {
         write("a.off", off);
         return crumple("info a.off --check " + options);
@@ -80,7 +80,7 @@ TEST_F(Info, JudgesWhetherASurfaceIsThatOfASolid) {
     EXPECT_TRUE(contains(info(scaled("e200")).out, "volume                inf\n"));
 }
 
-TEST_F(Info, ListsAllEdgesThatKeepASurfaceOpen) {
+TEST_F(Info, lists_all_open_edges) {
     write("closed.off", cube_with("3 3 7 5"));
     EXPECT_TRUE(contains(crumple("info closed.off --open-edges").out, "\nlist of open edges    0\nholes "));
     write("a.off", cube_with("3 3 5 7"));  // the last one is flipped
@@ -100,7 +100,7 @@ TEST_F(Info, ListsAllEdgesThatKeepASurfaceOpen) {
     EXPECT_EQ(crumple("info a.off --open-edges --check").status, 1);
 }
 
-TEST_F(Info, WritesJson) {
+TEST_F(Info, writes_json) {
     write("a.off", cube_with("3 3 7 5"));
     const auto json = nlohmann::json::parse(crumple("info a.off --json --unit mm").out);
     EXPECT_EQ(json["file"], "a.off");
@@ -118,7 +118,7 @@ TEST_F(Info, WritesJson) {
     EXPECT_TRUE(flipped["bodies"][0]["volume"].is_null());
 }
 
-TEST_F(Info, GoesByPositionsIfWelded) {
+TEST_F(Info, weld_counts_equal_positions_once) {
     write("five.off", five_off);
     const std::string out = crumple("info five.off --weld --precision float32").out;
     EXPECT_TRUE(contains(out, "vertices              13 (1 unused)\n")) << out;
@@ -126,7 +126,7 @@ TEST_F(Info, GoesByPositionsIfWelded) {
     EXPECT_TRUE(contains(out, "connected components  3\n")) << out;
 }
 
-TEST_F(Info, NamesOddTriangles) {
+TEST_F(Info, lists_degenerate_and_duplicated_triangles) {
     // 0.1, 0.2, 0.3 times (1, 1, 1) are on one line as float64 numbers, 0.1, 0.2, 0.3 along x and y alone are not: 0.3
     // is not three times 0.1 there.
     write("odd.off",
@@ -145,7 +145,7 @@ TEST_F(Info, NamesOddTriangles) {
     EXPECT_TRUE(contains(out, "non-manifold edges    1\n")) << out;
 }
 
-TEST_F(Info, DecidesDegeneracyExactly) {
+TEST_F(Info, decides_degeneracy_exactly) {
     // In float64, 0.1 + 0.2 > 0.3 and the points (i, 0.i) lie on no line; scaled to integers they do.
     write("almost.off", "OFF\n3 1 0\n1 0.1 0\n2 0.2 0\n3 0.3 0\n3 0 1 2\n");
     EXPECT_TRUE(contains(crumple("info almost.off").out, "degenerate triangles  0\n"));
@@ -153,21 +153,21 @@ TEST_F(Info, DecidesDegeneracyExactly) {
     EXPECT_TRUE(contains(crumple("info exactly.off").out, "degenerate triangles  1 (0)\n"));
 }
 
-TEST_F(Info, ShowsTheFirstFewOnly) {
+TEST_F(Info, shows_only_the_first_few_triangles) {
     std::string off = "OFF\n2 1234 0\n0 0 0\n1 0 0\n";
     for (int i = 0; i < 1234; ++i) off += "3 0 1 1\n";
     write("many.off", off);
     EXPECT_TRUE(contains(crumple("info many.off").out, "degenerate triangles  1,234 (0, 1, 2, 3, 4, ...)\n"));
 }
 
-TEST_F(Info, OfNothingIsNothing) {
+TEST_F(Info, empty_mesh_has_no_triangles) {
     write("empty.off", "OFF\n0 0 0\n");
     const Outcome outcome = crumple("info empty.off");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_TRUE(contains(outcome.out, "triangles             0\n")) << outcome.out << outcome.err;
 }
 
-TEST_F(Info, ListsDevicesWithoutAFile) {
+TEST_F(Info, lists_devices_without_a_file) {
     const Outcome outcome = crumple("info --devices");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.err, "");

@@ -17,7 +17,7 @@ class Misuse : public Cli {
     }
 };
 
-TEST_F(Misuse, OfTheCommandLine) {
+TEST_F(Misuse, wrong_commands_and_arguments_are_refused) {
     expect_refused("", "detect, impacts, near, overlap, sequence, info, verify, make or convert");
     expect_refused("dettect five.off", "dettect; did you mean detect?");
     expect_refused("five.off", "not expected: five.off; see crumple --help");
@@ -34,7 +34,7 @@ TEST_F(Misuse, OfTheCommandLine) {
     expect_refused("detect five.off -o", "detect: --output: 1 required OUT missing");
 }
 
-TEST_F(Misuse, OfOptionsThatThereAreNot) {
+TEST_F(Misuse, unknown_options_suggest_similar_ones) {
     expect_refused("detect five.off --fast",
                    "detect: The following argument was not expected: --fast; see crumple detect --help");
     expect_refused("detect five.off --neighbors skip", "--neighbors; did you mean --neighbours?");
@@ -45,7 +45,7 @@ TEST_F(Misuse, OfOptionsThatThereAreNot) {
     expect_refused("info five.off --neighbours skip", "--neighbours; see crumple info --help");
 }
 
-TEST_F(Misuse, OfOptionsThatHaveANewName) {
+TEST_F(Misuse, renamed_options_name_their_replacement) {
     expect_refused("detect five.off --groups components --wanted between", "--wanted; it is --filter now");
     expect_refused("detect five.off --intersections=proper", "--intersections=proper; it is --kind now");
     expect_refused("detect five.off --groups bodies --exclude a,b", "; it is --excluded-bodies now");
@@ -55,7 +55,7 @@ TEST_F(Misuse, OfOptionsThatHaveANewName) {
     expect_refused("info five.off --wanted between", "--wanted; see crumple info --help");
 }
 
-TEST_F(Misuse, OfOptionsWithFewValues) {
+TEST_F(Misuse, wrong_value_lists_allowed_values) {
     expect_refused("detect five.off --neighbours none", "geometric|skip");
     expect_refused("detect five.off --kind some", "all|proper");
     expect_refused("detect five.off --precision float16", "auto|float32|float64");
@@ -63,7 +63,7 @@ TEST_F(Misuse, OfOptionsWithFewValues) {
     expect_refused("detect five.off --filter inside", "between|within|both");
 }
 
-TEST_F(Misuse, OfNumbers) {
+TEST_F(Misuse, wrong_numbers_are_refused) {
     for (const char* threads : {"0", "-1", "1025", "two", "1.5"}) {
         expect_refused(std::string("detect five.off --threads ") + threads,
                        std::string("--threads: ") + threads + " is no integer from 1 to 1024");
@@ -82,7 +82,7 @@ TEST_F(Misuse, OfNumbers) {
     }
 }
 
-TEST_F(Misuse, OfOptionsThatDoNotGoTogether) {
+TEST_F(Misuse, incompatible_options_are_refused) {
     expect_refused("detect five.off --weld --no-weld", "--weld excludes --no-weld");
     expect_refused("detect five.off --filter between", "need --groups");
     expect_refused("detect five.off --filter within", "need --groups");
@@ -105,7 +105,7 @@ TEST_F(Misuse, OfOptionsThatDoNotGoTogether) {
     expect_refused("sequence five.off --json -o x.csv", "--json");
 }
 
-TEST_F(Misuse, OfOutputs) {
+TEST_F(Misuse, impossible_outputs_are_refused) {
     write("g.txt", "0\n0\n0\n0\n0\n");
     expect_refused("detect five.off -o x.doc", "x.doc");
     expect_refused("detect five.off -o ''", "-o '': ");
@@ -126,7 +126,7 @@ TEST_F(Misuse, OfOutputs) {
     EXPECT_EQ(crumple("detect missing.off -o x.doc").err.find("missing"), std::string::npos) << "outputs first";
 }
 
-TEST_F(Misuse, OfAnInputAsOutput) {
+TEST_F(Misuse, overwriting_an_input_is_refused) {
     ASSERT_EQ(crumple("detect five.off -o five.ply").status, 0);
     ASSERT_EQ(shell("ln -s five.ply link.ply; ln five.ply twin.ply; mkdir sub; cp five.ply a.csv").status, 0);
     const std::string before = read("five.ply");
@@ -143,7 +143,7 @@ TEST_F(Misuse, OfAnInputAsOutput) {
     EXPECT_FALSE(fs::exists(file("x.txt")));
 }
 
-TEST_F(Misuse, OfGroups) {
+TEST_F(Misuse, wrong_groups_are_refused) {
     write("short.txt", "0\n1\n");
     write("words.txt", "0\n1\ntwo\n3\n4\n");
     write("large.txt", "0\n1\n2\n3\n4000000000\n");
@@ -157,7 +157,7 @@ TEST_F(Misuse, OfGroups) {
                    "no such file, and five.ply: its faces have no");
 }
 
-TEST_F(Misuse, OfFiles) {
+TEST_F(Misuse, error_in_a_file_names_file_and_place) {
     const auto refused = [&](const std::string& name, std::string_view bytes, const std::string& place) {
         write(name, bytes);
         for (const char* command : {"detect ", "info ", "sequence "}) {
@@ -183,17 +183,17 @@ TEST_F(Misuse, OfFiles) {
             "line 3");
 }
 
-TEST_F(Misuse, OfABadSecondFileNamesIt) {
+TEST_F(Misuse, error_in_the_second_file_names_it) {
     write("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n");
     expect_refused("detect five.off index.off", "index.off, line 6");
 }
 
-TEST_F(Misuse, AFileCalledLikeACommandIsNone) {
+TEST_F(Misuse, file_can_have_the_name_of_a_command) {
     write("info", five_off);
     EXPECT_EQ(crumple("detect info").out, five_pairs);
 }
 
-TEST_F(Misuse, HelpIsNoMisuse) {
+TEST_F(Misuse, help_and_version_succeed) {
     for (const char* command : {"", "detect ", "impacts ", "near ", "sequence ", "info ", "verify ", "make "}) {
         const Outcome outcome = crumple(std::string(command) + "--help");
         EXPECT_EQ(outcome.status, 0) << command;

@@ -1,6 +1,7 @@
 #pragma once
 
-// A triangle, 1, that falls onto another one, 0: its corner is one above it at the start, and one below at the end.
+// Step in which triangle 1 falls through triangle 0: its corner is 1 above triangle 0 at the start and 1 below at the
+// end.
 
 #include "run.h"
 
@@ -16,11 +17,11 @@ class Moving : public Cli {
         write("above.off", above_off);
         write("below.off", below_off);
     }
-    /// Standard output of a run that succeeds, and says nothing else unless it is empty.
+    /// Returns standard output of a run. Expects success, and no message on standard error unless the list is empty.
     std::string list(const std::string& arguments) const {
         const Outcome outcome = crumple(arguments);
         EXPECT_EQ(outcome.status, 0) << arguments;
-        EXPECT_TRUE(tells_emptiness(outcome)) << arguments << ": " << outcome.err;
+        EXPECT_TRUE(reports_empty_list(outcome)) << arguments << ": " << outcome.err;
         return outcome.out;
     }
     void expect_refused(const std::string& arguments, const std::string& reason) const {

@@ -7,11 +7,11 @@ namespace {
 
 using Near = Moving;
 
-// The corner of the upper triangle is 1 above the lower one; two of its edges are 2 from three of the lower one's,
-// in the squares of distances.
+// The corner of the upper triangle is 1 above the lower triangle. The squared distance of two of its edges from three
+// edges of the lower triangle is 2.
 constexpr const char* closest = "vf 3 0 1\n";
 
-TEST_F(Near, GoesToStandardOutput) {
+TEST_F(Near, pairs_go_to_standard_output) {
     EXPECT_EQ(list("near above.off --radius 1"), closest);
     EXPECT_EQ(list("near above.off --radius 1 --backend reference"), closest);
     EXPECT_EQ(list("near above.off --radius 0.999"), "");
@@ -19,12 +19,12 @@ TEST_F(Near, GoesToStandardOutput) {
     EXPECT_EQ(list("near above.off --radius 1.5"), list("near above.off --radius 1.5 --backend reference"));
 }
 
-TEST_F(Near, BelowLeavesOutWhatIsAtTheRadius) {
+TEST_F(Near, below_excludes_pairs_at_the_radius) {
     EXPECT_EQ(list("near above.off --radius 1 --below"), "");
     EXPECT_EQ(list("near above.off --radius 1.0000000000000002 --below"), closest);
 }
 
-TEST_F(Near, BetweenTwoFilesNamesThem) {
+TEST_F(Near, ids_name_their_file_if_there_are_two) {
     write("lower.off", "OFF\n3 1 0\n0 0 0\n4 0 0\n0 4 0\n3 0 1 2\n");
     write("upper.off", "OFF\n6 2 0\n1 1 1\n2 1 2\n1 2 2\n1 1 1.5\n2 1 2.5\n1 2 2.5\n3 0 1 2\n3 3 4 5\n");
     EXPECT_EQ(list("near lower.off upper.off --radius 1"), "vf 1:0 0:0 1\n");
@@ -39,7 +39,7 @@ TEST_F(Near, BetweenTwoFilesNamesThem) {
     EXPECT_TRUE(contains(read("a.glb"), "\"free\""));
 }
 
-TEST_F(Near, IsWrittenInEveryFormat) {
+TEST_F(Near, pairs_are_written_in_every_format) {
     const Outcome outcome = crumple("near above.off --radius 1 -o a.txt -o a.csv -o a.json -o a.npz -o a.glb");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.out, "");
@@ -52,7 +52,7 @@ TEST_F(Near, IsWrittenInEveryFormat) {
     EXPECT_TRUE(crumple("near above.off --radius 0 -o a.txt").err.starts_with("nothing is near: 2 triangles, "));
 }
 
-TEST_F(Near, LinesAndPointsOfObjCount) {
+TEST_F(Near, lines_and_points_of_obj_take_part) {
     // A triangle, a strand of two segments above it, and two drops.
     write("hair.obj",
           "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 1 1 1\nv 1 1 2\nv 1 2 2.5\nv 1 1 5\nv 1 1.5 5\nf 1 2 3\nl 4 5 6\np 7 8\n");
@@ -73,7 +73,7 @@ TEST_F(Near, LinesAndPointsOfObjCount) {
     EXPECT_EQ(crumple("detect bad.obj").status, 0) << "which does not read lines";
 }
 
-TEST_F(Near, CheckTellsByItsStatus) {
+TEST_F(Near, check_reports_near_pairs_by_exit_status) {
     Outcome outcome = crumple("near above.off --radius 1 --check");
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(outcome.out, "something is near\n");
@@ -84,14 +84,14 @@ TEST_F(Near, CheckTellsByItsStatus) {
     EXPECT_EQ(read("a.txt"), closest);
 }
 
-TEST_F(Near, GroupsAndStatistics) {
+TEST_F(Near, groups_and_statistics_apply) {
     EXPECT_EQ(list("near above.off --radius 1 --groups components --filter between"), closest);
     EXPECT_EQ(list("near above.off --radius 1 --groups components --filter within"), "");
     EXPECT_TRUE(contains(crumple("near above.off --radius 1 --stats").err, "1 vertex-face, 0 edge-edge"));
     EXPECT_TRUE(contains(crumple("near above.off --radius 1 --progress").err, " s  search\n"));
 }
 
-TEST_F(Near, RadiiAreThoseOfVertices) {
+TEST_F(Near, radii_are_given_per_vertex) {
     write("radii.txt", "# of the face, then of the corner above it\n0.75\n0\n0\n\n0.25\n0\n0\n");
     EXPECT_EQ(list("near above.off --radii radii.txt"), closest);
     EXPECT_EQ(list("near above.off --radii radii.txt --backend reference"), closest);
@@ -112,7 +112,7 @@ TEST_F(Near, RadiiAreThoseOfVertices) {
     expect_refused("near above.off --radii missing.txt", "missing.txt");
 }
 
-TEST_F(Near, WhatIsCloseAtRestIsLeftOut) {
+TEST_F(Near, pairs_close_in_the_rest_shape_are_excluded) {
     EXPECT_EQ(list("near above.off --radius 1 --rest above.off"), closest) << "it does not touch there";
     EXPECT_EQ(list("near above.off --radius 1 --rest above.off --rest-radius 1"), "");
     EXPECT_EQ(list("near above.off --radius 1 --rest above.off --rest-radius 0.99"), closest);
@@ -123,7 +123,7 @@ TEST_F(Near, WhatIsCloseAtRestIsLeftOut) {
     expect_refused("near above.off --radius 1 --rest other.off", "triangle 1 has other vertices");
 }
 
-TEST_F(Near, NeighboursAreLeftOut) {
+TEST_F(Near, features_within_rings_are_excluded) {
     write("square.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2\n3 2 1 3\n");
     EXPECT_EQ(list("near square.off --radius 1"), "vf 0 1 0.5\nvf 3 0 0.5\nee 0 1 2 3 1\nee 0 2 1 3 1\n");
     EXPECT_EQ(list("near square.off --radius 1 --rings 0"), list("near square.off --radius 1"));
@@ -132,7 +132,7 @@ TEST_F(Near, NeighboursAreLeftOut) {
     expect_refused("near above.off --radius 1 --rings -1", "-1 is no integer from 0 to 2147483647");
 }
 
-TEST_F(Near, IsRefusedWhereItMakesNoSense) {
+TEST_F(Near, wrong_arguments_are_refused) {
     expect_refused("near above.off", "near: --radius is required, or --radii");
     expect_refused("near above.off --radius", "near: --radius: 1 required R missing");
     for (const char* const bad : {"-1", "inf", "nan", "1m"})

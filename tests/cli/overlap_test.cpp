@@ -1,4 +1,4 @@
-// crumple overlap, and verify --overlaps: boxes that are stacked, apart, one inside another, equal, open.
+// Tests of crumple overlap and verify --overlaps on boxes that are stacked, apart, nested, equal and open.
 
 #include <array>
 #include <nlohmann/json.hpp>
@@ -32,7 +32,7 @@ std::vector<Corner> box_corners(const Corner& low, const Corner& high) {
     return corners;
 }
 
-/// `triangles`: 12, or fewer for an open box.
+/// Returns a box in OFF with the first `triangles` of its 12 triangles; fewer leave it open.
 std::string box_off(const Corner& low, const Corner& high, std::size_t triangles = 12) {
     std::ostringstream out;
     out << "OFF\n8 " << triangles << " 0\n";
@@ -42,7 +42,7 @@ std::string box_off(const Corner& low, const Corner& high, std::size_t triangles
     return out.str();
 }
 
-/// Two boxes as one body.
+/// Returns two boxes as one body in OFF.
 std::string two_boxes(const Corner& low, const Corner& high, const Corner& other_low, const Corner& other_high) {
     std::ostringstream out;
     out << "OFF\n16 24 0\n";
@@ -54,7 +54,7 @@ std::string two_boxes(const Corner& low, const Corner& high, const Corner& other
     return out.str();
 }
 
-/// Three vertices for each triangle, as STL has them.
+/// Returns a box whose triangles share no vertices, in STL or OFF.
 std::string unshared(const Corner& low, const Corner& high, bool stl) {
     const std::vector<Corner> corners = box_corners(low, high);
     std::ostringstream out, faces;
@@ -89,7 +89,7 @@ class Overlap : public Cli {
         write("far.off", box_off({5, 5, 5}, {6, 6, 6}));
         write("open.off", box_off({0, 0, 0.75}, {1, 1, 1.75}, 10));
     }
-    /// Standard output of a run that succeeds, and tells by one line what it found.
+    /// Returns standard output of a run. Expects success, and one line on standard error that begins with `summary`.
     std::string text(const std::string& arguments, const std::string& summary) const {
         const Outcome outcome = crumple("overlap " + arguments);
         EXPECT_EQ(outcome.status, 0) << arguments;
@@ -111,7 +111,7 @@ class Overlap : public Cli {
     }
 };
 
-TEST_F(Overlap, each_relation_is_told_in_words) {
+TEST_F(Overlap, each_relation_is_printed_in_words) {
     EXPECT_EQ(text("low.off high.off", "1 pair of bodies (1 overlapping), 2 of 2 bodies, "),
               "low and high overlap: volume 0.25, mean depth 0.25, normal (0 0 1)\n");
     EXPECT_EQ(text("low.off on.off", "1 pair of bodies (1 touching), "),
@@ -132,7 +132,7 @@ TEST_F(Overlap, backends_and_thread_counts_give_the_same_bytes) {
     EXPECT_EQ(crumple("overlap " + files + "--backend reference").out, one);
 }
 
-TEST_F(Overlap, numbers_have_the_unit_of_the_files) {
+TEST_F(Overlap, numbers_are_printed_with_the_unit) {
     EXPECT_EQ(text("low.off high.off --unit mm", "1 pair"),
               "low and high overlap: volume 0.25 mm^3, mean depth 0.25 mm, normal (0 0 1)\n");
     ASSERT_EQ(crumple("overlap low.off high.off --unit mm -o a.json").status, 0);
@@ -140,7 +140,7 @@ TEST_F(Overlap, numbers_have_the_unit_of_the_files) {
 }
 
 TEST_F(Overlap, bodies_of_a_scene_have_their_poses) {
-    // Tetrahedra, of which two are moved along x: by 0.5, and far away.
+    // Three tetrahedra, two of them moved along x: by 0.5, and far away.
     crumple::test::GltfScene scene;
     const int shape = scene.add_tetrahedron();
     scene.add_body("fixed", shape);
@@ -158,7 +158,7 @@ TEST_F(Overlap, bodies_of_a_scene_have_their_poses) {
     EXPECT_EQ(crumple("verify --overlaps robot.glb a.csv").status, 0);
 }
 
-TEST_F(Overlap, rows_of_many_configurations_have_their_numbers) {
+TEST_F(Overlap, rows_name_their_configuration) {
     const std::string fixed = "1,0,0,0,0,1,0,0,0,0,1,0\n";
     write("poses.csv", fixed + "1,0,0,9,0,1,0,0,0,0,1,0\n" + fixed + fixed + fixed + "1,0,0,0,0,1,0,0,0,0,1,0.25\n");
     const std::string with_poses = "low.off high.off --poses poses.csv ";
@@ -182,7 +182,7 @@ TEST_F(Overlap, rows_of_many_configurations_have_their_numbers) {
 }
 
 TEST_F(Overlap, every_format_reads_back_exactly) {
-    // A third of a unit, so that no number is short.
+    // Coordinates that have no short decimal form.
     write("third.off", box_off({1. / 3, 1. / 7, -1. / 9}, {11. / 13, 2, 0.1}));
     const std::string files = "low.off third.off high.off on.off small.off ";
     ASSERT_EQ(crumple("overlap " + files + "-o a.csv -o a.json -o a.npz -o a.txt").status, 0);
@@ -214,7 +214,7 @@ TEST_F(Overlap, missing_numbers_are_empty_and_null) {
     EXPECT_EQ(crumple("verify --overlaps low.off small.off a.json").status, 0);
 }
 
-TEST_F(Overlap, body_pairs_are_only_relations) {
+TEST_F(Overlap, body_pairs_list_only_relations) {
     EXPECT_EQ(text("low.off high.off --body-pairs", "1 pair of bodies (1 overlapping)"), "low and high overlap\n");
     ASSERT_EQ(crumple("overlap low.off high.off --body-pairs -o a.csv -o a.json -o a.npz").status, 0);
     EXPECT_EQ(read("a.csv"), "first,second,relation\nlow,high,overlapping\n");
@@ -223,7 +223,7 @@ TEST_F(Overlap, body_pairs_are_only_relations) {
         EXPECT_EQ(crumple("verify --overlaps low.off high.off " + name).status, 0) << name;
 }
 
-TEST_F(Overlap, small_volumes_are_left_out) {
+TEST_F(Overlap, volumes_below_the_minimum_are_excluded) {
     EXPECT_EQ(text("low.off high.off --min-volume 0.25", "1 pair"),
               "low and high overlap: volume 0.25, mean depth 0.25, normal (0 0 1)\n");
     EXPECT_EQ(text("low.off high.off --min-volume 0.2500000000000001", "nothing overlaps"), "");
@@ -233,7 +233,7 @@ TEST_F(Overlap, small_volumes_are_left_out) {
                        std::string(bad) + " is no volume of 0 or more");
 }
 
-TEST_F(Overlap, check_tells_by_its_status) {
+TEST_F(Overlap, check_reports_overlaps_by_exit_status) {
     Outcome outcome = crumple("overlap low.off high.off --check");
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(outcome.out, "something overlaps\n");
@@ -250,7 +250,7 @@ TEST_F(Overlap, check_tells_by_its_status) {
     EXPECT_TRUE(contains(outcome.err, "1 overlapping\n")) << outcome.err;
 }
 
-TEST_F(Overlap, stl_is_closed_and_other_seams_want_weld) {
+TEST_F(Overlap, stl_is_closed_and_other_seams_need_weld) {
     write("part.stl", unshared({0, 0, 0.75}, {1, 1, 1.75}, true));
     write("seams.off", unshared({0, 0, 0.75}, {1, 1, 1.75}, false));
     EXPECT_EQ(text("low.off part.stl", "1 pair"),
@@ -261,7 +261,7 @@ TEST_F(Overlap, stl_is_closed_and_other_seams_want_weld) {
     expect_refused("overlap low.off part.stl --no-weld", "part.stl: body 'part': its surface is not closed");
 }
 
-TEST_F(Overlap, open_bodies_are_named_or_left_out) {
+TEST_F(Overlap, open_bodies_are_errors_unless_skipped) {
     expect_refused("overlap low.off open.off", "open.off: body 'open': its surface is not closed: 4 edges");
     expect_refused("overlap low.off open.off",
                    "info --open-edges lists them all, --weld closes seams, --open skip leaves such bodies out");
@@ -276,7 +276,7 @@ TEST_F(Overlap, open_bodies_are_named_or_left_out) {
     expect_refused("overlap low.off open.off --poses poses.csv", "open.off: configuration 1, body 'open'");
 }
 
-TEST_F(Overlap, verify_names_what_is_wrong) {
+TEST_F(Overlap, verify_lists_every_mistake) {
     const std::string right = heading + std::string(low_high);
     EXPECT_EQ(verify(right).out,
               "right: 1 overlaps, 0 missed, 0 false, 0 of another relation, 0 of other numbers, 0 repeated\n");
@@ -303,7 +303,7 @@ TEST_F(Overlap, verify_names_what_is_wrong) {
     EXPECT_EQ(verify(right, "--min-volume 1").status, 1);
 }
 
-TEST_F(Overlap, a_body_alone_is_asked_for_its_overlap_with_itself) {
+TEST_F(Overlap, single_body_is_tested_for_self_overlap) {
     EXPECT_EQ(text("low.off", "the body does not overlap itself: "), "");
     write("twice.off", two_boxes({0, 0, 0}, {1, 1, 1}, {0.5, 0.5, 0.5}, {1.5, 1.5, 1.5}));
     EXPECT_EQ(text("twice.off --unit mm", "1 body overlaps itself, 1 of 1 bodies, "),
@@ -323,7 +323,7 @@ TEST_F(Overlap, a_body_alone_is_asked_for_its_overlap_with_itself) {
     EXPECT_EQ(crumple("verify --overlaps twice.off high.off a.csv").status, 1);
 }
 
-TEST_F(Overlap, lists_that_cannot_be_read_are_errors_that_name_the_place) {
+TEST_F(Overlap, error_in_a_list_names_the_place) {
     const auto expect_error = [&](const std::string& name, const std::string& bytes, const std::string& reason) {
         write(name, bytes);
         expect_refused("verify --overlaps low.off high.off " + name, name + reason);
@@ -345,7 +345,7 @@ TEST_F(Overlap, lists_that_cannot_be_read_are_errors_that_name_the_place) {
                  ": there is no array \"centroid\"");
 }
 
-TEST_F(Overlap, pictures_show_the_surface_of_the_overlap) {
+TEST_F(Overlap, coloured_files_show_the_surface_of_the_overlap) {
     const std::string outputs = " -o a.html -o a.glb -o a.3mf -o a.obj -o a.ply -o a.csv";
     const Outcome outcome = crumple("overlap low.off high.off far.off" + outputs);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -362,13 +362,13 @@ TEST_F(Overlap, pictures_show_the_surface_of_the_overlap) {
     EXPECT_TRUE(contains(crumple("info c.ply").out, "box                   0 0 0.75 to 1 1 1\n"));
 }
 
-TEST_F(Overlap, a_picture_without_overlaps_colours_nothing) {
+TEST_F(Overlap, coloured_files_without_overlaps_show_no_overlap) {
     EXPECT_EQ(crumple("overlap low.off far.off -o a.ply -o a.glb").status, 0);
     EXPECT_TRUE(contains(crumple("info a.ply").out, "triangles             0\n"));
     EXPECT_TRUE(contains(crumple("info a.glb").out, "triangles             24\n"));
 }
 
-TEST_F(Overlap, options_that_make_no_sense_are_refused) {
+TEST_F(Overlap, wrong_options_are_refused) {
     expect_refused("overlap low.off high.off --open close", "close is none of error|skip");
     expect_refused("overlap low.off high.off --groups bodies", "--groups");
     expect_refused("overlap low.off high.off --any-by-world", "--any-by-world changes nothing without --poses");

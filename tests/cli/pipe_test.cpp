@@ -1,4 +1,4 @@
-// Among other programs: pipes that close early, full disks, terminals.
+// Tests of the command line among other programs: pipes that close early, full disks, terminals.
 
 #include "run.h"
 
@@ -13,7 +13,7 @@ class Pipe : public Cli {
     }
 };
 
-TEST_F(Pipe, ReaderThatLeavesEarlyIsNoError) {
+TEST_F(Pipe, reader_that_closes_early_is_no_error) {
     const Outcome outcome = shell("$crumple detect big.ply | head -n 1; exit ${PIPESTATUS[0]}");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.err, "");
@@ -24,7 +24,7 @@ TEST_F(Pipe, ReaderThatLeavesEarlyIsNoError) {
     EXPECT_EQ(frames.err, "");
 }
 
-TEST_F(Pipe, FullDiskIsAnError) {
+TEST_F(Pipe, full_disk_is_an_error) {
     for (const char* command : {"detect five.off", "sequence five.off", "info five.off", "make --list", "--help",
                                 "--version", "detect --help"}) {
         const Outcome outcome = shell(std::string("$crumple ") + command + " >/dev/full");
@@ -34,7 +34,7 @@ TEST_F(Pipe, FullDiskIsAnError) {
     }
 }
 
-TEST_F(Pipe, AFileThatMayNotGrowIsAnErrorAndLeavesTheOldOne) {
+TEST_F(Pipe, file_size_limit_is_an_error_and_keeps_the_old_file) {
     write("old.ply", "precious");
     const Outcome outcome =
         shell("ulimit -f 16; $crumple detect big.ply -o old.ply; status=$?; ls -A >names; exit $status");
@@ -44,8 +44,8 @@ TEST_F(Pipe, AFileThatMayNotGrowIsAnErrorAndLeavesTheOldOne) {
     EXPECT_FALSE(contains(read("names"), ".old.ply")) << read("names");
 }
 
-// What is told on standard error may be lost; the work and the status may not.
-TEST_F(Pipe, NobodyNeedsToReadStandardError) {
+// Messages on standard error may be lost; results and the exit status may not.
+TEST_F(Pipe, lost_standard_error_changes_no_result_or_status) {
     for (const std::string nowhere : {"2>/dev/full", "2>&-", "2> >(true)"}) {
         EXPECT_EQ(shell("$crumple detect missing.off " + nowhere).status, 2) << nowhere;
         EXPECT_EQ(shell("$crumple detect five.off --threads nine " + nowhere).status, 2) << nowhere;
@@ -55,12 +55,12 @@ TEST_F(Pipe, NobodyNeedsToReadStandardError) {
     }
 }
 
-TEST_F(Pipe, ReadsAPipe) {
+TEST_F(Pipe, reads_a_pipe) {
     EXPECT_EQ(shell("cat five.off | $crumple detect /dev/stdin").out, five_pairs);
     EXPECT_EQ(shell("$crumple detect five.off | $crumple verify five.off /dev/stdin").status, 0);
 }
 
-TEST_F(Pipe, ADashIsStandardInputOrOutput) {
+TEST_F(Pipe, dash_means_standard_input_or_output) {
     EXPECT_EQ(shell("cat five.off | $crumple detect -").out, five_pairs);
     EXPECT_EQ(shell("cat five.off | $crumple detect five.off - --check").status, 1);
     EXPECT_EQ(shell("$crumple detect five.off | $crumple verify five.off -").status, 0);
@@ -86,7 +86,7 @@ TEST_F(Pipe, ADashIsStandardInputOrOutput) {
     EXPECT_TRUE(contains(bad.err, "crumple: standard input, line 1: ")) << bad.err;
 }
 
-TEST_F(Pipe, ColourIsForTerminals) {
+TEST_F(Pipe, only_terminals_get_colour) {
     const std::string escape = "\x1b[";
     EXPECT_FALSE(contains(crumple("detect five.off --stats").err, escape));
     EXPECT_FALSE(contains(crumple("detect missing.off").err, escape));

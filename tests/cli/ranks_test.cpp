@@ -1,4 +1,4 @@
-// Processes of MPI against one process: the same bytes in every list, and whatever is said is said once.
+// Compares runs on several MPI ranks with one process: every list has the same bytes, and each message is printed once.
 
 #include <array>
 #include <bit>
@@ -13,16 +13,15 @@ namespace {
 class Ranks : public Cli {
    protected:
     Ranks() {
-        // Open MPI refuses root, and more ranks than cores, unless it is told to let them be; ranks that wait then
-        // yield.
+        // Let Open MPI run as root and with more ranks than cores, and let waiting ranks yield.
         for (const char* const name : {"OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM",
                                        "OMPI_MCA_rmaps_base_oversubscribe", "OMPI_MCA_mpi_yield_when_idle"})
             setenv(name, "1", 1);
         setenv("OMPI_MCA_hwloc_base_binding_policy", "none", 1);
-        setenv("OMPI_MCA_odls_base_sigkill_timeout", "0", 1);  // where one fails, the others are through as well
+        setenv("OMPI_MCA_odls_base_sigkill_timeout", "0", 1);  // if one rank fails, the others have ended too
         setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 1);
-        setenv("OMPI_MCA_pml", "ob1", 1);             // starts in half the time, for it looks for no network
-        setenv("LSAN_OPTIONS", "detect_leaks=0", 1);  // Open MPI leaves memory behind
+        setenv("OMPI_MCA_pml", "ob1", 1);             // looks for no network, which halves the start
+        setenv("LSAN_OPTIONS", "detect_leaks=0", 1);  // Open MPI leaks memory
         write("five.off", five_off);
     }
 
@@ -34,7 +33,7 @@ class Ranks : public Cli {
         EXPECT_EQ(crumple("make " + scene + " -o " + name).status, 0);
     }
 
-    /// All lists of one process, from as many ranks. A command other than detect is named.
+    /// Expects every list of 2 and 3 ranks to equal that of one process. `command` is detect by default.
     void expect_same(const std::string& arguments) const { expect_same("detect", arguments); }
     void expect_same(const std::string& command, const std::string& arguments) const {
         const std::string lists = " -o NAME.txt -o NAME.csv -o NAME.npz -o NAME.json -o - --format csv";
@@ -64,7 +63,7 @@ class Ranks : public Cli {
     }
     static std::string without_time(const std::string& summary) { return summary.substr(0, summary.rfind(',')); }
 
-    /// Said once, as one process says it.
+    /// Expects two ranks to fail with `status` and to print one error message that contains `reason`.
     void expect_refused(const std::string& arguments, const std::string& reason, int status = 2) const {
         const Outcome outcome = ranks(2, arguments);
         EXPECT_EQ(outcome.status, status) << arguments;
@@ -86,7 +85,8 @@ void add(std::string& bytes, T value, std::endian order) {
     bytes.append(its.data(), its.size());
 }
 
-/// Sheets that cross each other, with a group each. `corners`: how many the last face says it has.
+/// Returns a binary PLY of three crossing sheets, each with a group of its own. `corners`: count stored for the last
+/// face.
 std::string sheets(std::endian order, std::uint8_t corners = 3) {
     constexpr int n = 9;
     std::string bytes = std::string("ply\nformat binary_") + (order == std::endian::big ? "big" : "little") +
@@ -114,28 +114,28 @@ std::string sheets(std::endian order, std::uint8_t corners = 3) {
     return bytes;
 }
 
-/// The same with the corners of the last face in another order.
+/// Returns the PLY with the first two corners of its last face swapped.
 std::string turned(std::string ply) {
     std::swap_ranges(ply.end() - 12, ply.end() - 8, ply.end() - 8);
     return ply;
 }
 
-TEST_F(Ranks, ReadLittleEndianPly) {
+TEST_F(Ranks, read_little_endian_ply) {
     make("cloth --triangles 3000", "a.ply");
     expect_same("a.ply --contacts");
 }
 
-TEST_F(Ranks, ReadBigEndianPly) {
+TEST_F(Ranks, read_big_endian_ply) {
     write("a.ply", sheets(std::endian::big));
     expect_same("a.ply --contacts");
 }
 
-TEST_F(Ranks, ReadStl) {
+TEST_F(Ranks, read_stl) {
     make("lattice --triangles 1000", "a.stl");
     expect_same("a.stl --contacts");
 }
 
-TEST_F(Ranks, ReadWhatHasNoSlices) {
+TEST_F(Ranks, read_files_that_cannot_be_sliced) {
     make("lattice --triangles 1000", "a.obj");
     expect_same("a.obj --contacts");
     make("lattice --triangles 1000", "a.ply.gz");
@@ -147,7 +147,7 @@ TEST_F(Ranks, ReadWhatHasNoSlices) {
     expect_same("quads.off");
 }
 
-TEST_F(Ranks, AreMoreThanTriangles) {
+TEST_F(Ranks, can_outnumber_triangles) {
     write("two.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 -1\n1 1 1\n3 3 0.5\n3 0 1 2\n3 3 4 5\n");
     expect_same("two.off");
     EXPECT_EQ(crumple("detect two.off -o one.txt").status, 0);
@@ -162,7 +162,7 @@ TEST_F(Ranks, AreMoreThanTriangles) {
     expect_same("two.stl --contacts");
 }
 
-TEST_F(Ranks, TakeOptionsOfTheQuery) {
+TEST_F(Ranks, accept_options_of_the_query) {
     write("a.ply", sheets(std::endian::little));
     for (const std::string options : {"--weld --contacts --neighbours skip", "--precision float32 --kind proper",
                                       "--groups sheet --filter between --threads 2"})
@@ -173,7 +173,7 @@ TEST_F(Ranks, TakeOptionsOfTheQuery) {
     expect_same("a.ply --groups groups.txt --filter within");
 }
 
-TEST_F(Ranks, ListWhatIsNear) {
+TEST_F(Ranks, list_near_pairs) {
     write("a.ply", sheets(std::endian::big));
     expect_same("near", "a.ply --radius 0.3");
     expect_same("near", "a.ply --radius 0.5 --below --precision float32 --groups sheet --filter between");
@@ -181,13 +181,13 @@ TEST_F(Ranks, ListWhatIsNear) {
     expect_same("near", "a.obj --radius 0.05");
 }
 
-// Equal vertices are one, which gives the others new numbers.
-TEST_F(Ranks, NameVerticesOfStlAsOneProcessDoes) {
+// Merging equal vertices renumbers the others.
+TEST_F(Ranks, number_stl_vertices_like_one_process) {
     make("cloth --triangles 1000", "a.stl");
     expect_same("near", "a.stl --radius 0.02 --threads 2");
 }
 
-TEST_F(Ranks, ListImpacts) {
+TEST_F(Ranks, list_impacts) {
     make("cloth --triangles 3000 --frame 60", "a.ply");
     make("cloth --triangles 3000 --frame 61", "b.ply");
     expect_same("impacts", "a.ply b.ply");
@@ -195,7 +195,7 @@ TEST_F(Ranks, ListImpacts) {
     expect_same("impacts", "a.ply b.ply --weld --min-distance 0.001 --min-distance-share 0.1 --backend cpu");
 }
 
-TEST_F(Ranks, ListImpactsOfWhatHasNoSlices) {
+TEST_F(Ranks, list_impacts_of_files_that_cannot_be_sliced) {
     make("cloth --triangles 1000 --frame 60", "a.ply");
     make("cloth --triangles 1000 --frame 61", "b.obj");
     expect_same("impacts", "a.ply b.obj");
@@ -203,7 +203,7 @@ TEST_F(Ranks, ListImpactsOfWhatHasNoSlices) {
     expect_same("impacts", "above.off below.off");
 }
 
-TEST_F(Ranks, PrintPairsInOrder) {
+TEST_F(Ranks, print_pairs_in_order) {
     write("a.ply", sheets(std::endian::little));
     const Outcome one = crumple("detect a.ply"), two = ranks(2, "detect a.ply");
     EXPECT_EQ(two.status, 0);
@@ -212,9 +212,9 @@ TEST_F(Ranks, PrintPairsInOrder) {
     EXPECT_FALSE(one.out.empty());
 }
 
-TEST_F(Ranks, ReadStandardInputOnce) { EXPECT_EQ(ranks(2, "detect -", "cat five.off |").out, five_pairs); }
+TEST_F(Ranks, read_standard_input_once) { EXPECT_EQ(ranks(2, "detect -", "cat five.off |").out, five_pairs); }
 
-TEST_F(Ranks, CheckTogether) {
+TEST_F(Ranks, check_returns_one_exit_status) {
     const Outcome some = ranks(2, "detect five.off --check");
     EXPECT_EQ(some.status, 1);
     EXPECT_EQ(some.out, "something collides\n");
@@ -230,7 +230,7 @@ TEST_F(Ranks, CheckTogether) {
     EXPECT_EQ(free.out, "nothing touches\n");
 }
 
-TEST_F(Ranks, TellWhatTheyDid) {
+TEST_F(Ranks, print_statistics_once) {
     write("a.ply", sheets(std::endian::little));
     const Outcome outcome = ranks(2, "detect a.ply --stats -o a.txt");
     EXPECT_EQ(outcome.status, 0);
@@ -243,7 +243,7 @@ TEST_F(Ranks, TellWhatTheyDid) {
     EXPECT_TRUE(contains(ranks(2, "impacts a.ply a.ply --first --stats").err, "only the first was looked for"));
 }
 
-TEST_F(Ranks, TellTheirPhasesIfAsked) {
+TEST_F(Ranks, progress_prints_each_phase) {
     make("cloth --triangles 300", "a.ply");
     const auto steps = [&](const std::string& arguments) {
         const Outcome outcome = ranks(3, arguments + " -o rows.txt --progress");
@@ -260,7 +260,7 @@ TEST_F(Ranks, TellTheirPhasesIfAsked) {
     EXPECT_EQ(steps("impacts a.ply a.ply"), all);
 }
 
-TEST_F(Ranks, RefuseWhatTheyDoNotShare) {
+TEST_F(Ranks, unsupported_options_are_refused) {
     expect_refused("detect five.off --groups components --filter within",
                    "--groups components is not shared among ranks");
     expect_refused("detect five.off --groups bodies", "--groups bodies is not shared among ranks");
@@ -283,7 +283,7 @@ TEST_F(Ranks, RefuseWhatTheyDoNotShare) {
     expect_refused("impacts rod.obj rod.obj", "a mesh with lines (l) is not shared among ranks");
 }
 
-TEST_F(Ranks, MayBeOneProcess) {
+TEST_F(Ranks, single_rank_accepts_unsupported_options) {
     EXPECT_EQ(ranks(1, "detect five.off --part 1/1").out, five_pairs);
     const Outcome near = ranks(1, "near five.off --radius 0.5 --rings 1"),
                   alone = crumple("near five.off --radius 0.5 --rings 1");
@@ -291,13 +291,13 @@ TEST_F(Ranks, MayBeOneProcess) {
     EXPECT_EQ(near.out, alone.out);
 }
 
-TEST_F(Ranks, RunAloneIfAsked) {
+TEST_F(Ranks, environment_variable_disables_sharing) {
     const Outcome outcome = ranks(2, "detect five.off --part 1/1", "CRUMPLE_MPI=0");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.out, std::string(five_pairs) + five_pairs);
 }
 
-TEST_F(Ranks, FailAsOneProcess) {
+TEST_F(Ranks, fail_like_one_process) {
     expect_as_one_process("detect missing.ply");
     expect_as_one_process("detect five.off --fast");
     expect_as_one_process("detect five.off --backend reference --clusters 2");
@@ -330,7 +330,7 @@ TEST_F(Ranks, FailAsOneProcess) {
     EXPECT_EQ(ranks(2, "detect five.off --memory-limit 1000").status, 3);
 }
 
-TEST_F(Ranks, LeaveNothingBehindWhereTheyFail) {
+TEST_F(Ranks, failure_keeps_old_files_and_no_temporary_ones) {
     write("old.txt", "as it was\n");
     EXPECT_EQ(ranks(2, "detect missing.ply -o old.txt").status, 2);
     EXPECT_EQ(read("old.txt"), "as it was\n");

@@ -46,15 +46,15 @@ inline std::string sorted_lines(const std::string& text) {
     return sorted;
 }
 
-/// What a run says that has nothing to list: one line, "nothing collides: ..." or "no candidates: ...". Nothing if it
-/// lists something.
-inline bool tells_emptiness(const Outcome& outcome) {
+/// True if standard error is empty for a list with rows, and for an empty list is one line, "nothing ...: ..." or "no
+/// candidates: ...".
+inline bool reports_empty_list(const Outcome& outcome) {
     if (!outcome.out.empty()) return outcome.err.empty();
     return (outcome.err.starts_with("nothing ") || outcome.err.starts_with("no candidates: ")) &&
            std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1;
 }
 
-/// A folder of its own to work in, removed at the end.
+/// Fixture with a temporary folder of its own, removed at the end.
 class Cli : public testing::Test {
    protected:
     Cli() {
@@ -70,7 +70,7 @@ class Cli : public testing::Test {
     }
     std::string read(const std::string& name) const { return text_of(file(name)); }
 
-    /// A shell command run in the folder, where $crumple is the executable.
+    /// Runs a shell command in the folder. `$crumple` is the executable.
     Outcome shell(const std::string& command) const {
         const std::string line = "cd '" + folder_.string() + "' && crumple='" CRUMPLE_EXECUTABLE "' && { " + command +
                                  "\n} >stdout.log 2>stderr.log";
@@ -91,8 +91,8 @@ class Cli : public testing::Test {
     fs::path folder_;
 };
 
-// Triangle 0 is crossed by 1 and touched at a corner by 3, whose vertex there is another one; 4 is folded onto 2 over
-// the edge that they share.
+// Triangle 1 crosses triangle 0. Triangle 3 touches triangle 0 at a corner, with a vertex of its own. Triangle 4 is
+// folded onto triangle 2 about their common edge.
 inline constexpr const char* five_off =
     "OFF\n14 5 0\n"
     "0 0 0\n4 0 0\n0 4 0\n"
@@ -103,11 +103,11 @@ inline constexpr const char* five_off =
     "3 0 1 2\n3 3 4 5\n3 6 7 8\n3 9 10 11\n3 6 7 12\n";
 inline constexpr const char* five_pairs = "0 1\n0 3\n2 4\n";
 
-/// Triangle 0 crosses 2 and 4 of the five, 1 touches 0 and 3 of them at a corner.
+/// Triangle 0 crosses triangles 2 and 4 of five_off; triangle 1 touches triangles 0 and 3 of five_off at a corner.
 inline constexpr const char* two_off =
     "OFF\n6 2 0\n11 1 -1\n11 1 1\n12 1 1\n0 0 0\n-1 -1 5\n-1 -2 5\n3 0 1 2\n3 3 4 5\n";
 
-/// In float64 the triangles are 1e-60 apart, in float32 they touch.
+/// Two triangles that are 1e-60 apart in float64 and touch in float32.
 inline constexpr const char* near_off =
     "OFF\n6 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1e-60\n1 0 1e-60\n0 1 1e-60\n3 0 1 2\n3 3 4 5\n";
 

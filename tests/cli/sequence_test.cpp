@@ -24,7 +24,7 @@ class Sequence : public Cli {
         for (std::string line; std::getline(in, line);) result.push_back(line);
         return result;
     }
-    /// Starts a sequence of thousands of frames, presses Ctrl-C after the first rows, and returns the exit status.
+    /// Starts a sequence of 5,000 frames, sends `signal` after the first rows, and returns the exit status.
     int interrupt(const std::string& output, const std::string& signal = "INT") const {
         EXPECT_EQ(crumple("make soup --triangles 5000 -o frame.ply").status, 0);
         std::string command = "exec $crumple sequence -o " + output;
@@ -40,7 +40,7 @@ class Sequence : public Cli {
         return outcome.status;
     }
 
-    /// The file that is being written, or nothing.
+    /// Returns the path of the hidden file that is being written, or an empty string.
     std::string unfinished() const {
         for (const auto& entry : fs::directory_iterator(file("")))
             if (entry.path().filename().string().starts_with(".t.")) return entry.path().string();
@@ -48,7 +48,7 @@ class Sequence : public Cli {
     }
 };
 
-TEST_F(Sequence, ComputesContactsAsWell) {
+TEST_F(Sequence, computes_contacts_on_request) {
     write("flat.off", "OFF\n6 2 0\n0 0 0\n2 0 0\n0 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 3 4 5\n");
     const Outcome outcome = crumple("sequence flat.off flat.off --contacts --stats");
     EXPECT_EQ(outcome.status, 0);
@@ -58,7 +58,7 @@ TEST_F(Sequence, ComputesContactsAsWell) {
     EXPECT_TRUE(contains(text_of(file("flat.json").string()), "\"rational_contacts\": 1,"));
 }
 
-TEST_F(Sequence, WritesARowAFrame) {
+TEST_F(Sequence, writes_one_row_per_frame) {
     const Outcome outcome = crumple("sequence a.off 'b,2.off' a.off");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.err, "");
@@ -71,7 +71,7 @@ TEST_F(Sequence, WritesARowAFrame) {
     EXPECT_EQ(std::count(rows[1].begin(), rows[1].end(), ','), std::count(rows[0].begin(), rows[0].end(), ','));
 }
 
-TEST_F(Sequence, WritesFiles) {
+TEST_F(Sequence, writes_csv_and_json) {
     EXPECT_EQ(crumple("sequence a.off 'b,2.off' -o t.csv").out, "");
     EXPECT_EQ(lines(read("t.csv")).size(), 3u);
     EXPECT_EQ(crumple("sequence a.off 'b,2.off' -o t.json").out, "");
@@ -84,7 +84,7 @@ TEST_F(Sequence, WritesFiles) {
     }
 }
 
-TEST_F(Sequence, TakesASceneInPlaceOfFiles) {
+TEST_F(Sequence, accepts_a_scene_instead_of_files) {
     const auto rows = lines(crumple("sequence --scene cutting --triangles 300").out);
     ASSERT_EQ(rows.size(), 121u);
     EXPECT_TRUE(rows[1].starts_with("0,")) << rows[1];
@@ -101,7 +101,7 @@ TEST_F(Sequence, TakesASceneInPlaceOfFiles) {
     }
 }
 
-TEST_F(Sequence, WritesColouredFrames) {
+TEST_F(Sequence, writes_coloured_frames) {
     EXPECT_EQ(crumple("sequence a.off 'b,2.off' -o c.ply -o c.obj -o c.glb -o t.csv").out, "");
     EXPECT_EQ(lines(read("t.csv")).size(), 3u);
     EXPECT_EQ(io::read_mesh(file("c0.ply")).triangle_count(), 5);
@@ -113,7 +113,7 @@ TEST_F(Sequence, WritesColouredFrames) {
     EXPECT_FALSE(fs::exists(file("c2.ply")));
 }
 
-TEST_F(Sequence, ABadFrameLeavesTablesAndAnimationsAsTheyWere) {
+TEST_F(Sequence, bad_frame_keeps_old_tables_and_animations) {
     write("old.csv", "precious\n");
     write("old.glb", "precious\n");
     for (const char* const frames : {"missing.off a.off", "a.off missing.off", "a.off a.off missing.off"}) {
@@ -127,7 +127,7 @@ TEST_F(Sequence, ABadFrameLeavesTablesAndAnimationsAsTheyWere) {
     EXPECT_EQ(std::distance(fs::directory_iterator(file("")), fs::directory_iterator()), 6) << "no hidden files";
 }
 
-TEST_F(Sequence, WritesToStandardOutputWhatTheFormatSays) {
+TEST_F(Sequence, standard_output_accepts_csv_json_and_glb) {
     EXPECT_EQ(lines(crumple("sequence a.off a.off -o - --format csv").out).size(), 3u);
     EXPECT_EQ(nlohmann::json::parse(crumple("sequence a.off a.off -o - --format json -o t.csv").out).size(), 2u);
     EXPECT_TRUE(crumple("sequence a.off a.off -o - --format glb").out.starts_with("glTF"));
@@ -137,7 +137,7 @@ TEST_F(Sequence, WritesToStandardOutputWhatTheFormatSays) {
         EXPECT_EQ(crumple(std::string("sequence a.off ") + wrong).status, 2) << wrong;
 }
 
-TEST_F(Sequence, RefusesWhatMakesNoSense) {
+TEST_F(Sequence, refuses_wrong_arguments) {
     for (const char* wrong :
          {"sequence", "sequence a.off --scene cloth", "sequence --scene clot", "sequence a.off --triangles 5",
           "sequence a.off --seed 2", "sequence a.off -o x.stl", "sequence a.off --json -o x.csv",
@@ -149,25 +149,25 @@ TEST_F(Sequence, RefusesWhatMakesNoSense) {
     }
 }
 
-TEST_F(Sequence, TakesTheOptionsOfDetect) {
+TEST_F(Sequence, accepts_options_of_detect) {
     EXPECT_TRUE(contains(crumple("sequence a.off --neighbours skip").out, "a.off,5,2,"));
     EXPECT_TRUE(contains(crumple("sequence a.off --kind proper --threads 1").out, "a.off,5,1,"));
     EXPECT_TRUE(contains(crumple("sequence a.off --groups components --filter within").out, "a.off,5,1,"));
     EXPECT_TRUE(contains(crumple("sequence 'b,2.off' --precision float32").out, ",2,1,"));
 }
 
-TEST_F(Sequence, ChecksByExitStatus) {
+TEST_F(Sequence, check_reports_collisions_by_exit_status) {
     EXPECT_EQ(crumple("sequence 'b,2.off' a.off --check").status, 1);
     EXPECT_EQ(crumple("sequence 'b,2.off' 'b,2.off' --check").status, 0);
 }
 
-TEST_F(Sequence, SumsUpStatistics) {
+TEST_F(Sequence, sums_statistics_over_frames) {
     const std::string err = crumple("sequence a.off a.off --stats").err;
     EXPECT_TRUE(contains(err, "triangles                   10\n")) << err;
     EXPECT_TRUE(contains(err, "pairs                        6  10 triangles collide\n")) << err;
 }
 
-TEST_F(Sequence, KeepsTheRowsBeforeABadFrame) {
+TEST_F(Sequence, prints_rows_before_a_bad_frame) {
     const Outcome outcome = crumple("sequence a.off missing.off a.off");
     EXPECT_EQ(outcome.status, 2);
     EXPECT_TRUE(is_error_line(outcome.err) && contains(outcome.err, "missing.off")) << outcome.err;
@@ -175,14 +175,14 @@ TEST_F(Sequence, KeepsTheRowsBeforeABadFrame) {
     EXPECT_EQ(nlohmann::json::parse(crumple("sequence --json a.off missing.off").out).size(), 1u);
 }
 
-TEST_F(Sequence, WritesTimesInMicroseconds) {
+TEST_F(Sequence, writes_times_to_the_microsecond) {
     for (const auto& row : nlohmann::json::parse(crumple("sequence --json a.off a.off").out)) {
         const std::string time = row["milliseconds"].dump();
         EXPECT_LE(time.size() - std::min(time.find('.'), time.size()), 4u) << time;
     }
 }
 
-TEST_F(Sequence, SurvivesCtrlC) {
+TEST_F(Sequence, ctrl_c_keeps_finished_rows) {
     EXPECT_EQ(interrupt("t.csv"), 130);
     const auto rows = lines(read("t.csv"));
     EXPECT_GE(rows.size(), 4u);
@@ -191,23 +191,23 @@ TEST_F(Sequence, SurvivesCtrlC) {
     EXPECT_EQ(std::count(rows.back().begin(), rows.back().end(), ','), 10) << rows.back();
 }
 
-TEST_F(Sequence, LeavesNothingHiddenWhenKilled) {
+TEST_F(Sequence, termination_leaves_no_hidden_files) {
     write("t.csv", "precious\n");
     EXPECT_EQ(interrupt("t.csv", "TERM"), 128 + SIGTERM);
     EXPECT_EQ(read("t.csv"), "precious\n");
 }
 
-TEST_F(Sequence, LeavesAnAnimationAfterCtrlC) {
+TEST_F(Sequence, ctrl_c_leaves_an_animation) {
     EXPECT_EQ(interrupt("t.csv -o t.glb"), 130);
     EXPECT_TRUE(contains(read("t.glb"), "\"animations\""));
 }
 
-TEST_F(Sequence, LeavesValidJsonAfterCtrlC) {
+TEST_F(Sequence, ctrl_c_leaves_valid_json) {
     EXPECT_EQ(interrupt("t.json"), 130);
     EXPECT_GE(nlohmann::json::parse(read("t.json")).size(), 3u);
 }
 
-TEST_F(Sequence, ImpactsAreOfSteps) {
+TEST_F(Sequence, impacts_are_listed_per_step) {
     write("above.off", above_off);
     write("below.off", below_off);
     const Outcome outcome = crumple("sequence above.off above.off below.off --impacts");
@@ -232,13 +232,13 @@ TEST_F(Sequence, ImpactsAreOfSteps) {
     EXPECT_TRUE(contains(stats.err, "1  impacts of all steps")) << stats.err;
 }
 
-TEST_F(Sequence, ImpactsOfAScene) {
+TEST_F(Sequence, impacts_work_with_a_scene) {
     const auto rows = lines(crumple("sequence --scene cloth --triangles 200 --impacts").out);
     ASSERT_GT(rows.size(), 2u);
     EXPECT_TRUE(rows[1].starts_with("0,")) << rows[1];
 }
 
-TEST_F(Sequence, ImpactsAreRefusedWhereTheyMakeNoSense) {
+TEST_F(Sequence, wrong_arguments_of_impacts_are_refused) {
     write("above.off", above_off);
     const auto refused = [&](const std::string& arguments, const std::string& reason) {
         const Outcome outcome = crumple("sequence " + arguments);

@@ -3,7 +3,7 @@
 namespace crumple::cli::test {
 namespace {
 
-/// Queries of features, whose lists are also written while they are found.
+/// Feature queries whose lists can be streamed.
 class StreamOfFeatures : public Moving {
    protected:
     const std::vector<std::string> queries{"impacts above.off below.off --min-distance 0.5",
@@ -12,7 +12,7 @@ class StreamOfFeatures : public Moving {
                                            "near above.off --radius 2", "near above.off below.off --radius 0.5"};
 };
 
-TEST_F(StreamOfFeatures, HasTheSameLines) {
+TEST_F(StreamOfFeatures, has_the_same_lines) {
     for (const std::string& query : queries) {
         const std::string expected = sorted_lines(list(query));
         EXPECT_FALSE(expected.empty());
@@ -33,7 +33,7 @@ TEST_F(StreamOfFeatures, HasTheSameLines) {
     }
 }
 
-TEST_F(StreamOfFeatures, OfNothingIsAnEmptyList) {
+TEST_F(StreamOfFeatures, empty_result_is_an_empty_list) {
     const Outcome outcome = crumple("near above.off --radius 0.1 --stream -o a.csv");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_TRUE(outcome.err.starts_with("nothing is near: 2 triangles, ")) << outcome.err;
@@ -41,7 +41,7 @@ TEST_F(StreamOfFeatures, OfNothingIsAnEmptyList) {
     EXPECT_EQ(list("impacts above.off above.off --stream"), "");
 }
 
-TEST_F(StreamOfFeatures, IsOneListOnly) {
+TEST_F(StreamOfFeatures, is_only_one_list) {
     for (const std::string& query : queries)
         for (const std::string bad : {"-o a.json", "-o a.npz", "-o a.txt -o b.txt", "-o - --format json"})
             expect_refused(query + " --stream " + bad, "--stream writes one list, as .txt or .csv");

@@ -5,7 +5,7 @@
 namespace crumple::cli::test {
 namespace {
 
-/// A blade that sticks in a plate and moves along: no vertex, no edge ever touches.
+/// Step in which a blade slides along in the plate that it pierces: the triangles intersect, but no features touch.
 class TrianglePairs : public Moving {
    protected:
     TrianglePairs() {
@@ -17,14 +17,14 @@ class TrianglePairs : public Moving {
 
 const std::string falling = "impacts above.off below.off --triangle-pairs", stuck = "impacts start.off end.off";
 
-TEST_F(TrianglePairs, AreThoseThatIntersectAtTheStartOrWhoseFeaturesTouch) {
+TEST_F(TrianglePairs, include_intersections_at_the_start_and_impacts) {
     EXPECT_EQ(list(falling), "ff 0 1 0.5 0\n");
     EXPECT_EQ(list(falling + " --backend reference"), "ff 0 1 0.5 0\n");
     EXPECT_EQ(list(stuck), "");
     EXPECT_EQ(list(stuck + " --triangle-pairs"), "ff 0 1 0 1\n");
 }
 
-TEST_F(TrianglePairs, AreWrittenInEveryFormatAndVerified) {
+TEST_F(TrianglePairs, every_format_can_be_verified) {
     const Outcome outcome = crumple(stuck + " --triangle-pairs -o a.txt -o a.csv -o a.json -o a.npz -o a.glb");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_TRUE(outcome.err.starts_with("1 pair of triangles, 1 from the start, ")) << outcome.err;
@@ -42,14 +42,14 @@ TEST_F(TrianglePairs, AreWrittenInEveryFormatAndVerified) {
     EXPECT_TRUE(contains(wrong.out, "late ff 0 1 0.25, it is 0")) << wrong.out;
 }
 
-TEST_F(TrianglePairs, OfAListWithImpactsAreBothVerified) {
+TEST_F(TrianglePairs, list_with_pairs_and_impacts_can_be_verified) {
     write("both.txt", list("impacts above.off below.off") + list(falling));
     EXPECT_EQ(crumple("verify --impacts above.off below.off both.txt").status, 0);
     write("less.txt", list("impacts above.off below.off") + "ff 0 1 0.25 0\n");
     EXPECT_EQ(crumple("verify --impacts above.off below.off less.txt").status, 1);
 }
 
-TEST_F(TrianglePairs, DecideTheStatus) {
+TEST_F(TrianglePairs, decide_the_exit_status) {
     EXPECT_EQ(crumple(stuck + " --check").status, 0);
     EXPECT_EQ(crumple(stuck + " --triangle-pairs --check").status, 1);
     EXPECT_EQ(crumple(stuck + " --triangle-pairs --check -o a.txt").status, 1);

@@ -15,7 +15,7 @@ class VerifyFeatures : public Moving {
     }
 };
 
-TEST_F(VerifyFeatures, ReadsWhatIsWritten) {
+TEST_F(VerifyFeatures, reads_every_format_that_is_written) {
     write("upper.off", "OFF\n3 1 0\n1 1 1\n2 1 2\n1 2 2\n3 0 1 2\n");
     for (const std::string name : {"a.txt", "a.csv", "a.json", "a.npz"}) {
         ASSERT_EQ(crumple("impacts above.off below.off -o " + name).status, 0);
@@ -33,7 +33,7 @@ TEST_F(VerifyFeatures, ReadsWhatIsWritten) {
               0);
 }
 
-TEST_F(VerifyFeatures, NamesWhatIsWrong) {
+TEST_F(VerifyFeatures, lists_every_mistake) {
     EXPECT_EQ(impacts("vf 3 0 0.5 0\n").status, 0);
     EXPECT_EQ(impacts("# none\n").out,
               "wrong: 1 impacts, 1 missed, 0 false, 0 late, 0 early, 0 repeated\nmissed vf 3 0 0.5\n");
@@ -50,7 +50,7 @@ TEST_F(VerifyFeatures, NamesWhatIsWrong) {
         EXPECT_EQ(impacts(rows).status, 1) << rows;
 }
 
-TEST_F(VerifyFeatures, ContactAtTheStartComesBeforeTimeZero) {
+TEST_F(VerifyFeatures, contact_at_the_start_precedes_time_zero) {
     write("below.off", above_off);
     EXPECT_EQ(impacts("vf 3 0 0 1", "--min-distance 1").status, 0);
     EXPECT_EQ(impacts("vf 3 0 0", "--min-distance 1").status, 0);
@@ -59,7 +59,7 @@ TEST_F(VerifyFeatures, ContactAtTheStartComesBeforeTimeZero) {
         "wrong: 1 impacts, 0 missed, 0 false, 1 late, 0 early, 0 repeated\nlate vf 3 0 0, it is 0 at the start\n");
 }
 
-TEST_F(VerifyFeatures, ChecksDistances) {
+TEST_F(VerifyFeatures, checks_distances) {
     EXPECT_EQ(near("vf 3 0 1\n").out, "right: 1 near pairs, 0 missed, 0 false, 0 far, 0 close, 0 repeated\n");
     EXPECT_EQ(near("vf 3 0 1.5\n").out,
               "wrong: 1 near pairs, 0 missed, 0 false, 1 far, 0 close, 0 repeated\nfar vf 3 0 1.5, it is 1\n");
@@ -69,14 +69,14 @@ TEST_F(VerifyFeatures, ChecksDistances) {
               "wrong: 0 near pairs, 0 missed, 1 false, 0 far, 0 close, 0 repeated\nfalse vf 3 0 1\n");
 }
 
-TEST_F(VerifyFeatures, OrderDoesNotMatter) {
+TEST_F(VerifyFeatures, order_does_not_matter) {
     ASSERT_EQ(crumple("near above.off --radius 1.5 -o list.txt").status, 0);
     write("list.txt", "ee 3 4 2 0 2\nee 5 3 0 1 2\nee 0 1 3 4 2\nvf 3 0 1\nee 0 2 3 5 2\n");
     const Outcome outcome = crumple("verify --radius 1.5 above.off list.txt");
     EXPECT_EQ(outcome.status, 0) << outcome.out;
 }
 
-TEST_F(VerifyFeatures, CandidatesOfAStepOrAtRest) {
+TEST_F(VerifyFeatures, checks_candidates_of_one_file_or_a_step) {
     write("list.txt", "ee 5 3 2 1\nvf 3 0\nee 1 2 3 4\n");
     Outcome outcome = crumple("verify --candidates above.off below.off list.txt");
     EXPECT_EQ(outcome.status, 0);
@@ -86,17 +86,18 @@ TEST_F(VerifyFeatures, CandidatesOfAStepOrAtRest) {
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(outcome.out,
               "wrong: 3 candidates, 1 missed, 1 false, 1 repeated\nmissed ee 1 2 3 4\nfalse vf 4 0\nrepeated vf 3 0\n");
-    const std::string at_rest = " --inflation 0.5 --kinds vertex_face,face_face";
-    ASSERT_EQ(crumple("impacts above.off --candidates" + at_rest + " -o a.txt -o a.csv -o a.json -o a.npz").status, 0);
+    const std::string static_options = " --inflation 0.5 --kinds vertex_face,face_face";
+    ASSERT_EQ(
+        crumple("impacts above.off --candidates" + static_options + " -o a.txt -o a.csv -o a.json -o a.npz").status, 0);
     for (const char* const name : {"a.txt", "a.csv", "a.json", "a.npz"})
-        EXPECT_EQ(crumple(std::string("verify --candidates above.off ") + name + at_rest).out,
+        EXPECT_EQ(crumple(std::string("verify --candidates above.off ") + name + static_options).out,
                   "right: 3 candidates, 0 missed, 0 false, 0 repeated\n");
     EXPECT_TRUE(crumple("verify --candidates above.off a.txt --inflation 0.5").out.starts_with("wrong: "))
         << "face_face is not requested";
-    EXPECT_EQ(shell("$crumple verify --candidates above.off - --format json" + at_rest + " < a.json").status, 0);
+    EXPECT_EQ(shell("$crumple verify --candidates above.off - --format json" + static_options + " < a.json").status, 0);
 }
 
-TEST_F(VerifyFeatures, IsRefusedWhereItMakesNoSense) {
+TEST_F(VerifyFeatures, wrong_arguments_are_refused) {
     write("list.txt", "vf 3 0 0.5 0\n");
     write("two.txt", "vf 0:3 1:0 0.5 0\n");
     expect_refused("verify --impacts above.off list.txt", "verify --impacts takes START, END and a list");

@@ -1,4 +1,5 @@
-// Two crossing triangles and one that is far away: one pair. Errors come through, whichever library threw them.
+// Uses the installed library: two crossing triangles and one far away give one pair. Errors of both libraries arrive as
+// crumple::Error.
 
 #include <array>
 #include <cstdio>

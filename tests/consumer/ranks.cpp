@@ -1,4 +1,5 @@
-// Two crossing triangles of each rank, far from those of others: one pair a rank.
+// Uses the installed library with MPI: each rank has two crossing triangles far from those of other ranks, which give
+// one pair per rank.
 
 #include <array>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Frames by principal components, and boxes that hold their triangles in them.
+// Tests of leaf frames from principal components and edges, and of the boxes of triangles in these frames.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace crumple::cpu {
 namespace {
 
-TEST(PrincipalAxes, are_orthonormal_and_sorted_by_variance) {
+TEST(PrincipalAxes, axes_are_orthonormal_and_sorted_by_variance) {
     std::mt19937 engine(2);
     const auto number = [&] { return static_cast<double>(engine()) * 0x1p-31 - 1; };
     for (int round = 0; round < 1000; ++round) {
@@ -36,7 +36,7 @@ TEST(PrincipalAxes, are_orthonormal_and_sorted_by_variance) {
     }
 }
 
-TEST(PrincipalAxes, of_a_round_cloud_are_the_coordinate_axes) {
+TEST(PrincipalAxes, round_cloud_gets_coordinate_axes) {
     const PrincipalAxes axes = principal_axes({1, 0.001, -0.001, 1.001, 0.0005, 0.999});
     EXPECT_EQ(axes.axis[0], (Vec3d{1, 0, 0}));
     EXPECT_EQ(axes.axis[1], (Vec3d{0, 1, 0}));
@@ -45,13 +45,14 @@ TEST(PrincipalAxes, of_a_round_cloud_are_the_coordinate_axes) {
     EXPECT_EQ(none.axis[0], (Vec3d{1, 0, 0}));
 }
 
-// |sin 2 phi| of an edge at the angle phi across the first axis: 0 where it lies along one of the other two.
+// Returns |sin 2 phi| of an edge at the angle phi around the first axis: 0 where it is parallel to one of the other two
+// axes.
 double slant(const Vec3d& edge, const Vec3d& y, const Vec3d& z) {
     const double u = dot(edge, y), w = dot(edge, z);
     return std::abs(2 * u * w) / (u * u + w * w);
 }
 
-TEST(EdgeMoment, turns_the_frame_to_edges_in_two_directions) {
+TEST(EdgeMoment, frame_turns_to_edges_in_two_directions) {
     std::mt19937 engine(7);
     const auto number = [&] { return static_cast<double>(engine()) * 0x1p-31 - 1; };
     for (int round = 0; round < 1000; ++round) {
@@ -71,7 +72,7 @@ TEST(EdgeMoment, turns_the_frame_to_edges_in_two_directions) {
     }
 }
 
-TEST(EdgeMoment, of_no_edges_across_turns_nothing) {
+TEST(EdgeMoment, frame_stays_without_edges_across_it) {
     PrincipalAxes axes = principal_axes({3, 0, 0, 2, 0, 1});
     EdgeMoment moment;
     moment.add_triangle({0, 0, 0}, {0, 0, 0}, {0.5, 0, 0}, axes);
@@ -80,7 +81,7 @@ TEST(EdgeMoment, of_no_edges_across_turns_nothing) {
     EXPECT_EQ(axes.axis[2], (Vec3d{0, 0, 1}));
 }
 
-TEST(LeafFrame, lies_along_the_edges_of_a_turned_part) {
+TEST(LeafFrame, frame_follows_edges_of_a_rotated_part) {
     // Long triangles with right angles in a plane that is longest along x, turned by some angle about x.
     const double angle = 0.6, c = std::cos(angle), s = std::sin(angle);
     const Vec3d across{0, c, s}, upright{0, -s, c};
@@ -108,7 +109,7 @@ TEST(LeafFrame, lies_along_the_edges_of_a_turned_part) {
     EXPECT_LT(slant(across, axis(1), axis(2)), 0.1);
 }
 
-TEST(Build, boxes_hold_the_rotated_corners_and_planes_hold_their_triangle) {
+TEST(Build, boxes_and_planes_hold_their_triangles) {
     std::mt19937 engine(4);
     const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };
     constexpr int n = 500;

@@ -1,5 +1,5 @@
-// Warm calls on scenes of the same size allocate nothing of ours. Every operator new of the process is counted; oneTBB
-// takes its tasks from an allocator of its own.
+// Tests that warm calls on scenes of the same size allocate nothing. Every operator new of the process is counted,
+// except for oneTBB's tasks, which have an allocator of their own.
 
 #include <gtest/gtest.h>
 
@@ -63,7 +63,7 @@ std::vector<Call> calls() {
     static const IntersectionQuery without{.filter = {.excluded_groups = excluded}};
     static const IntersectionQuery within{.filter = {.groups = PairScope::within, .excluded_groups = excluded}};
     static const test::Halves half(mesh);
-    // Two segments that reach through the sheet, a thousand times each.
+    // Two segments through the sheet, a thousand copies of each.
     static const test::Soup<float> padded = [] {
         test::Soup<float> soup = test::wavy_sheet(60);
         for (int i = 0; i < 1000; ++i) {
@@ -90,7 +90,7 @@ TEST(Allocation, warm_calls_allocate_nothing) {
     if (sanitized) GTEST_SKIP() << "it counts, and other tests make the same calls";
     for (const int threads : {1, 2}) {
         for (const auto& [name, find] : calls()) {
-            // What several threads have found when the first pair ends the call is another list each time.
+            // With several threads, the lists found before the first pair ends the call differ from call to call.
             if (threads > 1 && std::string_view(name) == "any") continue;
             Detector detector({.threads = threads});
             for (int frame = 0; frame < 20; ++frame) find(detector);
@@ -101,7 +101,7 @@ TEST(Allocation, warm_calls_allocate_nothing) {
     }
 }
 
-TEST(Allocation, cold_calls_do_allocate) {
+TEST(Allocation, counter_counts_allocations_of_cold_calls) {
     const auto sheet = test::wavy_sheet(30);
     const std::int64_t before = allocations;
     Detector detector({.threads = 1});

@@ -1,4 +1,4 @@
-// A caller who uses oneTBB can call detectors from tasks, in an arena of any size.
+// Tests that callers of oneTBB can use detectors in tasks, in an arena of any size.
 
 #ifndef CRUMPLE_STD_THREADS
 
@@ -14,7 +14,7 @@ namespace {
 using test::difference;
 using test::pairs_of;
 
-TEST(Arena, detectors_work_inside_the_callers_tasks) {
+TEST(Arena, detectors_work_inside_callers_tasks) {
     const auto sheet = test::wavy_sheet(60);
     Detector plain;
     const auto expected = pairs_of(plain.find(sheet.view()));

@@ -1,4 +1,5 @@
-// The membership rule: a ball belongs to every cluster whose centre may be nearest to one of its points.
+// Tests of the membership rule: a ball belongs to every cluster whose centre may be the nearest one to some point of
+// the ball.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +11,7 @@
 namespace crumple::cpu {
 namespace {
 
-// Balls of all sizes, some of them on centres, some in the middle between two.
+// Balls of all sizes, a third of them at centres and a third midway between two centres.
 Array<Ball> make_balls(const Centres& centres, int count, std::mt19937& engine) {
     const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };
     Array<Ball> balls;
@@ -24,7 +25,7 @@ Array<Ball> make_balls(const Centres& centres, int count, std::mt19937& engine) 
     return balls;
 }
 
-TEST(Assign, a_cluster_whose_centre_is_nearest_to_a_point_of_the_ball_has_it_as_a_member) {
+TEST(Assign, ball_is_member_of_each_cluster_nearest_to_one_of_its_points) {
     std::mt19937 engine(11);
     const auto number = [&] { return static_cast<double>(engine()) * 0x1p-31 - 1; };
     for (const StageKernels* kernels : all_stage_kernels()) {
@@ -70,7 +71,7 @@ TEST(Assign, a_cluster_whose_centre_is_nearest_to_a_point_of_the_ball_has_it_as_
     }
 }
 
-TEST(Assign, lists_the_members_of_a_child_and_writes_no_mask_beyond_the_last) {
+TEST(Assign, members_are_listed_and_no_mask_is_written_past_the_end) {
     std::mt19937 engine(7);
     const auto random_mask = [&] { return std::uint64_t{engine()} << 32 | engine(); };
     for (const StageKernels* kernels : all_stage_kernels()) {
@@ -103,7 +104,7 @@ TEST(Assign, lists_the_members_of_a_child_and_writes_no_mask_beyond_the_last) {
     }
 }
 
-TEST(Assign, small_balls_have_few_clusters) {
+TEST(Assign, small_balls_belong_to_few_clusters) {
     std::mt19937 engine(5);
     const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };
     Centres centres;

@@ -1,5 +1,5 @@
-// Triangles that name a vertex twice, many times over: they cost no search of their own, and answers are those of brute
-// force. Work is counted, not timed.
+// Tests of scenes with many copies of degenerate triangles: the copies cost no search of their own, and results equal
+// those of brute force. Costs are counts of tests, not times.
 
 #include "backends/cpu/stages/copies.h"
 
@@ -38,11 +38,11 @@ test::Soup<float> sheet() {
     return soup;
 }
 
-std::int64_t work(const Intersections& answer) {
-    return answer.statistics.interval_tests + answer.statistics.box_overlaps;
+std::int64_t work(const Intersections& result) {
+    return result.statistics.interval_tests + result.statistics.box_overlaps;
 }
 
-TEST(Copies, cost_no_more_than_half_of_a_scene_as_large) {
+TEST(DuplicateDegenerates, duplicates_at_most_double_the_work) {
     static const std::vector<GroupPair> excluded{{0, 1}, {2, 2}};
     std::vector<IntersectionQuery> queries(6);
     queries[1].weld = true;
@@ -75,7 +75,7 @@ TEST(Copies, cost_no_more_than_half_of_a_scene_as_large) {
     }
 }
 
-TEST(Copies, cost_little_between_two_meshes) {
+TEST(DuplicateDegenerates, duplicates_add_little_work_between_two_meshes) {
     const auto a = sheet(), b = test::wavy_sheet(30, 0.4);
     for (const auto& kind : kinds) {
         const auto padded_a = padded(a, kind), padded_b = padded(b, kind);
@@ -88,7 +88,7 @@ TEST(Copies, cost_little_between_two_meshes) {
     }
 }
 
-TEST(Copies, cost_little_in_parts) {
+TEST(DuplicateDegenerates, duplicates_at_most_double_the_work_of_parts) {
     const auto plain = sheet();
     Detector detector;
     for (const auto& kind : kinds) {
@@ -100,7 +100,7 @@ TEST(Copies, cost_little_in_parts) {
     }
 }
 
-/// Random triangles and points and segments among their vertices, each many times, in any order.
+/// Random triangles and, among their vertices, many copies of points and segments, in random order.
 test::Soup<float> crowded(unsigned seed) {
     std::mt19937 engine(seed);
     test::Soup<float> soup = test::random_soup(30, 0.6, seed);
@@ -112,7 +112,7 @@ test::Soup<float> crowded(unsigned seed) {
     }
     for (int i = 0; i < 100; ++i) soup.triangles.push_back(degenerate[engine() % degenerate.size()]);
     std::shuffle(soup.triangles.begin(), soup.triangles.end(), engine);
-    // Some positions twice, for welding.
+    // Some positions occur twice, for welding.
     for (std::size_t v = 0; v < 90; v += 9) soup.vertices[v] = soup.vertices[v + 1];
     for (std::size_t t = 0; t < soup.triangles.size(); ++t)
         soup.groups.push_back(static_cast<std::int32_t>(engine() % 2));
@@ -134,15 +134,15 @@ void expect_reference(const std::function<const Intersections&(Detector&)>& find
     }
 }
 
-TEST(Copies, collide_with_what_each_of_them_collides_with) {
+TEST(DuplicateDegenerates, duplicates_match_brute_force) {
     static const std::vector<GroupPair> excluded{{0, 1}};
     for (unsigned seed = 1; seed <= 6; ++seed) {
         SCOPED_TRACE(seed);
         const auto soup = crowded(seed), other = crowded(seed + 100);
         const test::Halves half(soup.view());
         for (const bool weld : {false, true}) {
-            for (const PairScope wanted : {PairScope::both, PairScope::between, PairScope::within}) {
-                const IntersectionQuery query{.output = Output::contacts, .weld = weld, .filter = {.groups = wanted}};
+            for (const PairScope scope : {PairScope::both, PairScope::between, PairScope::within}) {
+                const IntersectionQuery query{.output = Output::contacts, .weld = weld, .filter = {.groups = scope}};
                 expect_reference([&](Detector& d) -> const Intersections& { return d.find(soup.view(), query); });
                 expect_reference([&](Detector& d) -> const Intersections& { return d.find({half.a, half.b}, query); });
                 expect_reference([&](Detector& d) -> const Intersections& {
@@ -156,7 +156,7 @@ TEST(Copies, collide_with_what_each_of_them_collides_with) {
     }
 }
 
-TEST(Copies, belong_to_the_parts_that_hold_them) {
+TEST(DuplicateDegenerates, duplicates_in_parts_match_brute_force) {
     for (unsigned seed = 1; seed <= 6; ++seed) {
         const auto soup = crowded(seed);
         for (const int count : {3, 70})
@@ -165,11 +165,11 @@ TEST(Copies, belong_to_the_parts_that_hold_them) {
     }
 }
 
-TEST(Copies, are_seen_wherever_they_stand) {
+TEST(DuplicateDegenerates, repeated_corners_are_detected_at_any_index) {
     for (const cpu::StageKernels* kernels : cpu::all_stage_kernels()) {
         for (std::int64_t n = 0; n < 70; ++n) {
             std::vector<std::int32_t> corners;
-            for (std::int32_t i = 0; i < 3 * n; ++i) corners.push_back(i / 3 + i % 3);  // neighbours share vertices
+            for (std::int32_t i = 0; i < 3 * n; ++i) corners.push_back(i / 3 + i % 3);  // triangles share vertices
             EXPECT_FALSE(kernels->repeats_corner(corners.data(), 0, n)) << kernels->name;
             for (std::int64_t t = 0; t < n; ++t) {
                 for (const int corner : {0, 1, 2}) {

@@ -1,4 +1,5 @@
-// Threads that the host application lends: the same bytes, and errors and cancelling pass through.
+// Tests of executors, which run a detector's tasks on the application's threads: same results to the byte; errors and
+// cancellation pass through.
 
 #include <gtest/gtest.h>
 
@@ -38,7 +39,7 @@ std::vector<std::shared_ptr<Executor>> executors() {
             std::make_shared<test::Threads>(3, false)};
 }
 
-TEST(Executor, answers_are_the_same_bytes) {
+TEST(Executor, every_executor_gives_the_same_bytes) {
     const auto sheet = test::wavy_sheet(60), other = test::wavy_sheet(50, 0.4);
     const IntersectionQuery query{.output = Output::contacts, .weld = true};
     Detector own({.backend = Backend::cpu, .threads = 1, .leaf_size = 300});
@@ -64,7 +65,7 @@ TEST(Executor, answers_are_the_same_bytes) {
     }
 }
 
-/// Needles along the sweep direction, few of which meet: one leaf with so much work that it is cut into tiles.
+/// Needles along the sweep direction, few of which intersect: one leaf with so much work that it is split into tiles.
 test::Soup<float> needles() {
     test::Soup<float> soup;
     std::mt19937 engine(3);
@@ -79,12 +80,12 @@ test::Soup<float> needles() {
     return soup;
 }
 
-TEST(Executor, helps_with_one_large_leaf_without_nesting) {
+TEST(Executor, one_large_leaf_is_split_without_nested_loops) {
     const auto soup = needles();
     Detector own({.backend = Backend::cpu, .threads = 1, .clusters = 1, .leaf_size = 100000});
     const Intersections expected = own.find(soup.view());
     ASSERT_GT(expected.statistics.interval_tests, 5'000'000) << "enough for tiles";
-    // The leaf's worker would sweep alone if each of its tiles were not a task.
+    // The leaf's worker would sweep alone if its tiles were not tasks.
     struct Counting : test::Threads {
         Counting() : Threads(3) {}
         void parallel_for(std::size_t n, test::Loop task) override {
@@ -106,11 +107,11 @@ TEST(Executor, helps_with_one_large_leaf_without_nesting) {
     }
 }
 
-TEST(Executor, what_poll_throws_ends_the_call_and_does_not_reach_the_executor) {
+TEST(Executor, exception_of_poll_ends_the_call_and_bypasses_the_executor) {
     struct Interrupt {};
     struct Slow : test::Serial {
         void parallel_for(std::size_t n, test::Loop task) override {
-            std::this_thread::sleep_for(std::chrono::milliseconds(30));  // longer than from poll to poll
+            std::this_thread::sleep_for(std::chrono::milliseconds(30));  // longer than the interval between polls
             Serial::parallel_for(n, task);
         }
     };
@@ -125,7 +126,7 @@ TEST(Executor, what_poll_throws_ends_the_call_and_does_not_reach_the_executor) {
     EXPECT_EQ(test::difference(expected, test::pairs_of(detector.find(sheet.view()))), "");
 }
 
-TEST(Executor, a_stop_ends_the_call) {
+TEST(Executor, stop_request_ends_the_call) {
     struct Stopping : test::Threads {
         Stopping() : Threads(3) {}
         void parallel_for(std::size_t n, test::Loop task) override {
@@ -144,7 +145,7 @@ TEST(Executor, a_stop_ends_the_call) {
     EXPECT_FALSE(detector.find(sheet.view()).pairs.empty());
 }
 
-TEST(Executor, that_fails_ends_the_call) {
+TEST(Executor, exception_of_the_executor_ends_the_call) {
     struct Failing : test::Serial {
         void parallel_for(std::size_t n, test::Loop task) override {
             if (fails) throw std::runtime_error("no thread is left");
@@ -162,7 +163,7 @@ TEST(Executor, that_fails_ends_the_call) {
     EXPECT_EQ(test::difference(expected, test::pairs_of(detector.find(sheet.view()))), "");
 }
 
-TEST(Executor, without_workers_is_an_error) {
+TEST(Executor, invalid_concurrency_is_rejected) {
     for (const int count : {0, -1, 1025}) {
         const Error error = error_of([&] { Detector({.executor = std::make_shared<test::Threads>(count)}); });
         EXPECT_EQ(error.code, ErrorCode::invalid_argument);
@@ -170,7 +171,7 @@ TEST(Executor, without_workers_is_an_error) {
     }
 }
 
-TEST(Executor, holds_under_a_memory_limit) {
+TEST(Executor, executors_work_under_a_memory_limit) {
     const auto soup = test::random_soup(3000, 0.7);
     Detector own({.backend = Backend::cpu, .threads = 1});
     const Intersections expected = own.find(soup.view());

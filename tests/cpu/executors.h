@@ -1,6 +1,6 @@
 #pragma once
 
-// Executors as host applications might lend them.
+// Executors like those that host applications provide.
 
 #include <algorithm>
 #include <atomic>
@@ -15,7 +15,7 @@ namespace crumple::test {
 
 using Loop = FunctionRef<void(std::size_t, std::size_t)>;
 
-/// One task after the other, on the calling thread.
+/// Runs one task after the other on the calling thread.
 struct Serial : Executor {
     int concurrency() const override { return 1; }
     void parallel_for(std::size_t n, Loop task) override {
@@ -23,7 +23,7 @@ struct Serial : Executor {
     }
 };
 
-/// The last task first; who the worker is changes from task to task.
+/// Runs the last task first; the worker changes from task to task.
 struct Backwards : Executor {
     int concurrency() const override { return 3; }
     void parallel_for(std::size_t n, Loop task) override {
@@ -31,7 +31,7 @@ struct Backwards : Executor {
     }
 };
 
-/// New threads for each loop. The calling thread takes tasks as well, or only waits.
+/// Starts new threads for each loop. The calling thread runs tasks too, or only waits.
 struct Threads : Executor {
     explicit Threads(int count, bool caller_takes_tasks = true) : count(count), caller(caller_takes_tasks) {}
     int concurrency() const override { return count; }
@@ -50,7 +50,7 @@ struct Threads : Executor {
     const bool caller;
 };
 
-/// Fails the test if the detector breaks its side of the contract: one loop at a time, none from within a task.
+/// Records whether the detector breaks its side of the contract: one loop at a time, none from within a task.
 struct Watched : Executor {
     explicit Watched(std::shared_ptr<Executor> executor) : inner(std::move(executor)) {}
     int concurrency() const override { return inner->concurrency(); }

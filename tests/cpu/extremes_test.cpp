@@ -1,4 +1,4 @@
-// Scenes at the ends of the number range, and triangles far larger or smaller than their neighbours.
+// Tests of scenes at the limits of the number range, and of triangles far larger or smaller than those around them.
 
 #include <gtest/gtest.h>
 
@@ -37,9 +37,9 @@ void expect_reference(const Soup<Scalar>& soup, const std::string& what) {
     }
 }
 
-TEST(Extremes, one_huge_triangle_in_the_plane_of_a_fine_floor) {
+TEST(Extremes, huge_triangle_in_the_plane_of_a_fine_floor_is_exact) {
     for (const bool bent : {false, true})
-        for (int more = 0; more < 4; ++more) {  // all fillings of the last group
+        for (int more = 0; more < 4; ++more) {  // all numbers of triangles in the last group
             Soup<float> soup;
             for (int i = 0; i < 20; ++i)
                 for (int j = 0; j < 20; ++j) {
@@ -56,8 +56,8 @@ TEST(Extremes, one_huge_triangle_in_the_plane_of_a_fine_floor) {
         }
 }
 
-// A degenerate big member, and padding behind points: neither may be taken for a pair.
-TEST(Extremes, a_long_degenerate_triangle_against_points) {
+// A degenerate big member meets points followed by padding, which must not be reported as pairs.
+TEST(Extremes, long_degenerate_triangle_meets_points_only) {
     Soup<float> a, b;
     add<float>(a, {1, 1, 1}, {0, 0, 0}, {0, 0, 0});
     std::vector<Pair> expected;
@@ -93,14 +93,14 @@ void tiny_around_a_huge_one(double size) {
     expect_reference(soup, "size " + std::to_string(-std::log10(size)));
 }
 
-TEST(Extremes, tiny_triangles_in_the_plane_of_a_huge_one) {
+TEST(Extremes, tiny_triangles_in_the_plane_of_a_huge_one_are_exact) {
     for (const double size : {1e-6, 1e-9, 1e-10, 1e-12, 1e-15, 1e-20}) {
         tiny_around_a_huge_one<float>(size);
         tiny_around_a_huge_one<double>(size);
     }
 }
 
-TEST(Extremes, float32_triangles_that_are_subnormal_beside_a_far_one) {
+TEST(Extremes, triangles_far_smaller_than_the_scene_are_exact) {
     std::mt19937 engine(3);
     for (const float far : {1e20f, 1e25f, 1e30f})
         for (const float unit : {1e-16f, 1e-14f, 1e-12f}) {
@@ -113,8 +113,8 @@ TEST(Extremes, float32_triangles_that_are_subnormal_beside_a_far_one) {
         }
 }
 
-// Filters take subnormal heights for zero, and everything here for flat; only the exact decision knows better.
-TEST(Extremes, sheets_that_differ_in_subnormal_heights_only) {
+// Filters treat subnormal heights as zero, so all triangles here as flat; only the exact decision is right.
+TEST(Extremes, sheets_that_differ_in_subnormal_heights_are_exact) {
     std::mt19937 engine(5);
     for (const float height : {1e-45f, 1e-42f, 1e-38f, 1e-36f, 1e-30f}) {
         Soup<float> soup;
@@ -134,7 +134,7 @@ TEST(Extremes, sheets_that_differ_in_subnormal_heights_only) {
     }
 }
 
-TEST(Extremes, an_extent_of_subnormal_numbers_beside_a_coordinate_of_one) {
+TEST(Extremes, subnormal_extent_beside_coordinate_one_is_exact) {
     std::mt19937 engine(3);
     for (const double unit : {5e-324, 1e-310, 1e-307, 1e-305}) {
         Soup<double> soup;
@@ -146,7 +146,7 @@ TEST(Extremes, an_extent_of_subnormal_numbers_beside_a_coordinate_of_one) {
     }
 }
 
-TEST(Extremes, has_collision_keeps_to_a_memory_limit) {
+TEST(Extremes, any_respects_the_memory_limit) {
     const auto soup = test::random_soup(20000, 1e-4);
     Detector free;
     ASSERT_EQ(free.find(soup.view()).pairs.size(), 0u);

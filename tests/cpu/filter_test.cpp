@@ -1,4 +1,5 @@
-// The filters of `narrow` never lie: on pairs made to be hard, each instruction set gives the reference's answer.
+// Tests that the filters of `narrow` never decide wrongly: on hard pairs, each instruction set gives the results of
+// brute force.
 
 #include <gtest/gtest.h>
 
@@ -42,16 +43,16 @@ void compare_all(const Soup<Scalar>& soup, const std::string& what) {
     }
 }
 
-TEST(Filter, random_triangles) { compare_all(test::random_soup(400, 0.4), "random"); }
-TEST(Filter, random_triangles_in_float64) { compare_all(test::random_soup<double>(400, 0.4), "random"); }
+TEST(Filter, random_triangles_match_brute_force) { compare_all(test::random_soup(400, 0.4), "random"); }
+TEST(Filter, random_float64_triangles_match_brute_force) { compare_all(test::random_soup<double>(400, 0.4), "random"); }
 
-TEST(Filter, sheets_that_fold) {
+TEST(Filter, folded_sheets_match_brute_force) {
     compare_all(test::wavy_sheet(14), "sheet");
     compare_all(test::wavy_sheet<double>(14), "sheet");
 }
 
-// Corners moved by single units in the last place off exact contact, in both directions.
-TEST(Filter, near_ties) {
+// Corners moved off exact contact by single units in the last place, in both directions.
+TEST(Filter, near_ties_match_brute_force) {
     std::mt19937 engine(21);
     for (const double offset : {0.0, 1.0, 1000.0}) {
         Soup<float> soup;
@@ -72,8 +73,8 @@ TEST(Filter, near_ties) {
     }
 }
 
-// Neighbours of every kind: random triangles over few vertices, nearly flat and exactly flat.
-TEST(Filter, neighbours) {
+// Adjacent triangles of every kind: random triangles over few vertices, nearly flat and exactly flat.
+TEST(Filter, adjacent_triangles_match_brute_force) {
     std::mt19937 engine(22);
     for (const double thickness : {0.3, 1e-6, 0.0}) {
         Soup<double> soup;
@@ -88,8 +89,8 @@ TEST(Filter, neighbours) {
     }
 }
 
-// A triangle far larger than its neighbours has no certain corners in their leaf.
-TEST(Filter, ground_under_fine_triangles) {
+// The corners of a triangle far larger than those around it are not certain in their leaf.
+TEST(Filter, ground_under_fine_triangles_matches_brute_force) {
     Soup<float> soup = test::random_soup(300, 0.05, 12);
     for (auto& p : soup.vertices) p[2] = (p[2] - 0.5f) * 0.05f;
     const auto v = static_cast<std::int32_t>(soup.vertices.size());

@@ -1,4 +1,5 @@
-// The memory limit: never exceeded by a call that succeeds, and a call that fails names a lower bound.
+// Tests of the memory limit: a call that succeeds never exceeds it, and a call that fails names a lower bound of the
+// limit that it needs.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +14,7 @@ using test::difference;
 using test::error_of;
 using test::pairs_of;
 
-TEST(MemoryLimit, a_smaller_limit_gives_the_same_answer_or_names_what_is_needed_at_least) {
+TEST(MemoryLimit, limited_call_gives_same_result_or_names_larger_limit) {
     const auto sheet = test::wavy_sheet(80);
     const auto soup = test::random_soup(1000, 0.15);
     for (const Backend backend : {Backend::cpu, Backend::reference}) {
@@ -40,7 +41,7 @@ TEST(MemoryLimit, a_smaller_limit_gives_the_same_answer_or_names_what_is_needed_
                         test::sufficient_limit(options, [&](Detector& enough) {
                             EXPECT_EQ(difference(pairs_of(expected), pairs_of(enough.find(mesh, query))), "");
                         });
-                        // The one that threw is usable still.
+                        // The detector that threw remains usable.
                         EXPECT_EQ(limited.find(MeshView()).pairs.size(), 0u);
                     }
                 }
@@ -50,7 +51,7 @@ TEST(MemoryLimit, a_smaller_limit_gives_the_same_answer_or_names_what_is_needed_
     }
 }
 
-TEST(MemoryLimit, holds_between_two_meshes_with_welding_and_groups) {
+TEST(MemoryLimit, two_welded_meshes_with_groups_work_under_a_limit) {
     auto a = test::wavy_sheet(50), b = test::wavy_sheet(60, 0.4);
     a.groups.assign(a.triangles.size(), 1);
     b.groups.assign(b.triangles.size(), 2);
@@ -66,7 +67,7 @@ TEST(MemoryLimit, holds_between_two_meshes_with_welding_and_groups) {
     EXPECT_GT(enough, 1);
 }
 
-TEST(MemoryLimit, what_earlier_calls_have_left_is_dropped_before_a_call_fails) {
+TEST(MemoryLimit, leftovers_of_earlier_calls_are_dropped_before_a_call_fails) {
     const auto a = test::wavy_sheet(50), b = test::wavy_sheet(60, 0.4), large = test::wavy_sheet(80);
     IntersectionQuery query;
     query.weld = true;
@@ -80,7 +81,7 @@ TEST(MemoryLimit, what_earlier_calls_have_left_is_dropped_before_a_call_fails) {
     }
 }
 
-/// One triangle again and again, by index or by position.
+/// Copies of one triangle, by index or by position.
 test::Soup<float> stack(std::int32_t count, bool by_index) {
     test::Soup<float> soup;
     for (std::int32_t i = 0; i < count; ++i) {
@@ -91,7 +92,7 @@ test::Soup<float> stack(std::int32_t count, bool by_index) {
     return soup;
 }
 
-TEST(MemoryLimit, pairs_of_duplicated_faces_that_do_not_fit_end_a_call) {
+TEST(MemoryLimit, too_many_pairs_of_duplicated_faces_end_the_call_early) {
     constexpr std::int32_t n = 3000;
     constexpr std::int64_t limit = 5'000'000;
     for (const bool by_index : {true, false}) {
@@ -113,7 +114,7 @@ TEST(MemoryLimit, pairs_of_duplicated_faces_that_do_not_fit_end_a_call) {
     }
 }
 
-TEST(MemoryLimit, counting_ends_when_the_pairs_alone_exceed_it) {
+TEST(MemoryLimit, counting_ends_when_pairs_alone_exceed_the_limit) {
     const auto soup = test::random_soup(4000, 1);
     Detector free;
     const Intersections expected = free.find(soup.view());
@@ -128,8 +129,8 @@ TEST(MemoryLimit, counting_ends_when_the_pairs_alone_exceed_it) {
     }
 }
 
-// Where pairs cannot be stored while they are found, they are counted; if that says that they fit, chunks follow.
-TEST(MemoryLimit, pairs_that_fit_in_chunks_only_are_found) {
+// If pairs cannot be stored while they are found, a first pass counts them; if they fit, chunks follow.
+TEST(MemoryLimit, pairs_that_fit_only_in_chunks_are_found) {
     const auto soup = test::random_soup(3000, 0.7);
     Detector free;
     const auto expected = pairs_of(free.find(soup.view()));
@@ -145,8 +146,8 @@ TEST(MemoryLimit, pairs_that_fit_in_chunks_only_are_found) {
     }
 }
 
-// What earlier calls have left is no reason to fail, nor part of what is said to be needed.
-TEST(MemoryLimit, what_earlier_calls_have_left_is_not_needed) {
+// Memory that earlier calls have left neither makes a call fail nor counts as needed.
+TEST(MemoryLimit, needed_bytes_exclude_leftovers_of_earlier_calls) {
     const auto small = test::wavy_sheet(60), large = test::wavy_sheet(80);
     const auto soup = stack(60000, true);
     const auto least_of = [&](Detector& detector) {

@@ -1,4 +1,4 @@
-// Options change the cost, never the answer.
+// Tests that options change the cost, never the result.
 
 #include <gtest/gtest.h>
 
@@ -12,14 +12,14 @@ namespace crumple {
 namespace {
 
 #ifndef CRUMPLE_STD_THREADS
-// Lets an arena of 16 have 16 threads on any machine.
+// Allows an arena of 16 threads on any machine.
 const tbb::global_control sixteen_threads(tbb::global_control::max_allowed_parallelism, 16);
 #endif
 
 using test::difference;
 using test::pairs_of;
 
-TEST(Options, clusters_leaves_and_threads_do_not_change_the_answer) {
+TEST(Options, clusters_leaves_and_threads_do_not_change_the_result) {
     const auto sheet = test::wavy_sheet(60);
     Detector plain({.clusters = 1, .leaf_size = 1000000});
     const Intersections expected = plain.find(sheet.view());
@@ -41,7 +41,7 @@ TEST(Options, clusters_leaves_and_threads_do_not_change_the_answer) {
             }
 }
 
-TEST(Options, a_warm_detector_splits_a_scene_as_a_new_one_does) {
+TEST(Options, warm_detector_uses_as_many_clusters_as_a_new_one) {
     const auto small = test::wavy_sheet(20), large = test::wavy_sheet(60);
     const Options options{.leaf_size = 1200};  // 1 and 6 leaves
     const auto clusters = Detector(options).find(large.view()).statistics.clusters;
@@ -53,7 +53,7 @@ TEST(Options, a_warm_detector_splits_a_scene_as_a_new_one_does) {
     EXPECT_EQ(detector.find(large.view()).statistics.clusters, clusters);
 }
 
-TEST(Options, fuzziness_and_iterations_do_not_change_the_answer) {
+TEST(Options, fuzziness_and_iterations_do_not_change_the_result) {
     const auto soup = test::random_soup(4000, 0.08);
     Detector plain;
     const auto expected = pairs_of(plain.find(soup.view()));

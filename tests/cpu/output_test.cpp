@@ -1,4 +1,4 @@
-// Stage `output` where buckets of first triangles are larger than in ordinary scenes, and most are empty.
+// Test of stage `output` with buckets of first triangles larger than in ordinary scenes, most of them empty.
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 namespace crumple {
 namespace {
 
-TEST(Output, of_millions_of_triangles_that_lie_apart_but_for_a_few) {
+TEST(Output, few_pairs_among_millions_of_triangles_are_sorted) {
     constexpr std::int32_t count = (1 << 21) + 4096, row = 1500;  // beyond 2,048 buckets of 1,024
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<std::int32_t, 3>> triangles;

@@ -1,4 +1,4 @@
-// Pairs that workers found, in order, whatever their indices and however they lie in buckets.
+// Tests that pairs of workers are sorted, whatever their indices and however they are distributed over buckets.
 
 #include "backends/cpu/stages/sort_pairs.h"
 
@@ -15,13 +15,13 @@ namespace {
 
 struct Indices {
     std::int32_t firsts, seconds, before;
-    std::int32_t low, high;  ///< where first indices lie, mostly
+    std::int32_t low, high;  ///< range of most first indices
 };
 
 class SortedPairs : public testing::TestWithParam<int> {
    protected:
-    /// Sorts so many random pairs of these, which the workers have found.
-    void expect_sorted(const Indices& of, std::size_t count, bool frugal) {
+    /// Sorts `count` random pairs with such indices, distributed over the workers.
+    void expect_sorted(const Indices& of, std::size_t count, bool low_memory) {
         std::mt19937 random(7);
         const auto number = [&](std::int32_t low, std::int32_t high) {
             return std::uniform_int_distribution<std::int32_t>(low, high - 1)(random);
@@ -48,7 +48,7 @@ class SortedPairs : public testing::TestWithParam<int> {
         Array<std::int64_t> offsets(nullptr);
         std::size_t seen = 0;
         workers.run([&] {
-            sort_pairs(workers, found, {of.firsts, of.seconds, of.before, frugal}, scratch, sorted, offsets,
+            sort_pairs(workers, found, {of.firsts, of.seconds, of.before, low_memory}, scratch, sorted, offsets,
                        [&](std::span<const std::span<const Pair>> pieces) {
                            for (const auto& piece : pieces) seen += piece.size();
                        });
@@ -71,23 +71,23 @@ INSTANTIATE_TEST_SUITE_P(Threads, SortedPairs, testing::Values(1, 3));
 
 constexpr std::int32_t largest = std::numeric_limits<std::int32_t>::max();
 
-TEST_P(SortedPairs, AreThoseOfAnyIndices) {
-    for (const bool frugal : {false, true}) {
+TEST_P(SortedPairs, pairs_of_any_indices_are_sorted) {
+    for (const bool low_memory : {false, true}) {
         for (const std::int32_t seconds : {40, 1000, 1 << 18, (1 << 22) - 1, 1 << 22, 1 << 23, largest})
-            expect_sorted({5000, seconds, 0, 0, 5000}, 20'000, frugal);  // of 32 bits, of 64; of two digits and of four
-        expect_sorted({3'000'000, 3'000'000, 0, 0, 3'000'000}, 20'000, frugal);  // larger buckets
+            expect_sorted({5000, seconds, 0, 0, 5000}, 20'000, low_memory);          // keys of 32 and 64 bits
+        expect_sorted({3'000'000, 3'000'000, 0, 0, 3'000'000}, 20'000, low_memory);  // larger buckets
     }
 }
-TEST_P(SortedPairs, MayLieInFewBuckets) {
-    for (const bool frugal : {false, true}) {
-        expect_sorted({50'000, 1 << 18, 0, 1024, 1025}, 30'000, frugal);
-        expect_sorted({50'000, largest, 0, 49'000, 50'000}, 30'000, frugal);
+TEST_P(SortedPairs, pairs_in_few_buckets_are_sorted) {
+    for (const bool low_memory : {false, true}) {
+        expect_sorted({50'000, 1 << 18, 0, 1024, 1025}, 30'000, low_memory);
+        expect_sorted({50'000, largest, 0, 49'000, 50'000}, 30'000, low_memory);
     }
 }
-TEST_P(SortedPairs, CountSecondsFromWhereTheyBegin) {
+TEST_P(SortedPairs, second_indices_may_start_at_an_offset) {
     for (const std::int32_t seconds : {1 << 18, 1 << 30}) expect_sorted({3000, seconds, 3000, 0, 3000}, 10'000, false);
 }
-TEST_P(SortedPairs, MayBeNoneOrFew) {
+TEST_P(SortedPairs, none_and_few_pairs_are_sorted) {
     for (const std::size_t count : {0U, 1U, 2U}) expect_sorted({3000, 3000, 0, 0, 3000}, count, false);
 }
 

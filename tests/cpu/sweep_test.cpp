@@ -1,4 +1,4 @@
-// Sort and sweep: every pair of overlapping boxes is a candidate, once, and only pairs that are ours.
+// Tests of sort and sweep: every pair of overlapping boxes that the leaf owns is a candidate exactly once.
 
 #include <gtest/gtest.h>
 
@@ -35,8 +35,8 @@ LeafMembers make_members(int n, float size, std::mt19937& engine) {
     return members;
 }
 
-/// Whether the sweep has to find members i and j.
-bool wanted(const LeafMembers& members, std::int64_t i, std::int64_t j) {
+/// True if the leaf owns the pair of members i and j, so that the sweep must report it.
+bool is_owned(const LeafMembers& members, std::int64_t i, std::int64_t j) {
     if (members.between && (i < members.first_side) == (j < members.first_side)) return false;
     return !(members.lower[static_cast<std::size_t>(i)] & members.lower[static_cast<std::size_t>(j)]);
 }
@@ -80,7 +80,7 @@ std::multiset<std::pair<int, int>> candidates_of(const StageKernels& kernels, co
     return found;
 }
 
-TEST(Sweep, finds_all_overlapping_boxes_once_and_none_that_a_lower_cluster_owns) {
+TEST(Sweep, each_overlap_that_the_leaf_owns_is_found_once) {
     std::mt19937 engine(6);
     for (const StageKernels* kernels : all_stage_kernels()) {
         for (const int n : {1, 2, 31, 32, 33, 64, 700}) {
@@ -95,14 +95,14 @@ TEST(Sweep, finds_all_overlapping_boxes_once_and_none_that_a_lower_cluster_owns)
                     const auto found = candidates_of(*kernels, leaf, capacity);
                     for (const auto& pair : found) {
                         EXPECT_EQ(found.count(pair), 1u) << kernels->name << ": " << pair.first << ' ' << pair.second;
-                        EXPECT_TRUE(wanted(members, pair.first, pair.second))
+                        EXPECT_TRUE(is_owned(members, pair.first, pair.second))
                             << kernels->name << ": " << pair.first << ' ' << pair.second;
                     }
                     std::int64_t overlaps = 0;
                     for (int a = 0; a < n; ++a)
                         for (int b = a + 1; b < n; ++b) {
                             const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-                            if (!wanted(members, a, b) || !overlap(members.boxes, i, j)) continue;
+                            if (!is_owned(members, a, b) || !overlap(members.boxes, i, j)) continue;
                             ++overlaps;
                             ASSERT_EQ(found.count({a, b}), 1u) << kernels->name << ": " << a << ' ' << b << " of " << n;
                         }
@@ -131,11 +131,11 @@ TEST(Sweep, leaves_larger_than_16_bits_are_swept_in_blocks) {
             ASSERT_GT(found.size(), 500u);
             if (first.empty()) {
                 first = found;
-                // Overlaps in the first block's reach are checked one by one, as all pairs would take too long.
+                // Checks the overlaps of the first members only: all pairs would take too long.
                 for (int a = 0; a < 300; ++a)
                     for (int b = a + 1; b < 150000; ++b) {
                         const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-                        if (wanted(members, a, b) && overlap(members.boxes, i, j)) {
+                        if (is_owned(members, a, b) && overlap(members.boxes, i, j)) {
                             ASSERT_EQ(found.count({a, b}), 1u) << a << ' ' << b;
                         }
                     }

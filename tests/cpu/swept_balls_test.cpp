@@ -1,4 +1,5 @@
-// Balls of triangles that move, by every table of kernels: they hold corners at both moments, and what is near these.
+// Tests of the balls of moving triangles, for every table of kernels: a ball holds the corners at t0 and t1, and
+// everything within the given distance of them.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ class SweptBalls : public testing::TestWithParam<bool> {
    protected:
     static constexpr std::int64_t vertices = 50, triangles = 43;
 
-    /// Whether rows are of float32 is the parameter.
+    /// The parameter says whether rows are float32.
     SweptBalls() {
         std::mt19937 random(3);
         std::uniform_real_distribution<double> coordinate(-1, 1);
@@ -64,9 +65,9 @@ class SweptBalls : public testing::TestWithParam<bool> {
 };
 INSTANTIATE_TEST_SUITE_P(Float32, SweptBalls, testing::Bool());
 
-TEST_P(SweptBalls, HoldTheWholeWay) { expect_balls(vertices, 0); }
-TEST_P(SweptBalls, HoldWhatIsNearTheWay) { expect_balls(vertices, 0.25f); }
-TEST_P(SweptBalls, HoldWhatIsNearATriangleAtRest) { expect_balls(0, 0.25f); }
+TEST_P(SweptBalls, balls_hold_the_whole_trajectory) { expect_balls(vertices, 0); }
+TEST_P(SweptBalls, balls_hold_the_vicinity_of_the_trajectory) { expect_balls(vertices, 0.25f); }
+TEST_P(SweptBalls, balls_hold_the_vicinity_of_a_static_triangle) { expect_balls(0, 0.25f); }
 
 }  // namespace
 }  // namespace crumple::cpu

@@ -8,7 +8,7 @@
 
 namespace crumple::test {
 
-/// The kernels of one instruction set.
+/// Tables of kernels of one instruction set.
 struct Tables {
     const char* name;
     const cpu::StageKernels& stages;
@@ -16,7 +16,7 @@ struct Tables {
     const cpu::FeatureTables& features;
 };
 
-/// Those of every instruction set that build and machine have.
+/// Returns the tables of every instruction set that the build and the machine have.
 inline std::vector<Tables> kernel_tables() {
     const auto stages = cpu::all_stage_kernels();
     const auto intersect = cpu::all_intersect_kernels();

@@ -1,5 +1,5 @@
-// Everything that runs in parallel, on small scenes, so that ThreadSanitizer ends in time: answers are the same bytes
-// for any number of threads.
+// Tests of everything that runs in parallel, on scenes small enough for ThreadSanitizer: results are the same bytes for
+// any number of threads.
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ using test::difference;
 using test::pairs_of;
 
 #ifndef CRUMPLE_STD_THREADS
-// Lets an arena of 16 have 16 threads on any machine.
+// Allows an arena of 16 threads on any machine.
 const tbb::global_control sixteen_threads(tbb::global_control::max_allowed_parallelism, 16);
 #endif
 
@@ -38,7 +38,7 @@ void expect_same(const Intersections& expected, const Intersections& found, int 
     EXPECT_TRUE(same(expected.contacts.points, found.contacts.points)) << threads << " threads";
 }
 
-TEST(Threads, one_soup_with_contacts_and_groups) {
+TEST(Threads, one_soup_gives_the_same_bytes_for_any_thread_count) {
     auto sheet = test::wavy_sheet(70);
     for (std::size_t t = 0; t < sheet.triangles.size(); ++t) sheet.groups.push_back(static_cast<std::int32_t>(t % 3));
     IntersectionQuery query;
@@ -54,7 +54,7 @@ TEST(Threads, one_soup_with_contacts_and_groups) {
     }
 }
 
-TEST(Threads, two_meshes) {
+TEST(Threads, two_meshes_give_the_same_bytes_for_any_thread_count) {
     const auto a = test::wavy_sheet(40), b = test::wavy_sheet(50, 0.4);
     Detector one({.threads = 1, .leaf_size = 300});
     const Intersections expected = one.find({a.view(), b.view()});
@@ -65,8 +65,8 @@ TEST(Threads, two_meshes) {
     }
 }
 
-// One leaf with so much work that it is cut into tiles: needles along the sweep direction, few of which meet.
-TEST(Threads, one_large_leaf) {
+// One leaf with so much work that it is split into tiles: needles along the sweep direction, few of which intersect.
+TEST(Threads, one_large_leaf_gives_the_same_bytes_for_any_thread_count) {
     test::Soup<float> soup;
     std::mt19937 engine(3);
     const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-32); };

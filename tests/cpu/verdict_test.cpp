@@ -1,5 +1,5 @@
-// What a filter calls a hit collides, and what it drops does not: each table of kernels by itself, pair by pair against
-// rational arithmetic.
+// Tests that filters report only collisions as hits and drop only pairs that do not collide: each table of kernels,
+// pair by pair, against rational arithmetic.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ struct Mesh {
     }
 };
 
-// Triangles over shared vertices in a slab of the given thickness: crossing, touching, folded and flat neighbours.
+// Triangles over shared vertices in a slab of the given thickness: crossing, touching, folded and flat adjacent ones.
 Mesh make_mesh(int vertices, int triangles, float thickness, bool lattice, std::mt19937& engine) {
     const auto number = [&] {
         return lattice ? static_cast<float>(engine() % 8) / 8
@@ -43,7 +43,7 @@ Mesh make_mesh(int vertices, int triangles, float thickness, bool lattice, std::
     return mesh;
 }
 
-/// The exact intersections of all pairs a < b, at a * n + b.
+/// Returns the exact intersections of all pairs a < b, at a * n + b.
 std::vector<RationalIntersection> intersect_all(const Mesh& mesh) {
     const std::size_t n = mesh.corners.size() / 3;
     std::vector<RationalIntersection> all(n * n);
@@ -55,7 +55,7 @@ std::vector<RationalIntersection> intersect_all(const Mesh& mesh) {
 
 using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
 
-/// A mesh as one leaf, and what a table's filters say of all its pairs.
+/// A mesh as one leaf, and the verdicts of a table's filters for all its pairs.
 struct Filtered {
     Array<float> points;
     LeafRecords records{nullptr};
@@ -100,7 +100,7 @@ struct Filtered {
 
     PointRows rows() const { return {points.data(), nullptr}; }
 
-    /// The verdict that the filters for one pair reach, from the same records.
+    /// Returns the verdict of the filters for one pair, from the same records.
     Verdict one_pair(std::size_t a, std::size_t b, const NarrowPolicy& policy) const {
         const auto first = static_cast<std::size_t>(std::min(row[a], row[b]));
         const auto second = static_cast<std::size_t>(std::max(row[a], row[b]));
@@ -139,7 +139,7 @@ void check(const test::Tables& kernels, const Mesh& mesh, const std::vector<Rati
 
 constexpr NarrowPolicy policies[] = {{}, {true, false}, {false, true}};
 
-TEST(Verdict, no_table_drops_a_collision_or_invents_one) {
+TEST(Verdict, no_filter_drops_or_invents_a_collision) {
     std::mt19937 engine(31);
     for (const bool lattice : {false, true})
         for (const float thickness : {1.0f, 0.02f, 1e-6f, 0.0f})
@@ -151,8 +151,8 @@ TEST(Verdict, no_table_drops_a_collision_or_invents_one) {
             }
 }
 
-// Lanes may round another way, so now and then the one is certain where the other is not.
-TEST(Verdict, lanes_and_the_filters_for_one_pair_agree) {
+// Lanes may round differently, so now and then one of the two is certain where the other is not.
+TEST(Verdict, lanes_agree_with_filters_for_one_pair) {
     std::mt19937 engine(32);
     for (const bool lattice : {false, true})
         for (const float thickness : {1.0f, 0.02f, 1e-6f, 0.0f})
@@ -166,12 +166,14 @@ TEST(Verdict, lanes_and_the_filters_for_one_pair_agree) {
                         for (std::size_t a = 0; a < n; ++a)
                             for (std::size_t b = a + 1; b < n; ++b) {
                                 const Verdict one = found.one_pair(a, b, policy);
-                                const bool hit = found.hits.contains({a, b}), open = found.undecided.contains({a, b});
+                                const bool hit = found.hits.contains({a, b}),
+                                           unresolved = found.undecided.contains({a, b});
                                 ASSERT_FALSE(hit && one == Verdict::apart) << kernels.name << ": " << a << ' ' << b;
-                                ASSERT_FALSE(!hit && !open && one == Verdict::collides)
+                                ASSERT_FALSE(!hit && !unresolved && one == Verdict::collides)
                                     << kernels.name << ": " << a << ' ' << b;
-                                // Pairs whose boxes are apart were never asked about.
-                                if (hit != (one == Verdict::collides) || (open && one != Verdict::undecided)) ++differ;
+                                // The sweep never gave pairs with disjoint boxes to the filters.
+                                if (hit != (one == Verdict::collides) || (unresolved && one != Verdict::undecided))
+                                    ++differ;
                             }
                         EXPECT_LE(differ, &kernels.intersect == &scalar_intersect ? 0 : 20)
                             << kernels.name << ", " << vertices << " vertices, thickness " << thickness;

@@ -1,5 +1,5 @@
-// Questions about features while a launch is in flight, waited for, or in a caller's graph: they have the answers of
-// the cpu, and launches go on after them. Plain CUDA: the CPU plays the device, or a device is there.
+// Tests of feature queries while a launch is in flight, after wait(), or captured in a caller's graph: results match
+// those of the cpu backend, and launches work afterwards. Plain CUDA: runs on a device or on one that the CPU plays.
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ class CudaBetweenLaunches : public testing::Test {
         EXPECT_TRUE(same_candidates(cuda_.find(start_.view().moving_to(end), CandidateQuery()),
                                     cpu_.find(start_.view().moving_to(end), CandidateQuery())));
     }
-    void expect_answer(const LaunchTicket<IntersectionQuery>& launched) {
+    void expect_result(const LaunchTicket<IntersectionQuery>& launched) {
         EXPECT_TRUE(shows(launched.wait(), device_.view(), nullptr, cpu_.find(start_.view())));
     }
     void expect_nothing(const LaunchTicket<IntersectionQuery>& launched) {
@@ -40,26 +40,26 @@ class CudaBetweenLaunches : public testing::Test {
     }
 };
 
-TEST_F(CudaBetweenLaunches, features_end_what_is_in_flight) {
+TEST_F(CudaBetweenLaunches, feature_query_ends_launches_in_flight) {
     for (int round = 0; round < 3; ++round) {
         std::vector launched{cuda_.launch(device_.view())};
         if (round > 0) launched.push_back(cuda_.launch(device_.view()));
         expect_features();
         for (const auto& each : launched) expect_nothing(each);
     }
-    expect_answer(cuda_.launch(device_.view()));
+    expect_result(cuda_.launch(device_.view()));
 }
 
-TEST_F(CudaBetweenLaunches, features_come_after_an_answer) {
+TEST_F(CudaBetweenLaunches, feature_query_may_follow_a_wait) {
     for (int round = 0; round < 3; ++round) {
         const auto launched = cuda_.launch(device_.view());
-        expect_answer(launched);
+        expect_result(launched);
         expect_features();
         EXPECT_STREQ(error_of([&] { launched.download(); }).what(), "download() needs a wait() for meshes before it");
     }
 }
 
-TEST_F(CudaBetweenLaunches, features_end_a_captured_launch) {
+TEST_F(CudaBetweenLaunches, feature_query_ends_a_captured_launch) {
     cudaStream_t stream = nullptr;
     check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
     MeshView view = device_.view();
@@ -74,7 +74,7 @@ TEST_F(CudaBetweenLaunches, features_end_a_captured_launch) {
     check(cudaGraphDestroy(graph));
     expect_features();
     expect_nothing(captured);
-    expect_answer(cuda_.launch(view));
+    expect_result(cuda_.launch(view));
     check(cudaStreamDestroy(stream));
 }
 

@@ -1,5 +1,5 @@
-// Launches in a caller's capture: each replay of the caller's graph is a query. Plain CUDA: the CPU plays the device,
-// or a device is there.
+// Tests of launches that a caller captures: each replay of the caller's graph runs the query. Plain CUDA: runs on a
+// device or on one that the CPU plays.
 
 #include <gtest/gtest.h>
 
@@ -26,9 +26,10 @@ void warm_up(Detector& cuda, const MeshView& mesh, const IntersectionQuery& quer
     for (int call = 0; call < 2; ++call) cuda.launch(mesh, query).wait();
 }
 
-/// Replays until the answer is complete: centres may move on, and triangles at one place change sides together, so that
-/// even a scene at rest can take a second replay.
-const DeviceIntersections& answer_of(const Recorder& recorder, const LaunchTicket<IntersectionQuery>& launched) {
+/// Replays until the result is complete. Cluster centres may move, and triangles at one place change clusters together,
+/// so that even a static scene can need a second replay.
+const DeviceIntersections& replay_until_complete(const Recorder& recorder,
+                                                 const LaunchTicket<IntersectionQuery>& launched) {
     for (int replay = 0;; ++replay) {
         recorder.replay();
         const DeviceIntersections& found = launched.wait();
@@ -38,7 +39,7 @@ const DeviceIntersections& answer_of(const Recorder& recorder, const LaunchTicke
 
 std::string message_of(auto call) { return error_of(call).what(); }
 
-TEST(CudaCapture, answers_each_replay) {
+TEST(CudaCapture, each_replay_gives_the_current_result) {
     for (const int leaf_size : {3000, 60}) {
         for (const bool contacts : {false, true}) {
             SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", contacts " << contacts);
@@ -69,7 +70,7 @@ TEST(CudaCapture, answers_each_replay) {
     }
 }
 
-TEST(CudaCapture, tells_of_the_last_of_many_replays) {
+TEST(CudaCapture, wait_gives_the_result_of_the_last_replay) {
     const io::TriangleMesh mesh = cloth(600, 93);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const DeviceMesh device(mesh.view());
@@ -83,10 +84,10 @@ TEST(CudaCapture, tells_of_the_last_of_many_replays) {
     EXPECT_TRUE(shows(launched.wait(), view, nullptr, cpu.find(mesh.view())));
 }
 
-// What expansions cannot hold, and contacts in one plane, are the host's, in wait().
-TEST(CudaCapture, has_the_host_decide_what_only_it_can) {
+// The host decides in wait() what expansions cannot represent, and rounds contacts of coplanar triangles.
+TEST(CudaCapture, host_decides_what_the_device_cannot) {
     const IntersectionQuery query{.output = Output::contacts};
-    std::int64_t rational = 0, beyond = 0;
+    std::int64_t rational = 0, unresolved = 0;
     for (const NamedMesh& scene : hard_soups()) {
         SCOPED_TRACE(scene.name);
         const DeviceMesh device(scene.mesh.view());
@@ -99,17 +100,17 @@ TEST(CudaCapture, has_the_host_decide_what_only_it_can) {
         const auto launched = cuda.launch(view, query);
         recorder.end();
         for (int replay = 0; replay < 2; ++replay) {
-            const DeviceIntersections& found = answer_of(recorder, launched);
+            const DeviceIntersections& found = replay_until_complete(recorder, launched);
             EXPECT_TRUE(shows(found, view, nullptr, expected));
             rational += found.statistics.rational_contacts;
-            beyond += found.statistics.rational_tests;
+            unresolved += found.statistics.rational_tests;
         }
     }
     EXPECT_GT(rational, 0);
-    EXPECT_GT(beyond, 0);
+    EXPECT_GT(unresolved, 0);
 }
 
-TEST(CudaCapture, answers_between_two_meshes_whose_streams_it_joins) {
+TEST(CudaCapture, two_meshes_on_two_streams_can_be_captured) {
     const io::TriangleMesh mesh = cloth(700);
     const Halves half(mesh.view());
     const DeviceMesh a(half.a), b(half.b);
@@ -130,13 +131,13 @@ TEST(CudaCapture, answers_between_two_meshes_whose_streams_it_joins) {
     check(cudaStreamWaitEvent(other.stream(), fork, 0));
     const auto launched = cuda.launch({first, second});
     recorder.end();
-    EXPECT_TRUE(shows(answer_of(recorder, launched), half.a, &half.b, cpu.find({half.a, half.b})));
+    EXPECT_TRUE(shows(replay_until_complete(recorder, launched), half.a, &half.b, cpu.find({half.a, half.b})));
     check(cudaEventDestroy(fork));
 }
 
-// The legacy stream cannot be used while a blocking stream captures. The call is refused before it tries, so that the
-// capture goes on.
-TEST(CudaCapture, refuses_the_legacy_stream_beside_a_captured_one) {
+// The legacy stream cannot be used while a blocking stream captures. The call is rejected before it uses the stream, so
+// that the capture remains valid.
+TEST(CudaCapture, legacy_stream_beside_a_captured_one_is_rejected) {
     const io::TriangleMesh mesh = cloth(300);
     const Halves half(mesh.view());
     const DeviceMesh device(half.a), other(half.b);
@@ -158,12 +159,12 @@ TEST(CudaCapture, refuses_the_legacy_stream_beside_a_captured_one) {
     check(cudaStreamDestroy(stream));
 }
 
-TEST(CudaCapture, goes_on_when_a_detector_ends) {
+TEST(CudaCapture, capture_survives_the_end_of_a_detector) {
     const DeviceMesh device(cloth(300, 93).view());
     const DeviceBytes bytes(std::vector<std::byte>(1));
     std::optional<Detector> cuda(std::in_place, Options{.backend = Backend::cuda});
     for (int call = 0; call < 3; ++call) cuda->launch(device.view()).wait();
-    cuda->launch(device.view());  // the detector's end waits for it
+    cuda->launch(device.view());  // the detector's destructor waits for it
     Recorder recorder;
     recorder.begin();
     check(cudaMemsetAsync(bytes.data(), 7, 1, recorder.stream()));
@@ -173,8 +174,8 @@ TEST(CudaCapture, goes_on_when_a_detector_ends) {
     EXPECT_EQ(to_host(static_cast<const unsigned char*>(bytes.data()), 1), std::vector<unsigned char>{7});
 }
 
-// A scene that jumps needs other lists. A call outside of the capture makes them.
-TEST(CudaCapture, says_what_a_replay_lacks) {
+// A scene that changes suddenly needs longer lists. A call outside of the capture allocates them.
+TEST(CudaCapture, incomplete_replay_reports_pairs_needed) {
     constexpr int n = 1500;
     const Soup<float> sparse = random_soup(n, 1e-3), dense = random_soup(n, 0.6, 2);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -198,9 +199,9 @@ TEST(CudaCapture, says_what_a_replay_lacks) {
         EXPECT_EQ(found.pairs, nullptr);
         EXPECT_EQ(message_of([&] { launched.download(); }), "download() needs an answer that is complete");
     }
-    // The graph still answers what fits: a jump spoils one replay, and what it has left guides the next ones.
+    // The graph still works for scenes that fit: a sudden change costs one replay, which warm-starts the next ones.
     device.set_vertices(sparse.view());
-    EXPECT_TRUE(shows(answer_of(recorder, launched), view, nullptr, cpu.find(sparse.view())));
+    EXPECT_TRUE(shows(replay_until_complete(recorder, launched), view, nullptr, cpu.find(sparse.view())));
     device.set_vertices(dense.view());
     warm_up(cuda, view);
     EXPECT_EQ(message_of([&] { launched.wait(); }),
@@ -209,10 +210,10 @@ TEST(CudaCapture, says_what_a_replay_lacks) {
     recorder.begin();
     const auto again = cuda.launch(view);
     recorder.end();
-    EXPECT_TRUE(shows(answer_of(recorder, again), view, nullptr, cpu.find(dense.view())));
+    EXPECT_TRUE(shows(replay_until_complete(recorder, again), view, nullptr, cpu.find(dense.view())));
 }
 
-TEST(CudaCapture, reports_bad_input_and_goes_on) {
+TEST(CudaCapture, invalid_input_is_reported_and_later_replays_work) {
     const Soup<float> good = random_soup(200, 0.2);
     Soup<float> bad = good;
     bad.vertices[17][1] = std::numeric_limits<float>::infinity();
@@ -229,13 +230,13 @@ TEST(CudaCapture, reports_bad_input_and_goes_on) {
         recorder.replay();
         EXPECT_EQ(message_of([&] { launched.wait(); }), "vertex 17 is not finite");
         device.set_vertices(good.view());
-        ASSERT_TRUE(answer_of(recorder, launched).complete);
+        ASSERT_TRUE(replay_until_complete(recorder, launched).complete);
         EXPECT_TRUE(same_answer(launched.download(), cpu.find(good.view())));
     }
 }
 
-// Nothing that a refused launch does spoils the capture or what the detector keeps.
-TEST(CudaCapture, refuses_what_has_no_lists_and_spoils_nothing) {
+// A rejected launch affects neither the capture nor the detector's state.
+TEST(CudaCapture, launch_without_warm_up_is_rejected_and_capture_continues) {
     io::TriangleMesh mesh = cloth(300, 93);
     mesh.groups.clear();
     for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) mesh.groups.push_back(t % 3);
@@ -272,7 +273,7 @@ TEST(CudaCapture, refuses_what_has_no_lists_and_spoils_nothing) {
     EXPECT_TRUE(shows(launched.wait(), view, nullptr, cpu.find(mesh.view())));
 }
 
-TEST(CudaCapture, tells_when_it_is_asked_out_of_turn) {
+TEST(CudaCapture, calls_in_the_wrong_order_are_rejected) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const DeviceMesh device(mesh.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -300,7 +301,7 @@ TEST(CudaCapture, tells_when_it_is_asked_out_of_turn) {
     recorder.replay();
     EXPECT_TRUE(shows(launched.wait(), view, nullptr, expected));
     EXPECT_TRUE(same_answer(launched.download(), expected));
-    // Another call may move its lists, so it is over.
+    // Another call may reallocate the lists, and ends the captured launch.
     EXPECT_TRUE(same_answer(cuda.find(mesh.view()), expected));
     EXPECT_EQ(message_of([&] { launched.wait(); }),
               "there is nothing to wait for: another call has come after this launch");

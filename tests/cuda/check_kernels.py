@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Compiles one CUDA source for sm_90 and holds its kernels to what makes them fast: budgets of local memory and of
+"""Compiles one CUDA source for sm_90 and checks what keeps its kernels fast: budgets of local memory and of
 registers, loads of 16 bytes where rows and records are read, and no loads of single bytes. Usage: check_kernels.py PTX
-[ccache] NVCC FLAGS... SOURCE. It leaves the kernels' PTX in the file PTX. With CRUMPLE_LIST_KERNELS set, it lists what it
+[ccache] NVCC FLAGS... SOURCE. It writes the kernels' PTX to the file PTX. With CRUMPLE_LIST_KERNELS set, it prints what it
 found."""
 
 import os
@@ -11,35 +11,35 @@ import sys
 import tempfile
 from pathlib import Path
 
-# Bytes of a thread's stack, spills included, by the beginning of the kernel's name. Expansions need room; few pairs
+# Bytes of a thread's stack, including spills, by the beginning of the kernel's name. Expansions need memory; few pairs
 # reach them. The sweep spills nothing but convergence barriers; corners of the filters' records are chosen at run time.
 STACK = {"exact_kernel": 8192, "contact_kernel": 8192, "close_kernel": 8192, "decide_kernel": 896, "listed_kernel": 576,
          "list_kernel": 80, "pair_kernel": 96, "within_kernel": 96, "filter_kernel": 256, "frame_kernel": 256,
          "sweep_kernel": 32}
 OTHER_STACKS = 16
-# Registers of a thread: 64 let four blocks of 256 run on a multiprocessor, 48 five, 80 three, 40 six, 32 eight. The first
-# name that fits counts: questions about features look at a triangle's whole way, which is six corners, and twice that for
-# a pair; a record of candidates is 64 words, written at once.
+# Registers of a thread: 64 let four blocks of 256 run on a multiprocessor, 48 five, 80 three, 40 six, 32 eight. The
+# first name that fits counts. Feature queries read a triangle's trajectory, which is six corners, and twice that for a
+# pair; a record of candidates is 64 words, written at once.
 REGISTERS = {"SeparationTest": 120, "FeatureRows": 96, "CandidateRows": 120, "widened_bounds": 72, "WidenedILi2": 72,
              "exact_kernel": 255, "contact_kernel": 255, "close_kernel": 255, "decide_kernel": 255, "listed_kernel": 80,
              "list_kernel": 80, "pack_kernel": 64, "pair_kernel": 80, "within_kernel": 64, "sweep_kernel": 64,
              "filter_kernel": 80, "frame_kernel": 128, "DeviceScanKernel": 128, "bin_kernel": 48, "offsets_kernel": 56, "place_kernel": 72,
              "check_kernel": 40, "pose_kernel": 48, "bounds_kernel": 64, "members_kernel": 48}
 OTHER_REGISTERS = 40
-# Loads, and copies to shared memory, of 16 bytes at least: two records of four, and what else comes by rows.
+# Loads, and copies to shared memory, of at least 16 bytes: two records of four, and other data read by rows.
 WIDE_LOADS = {"OverlapAlone": 3, "sweep_kernel": 11, "filter_kernel": 20, "bin_kernel": 3, "place_kernel": 3,
               "pose_kernel": 1}
-# Kernels that may load single bytes: those for arrays that are not aligned (a template's `false`), one that copies kinds
-# of contacts, rare ones that read coordinates wherever they are, those that decide about features, which ask at run time
-# whether these are aligned, and flags: which features a triangle owns.
+# Kernels that may load single bytes: those for unaligned arrays (a template's `false`), one that copies kinds of
+# contacts, rare ones that read coordinates in any layout, those that decide about features, which check alignment at
+# run time, and those that read flags of the features that a triangle owns.
 BYTES = re.compile(r"(check|bounds|join|corners|rest)_kernelI\w*Lb0E|(exact|contact|gather|part|weld|fill_table)_kernel|HostContact"
                    r"|(decide|close|pack|listed|pair|within)_kernel|(Feature|Candidate)Rows")
 
 
 def kernels(ptx_file, nvcc, source, folder):
     """name -> (stack, registers, body in PTX)."""
-    # Machine code and PTX in one file, the latter as plain text, so that ccache can answer: it remembers one file, and what
-    # is printed.
+    # Machine code and PTX in one file, the latter as plain text, so that ccache works: it caches one file and the
+    # printed output.
     run = subprocess.run([*nvcc, "-gencode=arch=compute_90,code=[compute_90,sm_90]", "-Xptxas=-v", "-c", "-fatbin",
                           "-no-compress", "-o", f"{folder}/out", source], capture_output=True, text=True, check=False)
     if run.returncode:
@@ -52,7 +52,7 @@ def kernels(ptx_file, nvcc, source, folder):
     if not ptx:
         sys.exit("no PTX beside the machine code")
     Path(ptx_file).write_bytes(ptx[0])
-    # Nothing is indented there, so that only the beginning of what follows ends a kernel.
+    # PTX is not indented, so only the beginning of the next kernel or function ends a kernel.
     parts = re.split(r"^(?:\.\w+ )*\.(?=entry |func )", ptx[0].decode(), flags=re.M)
     bodies = (part.split("(", 1) for part in parts if part.startswith("entry "))
     return {name: (*used[name], body) for name, body in ((head[6:], body) for head, body in bodies) if name in used}

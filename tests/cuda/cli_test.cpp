@@ -1,4 +1,4 @@
-// The command line of a build with the cuda backend, on a machine with and without a device.
+// Tests of the command line of a build with the cuda backend, on machines with and without a device.
 
 #include "cli/run.h"
 
@@ -13,7 +13,7 @@ class CudaCli : public Cli {
     }
 };
 
-TEST_F(CudaCli, works_on_the_device) {
+TEST_F(CudaCli, detect_runs_on_the_device) {
     const Outcome named = crumple("detect five.off --backend cuda --device 0 --stats");
     EXPECT_EQ(named.status, 0) << named.err;
     EXPECT_EQ(named.out, five_pairs);
@@ -23,7 +23,7 @@ TEST_F(CudaCli, works_on_the_device) {
     EXPECT_TRUE(contains(chosen.err, "cuda backend\n")) << chosen.err;
 }
 
-TEST_F(CudaCli, says_in_one_line_why_the_cpu_does_the_work) {
+TEST_F(CudaCli, fallback_to_the_cpu_is_explained_in_one_line) {
     for (const char* command : {"detect five.off", "sequence five.off"}) {
         const Outcome outcome = without_device(command);
         EXPECT_EQ(outcome.status, 0);
@@ -38,7 +38,7 @@ TEST_F(CudaCli, says_in_one_line_why_the_cpu_does_the_work) {
     EXPECT_EQ(without_device("detect five.off --backend cpu").err, "");
 }
 
-TEST_F(CudaCli, refuses_a_device_that_is_asked_for_and_is_not_there) {
+TEST_F(CudaCli, missing_device_that_is_requested_is_an_error) {
     for (const Outcome& outcome :
          {crumple("detect five.off --backend cuda --device 7"), without_device("detect five.off --backend cuda")}) {
         EXPECT_EQ(outcome.status, 2);
@@ -48,7 +48,7 @@ TEST_F(CudaCli, refuses_a_device_that_is_asked_for_and_is_not_there) {
     }
 }
 
-TEST_F(CudaCli, works_on_several_devices) {
+TEST_F(CudaCli, detect_runs_on_several_devices) {
     const Outcome two = shell("CUDA_ON_CPU_DEVICES=2 $crumple detect --backend cuda --device 1,0 five.off");
     EXPECT_EQ(two.status, 0) << two.err;
     EXPECT_EQ(two.out, five_pairs);
@@ -58,7 +58,7 @@ TEST_F(CudaCli, works_on_several_devices) {
     EXPECT_EQ(crumple("detect five.off --backend cpu --device 0,1").status, 2);
 }
 
-TEST_F(CudaCli, lists_devices) {
+TEST_F(CudaCli, info_lists_devices) {
     const Outcome two = shell("CUDA_ON_CPU_DEVICES=2 $crumple info --devices");
     EXPECT_EQ(two.status, 0);
     EXPECT_EQ(std::count(two.out.begin(), two.out.end(), '\n'), 2) << two.out;

@@ -1,4 +1,4 @@
-// Questions about the features of meshes in device memory. Plain CUDA: the CPU plays the device, or a device is there.
+// Tests of feature queries about meshes in device memory. Plain CUDA: runs on a device or on one that the CPU plays.
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@
 namespace crumple::test {
 namespace {
 
-/// A few of each kind, some with lists.
+/// Returns a few moving soups of each kind, some with codimensional edges and points.
 template <class Scalar>
 std::vector<NamedMove<Scalar>> some_moves() {
     std::vector<NamedMove<Scalar>> all = moving_soups<Scalar>(0.2);
@@ -39,85 +39,87 @@ class CudaDeviceFeatures : public testing::Test {
 using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(CudaDeviceFeatures, Precisions);
 
-TYPED_TEST(CudaDeviceFeatures, are_found_where_they_lie) {
+TYPED_TEST(CudaDeviceFeatures, find_on_device_meshes_matches_the_cpu) {
     for (const auto& [name, soup, unit] : some_moves<TypeParam>()) {
         SCOPED_TRACE(name);
-        const DeviceStep<TypeParam> there(soup);
-        for (const ImpactQuery& asked :
+        const DeviceStep<TypeParam> on_device(soup);
+        for (const ImpactQuery& query :
              {ImpactQuery{.index = true}, ImpactQuery{.min_distance = unit > 1e300 ? 0 : unit / 2},
               ImpactQuery{.output = Output::first}, ImpactQuery{.output = Output::any}, ImpactQuery{.weld = true},
               ImpactQuery{.triangle_pairs = true}})
-            EXPECT_TRUE(same_features(this->cuda_.find(there.view().moving_to(there.end()), asked),
-                                      this->cpu_.find(soup.view().moving_to(soup.end_view()), asked)));
+            EXPECT_TRUE(same_features(this->cuda_.find(on_device.view().moving_to(on_device.end()), query),
+                                      this->cpu_.find(soup.view().moving_to(soup.end_view()), query)));
         if (unit <= 1e300) {
-            for (const ProximityQuery& asked :
+            for (const ProximityQuery& query :
                  {ProximityQuery{.radius = unit / 2, .index = true}, ProximityQuery{.radius = unit / 2, .rings = 2},
                   ProximityQuery{.radius = unit / 4, .closest = true},
                   ProximityQuery{.radius = unit / 4, .least = true}, ProximityQuery{.radius = unit / 4, .weld = true},
                   ProximityQuery{.output = Output::any}})
-                EXPECT_TRUE(same_features(this->cuda_.find(there.view(), asked), this->cpu_.find(soup.view(), asked)));
+                EXPECT_TRUE(
+                    same_features(this->cuda_.find(on_device.view(), query), this->cpu_.find(soup.view(), query)));
         }
         for (const bool weld : {false, true}) {
-            const CandidateQuery asked{.kinds = all_candidate_kinds(), .weld = weld};
-            EXPECT_TRUE(same_candidates(this->cuda_.find(there.view().moving_to(there.end()), asked),
-                                        this->cpu_.find(soup.view().moving_to(soup.end_view()), asked)));
-            EXPECT_TRUE(same_candidates(this->cuda_.find(there.view(), asked), this->cpu_.find(soup.view(), asked)));
+            const CandidateQuery query{.kinds = all_candidate_kinds(), .weld = weld};
+            EXPECT_TRUE(same_candidates(this->cuda_.find(on_device.view().moving_to(on_device.end()), query),
+                                        this->cpu_.find(soup.view().moving_to(soup.end_view()), query)));
+            EXPECT_TRUE(
+                same_candidates(this->cuda_.find(on_device.view(), query), this->cpu_.find(soup.view(), query)));
         }
         if (this->HasFailure()) return;
     }
 }
 
-TYPED_TEST(CudaDeviceFeatures, stay_on_the_device) {
+TYPED_TEST(CudaDeviceFeatures, launch_results_on_the_device_match_the_cpu) {
     cudaStream_t stream;
     check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
     for (const auto& [name, soup, unit] : some_moves<TypeParam>()) {
         SCOPED_TRACE(name);
-        const DeviceStep<TypeParam> there(soup);
-        const MeshView view = there.view(stream);
-        for (const Output wants : {Output::pairs, Output::first, Output::any}) {
-            const ImpactQuery asked{.output = wants};
-            EXPECT_TRUE(shows(this->cuda_.launch(view.moving_to(there.end()), asked).wait(),
-                              this->cpu_.find(soup.view().moving_to(soup.end_view()), asked)));
+        const DeviceStep<TypeParam> on_device(soup);
+        const MeshView view = on_device.view(stream);
+        for (const Output output : {Output::pairs, Output::first, Output::any}) {
+            const ImpactQuery query{.output = output};
+            EXPECT_TRUE(shows(this->cuda_.launch(view.moving_to(on_device.end()), query).wait(),
+                              this->cpu_.find(soup.view().moving_to(soup.end_view()), query)));
         }
         if (unit <= 1e300) {
-            const ProximityQuery asked{.radius = unit / 2};
-            EXPECT_TRUE(shows(this->cuda_.launch(view, asked).wait(), this->cpu_.find(soup.view(), asked)));
+            const ProximityQuery query{.radius = unit / 2};
+            EXPECT_TRUE(shows(this->cuda_.launch(view, query).wait(), this->cpu_.find(soup.view(), query)));
         }
-        const CandidateQuery asked{.kinds = all_candidate_kinds()};
-        EXPECT_TRUE(shows(this->cuda_.launch(view.moving_to(there.end()), asked).wait(),
-                          this->cpu_.find(soup.view().moving_to(soup.end_view()), asked)));
+        const CandidateQuery query{.kinds = all_candidate_kinds()};
+        EXPECT_TRUE(shows(this->cuda_.launch(view.moving_to(on_device.end()), query).wait(),
+                          this->cpu_.find(soup.view().moving_to(soup.end_view()), query)));
         if (this->HasFailure()) return;
     }
     check(cudaStreamDestroy(stream));
 }
 
-TEST(CudaDeviceFeatures, have_radii_and_a_shape_at_rest) {
+TEST(CudaDeviceFeatures, radii_and_rest_shape_may_be_on_the_device) {
     const MovingSoup<float> soup = falling(400, 80);
-    const DeviceStep<float> there(soup);
+    const DeviceStep<float> on_device(soup);
     std::vector<double> radii;
     for (std::size_t v = 0; v < soup.start.size(); ++v) radii.push_back(0.01 * static_cast<double>(v % 5));
-    const DeviceArray<double> radii_there{std::span<const double>(radii)};
-    const DeviceArray<PointOf<float>> rest_there{std::span<const PointOf<float>>(soup.end)};
+    const DeviceArray<double> radii_on_device{std::span<const double>(radii)};
+    const DeviceArray<PointOf<float>> rest_on_device{std::span<const PointOf<float>>(soup.end)};
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    ProximityQuery asked{.radii = radii, .rest = soup.end_view(), .rest_radius = 0.02}, asked_there = asked;
-    asked_there.radii = radii_there.span();
-    asked_there.rest.data = rest_there.span().data();
-    const Proximities& expected = cpu.find(soup.view(), asked);
+    ProximityQuery query{.radii = radii, .rest = soup.end_view(), .rest_radius = 0.02}, query_on_device = query;
+    query_on_device.radii = radii_on_device.span();
+    query_on_device.rest.data = rest_on_device.span().data();
+    const Proximities& expected = cpu.find(soup.view(), query);
     ASSERT_GT(expected.count, 0);
-    EXPECT_TRUE(same_features(cuda.find(there.view(), asked_there), expected));
+    EXPECT_TRUE(same_features(cuda.find(on_device.view(), query_on_device), expected));
     for (int frame = 0; frame < 4; ++frame) {
-        EXPECT_TRUE(shows(cuda.launch(there.view(), asked_there).wait(), expected)) << "frame " << frame;
+        EXPECT_TRUE(shows(cuda.launch(on_device.view(), query_on_device).wait(), expected)) << "frame " << frame;
     }
-    asked.closest = asked_there.closest = true;
-    EXPECT_TRUE(same_features(cuda.find(there.view(), asked_there), cpu.find(soup.view(), asked)));
+    query.closest = query_on_device.closest = true;
+    EXPECT_TRUE(same_features(cuda.find(on_device.view(), query_on_device), cpu.find(soup.view(), query)));
 }
 
-// What a frame's graph reads is this frame's, wherever it lies.
-TEST(CudaDeviceFeatures, are_those_of_the_arrays_that_are_given) {
+// A frame's graph reads the arrays of this frame, wherever they are.
+TEST(CudaDeviceFeatures, each_launch_reads_its_own_arrays) {
     const MovingSoup<float> soup = falling(400, 80);
-    const DeviceStep<float> there(soup);
+    const DeviceStep<float> on_device(soup);
     const std::size_t n = soup.start.size();
-    const std::vector<PointOf<float>> flat(n, PointOf<float>{0, 0, 0});  // there all are close, and nothing is near
+    const std::vector<PointOf<float>> flat(n, PointOf<float>{0, 0, 0});  // as a rest shape: nothing is near
     const DeviceArray<PointOf<float>> rest[2]{DeviceArray<PointOf<float>>(std::span<const PointOf<float>>(soup.end)),
                                               DeviceArray<PointOf<float>>(std::span<const PointOf<float>>(flat))};
     const std::vector<double> thin(n, 0.001), thick(n, 0.05);
@@ -127,34 +129,34 @@ TEST(CudaDeviceFeatures, are_those_of_the_arrays_that_are_given) {
     std::int64_t near = 0;
     for (std::size_t frame = 0; frame < 16; ++frame) {
         const std::size_t r = frame / 4 % 2, t = frame % 2;
-        ProximityQuery asked{.radii = t ? thick : thin, .rest = soup.end_view(), .rest_radius = 0.02},
-            asked_there = asked;
-        if (r) asked.rest.data = flat.data();
-        asked_there.radii = radii[t].span();
-        asked_there.rest.data = rest[r].span().data();
-        const Proximities& expected = cpu.find(soup.view(), asked);
+        ProximityQuery query{.radii = t ? thick : thin, .rest = soup.end_view(), .rest_radius = 0.02},
+            query_on_device = query;
+        if (r) query.rest.data = flat.data();
+        query_on_device.radii = radii[t].span();
+        query_on_device.rest.data = rest[r].span().data();
+        const Proximities& expected = cpu.find(soup.view(), query);
         near += expected.count;
-        ASSERT_TRUE(shows(cuda.launch(there.view(), asked_there).wait(), expected)) << "frame " << frame;
+        ASSERT_TRUE(shows(cuda.launch(on_device.view(), query_on_device).wait(), expected)) << "frame " << frame;
     }
     EXPECT_GT(near, 0);
 }
 
-TEST(CudaDeviceFeatures, have_a_free_step) {
+TEST(CudaDeviceFeatures, free_step_matches_the_cpu) {
     const MovingSoup<float> soup = falling(400, 88);
-    const DeviceStep<float> there(soup);
+    const DeviceStep<float> on_device(soup);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    for (const double separation : {0.0, 0.01}) {
-        const ImpactQuery asked{.min_distance = separation};
-        const FreeStep expected = cpu.find(soup.view().moving_to(soup.end_view()), FreeStepQuery{asked});
-        const FreeStep found = cuda.find(there.view().moving_to(there.end()), FreeStepQuery{asked});
+    for (const double min_distance : {0.0, 0.01}) {
+        const ImpactQuery query{.min_distance = min_distance};
+        const FreeStep expected = cpu.find(soup.view().moving_to(soup.end_view()), FreeStepQuery{query});
+        const FreeStep found = cuda.find(on_device.view().moving_to(on_device.end()), FreeStepQuery{query});
         EXPECT_EQ(found.share, expected.share);
         EXPECT_TRUE(std::ranges::equal(found.positions, expected.positions));
     }
 }
 
-TEST(CudaDeviceFeatures, are_read_as_they_lie) {
+TEST(CudaDeviceFeatures, strided_and_unaligned_arrays_are_read) {
     const MovingSoup<float> soup = falling(200, 80);
-    // Rows of 13 and 25 bytes, which nothing is aligned to, and backwards; 64-bit indices.
+    // Unaligned rows of 13 and 25 bytes, with columns in reverse order, and 64-bit indices.
     const auto spread = [](const auto& rows, std::int64_t stride, std::int64_t size, std::size_t begin) {
         std::vector<std::byte> out(begin + static_cast<std::size_t>(stride) * rows.size());
         for (std::size_t i = 0; i < rows.size(); ++i)
@@ -184,26 +186,26 @@ TEST(CudaDeviceFeatures, are_read_as_they_lie) {
                               cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.weld = true})));
 }
 
-TEST(CudaDeviceFeatures, know_groups) {
+TEST(CudaDeviceFeatures, group_filters_match_the_cpu) {
     MovingSoup<float> soup = falling(400, 85);
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 3));
-    const DeviceStep<float> there(soup);
+    const DeviceStep<float> on_device(soup);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    ProximityQuery asked{.radius = 0.05};
+    ProximityQuery query{.radius = 0.05};
     for (const PairScope groups : {PairScope::between, PairScope::within, PairScope::both}) {
-        asked.filter.groups = groups;
-        asked.filter.excluded_groups = {{0, 1}};
-        const Proximities& expected = cpu.find(soup.view(), asked);
+        query.filter.groups = groups;
+        query.filter.excluded_groups = {{0, 1}};
+        const Proximities& expected = cpu.find(soup.view(), query);
         ASSERT_GT(expected.count, 0);
-        EXPECT_TRUE(same_features(cuda.find(there.view(), asked), expected));
-        EXPECT_TRUE(shows(cuda.launch(there.view(), asked).wait(), expected));
+        EXPECT_TRUE(same_features(cuda.find(on_device.view(), query), expected));
+        EXPECT_TRUE(shows(cuda.launch(on_device.view(), query).wait(), expected));
     }
 }
 
 constexpr const char* not_the_oldest = "an older launch is in flight: launches are waited for in their order";
 
-// Two in flight, of any kinds, are waited for in their order.
-TEST(CudaDeviceFeatures, take_turns_with_other_launches) {
+// Two launches in flight, of any kinds, must be waited for in their order.
+TEST(CudaDeviceFeatures, launches_of_all_kinds_may_alternate) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const MovingSoup<float> first = falling(300, 85), second = falling(500, 88);
     const DeviceStep<float> a(first), b(second);
@@ -231,45 +233,45 @@ TEST(CudaDeviceFeatures, take_turns_with_other_launches) {
     }
 }
 
-TEST(CudaDeviceFeatures, of_two_launches_are_both_right) {
+TEST(CudaDeviceFeatures, two_launches_in_flight_match_the_cpu) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda, .leaf_size = 60});
     std::vector<MovingSoup<float>> frames;
-    std::vector<DeviceStep<float>> there;
-    for (int frame = 80; frame < 94; frame += 2) there.emplace_back(frames.emplace_back(falling(600, frame)));
+    std::vector<DeviceStep<float>> on_device;
+    for (int frame = 80; frame < 94; frame += 2) on_device.emplace_back(frames.emplace_back(falling(600, frame)));
     const auto expect_right = [&](const DeviceImpacts& found, std::size_t i) {
         EXPECT_TRUE(shows(found, cpu.find(frames[i].view().moving_to(frames[i].end_view()), ImpactQuery()))) << i;
     };
-    std::vector launched{cuda.launch(there[0].view().moving_to(there[0].end()), ImpactQuery())};
+    std::vector launched{cuda.launch(on_device[0].view().moving_to(on_device[0].end()), ImpactQuery())};
     std::int64_t impacts = 0;
-    for (std::size_t i = 1; i < there.size(); ++i) {
-        launched.push_back(cuda.launch(there[i].view().moving_to(there[i].end()), ImpactQuery()));
+    for (std::size_t i = 1; i < on_device.size(); ++i) {
+        launched.push_back(cuda.launch(on_device[i].view().moving_to(on_device[i].end()), ImpactQuery()));
         const DeviceImpacts& found = launched[i - 1].wait();
         impacts += found.count;
         expect_right(found, i - 1);
-        if (i + 1 < there.size()) continue;
+        if (i + 1 < on_device.size()) continue;
         expect_right(launched[i].wait(), i);
-        expect_right(found, i - 1);  // it is valid until the second launch after its own
+        expect_right(found, i - 1);  // valid until the second launch after its own
     }
     EXPECT_GT(impacts, 0);
 }
 
-TEST(CudaDeviceFeatures, follow_a_mesh_that_tears) {
+TEST(CudaDeviceFeatures, changed_triangles_are_noticed) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     MovingSoup<float> soup = falling(300, 88), torn = soup;
     std::swap(torn.triangles[7], torn.triangles[100]);
     torn.triangles[50] = torn.triangles[51];
-    const DeviceStep<float> whole(soup), there(torn);
+    const DeviceStep<float> whole(soup), on_device(torn);
     const ProximityQuery near{.radius = 0.5};
     const Proximities before = cpu.find(soup.view(), near);
     const Proximities after = cpu.find(torn.view(), near);
     ASSERT_FALSE(same_features(before, after)) << before.count;
     for (int round = 0; round < 2; ++round) {
         EXPECT_TRUE(same_features(cuda.find(whole.view(), near), before));
-        EXPECT_TRUE(same_features(cuda.find(there.view(), near), after));
-        const auto older = cuda.launch(whole.view(), near), newer = cuda.launch(there.view(), near);
+        EXPECT_TRUE(same_features(cuda.find(on_device.view(), near), after));
+        const auto older = cuda.launch(whole.view(), near), newer = cuda.launch(on_device.view(), near);
         EXPECT_TRUE(shows(older.wait(), before));
         EXPECT_TRUE(shows(newer.wait(), after));
-        // Other numbers of triangles, and lists.
+        // Another number of triangles, and codimensional edges.
         MovingSoup<float> fewer = soup;
         fewer.triangles.resize(200);
         fewer.edges = edges_of(MovingSoup<>{{}, {}, soup.triangles, {}});
@@ -281,7 +283,7 @@ TEST(CudaDeviceFeatures, follow_a_mesh_that_tears) {
     }
 }
 
-TEST(CudaDeviceFeatures, report_bad_input_as_the_host_does) {
+TEST(CudaDeviceFeatures, errors_equal_those_of_the_cpu) {
     constexpr float inf = std::numeric_limits<float>::infinity();
     const MovingSoup<float> good = falling(200, 80);
     std::vector<double> radii(good.start.size(), 0.01);
@@ -321,11 +323,11 @@ TEST(CudaDeviceFeatures, report_bad_input_as_the_host_does) {
         MovingSoup<float> soup = good;
         std::vector<double> r = radii;
         wrong.spoil(soup, r);
-        const DeviceStep<float> there(soup);
-        const DeviceArray<double> radii_there{std::span<const double>(r)};
-        ProximityQuery near{.radii = r, .rest = soup.end_view(), .rest_radius = 0.001}, near_there = near;
-        near_there.radii = radii_there.span();
-        near_there.rest = there.end();
+        const DeviceStep<float> on_device(soup);
+        const DeviceArray<double> radii_on_device{std::span<const double>(r)};
+        ProximityQuery near{.radii = r, .rest = soup.end_view(), .rest_radius = 0.001}, near_on_device = near;
+        near_on_device.radii = radii_on_device.span();
+        near_on_device.rest = on_device.end();
         const Error expected = error_of([&] {
             moving ? (void)cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery())
                    : (void)cpu.find(soup.view(), near);
@@ -337,10 +339,10 @@ TEST(CudaDeviceFeatures, report_bad_input_as_the_host_does) {
             EXPECT_EQ(error.index, expected.index);
         };
         same(error_of([&] {
-            moving ? (void)cuda.find(there.view().moving_to(there.end()), ImpactQuery())
-                   : (void)cuda.find(there.view(), near_there);
+            moving ? (void)cuda.find(on_device.view().moving_to(on_device.end()), ImpactQuery())
+                   : (void)cuda.find(on_device.view(), near_on_device);
         }));
-        // After a launch that was fine, which is answered.
+        // A launch with valid input before it still has its result.
         const auto older = cuda.launch(fine.view().moving_to(fine.end()), ImpactQuery());
         bool launched = false;
         const auto wait_for_both = [&](const auto& newer) {
@@ -349,8 +351,8 @@ TEST(CudaDeviceFeatures, report_bad_input_as_the_host_does) {
             newer.wait();
         };
         same(error_of([&] {
-            moving ? wait_for_both(cuda.launch(there.view().moving_to(there.end()), ImpactQuery()))
-                   : wait_for_both(cuda.launch(there.view(), near_there));
+            moving ? wait_for_both(cuda.launch(on_device.view().moving_to(on_device.end()), ImpactQuery()))
+                   : wait_for_both(cuda.launch(on_device.view(), near_on_device));
         }));
         if (!launched) {
             EXPECT_TRUE(shows(older.wait(), fine_impacts));
@@ -359,69 +361,71 @@ TEST(CudaDeviceFeatures, report_bad_input_as_the_host_does) {
     }
 }
 
-TEST(CudaDeviceFeatures, refuse_what_launches_do_not) {
+TEST(CudaDeviceFeatures, unsupported_launches_are_rejected) {
     const MovingSoup<float> soup = falling(100, 80);
-    const DeviceStep<float> there(soup);
+    const DeviceStep<float> on_device(soup);
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
     const auto refused = [](auto call) { return error_of(call).code == ErrorCode::invalid_argument; };
-    EXPECT_TRUE(refused([&] { cuda.launch(there.view().moving_to(there.end()), ImpactQuery{.weld = true}); }));
-    EXPECT_TRUE(
-        refused([&] { cuda.launch(there.view().moving_to(there.end()), ImpactQuery{.triangle_pairs = true}); }));
-    EXPECT_TRUE(refused([&] { cuda.launch(there.view(), ProximityQuery{.closest = true}); }));
-    EXPECT_TRUE(refused([&] { cuda.launch(there.view(), ProximityQuery{.least = true}); }));
-    EXPECT_TRUE(refused([&] { cuda.launch(there.view(), ProximityQuery{.radius = -1}); }));
-    EXPECT_TRUE(refused([&] { cuda.launch(there.view(), CandidateQuery{.weld = true}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch(on_device.view().moving_to(on_device.end()), ImpactQuery{.weld = true}); }));
+    EXPECT_TRUE(refused(
+        [&] { cuda.launch(on_device.view().moving_to(on_device.end()), ImpactQuery{.triangle_pairs = true}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch(on_device.view(), ProximityQuery{.closest = true}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch(on_device.view(), ProximityQuery{.least = true}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch(on_device.view(), ProximityQuery{.radius = -1}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch(on_device.view(), CandidateQuery{.weld = true}); }));
     EXPECT_TRUE(refused([&] { cuda.launch(soup.view().moving_to(soup.end_view()), ImpactQuery()); }));
-    EXPECT_TRUE(refused([&] { cuda.launch(there.view().moving_to(soup.end_view()), ImpactQuery()); }))
+    EXPECT_TRUE(refused([&] { cuda.launch(on_device.view().moving_to(soup.end_view()), ImpactQuery()); }))
         << "the end on the host";
-    EXPECT_TRUE(refused([&] { cpu.launch(there.view().moving_to(there.end()), ImpactQuery()); }));
-    EXPECT_TRUE(refused([&] { cpu.find(there.view().moving_to(there.end()), ImpactQuery()); }));
-    MeshView wrong = there.view();
+    EXPECT_TRUE(refused([&] { cpu.launch(on_device.view().moving_to(on_device.end()), ImpactQuery()); }));
+    EXPECT_TRUE(refused([&] { cpu.find(on_device.view().moving_to(on_device.end()), ImpactQuery()); }));
+    MeshView wrong = on_device.view();
     wrong.vertices.rows = -5;
     for (const bool copied : {false, true}) {
         EXPECT_TRUE(refused([&] { cuda.find(wrong, ProximityQuery{.weld = copied}); }));
-        EXPECT_TRUE(refused([&] { cuda.find(wrong.moving_to(there.end()), ImpactQuery{.weld = copied}); }));
+        EXPECT_TRUE(refused([&] { cuda.find(wrong.moving_to(on_device.end()), ImpactQuery{.weld = copied}); }));
     }
-    EXPECT_TRUE(refused([&] { cuda.find(wrong.moving_to(there.end()), FreeStepQuery()); }));
+    EXPECT_TRUE(refused([&] { cuda.find(wrong.moving_to(on_device.end()), FreeStepQuery()); }));
 }
 
-// What does not fit is found in chunks, on the host, and brought back.
-TEST(CudaDeviceFeatures, fit_a_memory_limit) {
+// Results that do not fit are computed in chunks, collected on the host and uploaded again.
+TEST(CudaDeviceFeatures, results_under_a_memory_limit_match_the_cpu) {
     const MovingSoup<float> soup = falling(1500, 90);
-    const DeviceStep<float> there(soup);
+    const DeviceStep<float> on_device(soup);
     Detector cpu({.backend = Backend::cpu});
-    const ImpactQuery asked{.min_distance = 0.02};
-    const Impacts& impacts = cpu.find(soup.view().moving_to(soup.end_view()), asked);
+    const ImpactQuery query{.min_distance = 0.02};
+    const Impacts& impacts = cpu.find(soup.view().moving_to(soup.end_view()), query);
     const Candidates& candidates = cpu.find(soup.view().moving_to(soup.end_view()), CandidateQuery());
     ASSERT_GT(impacts.count, 100);
     for (const std::int64_t limit : {40'000'000, 17'000'000}) {
         Detector cuda({.backend = Backend::cuda, .memory_limit = limit});
         for (int call = 0; call < 2; ++call) {
-            const auto older = cuda.launch(there.view().moving_to(there.end()), asked),
-                       newer = cuda.launch(there.view().moving_to(there.end()), asked);
+            const auto older = cuda.launch(on_device.view().moving_to(on_device.end()), query),
+                       newer = cuda.launch(on_device.view().moving_to(on_device.end()), query);
             EXPECT_TRUE(shows(older.wait(), impacts)) << limit;
             EXPECT_TRUE(shows(newer.wait(), impacts)) << limit;
-            EXPECT_TRUE(same_features(cuda.find(there.view().moving_to(there.end()), asked), impacts));
+            EXPECT_TRUE(same_features(cuda.find(on_device.view().moving_to(on_device.end()), query), impacts));
         }
-        EXPECT_TRUE(shows(cuda.launch(there.view().moving_to(there.end()), CandidateQuery()).wait(), candidates))
+        EXPECT_TRUE(
+            shows(cuda.launch(on_device.view().moving_to(on_device.end()), CandidateQuery()).wait(), candidates))
             << limit;
     }
     Detector cuda({.backend = Backend::cuda, .memory_limit = 100'000});
-    const Error error = error_of([&] { cuda.launch(there.view().moving_to(there.end()), asked).wait(); });
+    const Error error = error_of([&] { cuda.launch(on_device.view().moving_to(on_device.end()), query).wait(); });
     EXPECT_EQ(error.code, ErrorCode::memory_limit);
     EXPECT_GT(error.bytes_needed, 100'000);
 }
 
-TEST(CudaDeviceFeatures, work_on_several_threads_at_once) {
+TEST(CudaDeviceFeatures, detectors_work_on_several_threads_at_once) {
     std::vector<std::thread> threads;
     for (int i = 0; i < 3; ++i)
         threads.emplace_back([i] {
             const MovingSoup<float> soup = falling(200 + 100 * i, 85);
-            const DeviceStep<float> there(soup);
+            const DeviceStep<float> on_device(soup);
             Detector cpu({.backend = Backend::cpu, .threads = 1}), cuda({.backend = Backend::cuda});
             const Impacts& expected = cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery());
             for (int frame = 0; frame < 3; ++frame) {
-                EXPECT_TRUE(shows(cuda.launch(there.view().moving_to(there.end()), ImpactQuery()).wait(), expected));
+                EXPECT_TRUE(
+                    shows(cuda.launch(on_device.view().moving_to(on_device.end()), ImpactQuery()).wait(), expected));
             }
         });
     for (std::thread& thread : threads) thread.join();

@@ -1,6 +1,6 @@
 #pragma once
 
-// A mesh in device memory, as a simulation on a device has it.
+// Copy of a host mesh in device memory, as a simulation on a device has it.
 
 #include <cuda_runtime.h>
 
@@ -43,7 +43,7 @@ class DeviceBytes {
     std::size_t size_ = 0;
 };
 
-/// A copy of a host mesh, byte for byte as its views describe it, in rows without gaps.
+/// Copy of a host mesh with the same numbers, in rows without gaps.
 class DeviceMesh {
    public:
     explicit DeviceMesh(const MeshView& host)
@@ -62,7 +62,7 @@ class DeviceMesh {
         view_.memory = MemorySpace::cuda;
     }
     const MeshView& view() const { return view_; }
-    /// Moves the vertices; there must be as many as before.
+    /// Replaces the vertices; their number must not change.
     void set_vertices(const MeshView& host) {
         vertices_.set(rows(host.vertices, host.vertices.type == ScalarType::float32 ? 4 : 8));
     }
@@ -86,7 +86,7 @@ class DeviceMesh {
     MeshView view_;
 };
 
-/// An array of the device, brought to the host.
+/// Downloads an array.
 template <class T>
 std::vector<T> to_host(const T* device, std::int64_t n) {
     std::vector<T> host(static_cast<std::size_t>(n));

@@ -1,6 +1,6 @@
 #pragma once
 
-// A mesh in motion whose arrays lie in device memory, and answers about its features there, brought to the host.
+// Moving mesh whose arrays are in device memory, and comparison of feature results in device memory with host results.
 
 #include <gtest/gtest.h>
 
@@ -16,13 +16,13 @@
 
 namespace crumple::test {
 
-/// An array of the device.
+/// Array in device memory.
 template <class T>
 class DeviceArray {
    public:
     DeviceArray() = default;
     explicit DeviceArray(std::span<const T> host) : bytes_(bytes(host)), size_(host.size()) {}
-    /// Other contents; there must be as many as before.
+    /// Replaces the contents; their number must not change.
     void set(std::span<const T> host) { bytes_.set(bytes(host)); }
     std::span<const T> span() const { return {static_cast<const T*>(bytes_.data()), size_}; }
 
@@ -59,7 +59,7 @@ class DeviceStep {
         const auto rows = static_cast<std::int64_t>(end_.span().size());
         return rows_of_three(rows == 0 ? nullptr : end_.span()[0].data(), rows);
     }
-    /// Other places, of as many vertices.
+    /// Replaces all positions; the number of vertices must not change.
     void move(const MovingSoup<Scalar>& soup) {
         mesh_.set_vertices(soup.view());
         end_.set(soup.end);
@@ -73,7 +73,7 @@ class DeviceStep {
     MeshView view_;
 };
 
-/// Does the device hold the expected lists, and edges? `found` and `expected`: lists of one kind.
+/// Compares an array on the device with the expected one.
 template <class T>
 testing::AssertionResult same_on_device(const T* found, const Array<T>& expected, const char* what) {
     const std::vector<T> host = to_host(found, static_cast<std::int64_t>(expected.size()));
@@ -93,9 +93,10 @@ inline testing::AssertionResult same_list(const DeviceCandidateList&, const Cand
     return testing::AssertionSuccess();
 }
 
-/// `all`: lists were asked for, so edges are told by both.
-template <class Found, class Answer>
-testing::AssertionResult shows_features(const Found& found, const Answer& expected) {
+/// Compares counts, lists and edges on the device with the expected result; edges only if the expected result has an
+/// index of them.
+template <class Found, class Result>
+testing::AssertionResult shows_features(const Found& found, const Result& expected) {
     if (!found.complete) return testing::AssertionFailure() << "the answer is not complete";
     if (found.count != expected.count || found.rows_needed != expected.count)
         return testing::AssertionFailure() << found.count << " rows, not " << expected.count;

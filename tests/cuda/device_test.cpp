@@ -1,4 +1,4 @@
-// Meshes and answers in device memory. Plain CUDA: the CPU plays the device, or a device is there.
+// Tests of meshes and results in device memory. Plain CUDA: runs on a device or on one that the CPU plays.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@
 namespace crumple::test {
 namespace {
 
-TEST(CudaDevice, takes_meshes_of_every_layout) {
+TEST(CudaDevice, hard_soups_in_device_memory_match_the_cpu) {
     for (const NamedMesh& scene : hard_soups()) {
         SCOPED_TRACE(scene.name);
         const MeshView host = scene.mesh.view();
@@ -32,7 +32,7 @@ TEST(CudaDevice, takes_meshes_of_every_layout) {
     }
 }
 
-TEST(CudaDevice, takes_int64_indices_and_strided_vertices) {
+TEST(CudaDevice, int64_indices_and_strided_triangles_are_read) {
     const io::TriangleMesh mesh = cloth(600);
     MeshView host = mesh.view();
     host.groups = {};
@@ -52,7 +52,7 @@ TEST(CudaDevice, takes_int64_indices_and_strided_vertices) {
     EXPECT_TRUE(same_answer(cuda.find(every_other), cpu.find(host_every_other)));
 }
 
-TEST(CudaDevice, takes_arrays_that_are_not_aligned) {
+TEST(CudaDevice, unaligned_arrays_are_read) {
     const io::TriangleMesh mesh = cloth(600, 93);
     for (const bool in_double : {false, true}) {
         std::vector<std::byte> vertices(1), triangles(1);  // a byte before the first row
@@ -78,7 +78,7 @@ TEST(CudaDevice, takes_arrays_that_are_not_aligned) {
     }
 }
 
-TEST(CudaDevice, compares_two_meshes_with_groups_and_parts) {
+TEST(CudaDevice, two_meshes_with_groups_and_parts_match_the_cpu) {
     const io::TriangleMesh mesh = cloth(800);
     const Halves half(mesh.view());
     const MeshView &a = half.a, &b = half.b;
@@ -88,8 +88,8 @@ TEST(CudaDevice, compares_two_meshes_with_groups_and_parts) {
     grouped.groups = groups;
     const DeviceMesh device_a(grouped), device_b(b);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    for (const PairScope wanted : {PairScope::both, PairScope::between, PairScope::within}) {
-        const IntersectionQuery query{.weld = true, .filter = {.groups = wanted}};
+    for (const PairScope scope : {PairScope::both, PairScope::between, PairScope::within}) {
+        const IntersectionQuery query{.weld = true, .filter = {.groups = scope}};
         EXPECT_TRUE(same_answer(cuda.find({device_a.view(), device_b.view()}, query), cpu.find({grouped, b}, query)));
     }
     const IntersectionQuery contacts{.output = Output::contacts, .filter = {.groups = PairScope::between}};
@@ -98,7 +98,7 @@ TEST(CudaDevice, compares_two_meshes_with_groups_and_parts) {
             EXPECT_TRUE(same_answer(cuda.find(part, contacts), cpu.find(part, contacts)));
 }
 
-TEST(CudaDevice, splits_a_scene_64_ways_and_the_same_triangles_63_ways_between_two_meshes) {
+TEST(CudaDevice, one_mesh_has_64_clusters_and_two_meshes_have_63) {
     const io::TriangleMesh mesh = cloth(800);
     const MeshView host = mesh.view();
     const Halves half(host);
@@ -117,7 +117,7 @@ TEST(CudaDevice, splits_a_scene_64_ways_and_the_same_triangles_63_ways_between_t
     }
 }
 
-TEST(CudaDevice, cuts_a_scene_into_the_parts_of_the_host) {
+TEST(CudaDevice, parts_equal_those_of_the_cpu) {
     const io::TriangleMesh mesh = cloth(1501);
     const Halves half(mesh.view());
     const DeviceMesh device(mesh.view()), device_a(half.a), device_b(half.b);
@@ -152,7 +152,7 @@ TEST(CudaDevice, cuts_a_scene_into_the_parts_of_the_host) {
     EXPECT_TRUE(std::equal(joined.begin(), joined.end(), whole.pairs.begin(), whole.pairs.end()));
 }
 
-TEST(CudaDevice, names_what_is_wrong_on_the_device) {
+TEST(CudaDevice, errors_name_the_invalid_element) {
     io::TriangleMesh mesh = cloth(300);
     const auto message = [&](const MeshView& view) -> std::string {
         const DeviceMesh device(view);
@@ -173,7 +173,7 @@ TEST(CudaDevice, names_what_is_wrong_on_the_device) {
     std::visit([](auto& xyz) { xyz[3 * 17 + 2] = std::numeric_limits<float>::infinity(); }, mesh.vertices);
     EXPECT_EQ(message(mesh.view()), "vertex 17 is not finite");
 
-    // A simulation that has blown up: each NaN differs from all others, which must not make welding slow.
+    // A diverged simulation: each NaN is different from all others, which must not make welding slow.
     const std::vector<std::array<float, 3>> all_nan(100'000, {NAN, 0, 0});
     const std::vector<std::array<std::int32_t, 3>> one{{0, 1, 2}};
     const DeviceMesh blown_up(MeshView(all_nan, one));
@@ -185,14 +185,14 @@ TEST(CudaDevice, names_what_is_wrong_on_the_device) {
     }
 }
 
-TEST(CudaDevice, is_not_blamed_for_errors_of_others) {
+TEST(CudaDevice, earlier_cuda_errors_are_ignored) {
     const io::TriangleMesh mesh = cloth(300);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    ASSERT_NE(cudaSetDevice(1000), cudaSuccess);  // and nobody asks for the last error
+    ASSERT_NE(cudaSetDevice(1000), cudaSuccess);  // and the last error stays set
     EXPECT_TRUE(same_answer(cuda.find(mesh.view()), cpu.find(mesh.view())));
 }
 
-TEST(CudaDevice, names_the_triangle_that_names_no_vertex_in_every_call) {
+TEST(CudaDevice, every_call_reports_an_invalid_vertex_index) {
     for (const std::int32_t wrong : {-5, 1'000'000, 2'000'000'000}) {
         io::TriangleMesh mesh = cloth(300);
         mesh.triangles[22] = wrong;
@@ -214,8 +214,8 @@ TEST(CudaDevice, names_the_triangle_that_names_no_vertex_in_every_call) {
     }
 }
 
-TEST(CudaDevice, puts_long_rows_in_order) {
-    // One long triangle through a stack of small ones: more pairs of one first triangle than threads look at.
+TEST(CudaDevice, long_rows_are_sorted) {
+    // One long triangle through a stack of small ones: more pairs with one first triangle than threads that sort them.
     std::vector<std::array<float, 3>> vertices{{0, 0, -1}, {0, 0.25f, -1}, {0, 0, 1001}};
     std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}};
     for (int i = 0; i < 1000; ++i) {
@@ -231,10 +231,10 @@ TEST(CudaDevice, puts_long_rows_in_order) {
     EXPECT_TRUE(same_answer(found, cpu.find(mesh)));
 }
 
-// How blocks take turns must not show. On a device many repetitions are cheap: CRUMPLE_REPEATS.
-TEST(CudaDevice, answers_the_same_bytes_every_time) {
-    const char* wanted = std::getenv("CRUMPLE_REPEATS");
-    const int repeats = wanted ? std::atoi(wanted) : 3;
+// The order in which blocks run must not show. Many repetitions are cheap on a device: CRUMPLE_REPEATS.
+TEST(CudaDevice, repeated_calls_give_the_same_bytes) {
+    const char* repeats_text = std::getenv("CRUMPLE_REPEATS");
+    const int repeats = repeats_text ? std::atoi(repeats_text) : 3;
     ASSERT_GT(repeats, 0);
     const io::TriangleMesh mesh = cloth(200 * repeats);
     const DeviceMesh device(mesh.view());
@@ -249,7 +249,7 @@ TEST(CudaDevice, answers_the_same_bytes_every_time) {
     }
 }
 
-TEST(CudaDevice, tells_meshes_apart_from_those_of_the_host) {
+TEST(CudaDevice, meshes_in_the_wrong_memory_are_rejected) {
     const io::TriangleMesh mesh = cloth(100);
     const DeviceMesh device(mesh.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});

@@ -1,6 +1,7 @@
 #pragma once
 
-// Poses in device memory, as a simulation on a device has them, and answers about worlds that stay there.
+// World whose poses are in device memory, as a simulation on a device has them, and comparison of world results in
+// device memory with host results.
 
 #include <gtest/gtest.h>
 
@@ -14,10 +15,10 @@
 
 namespace crumple::test {
 
-/// The poses of a world of the host, whose bodies and shapes stay there.
+/// World whose poses are copied to the device; bodies and shapes stay on the host.
 class DeviceWorld {
    public:
-    /// `float32`: whether the poses are; the host's should then be such numbers.
+    /// `float32`: poses are stored as float32; the host's poses should then be representable so.
     explicit DeviceWorld(const World& host, bool float32 = false)
         : world_(host), float32_(float32), numbers_(bytes(host.poses)) {
         const auto count = static_cast<std::int64_t>(host.poses.size());
@@ -30,7 +31,7 @@ class DeviceWorld {
         world.device_poses.stream = stream;
         return world;
     }
-    /// Moves the bodies.
+    /// Replaces the poses.
     void set_poses(std::span<const Pose> poses) { numbers_.set(bytes(poses)); }
 
    private:
@@ -53,7 +54,7 @@ class DeviceWorld {
     DeviceBytes numbers_;
 };
 
-/// Does the device hold the expected answer, all of its arrays?
+/// Compares all arrays of a world result on the device with the expected result.
 inline testing::AssertionResult shows_world(const DeviceIntersections& found, const Intersections& expected) {
     const auto same = [](const auto& device, const auto& host, const char* what) {
         return std::equal(device.begin(), device.end(), host.begin(), host.end())

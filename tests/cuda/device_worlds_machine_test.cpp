@@ -1,4 +1,4 @@
-// Worlds under poses of the device, as the machine that plays it counts them.
+// Tests of worlds with poses on the device, on the machine that plays it and counts graphs, launches and allocations.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ class CudaMachineDeviceWorlds : public testing::Test {
         settings() = {};
         settings().multiprocessors = 1;
     }
-    /// Two bodies a world, which meet in every third one.
+    /// Each world has two bodies, which intersect in every third world.
     void SetUp() override {
         for (int w = 0; w < 20; ++w)
             for (int b = 0; b < 2; ++b) {
@@ -40,36 +40,36 @@ class CudaMachineDeviceWorlds : public testing::Test {
     std::vector<Pose> poses_;
 };
 
-// One node more than a mesh on the device has: the kernel that names bodies.
-TEST_F(CudaMachineDeviceWorlds, are_a_graph_of_few_nodes) {
+// The graph has one node more than that of a mesh on the device: the kernel that finds the bodies of pairs.
+TEST_F(CudaMachineDeviceWorlds, launch_is_a_graph_of_few_nodes) {
     const DeviceWorld device(world());
-    for (const Output wants : {Output::any_by_world, Output::pairs}) {
+    for (const Output output : {Output::any_by_world, Output::pairs}) {
         Detector cuda({.backend = Backend::cuda});
         for (int frame = 0; frame < 5; ++frame) {
-            cuda.launch(device.view(), {.output = wants}).wait();
+            cuda.launch(device.view(), {.output = output}).wait();
         }
         EXPECT_EQ(cuda_on_cpu::graph_count().chain, 15u);
         EXPECT_EQ(cuda_on_cpu::graph_count().nodes, 17u);
-        // No kernel beside the graph, and no memory.
+        // A launch needs neither kernels outside of the graph nor new memory.
         settings().launches_before_failure = settings().allocations_before_failure = 0;
-        EXPECT_TRUE(cuda.launch(device.view(), {.output = wants}).wait().complete);
+        EXPECT_TRUE(cuda.launch(device.view(), {.output = output}).wait().complete);
         settings().launches_before_failure = settings().allocations_before_failure = -1;
     }
 }
 
-TEST_F(CudaMachineDeviceWorlds, may_have_too_little_memory) {
+TEST_F(CudaMachineDeviceWorlds, find_gives_same_result_or_memory_limit_error) {
     const DeviceWorld device(world());
-    for (const Output wants : {Output::any, Output::any_by_world, Output::body_pairs, Output::contacts}) {
-        SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(wants));
-        const IntersectionQuery question{.output = wants};
-        const Intersections expected = Detector({.backend = Backend::cpu}).find(world(), question);
+    for (const Output output : {Output::any, Output::any_by_world, Output::body_pairs, Output::contacts}) {
+        SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(output));
+        const IntersectionQuery query{.output = output};
+        const Intersections expected = Detector({.backend = Backend::cpu}).find(world(), query);
         Detector free({.backend = Backend::cuda});
-        std::int64_t limit = free.find(device.view(), question).statistics.peak_memory_bytes;
-        int answers = 0;
-        for (;; limit = limit * 2 / 3, ++answers) {
+        std::int64_t limit = free.find(device.view(), query).statistics.peak_memory_bytes;
+        int results = 0;
+        for (;; limit = limit * 2 / 3, ++results) {
             Detector detector({.backend = Backend::cuda, .memory_limit = limit});
             try {
-                const Intersections& found = detector.find(device.view(), question);
+                const Intersections& found = detector.find(device.view(), query);
                 ASSERT_TRUE(same_world_answer(found, expected)) << limit;
                 EXPECT_LE(found.statistics.peak_memory_bytes, limit);
             } catch (const Error& error) {
@@ -77,11 +77,11 @@ TEST_F(CudaMachineDeviceWorlds, may_have_too_little_memory) {
                 break;
             }
         }
-        EXPECT_GE(answers, 2);
+        EXPECT_GE(results, 2);
     }
 }
 
-TEST_F(CudaMachineDeviceWorlds, may_run_out_of_memory_at_any_allocation_or_launch) {
+TEST_F(CudaMachineDeviceWorlds, failed_allocation_or_launch_does_not_change_result) {
     const DeviceWorld device(world());
     const Intersections expected = Detector({.backend = Backend::cpu}).find(world());
     for (int before = 0; before < 24; ++before) {
@@ -96,30 +96,30 @@ TEST_F(CudaMachineDeviceWorlds, may_run_out_of_memory_at_any_allocation_or_launc
     }
 }
 
-TEST_F(CudaMachineDeviceWorlds, say_what_limit_a_launch_needs) {
+TEST_F(CudaMachineDeviceWorlds, launch_reports_the_memory_limit_that_it_needs) {
     const DeviceWorld device(world());
     const Intersections expected = Detector({.backend = Backend::cpu}).find(world());
-    const auto answer = [&](Detector& detector) {
+    const auto launch_matches = [&](Detector& detector) {
         return shows_world(detector.launch(device.view()).wait(), expected);
     };
     std::int64_t limit = 1 << 24;
-    int answers = 0;
-    for (;; limit = limit * 3 / 4, ++answers) {
+    int results = 0;
+    for (;; limit = limit * 3 / 4, ++results) {
         Detector detector({.backend = Backend::cuda, .memory_limit = limit});
         try {
-            ASSERT_TRUE(answer(detector)) << limit;
+            ASSERT_TRUE(launch_matches(detector)) << limit;
         } catch (const Error& error) {
             ASSERT_EQ(error.code, ErrorCode::memory_limit);
             EXPECT_GT(error.bytes_needed, limit);
             sufficient_limit({.backend = Backend::cuda, .memory_limit = limit},
-                             [&](Detector& enough) { EXPECT_TRUE(answer(enough)); });
+                             [&](Detector& enough) { EXPECT_TRUE(launch_matches(enough)); });
             break;
         }
     }
-    EXPECT_GE(answers, 1);
+    EXPECT_GE(results, 1);
 }
 
-TEST_F(CudaMachineDeviceWorlds, are_told_when_the_device_lacks_memory) {
+TEST_F(CudaMachineDeviceWorlds, failed_allocation_of_a_launch_is_a_device_error) {
     const DeviceWorld device(world());
     const Intersections expected = Detector({.backend = Backend::cpu}).find(world());
     Detector cuda({.backend = Backend::cuda});
@@ -135,7 +135,7 @@ TEST_F(CudaMachineDeviceWorlds, are_told_when_the_device_lacks_memory) {
     EXPECT_TRUE(shows_world(cuda.launch(device.view()).wait(), expected));
 }
 
-TEST_F(CudaMachineDeviceWorlds, may_be_more_than_a_scene_holds) {
+TEST_F(CudaMachineDeviceWorlds, find_takes_more_worlds_than_one_launch) {
     const auto soup = random_soup<float>(1, 0.3, 1);
     const std::vector<Shape> shapes{Shape(soup.view(), 1)};
     std::vector<Body> bodies;
@@ -148,10 +148,9 @@ TEST_F(CudaMachineDeviceWorlds, may_be_more_than_a_scene_holds) {
         }
     const DeviceWorld device({shapes, bodies, poses});
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
-    const IntersectionQuery question{.output = Output::any_by_world};
-    EXPECT_TRUE(
-        same_world_answer(cuda.find(device.view(), question), cpu.find(World{shapes, bodies, poses}, question)));
-    EXPECT_STREQ(error_of([&] { cuda.launch(device.view(), question); }).what(),
+    const IntersectionQuery query{.output = Output::any_by_world};
+    EXPECT_TRUE(same_world_answer(cuda.find(device.view(), query), cpu.find(World{shapes, bodies, poses}, query)));
+    EXPECT_STREQ(error_of([&] { cuda.launch(device.view(), query); }).what(),
                  "a launch takes at most 65535 worlds, and 16777216 triangles together");
 }
 

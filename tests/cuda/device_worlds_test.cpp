@@ -1,4 +1,4 @@
-// Worlds whose poses lie on the device. Plain CUDA: the CPU plays the device, or a device is there.
+// Tests of worlds whose poses are on the device. Plain CUDA: runs on a device or on one that the CPU plays.
 
 #include <gtest/gtest.h>
 
@@ -21,10 +21,10 @@
 namespace crumple::test {
 namespace {
 
-constexpr std::array every_wants{Output::any,   Output::any_by_world, Output::body_pairs,
+constexpr std::array all_outputs{Output::any,   Output::any_by_world, Output::body_pairs,
                                  Output::count, Output::pairs,        Output::contacts};
 
-/// A random world with poses, whose named shapes have names of their own.
+/// Returns a random world with poses, whose named shapes have names that no other world uses.
 std::unique_ptr<RandomWorld> posed_world(unsigned seed, const WorldKind& kind) {
     auto world = random_world(seed, kind);
     world->poses.resize(world->bodies.size());
@@ -33,10 +33,10 @@ std::unique_ptr<RandomWorld> posed_world(unsigned seed, const WorldKind& kind) {
     return world;
 }
 
-std::vector<Pose> moved(const std::vector<Pose>& poses, unsigned seed, double reach = 0.6) {
+std::vector<Pose> moved(const std::vector<Pose>& poses, unsigned seed, double extent = 0.6) {
     Dice dice(seed);
     std::vector<Pose> out = poses;
-    for (Pose& pose : out) pose = random_pose(dice, reach);
+    for (Pose& pose : out) pose = random_pose(dice, extent);
     return out;
 }
 
@@ -50,7 +50,7 @@ const std::vector<WorldKind> kinds{
     {.shapes = 6, .bodies = 12, .worlds = 3, .everywhere = 0.7},
 };
 
-TEST(CudaDeviceWorlds, have_the_answers_of_brute_force) {
+TEST(CudaDeviceWorlds, results_match_brute_force) {
     Detector cuda({.backend = Backend::cuda}), small({.backend = Backend::cuda, .leaf_size = 12});
     Detector reference({.backend = Backend::reference});
     for (unsigned seed = 0; seed < 2; ++seed)
@@ -58,19 +58,18 @@ TEST(CudaDeviceWorlds, have_the_answers_of_brute_force) {
             const unsigned number = 100 * seed + static_cast<unsigned>(k);
             const auto world = posed_world(number, kinds[k]);
             const DeviceWorld device(world->view());
-            for (const Output wants : every_wants) {
-                SCOPED_TRACE(testing::Message() << "world " << number << ", wants " << static_cast<int>(wants));
-                IntersectionQuery question =
-                    random_question(7 * number + static_cast<unsigned>(wants), kinds[k].bodies);
-                question.output = wants;
+            for (const Output output : all_outputs) {
+                SCOPED_TRACE(testing::Message() << "world " << number << ", wants " << static_cast<int>(output));
+                IntersectionQuery query = random_query(7 * number + static_cast<unsigned>(output), kinds[k].bodies);
+                query.output = output;
                 Detector& detector = number % 2 ? small : cuda;
                 ASSERT_TRUE(
-                    same_world_answer(detector.find(device.view(), question), reference.find(world->view(), question)));
+                    same_world_answer(detector.find(device.view(), query), reference.find(world->view(), query)));
             }
         }
 }
 
-TEST(CudaDeviceWorlds, may_have_poses_in_float32) {
+TEST(CudaDeviceWorlds, poses_may_be_float32) {
     const auto world = posed_world(3, {.bodies = 14, .worlds = 4, .mixed_precision = false});
     for (Pose& pose : world->poses)
         for (double& x : pose.rows) x = static_cast<double>(static_cast<float>(x));
@@ -82,37 +81,37 @@ TEST(CudaDeviceWorlds, may_have_poses_in_float32) {
     EXPECT_TRUE(shows_world(cuda.launch(device.view()).wait(), expected));
 }
 
-TEST(CudaDeviceWorlds, leave_their_answers_on_the_device) {
+TEST(CudaDeviceWorlds, launch_leaves_its_result_on_the_device) {
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
     cudaStream_t stream;
     check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
     for (std::size_t k = 0; k < kinds.size(); ++k) {
         const auto world = posed_world(500 + static_cast<unsigned>(k), kinds[k]);
         DeviceWorld device(world->view());
-        for (const Output wants : every_wants) {
-            if (wants == Output::body_pairs) continue;
-            IntersectionQuery question = random_question(11 * static_cast<unsigned>(k), kinds[k].bodies);
-            question.index = false;
+        for (const Output output : all_outputs) {
+            if (output == Output::body_pairs) continue;
+            IntersectionQuery query = random_query(11 * static_cast<unsigned>(k), kinds[k].bodies);
+            query.index = false;
             for (int frame = 0; frame < 4; ++frame) {
                 SCOPED_TRACE(testing::Message()
-                             << "kind " << k << ", wants " << static_cast<int>(wants) << ", frame " << frame);
+                             << "kind " << k << ", wants " << static_cast<int>(output) << ", frame " << frame);
                 const auto poses = moved(world->poses, static_cast<unsigned>(frame / 2));
                 device.set_poses(poses);
-                question.output = wants;
-                const auto launched = cuda.launch(device.view(stream), question);
+                query.output = output;
+                const auto launched = cuda.launch(device.view(stream), query);
                 const DeviceIntersections& found = launched.wait();
-                EXPECT_EQ(found.pairs != nullptr, wants >= Output::pairs);
-                EXPECT_EQ(found.contact_kinds != nullptr, wants == Output::contacts);
-                question.output = std::max(wants, Output::pairs);
-                ASSERT_TRUE(shows_world(found, cpu.find(World{world->shapes, world->bodies, poses}, question)));
+                EXPECT_EQ(found.pairs != nullptr, output >= Output::pairs);
+                EXPECT_EQ(found.contact_kinds != nullptr, output == Output::contacts);
+                query.output = std::max(output, Output::pairs);
+                ASSERT_TRUE(shows_world(found, cpu.find(World{world->shapes, world->bodies, poses}, query)));
             }
         }
     }
     check(cudaStreamDestroy(stream));
 }
 
-// The second launch may have other bodies than the first, which then is run again, for its lists were too short.
-TEST(CudaDeviceWorlds, may_be_launched_twice_before_a_wait) {
+// The second launch may have other bodies than the first one, which is then run again, since its lists were too short.
+TEST(CudaDeviceWorlds, two_launches_may_be_in_flight) {
     const auto one = posed_world(21, {.bodies = 20, .worlds = 6, .named = 1, .mixed_precision = false});
     const auto two = posed_world(22, {.bodies = 12, .worlds = 3, .named = 0});
     const auto many = random_soup<float>(260, 0.8, 3);
@@ -140,14 +139,14 @@ TEST(CudaDeviceWorlds, may_be_launched_twice_before_a_wait) {
     }
 }
 
-TEST(CudaDeviceWorlds, take_turns_with_meshes) {
+TEST(CudaDeviceWorlds, launches_of_worlds_and_meshes_may_alternate) {
     const auto world = posed_world(31, {.bodies = 8, .worlds = 3});
     const DeviceWorld device(world->view());
     const auto mesh = random_soup<float>(90, 0.4, 9);
-    const DeviceMesh there(mesh.view());
+    const DeviceMesh on_device(mesh.view());
     Detector cuda({.backend = Backend::cuda});
     const auto message_of = [](auto call) { return std::string(error_of(call).what()); };
-    const auto older = cuda.launch(device.view()), of_mesh = cuda.launch(there.view());
+    const auto older = cuda.launch(device.view()), of_mesh = cuda.launch(on_device.view());
     EXPECT_EQ(older.wait().worlds, 3);
     EXPECT_EQ(message_of([&] { older.download(); }), "download() needs a wait() for meshes before it");
     const auto newer = cuda.launch(device.view());
@@ -155,29 +154,29 @@ TEST(CudaDeviceWorlds, take_turns_with_meshes) {
     EXPECT_EQ(newer.wait().worlds, 3);
 }
 
-TEST(CudaDeviceWorlds, may_change_between_calls) {
+TEST(CudaDeviceWorlds, worlds_may_change_between_calls) {
     const auto world = posed_world(41, {.bodies = 16, .worlds = 4, .named = 0.5});
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
-    const auto compare = [&](const IntersectionQuery& question = {}) {
+    const auto compare = [&](const IntersectionQuery& query = {}) {
         const DeviceWorld device(world->view());
-        const Intersections& expected = cpu.find(world->view(), question);
-        EXPECT_TRUE(same_world_answer(cuda.find(device.view(), question), expected));
-        EXPECT_TRUE(shows_world(cuda.launch(device.view(), question).wait(), expected));
+        const Intersections& expected = cpu.find(world->view(), query);
+        EXPECT_TRUE(same_world_answer(cuda.find(device.view(), query), expected));
+        EXPECT_TRUE(shows_world(cuda.launch(device.view(), query).wait(), expected));
         return expected.count;
     };
     const std::int64_t before = compare();
     ASSERT_GT(before, 0);
-    IntersectionQuery question;
-    question.filter.excluded_bodies = {{0, 1}, {2, 5}};
-    question.filter.bodies = PairScope::between;
-    compare(question);
-    question.filter.excluded_groups = {{0, 0}};
-    compare(question);
+    IntersectionQuery query;
+    query.filter.excluded_bodies = {{0, 1}, {2, 5}};
+    query.filter.bodies = PairScope::between;
+    compare(query);
+    query.filter.excluded_groups = {{0, 0}};
+    compare(query);
     world->bodies[3].self = !world->bodies[3].self;
     compare();
     world->bodies[2].group += 7;
-    compare(question);
-    // A shape without a name moves its vertices where they lie.
+    compare(query);
+    // The vertices of an unnamed shape move in place.
     auto soup = random_soup<float>(40, 0.5, 5);
     world->shapes.push_back(Shape(soup.view()));
     for (Body& body : world->bodies) body.shape = static_cast<std::int32_t>(world->shapes.size()) - 1;
@@ -191,9 +190,9 @@ TEST(CudaDeviceWorlds, may_change_between_calls) {
     compare();
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<int>(t) % 2);
     world->shapes.back().groups = soup.groups;
-    compare(question);
+    compare(query);
     soup.groups.assign(soup.groups.size(), 0);
-    compare(question);
+    compare(query);
     const auto other = random_soup<float>(41, 0.5, 6);
     world->shapes.back() = Shape(other.view(), 4711);
     const DeviceWorld device(world->view());
@@ -201,7 +200,7 @@ TEST(CudaDeviceWorlds, may_change_between_calls) {
     EXPECT_EQ(error.element, Element::shape);
 }
 
-TEST(CudaDeviceWorlds, name_the_body_of_a_bad_pose) {
+TEST(CudaDeviceWorlds, error_of_a_bad_pose_names_the_body) {
     const auto soup = random_soup<float>(30, 0.4, 5);
     const std::vector<Shape> shapes{Shape(soup.view(), 1)};
     std::vector<Body> bodies;
@@ -224,9 +223,9 @@ TEST(CudaDeviceWorlds, name_the_body_of_a_bad_pose) {
         EXPECT_EQ(error.code, ErrorCode::not_finite);
         device.set_poses(good);
     };
-    for (const Output wants : {Output::any_by_world, Output::pairs}) {
-        expect_bad([&] { cuda.find(device.view(), {.output = wants}); });
-        EXPECT_EQ(cuda.find(device.view(), {.output = wants}).any, expected.any);
+    for (const Output output : {Output::any_by_world, Output::pairs}) {
+        expect_bad([&] { cuda.find(device.view(), {.output = output}); });
+        EXPECT_EQ(cuda.find(device.view(), {.output = output}).any, expected.any);
     }
     expect_bad([&] { cuda.launch(device.view()).wait(); });
     Recorder recorder;
@@ -241,23 +240,23 @@ TEST(CudaDeviceWorlds, name_the_body_of_a_bad_pose) {
     }
 }
 
-TEST(CudaDeviceWorlds, are_part_of_a_callers_graph) {
+TEST(CudaDeviceWorlds, launch_can_be_captured) {
     const auto world = posed_world(51, {.bodies = 40, .worlds = 12, .named = 1});
     DeviceWorld device(world->view());
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
-    for (const IntersectionQuery& question : {IntersectionQuery{.output = Output::any_by_world},
-                                              {.output = Output::contacts},
-                                              IntersectionQuery{.output = Output::pairs, .weld = true}}) {
-        SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(question.output));
+    for (const IntersectionQuery& query : {IntersectionQuery{.output = Output::any_by_world},
+                                           {.output = Output::contacts},
+                                           IntersectionQuery{.output = Output::pairs, .weld = true}}) {
+        SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(query.output));
         Recorder recorder;
         const World view = device.view(recorder.stream());
         recorder.begin();
-        EXPECT_EQ(std::string(error_of([&] { cuda.launch(view, question); }).what()).substr(0, 97),
+        EXPECT_EQ(std::string(error_of([&] { cuda.launch(view, query); }).what()).substr(0, 97),
                   "a launch in a capture needs two calls before it, outside of the capture, with the same bodies and");
         recorder.end();
-        for (int call = 0; call < 3; ++call) cuda.launch(view, question).wait();
+        for (int call = 0; call < 3; ++call) cuda.launch(view, query).wait();
         recorder.begin();
-        const auto launched = cuda.launch(view, question);
+        const auto launched = cuda.launch(view, query);
         recorder.end();
         int complete = 0;
         for (unsigned frame = 0; frame < 6; ++frame) {
@@ -270,8 +269,8 @@ TEST(CudaDeviceWorlds, are_part_of_a_callers_graph) {
                 continue;
             }
             ++complete;
-            IntersectionQuery all = question;
-            all.output = std::max(question.output, Output::pairs);
+            IntersectionQuery all = query;
+            all.output = std::max(query.output, Output::pairs);
             EXPECT_TRUE(shows_world(found, cpu.find(World{world->shapes, world->bodies, poses}, all))) << frame;
         }
         EXPECT_GE(complete, 3);
@@ -280,7 +279,7 @@ TEST(CudaDeviceWorlds, are_part_of_a_callers_graph) {
     }
 }
 
-TEST(CudaDeviceWorlds, answer_all_other_questions_by_copies_of_their_poses) {
+TEST(CudaDeviceWorlds, other_queries_with_device_poses_match_the_cpu) {
     const auto world = posed_world(71, {.bodies = 14, .worlds = 4, .mixed_precision = false});
     const std::vector<Pose> ends = moved(world->poses, 5);
     World host = world->view();
@@ -289,18 +288,18 @@ TEST(CudaDeviceWorlds, answer_all_other_questions_by_copies_of_their_poses) {
     World at_end = world->view();
     at_end.poses = ends;
     const DeviceWorld end(at_end);
-    World there = start.view();
-    there.device_end_poses = end.view().device_poses;
+    World on_device = start.view();
+    on_device.device_end_poses = end.view().device_poses;
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
     EXPECT_GT(cpu.find(host, ImpactQuery()).count, 0);
-    EXPECT_TRUE(same_whole(cuda.find(there, ImpactQuery()), cpu.find(host, ImpactQuery())));
+    EXPECT_TRUE(same_whole(cuda.find(on_device, ImpactQuery()), cpu.find(host, ImpactQuery())));
     EXPECT_TRUE(same_whole(cuda.find(start.view(), ImpactQuery()), cpu.find(world->view(), ImpactQuery())));
     EXPECT_TRUE(
-        same_whole(cuda.find(there, ProximityQuery{.radius = 0.1}), cpu.find(host, ProximityQuery{.radius = 0.1})));
-    EXPECT_TRUE(same_whole(cuda.find(there, CandidateQuery()), cpu.find(host, CandidateQuery())));
+        same_whole(cuda.find(on_device, ProximityQuery{.radius = 0.1}), cpu.find(host, ProximityQuery{.radius = 0.1})));
+    EXPECT_TRUE(same_whole(cuda.find(on_device, CandidateQuery()), cpu.find(host, CandidateQuery())));
 }
 
-TEST(CudaDeviceWorlds, refuse_what_they_cannot) {
+TEST(CudaDeviceWorlds, unsupported_calls_are_rejected) {
     const auto world = posed_world(61, {.bodies = 6, .worlds = 2});
     const DeviceWorld device(world->view());
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});

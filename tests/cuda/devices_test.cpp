@@ -1,5 +1,5 @@
-// Several devices that share a question (Options::devices), two or four of which the CPU plays: byte for byte the
-// answer of one backend.
+// Tests of several devices that divide a query (Options::devices), two to four of which the CPU plays: results equal
+// those of one backend byte by byte.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ class Devices : public testing::Test {
     }
 };
 
-TEST_F(Devices, share_meshes_that_move_and_change) {
+TEST_F(Devices, moving_and_changing_meshes_match_the_cpu) {
     for (const std::vector<int>& devices : {std::vector{0, 1}, std::vector{3, 1, 0, 2}, std::vector{2}}) {
         Detector several(some(devices)), one({.backend = Backend::cpu});
         for (const bool contacts : {false, true})
@@ -53,14 +53,14 @@ TEST_F(Devices, share_meshes_that_move_and_change) {
     }
 }
 
-TEST_F(Devices, share_hard_soups) {
+TEST_F(Devices, hard_soups_match_the_cpu) {
     Detector several(some({0, 1, 2})), one({.backend = Backend::cpu});
     std::size_t number = 0;
     for (const NamedMesh& soup : hard_soups()) {
-        const std::array wanted{PairScope::both, PairScope::between, PairScope::within};
+        const std::array scopes{PairScope::both, PairScope::between, PairScope::within};
         IntersectionQuery query{.output = number % 3 == 0 ? Output::contacts : Output::pairs,
                                 .weld = number % 2 == 0,
-                                .filter = {.groups = wanted[number % 3]}};
+                                .filter = {.groups = scopes[number % 3]}};
         const std::vector<GroupPair> excluded{{0, 1}};
         if (number % 4 == 3) query.filter.excluded_groups = excluded;
         const WholeMesh mesh(soup.mesh);
@@ -69,22 +69,22 @@ TEST_F(Devices, share_hard_soups) {
     }
 }
 
-TEST_F(Devices, share_motion_and_nearness) {
+TEST_F(Devices, impacts_and_proximities_match_the_cpu) {
     Detector several(some({0, 1, 2})), one({.backend = Backend::cpu});
     for (const Step& step : {Step(WholeMesh(wavy_sheet<float>(8))), Step(WholeMesh(random_soup<double>(60, 0.3)))}) {
-        for (const Output wants : {Output::pairs, Output::first, Output::any}) {
-            const ImpactQuery motion{.output = wants, .min_distance = 0.01, .index = wants == Output::pairs};
+        for (const Output output : {Output::pairs, Output::first, Output::any}) {
+            const ImpactQuery motion{.output = output, .min_distance = 0.01, .index = output == Output::pairs};
             ASSERT_TRUE(same_features(several.find(step.start.view().moving_to(step.end_view()), motion),
                                       one.find(step.start.view().moving_to(step.end_view()), motion)));
         }
-        for (const Output wants : {Output::pairs, Output::any}) {
-            const ProximityQuery near{.output = wants, .radius = 0.05, .closest = true};
+        for (const Output output : {Output::pairs, Output::any}) {
+            const ProximityQuery near{.output = output, .radius = 0.05, .closest = true};
             ASSERT_TRUE(same_features(several.find(step.start.view(), near), one.find(step.start.view(), near)));
         }
     }
 }
 
-TEST_F(Devices, leave_the_rest_to_the_first) {
+TEST_F(Devices, queries_that_are_not_divided_match_the_cpu) {
     Detector several(some({1, 0})), one({.backend = Backend::cpu});
     const WholeMesh sheet(wavy_sheet<float>(10)), soup(random_soup<float>(80, 0.3));
     EXPECT_TRUE(same_answer(several.find({sheet.view(), soup.view()}), one.find({sheet.view(), soup.view()})));
@@ -100,7 +100,7 @@ TEST_F(Devices, leave_the_rest_to_the_first) {
     EXPECT_TRUE(same_answer(with_less.find(sheet.view()), one.find(sheet.view())));
 }
 
-TEST_F(Devices, fail_together_and_go_on) {
+TEST_F(Devices, errors_are_reported_and_the_detector_stays_usable) {
     const WholeMesh sheet(wavy_sheet<float>(12));
     const auto code_of = [](std::vector<int> devices) {
         return error_of([&] { Detector detector(some(std::move(devices))); }).code;
@@ -124,7 +124,7 @@ TEST_F(Devices, fail_together_and_go_on) {
     several.set_poll([&] {
         if (++polls == 1) throw std::domain_error("enough");
     });
-    // Polls come every 20 ms at most: once there has been one, its exception arrives here as it is.
+    // Polls come every 20 ms at most: after the first one, its exception arrives unchanged.
     try {
         while (polls == 0) several.find(WholeMesh(wavy_sheet<float>(40)).view());
         FAIL() << "nothing was thrown";
@@ -134,8 +134,8 @@ TEST_F(Devices, fail_together_and_go_on) {
     EXPECT_TRUE(same_answer(several.find(sheet.view()), one.find(sheet.view())));
 }
 
-// What ranks bring may lie on their devices; it goes through the host.
-TEST_F(Devices, may_hold_what_ranks_bring) {
+// Local meshes may be on the ranks' devices; they are copied to the host.
+TEST_F(Devices, local_meshes_of_ranks_may_be_on_devices) {
     constexpr int ranks = 2;
     const Step step(WholeMesh(wavy_sheet<float>(10)));
     Detector one({.backend = Backend::cpu});
@@ -146,15 +146,15 @@ TEST_F(Devices, may_hold_what_ranks_bring) {
         const int rank = transport.rank();
         const MeshPiece start(step.start, Distribution::random, rank, ranks),
             end(step.end, Distribution::random, rank, ranks);
-        const DeviceMesh there(start.share().mesh), there_at_end(end.share().mesh);
+        const DeviceMesh on_device(start.share().mesh), end_on_device(end.share().mesh);
         DistributedOptions options;
         options.detector.backend = Backend::cuda;
         distribute::RankDetector detector(transport, options);
         MeshShare share = start.share();
-        share.mesh = there.view();
+        share.mesh = on_device.view();
         for (int frame = 0; frame < 2; ++frame)
             verdicts.add(rank, rows_are(detector.find(share), start.triangle_ids, pairs));
-        verdicts.add(rank, rows_are(detector.find(share.moving_to(there_at_end.view().vertices), ImpactQuery()),
+        verdicts.add(rank, rows_are(detector.find(share.moving_to(end_on_device.view().vertices), ImpactQuery()),
                                     start.triangle_ids, impacts, step.start));
     });
     EXPECT_TRUE(verdicts.all());

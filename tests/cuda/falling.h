@@ -7,7 +7,7 @@
 
 namespace crumple::test {
 
-/// Two frames of a cloth that falls on a ball.
+/// Returns a step between two frames of a cloth that falls on a ball.
 inline MovingSoup<float> falling(int triangles, int frame) {
     MovingSoup<float> soup;
     const io::TriangleMesh from = cloth(triangles, frame), to = cloth(triangles, frame + 1);

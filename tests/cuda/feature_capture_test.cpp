@@ -1,5 +1,5 @@
-// Launches about features in a caller's capture: each replay of the caller's graph is a step. Plain CUDA: the CPU plays
-// the device, or a device is there.
+// Tests of launches of feature queries in a caller's capture: each replay of the caller's graph is a step. Plain CUDA:
+// runs on a device or on one that the CPU plays.
 
 #include <gtest/gtest.h>
 
@@ -14,9 +14,9 @@
 namespace crumple::test {
 namespace {
 
-/// Replays until the answer is complete: see CudaCapture.
+/// Replays until the result is complete, as in CudaCapture.
 template <class Query>
-auto answer_of(const Recorder& recorder, const LaunchTicket<Query>& launched) {
+auto replay_until_complete(const Recorder& recorder, const LaunchTicket<Query>& launched) {
     for (int replay = 0;; ++replay) {
         recorder.replay();
         typename Query::DeviceResult found = launched.wait();
@@ -24,64 +24,64 @@ auto answer_of(const Recorder& recorder, const LaunchTicket<Query>& launched) {
     }
 }
 
-TEST(CudaFeatureCapture, answers_each_replay) {
+TEST(CudaFeatureCapture, each_replay_gives_the_current_result) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda, .leaf_size = 150});
-    DeviceStep<float> there(falling(500, 70));
+    DeviceStep<float> on_device(falling(500, 70));
     Recorder recorder;
-    const MeshView view = there.view(recorder.stream());
-    const ImpactQuery asked{.min_distance = 0.01};
-    cuda.launch(view.moving_to(there.end()), asked).wait();
-    const auto before = cuda.launch(view.moving_to(there.end()), asked);
+    const MeshView view = on_device.view(recorder.stream());
+    const ImpactQuery query{.min_distance = 0.01};
+    cuda.launch(view.moving_to(on_device.end()), query).wait();
+    const auto before = cuda.launch(view.moving_to(on_device.end()), query);
     before.wait();
     recorder.begin();
-    const auto launched = cuda.launch(view.moving_to(there.end()), asked);
+    const auto launched = cuda.launch(view.moving_to(on_device.end()), query);
     recorder.end();
     EXPECT_STREQ(error_of([&] { launched.wait(); }).what(), "wait() needs a replay of the captured launch before it");
     int complete = 0;
     for (int frame = 70; frame < 94; frame += 4) {
         const MovingSoup<float> soup = falling(500, frame);
-        there.move(soup);
+        on_device.move(soup);
         recorder.replay();
         EXPECT_EQ(error_of([&] { before.wait(); }).code, ErrorCode::invalid_argument);
         const DeviceImpacts& found = launched.wait();
         if (!found.complete) continue;
         ++complete;
-        EXPECT_TRUE(shows(found, cpu.find(soup.view().moving_to(soup.end_view()), asked))) << "frame " << frame;
+        EXPECT_TRUE(shows(found, cpu.find(soup.view().moving_to(soup.end_view()), query))) << "frame " << frame;
     }
     EXPECT_GE(complete, 3) << "of 6 frames that look like the ones before";
 }
 
-TEST(CudaFeatureCapture, answers_every_question) {
+TEST(CudaFeatureCapture, every_feature_query_can_be_captured) {
     const MovingSoup<float> soup = falling(400, 88);
-    const DeviceStep<float> there(soup);
+    const DeviceStep<float> on_device(soup);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     Recorder recorder;
-    const MeshView view = there.view(recorder.stream());
+    const MeshView view = on_device.view(recorder.stream());
     const auto record = [&](const MeshView& mesh, const auto& query) {
         for (int call = 0; call < 2; ++call) cuda.launch(mesh, query).wait();
         recorder.begin();
         const auto launched = cuda.launch(mesh, query);
         recorder.end();
-        return answer_of(recorder, launched);
+        return replay_until_complete(recorder, launched);
     };
-    for (const Output wants : {Output::pairs, Output::first, Output::any})
-        EXPECT_TRUE(shows(record(view.moving_to(there.end()), ImpactQuery{.output = wants}),
-                          cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.output = wants})));
+    for (const Output output : {Output::pairs, Output::first, Output::any})
+        EXPECT_TRUE(shows(record(view.moving_to(on_device.end()), ImpactQuery{.output = output}),
+                          cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.output = output})));
     const ProximityQuery near{.radius = 0.02, .rings = 1};
     EXPECT_TRUE(shows(record(view, near), cpu.find(soup.view(), near)));
-    EXPECT_TRUE(shows(record(view.moving_to(there.end()), CandidateQuery()),
+    EXPECT_TRUE(shows(record(view.moving_to(on_device.end()), CandidateQuery()),
                       cpu.find(soup.view().moving_to(soup.end_view()), CandidateQuery())));
 }
 
-// A graph cannot take other edges: the answer is not complete, and a call outside of it makes them anew.
-TEST(CudaFeatureCapture, says_when_the_mesh_is_another) {
+// A graph cannot take other edges: the result is incomplete, and a call outside of the capture rebuilds them.
+TEST(CudaFeatureCapture, changed_triangles_make_a_replay_incomplete) {
     MovingSoup<float> soup = falling(300, 88);
     const MeshView host = soup.view();
-    DeviceStep<float> there(soup);
+    DeviceStep<float> on_device(soup);
     DeviceArray<std::array<std::int32_t, 3>> triangles{std::span<const std::array<std::int32_t, 3>>(soup.triangles)};
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     Recorder recorder;
-    MeshView view = there.view(recorder.stream());
+    MeshView view = on_device.view(recorder.stream());
     view.triangles = rows_of_three(triangles.span()[0].data(), host.triangles.rows);
     const ProximityQuery near{.radius = 0.5};
     const Proximities before = cpu.find(soup.view(), near);
@@ -89,7 +89,7 @@ TEST(CudaFeatureCapture, says_when_the_mesh_is_another) {
     recorder.begin();
     const auto launched = cuda.launch(view, near);
     recorder.end();
-    EXPECT_TRUE(shows(answer_of(recorder, launched), before));
+    EXPECT_TRUE(shows(replay_until_complete(recorder, launched), before));
     std::swap(soup.triangles[3], soup.triangles[90]);
     triangles.set(soup.triangles);
     for (int replay = 0; replay < 2; ++replay) {
@@ -100,21 +100,21 @@ TEST(CudaFeatureCapture, says_when_the_mesh_is_another) {
     }
     std::swap(soup.triangles[3], soup.triangles[90]);
     triangles.set(soup.triangles);
-    EXPECT_TRUE(shows(answer_of(recorder, launched), before));
+    EXPECT_TRUE(shows(replay_until_complete(recorder, launched), before));
     std::swap(soup.triangles[3], soup.triangles[90]);
     triangles.set(soup.triangles);
     EXPECT_TRUE(shows(cuda.launch(view, near).wait(), cpu.find(soup.view(), near)));
 }
 
-TEST(CudaFeatureCapture, needs_calls_before_it) {
+TEST(CudaFeatureCapture, capture_needs_calls_before_it) {
     const MovingSoup<float> soup = falling(200, 88), other = falling(300, 88);
-    const DeviceStep<float> there(soup), another(other);
+    const DeviceStep<float> on_device(soup), another(other);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     Recorder recorder;
-    const MeshView view = there.view(recorder.stream());
+    const MeshView view = on_device.view(recorder.stream());
     const auto refused = [&] {
         recorder.begin();
-        const Error error = error_of([&] { cuda.launch(view.moving_to(there.end()), ImpactQuery()); });
+        const Error error = error_of([&] { cuda.launch(view.moving_to(on_device.end()), ImpactQuery()); });
         recorder.end();
         return error.code == ErrorCode::invalid_argument;
     };
@@ -125,10 +125,10 @@ TEST(CudaFeatureCapture, needs_calls_before_it) {
         cuda.launch(another.view(recorder.stream()).moving_to(another.end()), ImpactQuery()).wait();
     EXPECT_TRUE(refused()) << "another mesh";
     recorder.begin();
-    EXPECT_EQ(error_of([&] { cuda.find(view.moving_to(there.end()), ImpactQuery()); }).code,
+    EXPECT_EQ(error_of([&] { cuda.find(view.moving_to(on_device.end()), ImpactQuery()); }).code,
               ErrorCode::invalid_argument);
     recorder.end();
-    EXPECT_TRUE(shows(cuda.launch(view.moving_to(there.end()), ImpactQuery()).wait(),
+    EXPECT_TRUE(shows(cuda.launch(view.moving_to(on_device.end()), ImpactQuery()).wait(),
                       cpu.find(soup.view().moving_to(soup.end_view()), ImpactQuery())));
 }
 

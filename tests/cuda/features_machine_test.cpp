@@ -1,4 +1,5 @@
-// Questions about features of meshes on the device, as the machine that plays it counts them.
+// Tests of feature queries about meshes on the device, on the machine that plays it and counts graphs, launches and
+// allocations.
 
 #include <gtest/gtest.h>
 
@@ -24,29 +25,29 @@ class CudaMachineFeatures : public testing::Test {
         settings() = {};
         settings().multiprocessors = 1;
     }
-    void ask(Detector& cuda, const DeviceStep<float>& there) const {
-        EXPECT_TRUE(shows(cuda.launch(there.view().moving_to(there.end()), ImpactQuery()).wait(), expected_));
+    void run(Detector& cuda, const DeviceStep<float>& on_device) const {
+        EXPECT_TRUE(shows(cuda.launch(on_device.view().moving_to(on_device.end()), ImpactQuery()).wait(), expected_));
     }
 
     const MovingSoup<float> soup_ = falling(200, 90);
-    const DeviceStep<float> there_{soup_};
+    const DeviceStep<float> on_device_{soup_};
     const Impacts expected_ =
         Detector({.backend = Backend::cpu}).find(soup_.view().moving_to(soup_.end_view()), ImpactQuery());
 };
 
-TEST_F(CudaMachineFeatures, are_graphs_of_few_nodes) {
-    const MeshView view = there_.view();
-    const VertexView end = there_.end();
+TEST_F(CudaMachineFeatures, launches_are_graphs_of_few_nodes) {
+    const MeshView view = on_device_.view();
+    const VertexView end = on_device_.end();
     struct Case {
         const char* name;
-        std::function<void(Detector&)> ask;
+        std::function<void(Detector&)> run;
         std::size_t chain, nodes;
     };
-    const auto impacts = [&](Output wants) {
+    const auto impacts = [&](Output output) {
         return
-            [&view, &end, wants](Detector& d) { d.launch(view.moving_to(end), ImpactQuery{.output = wants}).wait(); };
+            [&view, &end, output](Detector& d) { d.launch(view.moving_to(end), ImpactQuery{.output = output}).wait(); };
     };
-    for (const auto& [name, ask, chain, nodes] :
+    for (const auto& [name, run, chain, nodes] :
          {Case{"impacts", impacts(Output::pairs), 20, 26},
           {"first", impacts(Output::first), 16, 22},
           {"any", impacts(Output::any), 14, 20},
@@ -54,67 +55,68 @@ TEST_F(CudaMachineFeatures, are_graphs_of_few_nodes) {
           {"candidates", [&](Detector& d) { d.launch(view.moving_to(end), CandidateQuery()).wait(); }, 15, 21}}) {
         SCOPED_TRACE(name);
         Detector cuda({.backend = Backend::cuda, .clusters = 3});
-        for (int frame = 0; frame < 5; ++frame) ask(cuda);
+        for (int frame = 0; frame < 5; ++frame) run(cuda);
         EXPECT_EQ(cuda_on_cpu::graph_count().chain, chain);
         EXPECT_EQ(cuda_on_cpu::graph_count().nodes, nodes);
-        // No kernel beside the graph, and no memory.
+        // A launch needs neither kernels outside of the graph nor new memory.
         settings().launches_before_failure = settings().allocations_before_failure = 0;
-        ask(cuda);
+        run(cuda);
         settings().launches_before_failure = settings().allocations_before_failure = -1;
     }
 }
 
-// Each frame has other arrays, and one graph does for all.
-TEST_F(CudaMachineFeatures, move_without_a_new_graph) {
+// Each frame has other arrays; one graph serves all of them.
+TEST_F(CudaMachineFeatures, moving_mesh_needs_no_new_graph) {
     std::vector<DeviceStep<float>> copies;
     for (int i = 0; i < 12; ++i) copies.emplace_back(soup_);
     Detector cuda({.backend = Backend::cuda});
-    for (int i = 0; i < 4; ++i) ask(cuda, copies[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < 4; ++i) run(cuda, copies[static_cast<std::size_t>(i)]);
     const std::size_t graphs = cuda_on_cpu::graph_count().instantiated;
-    for (std::size_t i = 4; i < copies.size(); ++i) ask(cuda, copies[i]);
+    for (std::size_t i = 4; i < copies.size(); ++i) run(cuda, copies[i]);
     EXPECT_EQ(cuda_on_cpu::graph_count().instantiated, graphs);
 }
 
-TEST_F(CudaMachineFeatures, may_run_out_of_memory_at_any_allocation_or_launch) {
+TEST_F(CudaMachineFeatures, out_of_memory_gives_result_or_device_error) {
     for (int before = 0; before < 40; before += before < 20 ? 1 : 4) {
         SCOPED_TRACE(before);
         Detector first({.backend = Backend::cuda}), second({.backend = Backend::cuda});
-        const auto answers_or_says_so = [&](Detector& cuda, int& failure) {
+        const auto gives_result_or_device_error = [&](Detector& cuda, int& failure) {
             failure = before;
             try {
-                EXPECT_TRUE(same_features(cuda.find(there_.view().moving_to(there_.end()), ImpactQuery()), expected_));
-                const auto older = cuda.launch(there_.view().moving_to(there_.end()), ImpactQuery()),
-                           newer = cuda.launch(there_.view().moving_to(there_.end()), ImpactQuery());
+                EXPECT_TRUE(
+                    same_features(cuda.find(on_device_.view().moving_to(on_device_.end()), ImpactQuery()), expected_));
+                const auto older = cuda.launch(on_device_.view().moving_to(on_device_.end()), ImpactQuery()),
+                           newer = cuda.launch(on_device_.view().moving_to(on_device_.end()), ImpactQuery());
                 EXPECT_TRUE(shows(older.wait(), expected_));
                 EXPECT_TRUE(shows(newer.wait(), expected_));
             } catch (const Error& error) {
                 EXPECT_EQ(error.code, ErrorCode::device) << error.what();
             }
             failure = -1;
-            ask(cuda, there_);
+            run(cuda, on_device_);
         };
-        answers_or_says_so(first, settings().allocations_before_failure);
-        answers_or_says_so(second, settings().launches_before_failure);
+        gives_result_or_device_error(first, settings().allocations_before_failure);
+        gives_result_or_device_error(second, settings().launches_before_failure);
         if (HasFailure()) return;
     }
 }
 
-TEST_F(CudaMachineFeatures, say_what_limit_a_launch_needs) {
+TEST_F(CudaMachineFeatures, launch_reports_the_memory_limit_that_it_needs) {
     std::int64_t limit = 1 << 25;
-    int answers = 0;
-    for (;; limit = limit * 2 / 3, ++answers) {
+    int results = 0;
+    for (;; limit = limit * 2 / 3, ++results) {
         Detector cuda({.backend = Backend::cuda, .memory_limit = limit});
         try {
-            ask(cuda, there_);
+            run(cuda, on_device_);
         } catch (const Error& error) {
             ASSERT_EQ(error.code, ErrorCode::memory_limit);
             EXPECT_GT(error.bytes_needed, limit);
             sufficient_limit({.backend = Backend::cuda, .memory_limit = limit},
-                             [&](Detector& enough) { ask(enough, there_); });
+                             [&](Detector& enough) { run(enough, on_device_); });
             break;
         }
     }
-    EXPECT_GE(answers, 1);
+    EXPECT_GE(results, 1);
 }
 
 }  // namespace

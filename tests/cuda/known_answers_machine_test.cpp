@@ -1,4 +1,5 @@
-// The comparison of a device with the host, on a machine whose kernels can be at fault.
+// Tests of the comparison of a device with the host (known-answer tests), on a played machine whose kernels can be made
+// to fail.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +31,7 @@ class KnownAnswersOfAMachine : public testing::Test {
         settings().run_instead = nullptr;
         cuda::reset_known_answers();
     }
-    // Launches of kernels, before which there are `before`, do nothing.
+    // Makes the kernel launch after the first `before` ones do nothing.
     static void break_launch(int before) {
         settings().run_instead = [before](const cuda_on_cpu::Kernel&) mutable { return before-- == 0; };
     }
@@ -40,14 +41,14 @@ class KnownAnswersOfAMachine : public testing::Test {
     cuda::Stream stream_ = cuda::make_stream(device_);
 };
 
-TEST_F(KnownAnswersOfAMachine, take_eight_launches_and_a_copy_each_way) {
+TEST_F(KnownAnswersOfAMachine, comparison_takes_eight_launches_and_a_copy_each_way) {
     const cuda_on_cpu::WorkCount before = cuda_on_cpu::work_count();
     EXPECT_EQ(difference(), "");
     EXPECT_LE(cuda_on_cpu::work_count().launches - before.launches, 8u);
     EXPECT_EQ(cuda_on_cpu::work_count().copies - before.copies, 2u);
 }
 
-TEST_F(KnownAnswersOfAMachine, do_not_depend_on_the_rounding_mode_of_the_caller) {
+TEST_F(KnownAnswersOfAMachine, rounding_mode_of_the_caller_does_not_matter) {
     std::fesetround(FE_UPWARD);
     const std::string found = difference();
     EXPECT_EQ(std::fegetround(), FE_UPWARD);
@@ -55,7 +56,7 @@ TEST_F(KnownAnswersOfAMachine, do_not_depend_on_the_rounding_mode_of_the_caller)
     EXPECT_EQ(found, "");
 }
 
-TEST_F(KnownAnswersOfAMachine, are_compared_once) {
+TEST_F(KnownAnswersOfAMachine, known_answers_are_compared_once_per_process) {
     const auto launches = [] {
         const std::size_t before = cuda_on_cpu::work_count().launches;
         Detector({.backend = Backend::cuda});
@@ -66,7 +67,7 @@ TEST_F(KnownAnswersOfAMachine, are_compared_once) {
     EXPECT_EQ(launches(), second);
 }
 
-TEST_F(KnownAnswersOfAMachine, reveal_any_kernel_that_does_nothing) {
+TEST_F(KnownAnswersOfAMachine, kernel_that_does_nothing_is_detected) {
     for (const auto& [launch, expected] : {std::pair{0, "the intersection"},
                                            {1, "the intersection"},
                                            {2, "the contact"},
@@ -81,7 +82,7 @@ TEST_F(KnownAnswersOfAMachine, reveal_any_kernel_that_does_nothing) {
     }
 }
 
-TEST_F(KnownAnswersOfAMachine, that_are_wrong_make_the_backend_unavailable) {
+TEST_F(KnownAnswersOfAMachine, wrong_results_make_the_backend_unavailable) {
     const auto break_exact_decision = [] {
         settings().run_instead = [begin = cuda_on_cpu::work_count().launches](const cuda_on_cpu::Kernel&) {
             return cuda_on_cpu::work_count().launches - begin > 8;  // stacks are reserved before
@@ -94,14 +95,14 @@ TEST_F(KnownAnswersOfAMachine, that_are_wrong_make_the_backend_unavailable) {
         "the cuda backend is not available: device 0, its driver or the compiler of its code computes wrong results (";
     EXPECT_EQ(std::string(error.what()).substr(0, reason.size()), reason);
 
-    settings().run_instead = nullptr;  // it is not trusted again
+    settings().run_instead = nullptr;  // the device stays excluded
     Detector automatic;
     EXPECT_EQ(automatic.backend(), Backend::cpu);
     EXPECT_EQ(automatic.fallback().substr(0, reason.size()), reason);
 }
 
-// Counts the paths that the cases take on the host.
-TEST_F(KnownAnswersOfAMachine, need_every_path_of_the_arithmetic) {
+// Counts the code paths that the cases take on the host.
+TEST_F(KnownAnswersOfAMachine, cases_cover_every_path_of_the_arithmetic) {
     const cuda::KnownCases cases = cuda::make_known_cases(96);
     int collide = 0, apart = 0, undecided_pairs = 0, expanded = 0, shared = 0;
     int rounded = 0, open_contacts = 0;
@@ -124,9 +125,9 @@ TEST_F(KnownAnswersOfAMachine, need_every_path_of_the_arithmetic) {
         expanded += signs.expanded();
         shared += Sharing(a, b).count > 0;
         Contact contact;
-        const bool known = contact_on_line(a, b, NothingExact{}, contact);
-        rounded += known && contact.count > 0;
-        open_contacts += !known;
+        const bool is_known = contact_on_line(a, b, NothingExact{}, contact);
+        rounded += is_known && contact.count > 0;
+        open_contacts += !is_known;
         const auto moving = [&](std::size_t k) { return MovingPoint{cases.start[6 * i + k], cases.end[6 * i + k]}; };
         const FourPoints points{moving(3), moving(0), moving(1), moving(2)};
         const QuickImpact impact = quick_impact<FeaturePair::vertex_face>(points);

@@ -1,4 +1,5 @@
-// The comparison of a device with the host. Plain CUDA: the CPU plays the device, or a device is there.
+// Test of the comparison of a device with the host (known-answer tests). Plain CUDA: runs on a device or on one that
+// the CPU plays.
 
 #include <cuda_runtime.h>
 
@@ -12,9 +13,9 @@
 namespace crumple::test {
 namespace {
 
-// Run alone, so that the first backend is the process's first one. The difference is what kernels' loading and the
-// known answers take.
-TEST(KnownAnswers, let_this_device_be_used) {
+// To be run alone, so that the first backend is the process's first one. The difference of the two times is what
+// loading kernels and the known answers take.
+TEST(KnownAnswers, device_passes_the_comparison) {
     ASSERT_EQ(cudaFree(nullptr), cudaSuccess);  // makes the context
     for (const char* which : {"first", "second"}) {
         const auto begin = std::chrono::steady_clock::now();

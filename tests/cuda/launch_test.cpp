@@ -1,5 +1,5 @@
-// Calls on the caller's stream whose answers stay on the device. Plain CUDA: the CPU plays the device, or a device is
-// there.
+// Tests of launches on the caller's stream, whose results stay on the device. Plain CUDA: runs on a device or on one
+// that the CPU plays.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@
 namespace crumple::test {
 namespace {
 
-TEST(CudaLaunch, answers_frames_of_a_simulation) {
+TEST(CudaLaunch, simulation_frames_match_the_cpu) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda, .leaf_size = 200});
     cudaStream_t stream;
     check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
@@ -59,8 +59,8 @@ TEST(CudaLaunch, answers_frames_of_a_simulation) {
     check(cudaStreamDestroy(stream));
 }
 
-// What the frame before has left decides cost alone, whatever the next one brings.
-TEST(CudaLaunch, answers_when_the_scene_jumps) {
+// The state that the previous frame leaves affects cost only, whatever the next frame contains.
+TEST(CudaLaunch, sudden_scene_changes_do_not_affect_results) {
     constexpr int n = 120;
     using Triangles = std::vector<std::array<float, 3>>;
     const Soup<float> first = random_soup(n, 0.2);
@@ -73,15 +73,15 @@ TEST(CudaLaunch, answers_when_the_scene_jumps) {
     const std::vector<Triangles> frames{
         first.vertices,
         random_soup(n, 0.2, 2).vertices,
-        moved([](std::size_t v, auto& p) {  // a vertex flies off, and all others are one cluster's
+        moved([](std::size_t v, auto& p) {  // one vertex flies off, so that all others are in one cluster
             if (v == 7) p[0] = 1e6f;
         }),
         moved([](std::size_t, auto& p) {
             p = {0.5f, 0.5f, 0.5f};
         }),
-        moved([&](std::size_t, auto& p) { p[1] = inf; }),  // nobody waits for it, or sees the error
+        moved([&](std::size_t, auto& p) { p[1] = inf; }),  // no wait(), so the error is never seen
         first.vertices,
-        moved([](std::size_t v, auto& p) {  // half of all crowd together
+        moved([](std::size_t v, auto& p) {  // half of all vertices crowd together
             if (v % 2) p = {p[0] / 50, p[1] / 50, p[2] / 50};
         }),
         moved([](std::size_t, auto& p) {
@@ -111,7 +111,7 @@ TEST(CudaLaunch, answers_when_the_scene_jumps) {
                 older.reset();
                 if (bad && frame % 2) {
                     older = launched;
-                    break;  // it is waited for when the next frame has been launched
+                    break;  // wait() comes after the launch of the next frame
                 }
                 if (bad)
                     EXPECT_THROW(launched.wait(), Error);
@@ -121,13 +121,13 @@ TEST(CudaLaunch, answers_when_the_scene_jumps) {
             if (!bad) {
                 EXPECT_EQ(cuda.any(device.view()), !cpu.find(host.view()).pairs.empty());
             }
-            check(cudaDeviceSynchronize());  // or the next frame's vertices would come too early
+            check(cudaDeviceSynchronize());  // otherwise the next frame's vertices would come too early
         }
     }
 }
 
-// A triangle with many others through it, so many that a row is in order at once, in one part, and in several.
-TEST(CudaLaunch, puts_long_rows_in_order) {
+// Triangles that intersect many others: the row of a triangle is sorted at once, in one part, or in several.
+TEST(CudaLaunch, long_rows_are_sorted) {
     Soup<float> soup;
     const auto add = [&](std::array<float, 3> a, std::array<float, 3> b, std::array<float, 3> c) {
         const auto v = static_cast<std::int32_t>(soup.vertices.size());
@@ -152,8 +152,8 @@ TEST(CudaLaunch, puts_long_rows_in_order) {
     EXPECT_TRUE(same_answer(chunked.find(device.view()), expected));
 }
 
-// A cluster of more units of work than there was room for.
-TEST(CudaLaunch, sweeps_all_units_in_chunks) {
+// A cluster with more units of work than its capacity.
+TEST(CudaLaunch, all_units_are_swept_in_chunks) {
     Soup<float> soup = random_soup(6000, 0.01);
     for (std::size_t v = 0; v < soup.vertices.size(); ++v)
         soup.vertices[v][0] = 3 * soup.vertices[v][0] + (v % 3 ? 0 : 1);
@@ -164,8 +164,8 @@ TEST(CudaLaunch, sweeps_all_units_in_chunks) {
     EXPECT_TRUE(Detector(options).any(device.view()));
 }
 
-// One pair among many triangles, none, or thousands; with room for a pass, and in chunks.
-TEST(CudaLaunch, tells_whether_anything_collides) {
+// One pair among many triangles, none, or thousands; with memory for a whole pass, and in chunks.
+TEST(CudaLaunch, any_reports_whether_anything_collides) {
     Soup<float> soup = random_soup(1000, 1e-4);
     const DeviceMesh apart(soup.view());
     for (int k = 0; k < 3; ++k)
@@ -173,7 +173,7 @@ TEST(CudaLaunch, tells_whether_anything_collides) {
     const DeviceMesh one_pair(soup.view()), many(random_soup(1000, 0.5).view());
     for (const std::int64_t limit : {0, 400'000}) {
         for (const int leaf_size : {3000, 200, 10}) {
-            if (limit && leaf_size < 200) continue;  // bins of so many leaves take more
+            if (limit && leaf_size < 200) continue;  // bins of so many leaves need more memory
             SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", limit " << limit);
             Detector cuda({.backend = Backend::cuda, .memory_limit = limit, .leaf_size = leaf_size});
             for (int repeat = 0; repeat < 2; ++repeat) {
@@ -187,7 +187,7 @@ TEST(CudaLaunch, tells_whether_anything_collides) {
     }
 }
 
-TEST(CudaLaunch, answers_from_two_buffers_in_turn) {
+TEST(CudaLaunch, two_alternating_buffers_match_the_cpu) {
     const io::TriangleMesh meshes[2] = {cloth(600, 80), cloth(600, 93)};
     const DeviceMesh buffers[2] = {DeviceMesh(meshes[0].view()), DeviceMesh(meshes[1].view())};
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -198,7 +198,7 @@ TEST(CudaLaunch, answers_from_two_buffers_in_turn) {
     }
 }
 
-TEST(CudaLaunch, obeys_the_excluded_groups_of_each_query) {
+TEST(CudaLaunch, excluded_groups_may_change_with_each_query) {
     io::TriangleMesh mesh = cloth(600, 93);
     mesh.groups.clear();
     for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) mesh.groups.push_back(t % 3);
@@ -222,7 +222,7 @@ TEST(CudaLaunch, obeys_the_excluded_groups_of_each_query) {
     EXPECT_LT(counts[3], counts[4]);
 }
 
-TEST(CudaLaunch, downloads_only_what_wait_has_found) {
+TEST(CudaLaunch, download_needs_a_wait_of_the_last_call) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const DeviceMesh device(mesh.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -245,7 +245,7 @@ TEST(CudaLaunch, downloads_only_what_wait_has_found) {
     }
 }
 
-TEST(CudaLaunch, answers_between_two_meshes) {
+TEST(CudaLaunch, two_meshes_match_the_cpu) {
     const io::TriangleMesh mesh = cloth(700);
     const Halves half(mesh.view());
     const DeviceMesh a(half.a), b(half.b);
@@ -255,7 +255,7 @@ TEST(CudaLaunch, answers_between_two_meshes) {
     }
 }
 
-TEST(CudaLaunch, forgets_launches_that_nobody_waited_for) {
+TEST(CudaLaunch, find_ends_launches_in_flight) {
     const io::TriangleMesh first = cloth(300), second = cloth(500);
     const DeviceMesh device_first(first.view()), device_second(second.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -267,7 +267,7 @@ TEST(CudaLaunch, forgets_launches_that_nobody_waited_for) {
     cuda.launch(device_first.view());
 }
 
-/// A stream of the test's own.
+/// RAII wrapper of a stream.
 struct OwnStream {
     cudaStream_t stream = nullptr;
     OwnStream() { check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking)); }
@@ -278,8 +278,9 @@ struct OwnStream {
     }
 };
 
-// Each answer is the oldest launch's, on one stream or on two, and stays until the second launch after its own.
-TEST(CudaLaunch, answers_two_frames_in_flight) {
+// Each wait() returns the result of the oldest launch, on one stream or on two; the result stays valid until the second
+// launch after its own.
+TEST(CudaLaunch, two_frames_in_flight_match_the_cpu) {
     for (const int streams : {1, 2}) {
         for (const int leaf_size : {3000, 60}) {
             for (const bool contacts : {false, true}) {
@@ -316,9 +317,9 @@ TEST(CudaLaunch, answers_two_frames_in_flight) {
     }
 }
 
-// What the first leaves undone is done in its wait(), whatever the second has made of the lists, and the second is
-// right, too.
-TEST(CudaLaunch, answers_two_frames_in_flight_of_which_any_is_hard) {
+// The wait() of the first launch completes what its pass left undecided, although the second pass has reused the lists;
+// the second result is right, too.
+TEST(CudaLaunch, hard_frames_in_flight_match_the_cpu) {
     const std::vector<NamedMesh> scenes = hard_soups();
     const IntersectionQuery query{.output = Output::contacts};
     Detector cpu({.backend = Backend::cpu});
@@ -327,7 +328,7 @@ TEST(CudaLaunch, answers_two_frames_in_flight_of_which_any_is_hard) {
     int again = 0;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         for (const std::size_t other : {i, (i + 1) % scenes.size(), (i + 5) % scenes.size()}) {
-            if (sanitized && other != (i + 1) % scenes.size()) continue;  // which are slow
+            if (sanitized && other != (i + 1) % scenes.size()) continue;  // sanitizers are slow
             SCOPED_TRACE(scenes[i].name + " and " + scenes[other].name);
             const DeviceMesh first(scenes[i].mesh.view()), second(scenes[other].mesh.view());
             const auto older = cuda.launch(stream[0].on(first.view()), query);
@@ -345,7 +346,7 @@ TEST(CudaLaunch, answers_two_frames_in_flight_of_which_any_is_hard) {
     EXPECT_GT(again, 0);
 }
 
-TEST(CudaLaunch, grows_lists_with_two_frames_in_flight) {
+TEST(CudaLaunch, lists_grow_with_two_frames_in_flight) {
     constexpr int n = 1500;
     const Soup<float> soups[] = {random_soup(n, 1e-3), random_soup(n, 0.6, 2), random_soup(n, 0.9, 3)};
     const int frames[] = {0, 0, 0, 1, 2, 0, 2, 2, 1, 0, 0};
@@ -367,9 +368,9 @@ TEST(CudaLaunch, grows_lists_with_two_frames_in_flight) {
     EXPECT_TRUE(shows(launched.back().wait(), soups[0].view(), nullptr, expected[0]));
 }
 
-// Lists are shared: a pass begins when those before are over, on whatever stream they are, and so does what moves lists
-// or runs a pass again.
-TEST(CudaLaunch, runs_passes_of_all_streams_one_after_the_other) {
+// Passes share lists: a pass begins when all earlier ones have ended, on any stream, and so does whatever moves lists
+// or repeats a pass.
+TEST(CudaLaunch, passes_of_different_streams_do_not_overlap) {
     constexpr int n = 1500;
     const Soup<float> sparse = random_soup(n, 1e-3), dense = random_soup(n, 0.6, 2), more = random_soup(2 * n, 1e-3);
     DeviceMesh first(sparse.view());
@@ -396,7 +397,7 @@ TEST(CudaLaunch, runs_passes_of_all_streams_one_after_the_other) {
     newer.wait();
 }
 
-TEST(CudaLaunch, refuses_a_third_launch_and_keeps_the_others) {
+TEST(CudaLaunch, third_launch_in_flight_is_rejected) {
     const io::TriangleMesh meshes[2] = {cloth(300, 93), cloth(500, 93)};
     const DeviceMesh first(meshes[0].view()), second(meshes[1].view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -412,7 +413,7 @@ TEST(CudaLaunch, refuses_a_third_launch_and_keeps_the_others) {
 
 constexpr const char* nothing_to_wait_for = "there is nothing to wait for: another call has come after this launch";
 
-TEST(CudaLaunch, is_waited_for_once_and_in_order) {
+TEST(CudaLaunch, wait_is_allowed_once_and_in_order) {
     const io::TriangleMesh meshes[2] = {cloth(300, 93), cloth(500, 93)};
     const DeviceMesh first(meshes[0].view()), second(meshes[1].view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -442,7 +443,7 @@ TEST(CudaLaunch, is_waited_for_once_and_in_order) {
     }
 }
 
-TEST(CudaLaunch, may_be_waited_for_after_a_stop_that_came_too_early) {
+TEST(CudaLaunch, wait_may_follow_a_cancelled_wait) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const DeviceMesh device(mesh.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -453,7 +454,7 @@ TEST(CudaLaunch, may_be_waited_for_after_a_stop_that_came_too_early) {
     EXPECT_TRUE(shows(launched.wait(), mesh.view(), nullptr, cpu.find(mesh.view())));
 }
 
-TEST(CudaLaunch, may_be_waited_for_when_the_detector_was_moved) {
+TEST(CudaLaunch, wait_works_after_the_detector_was_moved) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const DeviceMesh device(mesh.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -463,8 +464,8 @@ TEST(CudaLaunch, may_be_waited_for_when_the_detector_was_moved) {
     EXPECT_TRUE(same_answer(launched.download(), cpu.find(mesh.view())));
 }
 
-// Bad input of the one is not the other's.
-TEST(CudaLaunch, reports_bad_input_of_each_frame_in_flight) {
+// Bad input of one launch does not affect the other.
+TEST(CudaLaunch, bad_input_is_reported_for_its_own_frame) {
     const Soup<float> good = random_soup(200, 0.2);
     Soup<float> bad = good;
     bad.vertices[17][1] = std::numeric_limits<float>::infinity();
@@ -473,7 +474,7 @@ TEST(CudaLaunch, reports_bad_input_of_each_frame_in_flight) {
     const Intersections& expected = cpu.find(good.view());
     const int frames[] = {0, 0, 0, 1, 0, 1, 1, 0, 0, 0};
     std::vector<LaunchTicket<IntersectionQuery>> launched;
-    const auto expect_answer = [&](std::size_t frame) {
+    const auto expect_result = [&](std::size_t frame) {
         if (frames[frame])
             EXPECT_STREQ(error_of([&] { launched[frame].wait(); }).what(), "vertex 17 is not finite");
         else
@@ -482,42 +483,42 @@ TEST(CudaLaunch, reports_bad_input_of_each_frame_in_flight) {
     for (std::size_t frame = 0; frame < std::size(frames); ++frame) {
         launched.push_back(cuda.launch(device[frames[frame]].view()));
         if (frame == 0) continue;
-        expect_answer(frame - 1);
+        expect_result(frame - 1);
         EXPECT_STREQ(error_of([&] { launched[frame - 1].wait(); }).what(), nothing_to_wait_for);
     }
-    expect_answer(std::size(frames) - 1);
+    expect_result(std::size(frames) - 1);
 }
 
-TEST(CudaLaunch, answers_two_frames_in_flight_under_a_memory_limit) {
+TEST(CudaLaunch, second_frame_in_flight_needs_no_higher_memory_limit) {
     const io::TriangleMesh meshes[2] = {cloth(600, 80), cloth(600, 93)};
     const DeviceMesh devices[2] = {DeviceMesh(meshes[0].view()), DeviceMesh(meshes[1].view())};
     Detector cpu({.backend = Backend::cpu});
     const std::vector<Intersections> expected{cpu.find(meshes[0].view()), cpu.find(meshes[1].view())};
     Detector unlimited({.backend = Backend::cuda});
     const std::int64_t all = unlimited.find(devices[1].view()).statistics.peak_memory_bytes;
-    // How many frames are answered, `ahead` of which are in flight at each wait().
-    const auto answers = [&](std::int64_t limit, std::size_t ahead) {
+    // Returns the number of frames with results; `ahead` later launches are in flight at each wait().
+    const auto completed_frames = [&](std::int64_t limit, std::size_t ahead) {
         SCOPED_TRACE(testing::Message() << limit << " bytes");
         Detector cuda({.backend = Backend::cuda, .memory_limit = limit});
         std::vector<LaunchTicket<IntersectionQuery>> launched;
-        std::size_t answered = 0;
+        std::size_t completed = 0;
         try {
             for (std::size_t frame = 0; frame < 6; ++frame) {
                 launched.push_back(cuda.launch(devices[frame % 2].view()));
                 if (frame < ahead) continue;
-                const std::size_t asked = answered % 2;
-                EXPECT_TRUE(shows(launched[answered].wait(), meshes[asked].view(), nullptr, expected[asked]))
-                    << answered;
-                ++answered;
+                const std::size_t which = completed % 2;
+                EXPECT_TRUE(shows(launched[completed].wait(), meshes[which].view(), nullptr, expected[which]))
+                    << completed;
+                ++completed;
             }
         } catch (const Error& error) {
             EXPECT_EQ(error.code, ErrorCode::memory_limit) << error.what();
         }
-        return answered;
+        return completed;
     };
     std::size_t most = 0, least = 6;
     for (std::int64_t limit = 2 * all; limit > 100'000; limit -= limit / 6) {
-        const std::size_t one = answers(limit, 0), two = answers(limit, 1);
+        const std::size_t one = completed_frames(limit, 0), two = completed_frames(limit, 1);
         EXPECT_EQ(two == 5, one == 6) << limit;
         most = std::max(most, two);
         least = std::min(least, two);
@@ -526,7 +527,7 @@ TEST(CudaLaunch, answers_two_frames_in_flight_under_a_memory_limit) {
     EXPECT_EQ(least, 0u);
 }
 
-TEST(CudaLaunch, answers_for_empty_meshes) {
+TEST(CudaLaunch, empty_meshes_match_the_cpu) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const DeviceMesh nothing{MeshView()}, something(mesh.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -543,7 +544,7 @@ TEST(CudaLaunch, answers_for_empty_meshes) {
     }
 }
 
-TEST(CudaLaunch, leaves_the_capture_of_another_thread_alone) {
+TEST(CudaLaunch, capture_of_another_thread_is_not_disturbed) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const Intersections expected = Detector({.backend = Backend::cpu}).find(mesh.view());
     const DeviceMesh device(mesh.view());
@@ -560,7 +561,7 @@ TEST(CudaLaunch, leaves_the_capture_of_another_thread_alone) {
             EXPECT_EQ(launched.wait().count, static_cast<std::int64_t>(expected.pairs.size()));
             EXPECT_TRUE(same_answer(launched.download(), expected));
         }
-        cuda.launch(device.view());  // the detector's end waits for it
+        cuda.launch(device.view());  // the detector's destructor waits for it
     }).join();
     cudaGraph_t graph = nullptr;
     EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
@@ -568,7 +569,7 @@ TEST(CudaLaunch, leaves_the_capture_of_another_thread_alone) {
     check(cudaStreamDestroy(stream));
 }
 
-TEST(CudaLaunch, works_on_default_streams_while_another_thread_captures) {
+TEST(CudaLaunch, default_streams_work_while_another_thread_captures) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const Intersections expected = Detector({.backend = Backend::cpu}).find(mesh.view());
     const DeviceMesh device(mesh.view());
@@ -594,7 +595,7 @@ TEST(CudaLaunch, works_on_default_streams_while_another_thread_captures) {
     check(cudaStreamDestroy(captured));
 }
 
-TEST(CudaLaunch, does_not_join_the_capture_of_a_meshs_stream) {
+TEST(CudaLaunch, calls_on_a_capturing_stream_are_rejected) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const DeviceMesh device(mesh.view());
     const DeviceBytes bytes(std::vector<std::byte>(4));
@@ -615,7 +616,7 @@ TEST(CudaLaunch, does_not_join_the_capture_of_a_meshs_stream) {
     check(cudaStreamDestroy(stream));
 }
 
-TEST(CudaLaunch, reports_bad_input_when_waited_for) {
+TEST(CudaLaunch, wait_reports_bad_input) {
     io::TriangleMesh mesh = cloth(300);
     mesh.triangles[5] = 1'000'000;
     const DeviceMesh bad(mesh.view());
@@ -628,7 +629,7 @@ TEST(CudaLaunch, reports_bad_input_when_waited_for) {
               static_cast<std::int64_t>(Detector().find(good.view()).pairs.size()));
 }
 
-TEST(CudaLaunch, answers_under_any_memory_limit_or_names_what_is_needed_at_least) {
+TEST(CudaLaunch, limited_launch_gives_same_result_or_names_larger_limit) {
     const io::TriangleMesh mesh = cloth(600);
     const DeviceMesh device(mesh.view());
     const IntersectionQuery query{.output = Output::contacts};
@@ -659,7 +660,7 @@ TEST(CudaLaunch, answers_under_any_memory_limit_or_names_what_is_needed_at_least
     EXPECT_GT(failures, 2);
 }
 
-TEST(CudaLaunch, stops_counting_when_the_pairs_alone_exceed_the_limit) {
+TEST(CudaLaunch, counting_ends_when_pairs_alone_exceed_the_limit) {
     const Soup<float> soup = random_soup(2000, 1);
     const DeviceMesh device(soup.view());
     Detector unlimited({.backend = Backend::cpu});

@@ -1,4 +1,5 @@
-// What only the machine that plays the device can show: no device, no driver, no memory.
+// Tests that need the machine that plays the device: no device, no driver, failing allocations and launches, counts of
+// graph nodes.
 
 #include <gtest/gtest.h>
 
@@ -40,17 +41,17 @@ class CudaMachine : public testing::Test {
     }
 };
 
-TEST_F(CudaMachine, may_have_no_device) {
+TEST_F(CudaMachine, missing_device_makes_the_backend_unavailable) {
     settings().devices = 0;
-    EXPECT_EQ(message(), "the cuda backend is not available: no");  // CUDA has its own words for the reason
+    EXPECT_EQ(message(), "the cuda backend is not available: no");  // CUDA words the reason
 }
 
-TEST_F(CudaMachine, may_have_no_driver) {
+TEST_F(CudaMachine, missing_driver_makes_the_backend_unavailable) {
     settings().driver = false;
     EXPECT_EQ(message().substr(0, 34), "the cuda backend is not available:");
 }
 
-TEST_F(CudaMachine, may_not_have_the_device_asked_for) {
+TEST_F(CudaMachine, device_number_that_does_not_exist_is_reported) {
     try {
         Detector({.backend = Backend::cuda, .device = 3});
         FAIL();
@@ -59,7 +60,7 @@ TEST_F(CudaMachine, may_not_have_the_device_asked_for) {
     }
 }
 
-TEST_F(CudaMachine, lists_its_devices_or_says_why_there_are_none) {
+TEST_F(CudaMachine, list_devices_gives_devices_or_a_reason) {
     settings().devices = 2;
     const DeviceList two = list_devices();
     ASSERT_EQ(two.devices.size(), 2u);
@@ -77,7 +78,7 @@ TEST_F(CudaMachine, lists_its_devices_or_says_why_there_are_none) {
     EXPECT_TRUE(list_devices().reason.starts_with("the cuda backend is not available: ")) << list_devices().reason;
 }
 
-TEST_F(CudaMachine, is_taken_by_the_automatic_backend_if_it_has_a_device) {
+TEST_F(CudaMachine, automatic_backend_uses_a_device_if_there_is_one) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 100, .frame = 40});
     const auto chosen = [&](const Options& options) {
         Detector detector(options);
@@ -91,7 +92,7 @@ TEST_F(CudaMachine, is_taken_by_the_automatic_backend_if_it_has_a_device) {
     EXPECT_EQ(chosen({}).substr(0, 40), "cpu: the cuda backend is not available: ");
 }
 
-TEST_F(CudaMachine, may_run_out_of_memory_anywhere) {
+TEST_F(CudaMachine, failed_allocation_gives_result_or_device_error) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 93});
     for (const IntersectionQuery& query : {IntersectionQuery{}, {.output = Output::contacts}}) {
         const Intersections expected = Detector({.backend = Backend::cpu}).find(mesh.view(), query);
@@ -112,7 +113,7 @@ TEST_F(CudaMachine, may_run_out_of_memory_anywhere) {
     }
 }
 
-TEST_F(CudaMachine, makes_a_graph_of_what_it_is_asked_for_again) {
+TEST_F(CudaMachine, repeated_launches_reuse_graphs) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 93});
     Detector cuda({.backend = Backend::cuda});
     const auto frames = [&](const DeviceMesh& device, int count) {
@@ -134,8 +135,8 @@ TEST_F(CudaMachine, makes_a_graph_of_what_it_is_asked_for_again) {
     EXPECT_EQ(made, 0u) << "five in two slots are more than are kept";
 }
 
-// One graph is given the addresses of each frame. The arrays of all frames live, so that none comes again.
-TEST_F(CudaMachine, makes_one_graph_for_arrays_that_move_and_lists_that_grow) {
+// One graph gets the addresses of each frame. The arrays of all frames stay allocated, so that no address occurs twice.
+TEST_F(CudaMachine, one_graph_serves_moving_arrays_and_growing_lists) {
     constexpr int n = 1500;
     const Soup<float> soups[] = {random_soup(n, 1e-3), random_soup(n, 0.5, 2), random_soup(n, 0.8, 3)};
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -161,7 +162,7 @@ TEST_F(CudaMachine, makes_one_graph_for_arrays_that_move_and_lists_that_grow) {
     EXPECT_EQ(cuda_on_cpu::graph_count().chain, 14u);
 }
 
-TEST_F(CudaMachine, gives_chunks_lists_as_long_as_memory_holds) {
+TEST_F(CudaMachine, lists_of_chunks_use_the_available_memory) {
     cuda::Plan plan;
     const auto survivors = [&](std::int64_t bytes) {
         plan.choose_chunks(100'000, false, {}, bytes);
@@ -172,11 +173,11 @@ TEST_F(CudaMachine, gives_chunks_lists_as_long_as_memory_holds) {
     EXPECT_EQ(survivors(2'400'000), 100'000u);
 }
 
-// Nodes that wait for each other cost time each; the benchmark's bounds count them (benchmarks/least_work.cpp). What
-// guides the next frame is beside them: two iterations of two nodes and places a level, and the frames. So few
-// triangles that a second level is kept however they join the clusters of the first, which depends on the order in
-// which threads add.
-TEST_F(CudaMachine, makes_graphs_of_few_nodes) {
+// Limits the number of nodes that wait for each other, since each costs time; the benchmark's bounds count them
+// (benchmarks/least_work.cpp). Nodes for the warm start of the next frame run beside them: two iterations of two nodes
+// and positions for each level, and the frames. The scene has so few triangles that the second level stays however they
+// join the clusters of the first one, which depends on the order in which threads add.
+TEST_F(CudaMachine, graphs_have_few_nodes) {
     const io::TriangleMesh mesh = scenes::make("soup", {.triangles = 50});
     ASSERT_EQ(mesh.view().triangles.rows, 50);
     const DeviceMesh device(mesh.view());
@@ -193,8 +194,8 @@ TEST_F(CudaMachine, makes_graphs_of_few_nodes) {
     }
 }
 
-// A caller's graph gets the nodes that a graph of ours has, and makes nobody allocate.
-TEST_F(CudaMachine, puts_the_same_nodes_into_a_callers_graph) {
+// A caller's graph gets the same nodes as a graph of the library, and needs no allocation.
+TEST_F(CudaMachine, callers_graph_gets_the_same_nodes) {
     const DeviceMesh device(scenes::make("soup", {.triangles = 50}).view());
     Detector cuda({.backend = Backend::cuda, .clusters = 3});
     cudaStream_t stream;
@@ -222,8 +223,8 @@ TEST_F(CudaMachine, puts_the_same_nodes_into_a_callers_graph) {
     check(cudaStreamDestroy(stream));
 }
 
-// Its lists must not go for the sake of contacts: the caller's graph works on them.
-TEST_F(CudaMachine, may_have_no_memory_for_contacts_of_a_replay) {
+// Must not free lists to make space for contacts: the caller's graph uses them.
+TEST_F(CudaMachine, missing_memory_for_contacts_of_a_replay_is_an_error) {
     const io::TriangleMesh few = scenes::make("cloth", {.triangles = 300, .frame = 80}),
                            many = scenes::make("cloth", {.triangles = 300, .frame = 93});
     DeviceMesh device(few.view());
@@ -258,8 +259,8 @@ TEST_F(CudaMachine, may_have_no_memory_for_contacts_of_a_replay) {
     check(cudaStreamDestroy(stream));
 }
 
-// A launch that fails in the middle of a capture leads its branches back, so that the caller can end it.
-TEST_F(CudaMachine, may_fail_at_any_launch_in_a_capture) {
+// A launch that fails within a capture joins its branches again, so that the caller can end the capture.
+TEST_F(CudaMachine, failed_launch_leaves_the_capture_valid) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 93});
     const DeviceMesh device(mesh.view());
     cudaStream_t stream;
@@ -283,8 +284,8 @@ TEST_F(CudaMachine, may_fail_at_any_launch_in_a_capture) {
     check(cudaStreamDestroy(stream));
 }
 
-// The driver takes memory for stacks, and perhaps for graphs.
-TEST_F(CudaMachine, may_run_out_of_memory_at_any_launch) {
+// The driver allocates memory for stacks, and perhaps for graphs.
+TEST_F(CudaMachine, failed_kernel_launch_does_not_change_result) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 93});
     const DeviceMesh device(mesh.view());
     const IntersectionQuery query{.output = Output::contacts};
@@ -300,7 +301,7 @@ TEST_F(CudaMachine, may_run_out_of_memory_at_any_launch) {
     }
 }
 
-TEST_F(CudaMachine, may_have_no_memory_for_the_stacks_of_kernels) {
+TEST_F(CudaMachine, missing_memory_for_stacks_makes_the_backend_unavailable) {
     settings().launches_before_failure = 0;
     const std::string reason =
         "the cuda backend is not available: device 0 has no memory left for it (cudaLaunchKernelEx: out of memory)";
@@ -315,7 +316,7 @@ TEST_F(CudaMachine, may_have_no_memory_for_the_stacks_of_kernels) {
     EXPECT_EQ(Detector().fallback(), reason);
 }
 
-TEST_F(CudaMachine, is_not_given_arrays_that_it_cannot_read) {
+TEST_F(CudaMachine, arrays_that_the_device_cannot_read_are_rejected) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 100, .frame = 40});
     Detector cuda({.backend = Backend::cuda});
     const auto message = [&](auto call) -> std::string {
@@ -348,7 +349,7 @@ TEST_F(CudaMachine, is_not_given_arrays_that_it_cannot_read) {
     EXPECT_EQ(message([&] { cuda.find(device.view()); }), "no error");
 }
 
-TEST_F(CudaMachine, may_break_for_good) {
+TEST_F(CudaMachine, broken_device_makes_calls_fail) {
 #ifdef CUDA_ON_CPU_ASAN
     const __lsan::ScopedDisabler nothing_is_freed_on_a_broken_device;
 #endif
@@ -372,16 +373,16 @@ TEST_F(CudaMachine, may_break_for_good) {
     EXPECT_EQ(code([&] { cuda.launch(device.view()); }), ErrorCode::device);
 }
 
-// As much memory as a limit that suffices is enough, too.
-TEST_F(CudaMachine, may_have_little_memory) {
+// A memory limit that suffices also suffices as the device's memory.
+TEST_F(CudaMachine, limit_that_suffices_also_suffices_as_device_memory) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 600, .frame = 93});
     const IntersectionQuery query{.output = Output::contacts};
     const Intersections expected = Detector({.backend = Backend::cpu}).find(mesh.view(), query);
     const auto most = Detector({.backend = Backend::cuda}).find(mesh.view(), query).statistics.peak_memory_bytes;
-    int answers = 0, failures = 0;
+    int successes = 0, failures = 0;
     for (std::int64_t bytes = most; bytes > 10'000; bytes -= bytes / 5) {
         SCOPED_TRACE(testing::Message() << bytes << " bytes");
-        const auto answers_with = [&](const Options& options) {
+        const auto gives_result = [&](const Options& options) {
             try {
                 Detector detector(options);
                 EXPECT_TRUE(same_answer(detector.find(mesh.view(), query), expected));
@@ -391,14 +392,14 @@ TEST_F(CudaMachine, may_have_little_memory) {
                 return false;
             }
         };
-        const bool within_limit = answers_with({.backend = Backend::cuda, .memory_limit = bytes});
+        const bool within_limit = gives_result({.backend = Backend::cuda, .memory_limit = bytes});
         settings().device_bytes = cuda_on_cpu::memory::used() + static_cast<std::size_t>(bytes);
-        const bool within_device = answers_with({.backend = Backend::cuda});
+        const bool within_device = gives_result({.backend = Backend::cuda});
         settings().device_bytes = std::size_t{1} << 30;
         EXPECT_GE(within_device, within_limit);
-        ++(within_device ? answers : failures);
+        ++(within_device ? successes : failures);
     }
-    EXPECT_GT(answers, 2);
+    EXPECT_GT(successes, 2);
     EXPECT_GT(failures, 2);
 }
 

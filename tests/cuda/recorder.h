@@ -1,6 +1,6 @@
 #pragma once
 
-// A caller's stream that captures what calls give to it.
+// Stream of a caller who captures calls into a graph.
 
 #include <cuda_runtime.h>
 
@@ -9,7 +9,7 @@
 
 namespace crumple::test {
 
-/// A stream that captures, and replays what it has captured.
+/// Stream that captures calls, and replays them.
 class Recorder {
    public:
     Recorder() { check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking)); }
@@ -26,7 +26,7 @@ class Recorder {
     void end() {
         cudaGraph_t graph = nullptr;
         check(cudaStreamEndCapture(stream_, &graph));
-        drop();  // within the capture it would spoil it
+        drop();  // would invalidate the capture if called within it
         check(cudaGraphInstantiate(&executable_, graph, 0));
         check(cudaGraphDestroy(graph));
     }

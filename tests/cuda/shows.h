@@ -1,6 +1,6 @@
 #pragma once
 
-// Answers in device memory, compared with those of the host.
+// Comparison of intersections in device memory with those of the host.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 
 namespace crumple::test {
 
-/// Does the device hold the expected answer, all of its arrays?
+/// Compares all arrays of a result on the device with the expected result; `b` is null for one mesh.
 inline testing::AssertionResult shows(const DeviceIntersections& found, const MeshView& a, const MeshView* b,
                                       const Intersections& expected) {
     const auto same = [](const auto& device, const auto& host, const char* what) {

@@ -1,5 +1,5 @@
-// Worlds side by side as the machine that plays the device counts them: how many launches they take, and what becomes
-// of those that do not fit.
+// Tests of worlds searched side by side, on the machine that plays the device and counts launches: how many they take,
+// and what happens if worlds do not fit into memory.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ class CudaMachineWorlds : public testing::Test {
         settings().multiprocessors = 1;
     }
 
-    /// Two bodies a world, which meet in every third one; every seventh world has none.
+    /// Each world has two bodies, which intersect in every third world; every seventh world has no bodies.
     explicit CudaMachineWorlds(int worlds = 40) {
         for (int w = 0; w < worlds; ++w) {
             if (w % 7 == 5) continue;
@@ -40,12 +40,12 @@ class CudaMachineWorlds : public testing::Test {
     }
     World world() const { return world(bodies_.size()); }
 
-    /// Kernels that a detector without memories takes for the answer.
-    static int launches(const World& world, const IntersectionQuery& question) {
+    /// Returns the number of kernels that a new detector launches for the query.
+    static int launches(const World& world, const IntersectionQuery& query) {
         Detector detector({.backend = Backend::cuda});
         constexpr int many = 1 << 30;
         settings().launches_before_failure = many;
-        detector.find(world, question);
+        detector.find(world, query);
         return many - std::exchange(settings().launches_before_failure, -1);
     }
 
@@ -55,55 +55,55 @@ class CudaMachineWorlds : public testing::Test {
     std::vector<Pose> poses_;
 };
 
-TEST_F(CudaMachineWorlds, take_one_pass_however_many_there_are) {
-    for (const Output wants : {Output::any, Output::any_by_world, Output::body_pairs, Output::pairs}) {
-        const IntersectionQuery question{.output = wants};
-        EXPECT_EQ(launches(world(), question), launches(world(4), question)) << "wants " << static_cast<int>(wants);
+TEST_F(CudaMachineWorlds, number_of_launches_does_not_depend_on_number_of_worlds) {
+    for (const Output output : {Output::any, Output::any_by_world, Output::body_pairs, Output::pairs}) {
+        const IntersectionQuery query{.output = output};
+        EXPECT_EQ(launches(world(), query), launches(world(4), query)) << "wants " << static_cast<int>(output);
     }
     Detector detector({.backend = Backend::cuda});
     EXPECT_EQ(detector.find(world()).statistics.leaves, 35) << "a leaf each world";
 }
 
-TEST_F(CudaMachineWorlds, that_do_not_fit_in_memory_are_searched_in_halves) {
-    for (const Output wants :
+TEST_F(CudaMachineWorlds, worlds_that_do_not_fit_into_memory_are_searched_in_halves) {
+    for (const Output output :
          {Output::any, Output::any_by_world, Output::body_pairs, Output::pairs, Output::contacts}) {
-        SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(wants));
-        const IntersectionQuery question{.output = wants};
-        const Intersections expected = Detector({.backend = Backend::cpu}).find(world(), question);
-        const int one_pass = launches(world(), question);
+        SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(output));
+        const IntersectionQuery query{.output = output};
+        const Intersections expected = Detector({.backend = Backend::cpu}).find(world(), query);
+        const int one_pass = launches(world(), query);
         Detector free({.backend = Backend::cuda});
-        std::int64_t limit = free.find(world(), question).statistics.peak_memory_bytes;
-        int answers = 0;
-        for (;; limit = limit * 2 / 3, ++answers) {
+        std::int64_t limit = free.find(world(), query).statistics.peak_memory_bytes;
+        int results = 0;
+        for (;; limit = limit * 2 / 3, ++results) {
             Detector detector({.backend = Backend::cuda, .memory_limit = limit});
             try {
-                const Intersections& found = detector.find(world(), question);
+                const Intersections& found = detector.find(world(), query);
                 ASSERT_TRUE(same_world_answer(found, expected)) << limit;
                 EXPECT_LE(found.statistics.peak_memory_bytes, limit);
             } catch (const Error& error) {
                 ASSERT_EQ(error.code, ErrorCode::memory_limit);
                 sufficient_limit({.backend = Backend::cuda, .memory_limit = limit}, [&](Detector& enough) {
-                    EXPECT_TRUE(same_world_answer(enough.find(world(), question), expected));
+                    EXPECT_TRUE(same_world_answer(enough.find(world(), query), expected));
                 });
                 break;
             }
         }
-        EXPECT_GE(answers, 3) << "of " << one_pass << " kernels";
+        EXPECT_GE(results, 3) << "of " << one_pass << " kernels";
     }
 }
 
-TEST_F(CudaMachineWorlds, may_run_out_of_memory_at_any_allocation_or_launch) {
-    for (const Output wants : {Output::any_by_world, Output::contacts}) {
-        const IntersectionQuery question{.output = wants};
-        const Intersections expected = Detector({.backend = Backend::cpu}).find(world(), question);
+TEST_F(CudaMachineWorlds, failed_allocation_or_launch_does_not_change_result) {
+    for (const Output output : {Output::any_by_world, Output::contacts}) {
+        const IntersectionQuery query{.output = output};
+        const Intersections expected = Detector({.backend = Backend::cpu}).find(world(), query);
         for (int before = 0; before < 30; ++before) {
-            SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(wants) << ", after " << before);
+            SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(output) << ", after " << before);
             Detector first({.backend = Backend::cuda}), second({.backend = Backend::cuda});
             settings().allocations_before_failure = before;
-            EXPECT_TRUE(same_world_answer(first.find(world(), question), expected));
+            EXPECT_TRUE(same_world_answer(first.find(world(), query), expected));
             settings().allocations_before_failure = -1;
             settings().launches_before_failure = before;
-            EXPECT_TRUE(same_world_answer(second.find(world(), question), expected));
+            EXPECT_TRUE(same_world_answer(second.find(world(), query), expected));
             settings().launches_before_failure = -1;
         }
     }

@@ -1,4 +1,4 @@
-// Worlds side by side in one pass of the device.
+// Tests of worlds searched side by side in one pass of the device.
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,9 @@
 namespace crumple::test {
 namespace {
 
-/// Of two worlds with the same bodies one is decided by its first hit; in the other one no pair is wanted.
-TEST(CudaWorlds, that_are_decided_are_swept_no_further) {
+/// Two worlds have the same bodies. The first hit decides one of them; in the other one the pair filter excludes all
+/// pairs.
+TEST(CudaWorlds, decided_worlds_are_swept_no_further) {
     const auto a = random_soup<float>(1500, 0.1, 3), b = random_soup<float>(1500, 0.1, 4);
     auto c = a, d = b;
     c.groups.assign(1500, 1);
@@ -21,23 +22,23 @@ TEST(CudaWorlds, that_are_decided_are_swept_no_further) {
     const std::vector<Shape> shapes{Shape(a.view()), Shape(b.view()), Shape(c.view()), Shape(d.view())};
     std::vector<Body> bodies;
     for (int i = 0; i < 4; ++i) bodies.push_back({.shape = i, .world = i / 2});
-    IntersectionQuery question;
-    question.filter.excluded_groups.push_back({1, 2});
+    IntersectionQuery query;
+    query.filter.excluded_groups.push_back({1, 2});
     Detector detector({.backend = Backend::cuda});
-    const Intersections all = detector.find(World{shapes, bodies, {}}, question);
-    question.output = Output::any_by_world;
-    const Intersections& flags = detector.find(World{shapes, bodies, {}}, question);
+    const Intersections all = detector.find(World{shapes, bodies, {}}, query);
+    query.output = Output::any_by_world;
+    const Intersections& flags = detector.find(World{shapes, bodies, {}}, query);
     ASSERT_GT(all.world_counts[0], 100);
     ASSERT_EQ(all.world_counts[1], 0);
     EXPECT_TRUE(same_bytes(flags.world_hit, all.world_hit, "flags of worlds"));
-    // Each world has half of the overlaps. A sixteenth is looked at twice, of the first world nothing else.
+    // Each world has half of the overlaps. A sixteenth is swept twice; of the first world nothing else.
     EXPECT_GT(flags.statistics.box_overlaps, all.statistics.box_overlaps * 2 / 5);
     EXPECT_LT(flags.statistics.box_overlaps, all.statistics.box_overlaps * 2 / 3);
 }
 
 /// In every other world a corner lies in the plane of another triangle, which products of subnormal numbers cannot
-/// tell.
-TEST(CudaWorlds, that_only_the_host_can_decide_have_flags) {
+/// detect.
+TEST(CudaWorlds, worlds_that_only_the_host_can_decide_have_flags) {
     const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}};
     const auto two = [](double height) {
         std::vector<std::array<double, 3>> corners{{-4, -4, 0},    {4, -4, 0}, {0, 4, 0},
@@ -56,8 +57,8 @@ TEST(CudaWorlds, that_only_the_host_can_decide_have_flags) {
     EXPECT_GT(found.statistics.rational_tests, 0);
 }
 
-/// At one place, though some are so large beside others that these are a point.
-TEST(CudaWorlds, of_hard_soups_have_the_answers_of_the_cpu) {
+/// All soups lie at one place, though some are so large that others are a point beside them.
+TEST(CudaWorlds, hard_soups_match_the_cpu) {
     const std::vector<NamedMesh> soups = hard_soups();
     std::vector<Shape> shapes;
     std::vector<Body> bodies;
@@ -68,19 +69,20 @@ TEST(CudaWorlds, of_hard_soups_have_the_answers_of_the_cpu) {
     }
     for (const int leaf_size : {3000, 40}) {
         Detector cuda({.backend = Backend::cuda, .leaf_size = leaf_size}), cpu({.backend = Backend::cpu});
-        for (const Output wants : {Output::any_by_world, Output::contacts, Output::any_by_world})
+        for (const Output output : {Output::any_by_world, Output::contacts, Output::any_by_world})
             for (const bool weld : {false, true}) {
-                SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", wants " << static_cast<int>(wants)
+                SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", wants " << static_cast<int>(output)
                                                 << ", weld " << weld);
-                const IntersectionQuery question{.output = wants, .weld = weld};
+                const IntersectionQuery query{.output = output, .weld = weld};
                 const World world{shapes, bodies, {}};
-                EXPECT_TRUE(same_world_answer(cuda.find(world, question), cpu.find(world, question)));
+                EXPECT_TRUE(same_world_answer(cuda.find(world, query), cpu.find(world, query)));
             }
     }
 }
 
-/// Smaller ones lie side by side; one that fills a device is searched by itself, between those before and behind it.
-TEST(CudaWorlds, of_very_different_sizes_do_not_share_a_pass) {
+/// Small worlds are searched side by side; one that fills a device is searched alone, between those before and after
+/// it.
+TEST(CudaWorlds, large_world_is_searched_in_a_pass_of_its_own) {
     const auto large = random_soup<float>(70'000, 0.004, 5);
     const auto first = random_soup<float>(60, 0.3, 1), second = random_soup<float>(45, 0.3, 2);
     const std::vector<Shape> shapes{Shape(first.view()), Shape(second.view()), Shape(large.view())};

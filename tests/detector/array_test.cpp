@@ -1,4 +1,4 @@
-// Arrays that are metered and swapped.
+// Tests of metered arrays and of swapping them.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 using Ints = Array<int>;
 
-TEST(Array, swapped_elements_are_counted_where_they_lie) {
+TEST(Array, swapped_elements_count_for_their_new_owner) {
     MemoryMeter meter;
     Ints mine(&meter), others;
     mine.assign(100, 7);
@@ -31,7 +31,7 @@ TEST(Array, swapped_elements_are_counted_where_they_lie) {
     EXPECT_EQ(meter.used, 0);
 }
 
-TEST(Array, arrays_of_two_meters_swap) {
+TEST(Array, arrays_of_two_meters_can_be_swapped) {
     MemoryMeter first, second;
     Ints a(&first), b(&second);
     a.assign(100, 7);
@@ -41,7 +41,7 @@ TEST(Array, arrays_of_two_meters_swap) {
     EXPECT_EQ(second.used, static_cast<std::int64_t>(b.capacity() * sizeof(int)));
 }
 
-TEST(Array, a_swap_beyond_a_limit_changes_nothing) {
+TEST(Array, swap_beyond_the_limit_changes_nothing) {
     for (const bool limited_is_first : {true, false}) {
         MemoryMeter meter, unlimited;
         meter.limit = 1000;
@@ -57,7 +57,7 @@ TEST(Array, a_swap_beyond_a_limit_changes_nothing) {
     }
 }
 
-TEST(MemoryMeter, what_is_refused_is_never_the_peak) {
+TEST(MemoryMeter, rejected_allocation_does_not_raise_the_peak) {
     MemoryMeter meter;
     meter.limit = 1000;
     std::atomic<bool> done{false};
@@ -74,7 +74,7 @@ TEST(MemoryMeter, what_is_refused_is_never_the_peak) {
     EXPECT_EQ(meter.peak, 500);
 }
 
-TEST(Array, growing_bit_by_bit_moves_elements_seldom) {
+TEST(Array, repeated_push_back_rarely_moves_elements) {
     for (const std::int64_t limit : {std::int64_t{0}, std::int64_t{1} << 30}) {
         MemoryMeter meter;
         meter.limit = limit;

@@ -1,4 +1,5 @@
-// A call ends early when another thread, or what the caller polls, says so; the detector stays usable.
+// Tests of cancellation: a call ends early on a stop request from another thread or if the caller's poll throws, and
+// the detector stays usable.
 
 #include <gtest/gtest.h>
 
@@ -42,7 +43,7 @@ Options with_limit(const MeshView& mesh) {
     return options;
 }
 
-// Long enough that a request which is only seen at the end would show; sanitizers make all things long.
+// Calls long enough to show that a stop request ends them early. Sanitizers slow everything down.
 std::vector<Case> cases() {
     const int many = sanitized ? 40'000 : 60'000;
     const double size = 0.15;
@@ -76,7 +77,7 @@ bool cancelled(Call call) {
     return false;
 }
 
-TEST(Cancel, ends_the_running_call_and_leaves_the_detector_usable) {
+TEST(Cancel, stop_ends_the_running_call_and_detector_stays_usable) {
     for (const Case& c : cases()) {
         SCOPED_TRACE(c.name);
         const auto soup = test::random_soup(c.triangles, c.size);
@@ -84,14 +85,14 @@ TEST(Cancel, ends_the_running_call_and_leaves_the_detector_usable) {
         const auto expected = pairs_of(detector.find(soup.view()));
         EXPECT_TRUE(cancelled([&](std::stop_token stop) { detector.find(soup.view(), {}, stop); }));
         EXPECT_TRUE(detector.take_result<Intersections>().pairs.empty());
-        if (c.options.memory_limit == 0) {  // one that suffices within a mesh does not for all pairs between two
+        if (c.options.memory_limit == 0) {  // the limit for one mesh is too small for all pairs between two
             EXPECT_TRUE(cancelled([&](std::stop_token stop) { detector.find({soup.view(), soup.view()}, {}, stop); }));
         }
         EXPECT_EQ(difference(expected, pairs_of(detector.find(soup.view()))), "");
     }
 }
 
-TEST(Cancel, a_stop_that_was_requested_before_ends_every_call) {
+TEST(Cancel, earlier_stop_request_ends_every_call) {
     const auto soup = test::random_soup(500, 0.2);
     const MeshView mesh = soup.view();
     std::stop_source source;
@@ -127,7 +128,7 @@ TEST(Cancel, a_stop_that_was_requested_before_ends_every_call) {
     }
 }
 
-TEST(Cancel, what_poll_throws_ends_the_call) {
+TEST(Cancel, exception_of_poll_ends_the_call) {
     struct Interrupt {};
     for (const Case& c : cases()) {
         SCOPED_TRACE(c.name);

@@ -1,4 +1,5 @@
-// What a detector keeps, gives and promises, whatever the backend.
+// Tests of what detectors guarantee on every backend: sorted results, ownership of results, independence of earlier
+// calls.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +41,7 @@ TEST(Detector, results_are_sorted_and_consistent) {
     EXPECT_EQ(c.statistics.pairs, static_cast<std::int64_t>(c.pairs.size()));
 }
 
-TEST(Detector, a_copied_result_outlives_the_next_call) {
+TEST(Detector, copied_result_outlives_the_next_call) {
     const auto soup = test::random_soup(500, 0.2);
     Detector detector;
     const Intersections copy = detector.find(soup.view());
@@ -49,7 +50,7 @@ TEST(Detector, a_copied_result_outlives_the_next_call) {
     EXPECT_EQ(difference(before, pairs_of(copy)), "");
 }
 
-TEST(Detector, a_result_taken_over_outlives_the_detector_and_its_storage_can_be_used_again) {
+TEST(Detector, taken_result_outlives_the_detector_and_storage_is_reused) {
     const auto soup = test::random_soup(500, 0.2), other = test::random_soup(700, 0.3, 9);
     std::vector<Pair> before;
     Intersections taken;
@@ -70,7 +71,7 @@ TEST(Detector, a_result_taken_over_outlives_the_detector_and_its_storage_can_be_
     EXPECT_EQ(difference(before, pairs_of(taken)), "");
 }
 
-TEST(Detector, two_results_that_are_swapped_serve_all_frames) {
+TEST(Detector, two_swapped_results_need_no_allocation) {
     const auto soup = test::random_soup(500, 0.2);
     Detector detector;
     const auto expected = pairs_of(detector.find(soup.view()));
@@ -89,7 +90,7 @@ TEST(Detector, two_results_that_are_swapped_serve_all_frames) {
     EXPECT_EQ(storage.size(), 2U) << "nothing is allocated";
 }
 
-TEST(Detector, results_taken_over_do_not_count_under_a_memory_limit) {
+TEST(Detector, taken_results_do_not_count_towards_the_memory_limit) {
     const auto soup = test::random_soup(3000, 0.1);
     const auto peak = Detector().find(soup.view()).statistics.peak_memory_bytes;
     Detector limited({.memory_limit = peak});
@@ -111,7 +112,7 @@ TEST(Detector, frames_of_changing_topology_need_no_new_detector) {
     }
 }
 
-TEST(Detector, two_detectors_work_at_the_same_time) {
+TEST(Detector, detectors_work_concurrently) {
     const auto soup = test::random_soup(3000, 0.06);
     Detector detector;
     const auto expected = pairs_of(detector.find(soup.view()));
@@ -127,7 +128,7 @@ TEST(Detector, two_detectors_work_at_the_same_time) {
     for (const std::string& result : results) EXPECT_EQ(result, "");
 }
 
-TEST(Detector, has_collision_says_whether_there_is_any) {
+TEST(Detector, any_reports_whether_anything_collides) {
     for (const Backend backend : {Backend::reference, Backend::cpu}) {
         Detector detector({.backend = backend});
         EXPECT_TRUE(detector.any(test::random_soup(300, 0.3).view()));
@@ -142,7 +143,7 @@ TEST(Detector, has_collision_says_whether_there_is_any) {
     }
 }
 
-TEST(Detector, a_moved_detector_keeps_its_result) {
+TEST(Detector, moved_detector_stays_usable) {
     const auto soup = test::random_soup(300, 0.2);
     Detector first;
     const auto expected = pairs_of(first.find(soup.view()));
@@ -150,8 +151,8 @@ TEST(Detector, a_moved_detector_keeps_its_result) {
     EXPECT_EQ(difference(expected, pairs_of(second.find(soup.view()))), "");
 }
 
-// The answer may not depend on the caller's rounding mode or flush-to-zero, and both must be back afterwards.
-TEST(Detector, sets_and_restores_the_floating_point_environment) {
+// Results must not depend on the caller's rounding mode or flush-to-zero setting, and a call must leave both unchanged.
+TEST(Detector, results_ignore_and_calls_preserve_the_float_environment) {
     auto soup = test::random_soup(400, 0.2);
     for (auto& vertex : soup.vertices)
         for (float& value : vertex) value *= 0x1p-130f;  // many become subnormal

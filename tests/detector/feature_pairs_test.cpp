@@ -1,4 +1,4 @@
-// Pairs of features that are given: each decided as rational arithmetic decides it, by any number of threads.
+// Tests of given pairs of features: each is decided as by rational arithmetic, with any number of threads.
 
 #include <gtest/gtest.h>
 
@@ -19,11 +19,11 @@ using Rows = std::vector<std::array<double, 3>>;
 
 VertexView view(const Rows& rows) { return rows_of_three(rows.data()->data(), static_cast<std::int64_t>(rows.size())); }
 
-// Points of a small lattice, where much is degenerate.
-Rows lattice(std::size_t rows, std::uint64_t seed, int reach) {
+// Returns random points of a small lattice, which give many degenerate cases.
+Rows lattice(std::size_t rows, std::uint64_t seed, int extent) {
     std::mt19937_64 engine(seed);
     const auto number = [&] {
-        return static_cast<double>(engine() % static_cast<std::uint64_t>(2 * reach + 1)) - reach;
+        return static_cast<double>(engine() % static_cast<std::uint64_t>(2 * extent + 1)) - extent;
     };
     Rows result(rows);
     for (auto& row : result) row = {number(), number(), number()};
@@ -48,22 +48,21 @@ Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, const S
     return vertex_vertex(p[0], p[1], separation);
 }
 
-TEST(FeaturePairs, ImpactsAreThoseOfRationalArithmetic) {
-    constexpr std::size_t pairs = 700;  // more than a task has
+TEST(FeaturePairs, impacts_match_rational_arithmetic) {
+    constexpr std::size_t pairs = 700;  // more than one task's share
     for (const Kind& kind : all_kinds) {
-        for (const PairImpactQuery& question :
-             {PairImpactQuery{}, PairImpactQuery{0.5, 0, 3}, PairImpactQuery{0, 0.25, 3},
-              PairImpactQuery{0, 0, 3, true}, PairImpactQuery{1.5, 0, 3, true}}) {
+        for (const PairImpactQuery& query : {PairImpactQuery{}, PairImpactQuery{0.5, 0, 3}, PairImpactQuery{0, 0.25, 3},
+                                             PairImpactQuery{0, 0, 3, true}, PairImpactQuery{1.5, 0, 3, true}}) {
             const std::size_t points = points_of(kind.kinds);
             const Rows start = lattice(pairs * points, 1, 2), end = lattice(pairs * points, 2, 2);
-            const PairImpacts found = pair_impacts(kind.kind, view(start), view(end), question);
+            const PairImpacts found = pair_impacts(kind.kind, view(start), view(end), query);
             ASSERT_EQ(found.hit.size(), pairs);
             std::size_t hits = 0;
             for (std::size_t i = 0; i < pairs; ++i) {
                 std::array<MovingPoint, 4> p{};
                 for (std::size_t k = 0; k < points; ++k) p[k] = {vec(start[i * points + k]), vec(end[i * points + k])};
-                const Impact impact = rational(
-                    kind.kinds, p, {question.min_distance, question.min_distance_share, question.approaching_only});
+                const Impact impact =
+                    rational(kind.kinds, p, {query.min_distance, query.min_distance_share, query.approaching_only});
                 hits += impact.meets;
                 ASSERT_EQ(found.hit[i], impact.meets) << "pair " << i;
                 ASSERT_EQ(found.toi[i], impact.meets ? impact.toi : std::numeric_limits<double>::infinity());
@@ -75,7 +74,7 @@ TEST(FeaturePairs, ImpactsAreThoseOfRationalArithmetic) {
     }
 }
 
-TEST(FeaturePairs, DistancesAreThoseOfRationalArithmetic) {
+TEST(FeaturePairs, distances_match_rational_arithmetic) {
     constexpr std::size_t pairs = 700;
     for (const Kind& kind : all_kinds) {
         const std::size_t points = points_of(kind.kinds);
@@ -94,9 +93,9 @@ TEST(FeaturePairs, DistancesAreThoseOfRationalArithmetic) {
     }
 }
 
-TEST(FeaturePairs, AreReadWhereTheyLie) {
+TEST(FeaturePairs, strided_float32_points_are_read) {
     const Rows start = lattice(4 * 300, 4, 3), end = lattice(4 * 300, 5, 3);
-    std::vector<std::array<float, 5>> strided(start.size());  // two numbers of somebody else's behind each point
+    std::vector<std::array<float, 5>> strided(start.size());  // two unrelated numbers after each point
     for (std::size_t i = 0; i < start.size(); ++i)
         strided[i] = {static_cast<float>(start[i][0]), static_cast<float>(start[i][1]), static_cast<float>(start[i][2]),
                       9, 9};
@@ -106,7 +105,7 @@ TEST(FeaturePairs, AreReadWhereTheyLie) {
     for (std::size_t i = 0; i < expected.toi.size(); ++i) ASSERT_EQ(found.toi[i], expected.toi[i]) << "pair " << i;
 }
 
-TEST(FeaturePairs, NameWhatIsWrong) {
+TEST(FeaturePairs, errors_name_the_point_and_pair) {
     const Rows good = lattice(12, 6, 3);
     Rows bad = good;
     bad[9][1] = std::numeric_limits<double>::infinity();
@@ -128,7 +127,7 @@ TEST(FeaturePairs, NameWhatIsWrong) {
     EXPECT_EQ(error.code, ErrorCode::invalid_argument);
 }
 
-TEST(FeaturePairs, EndWhenAskedTo) {
+TEST(FeaturePairs, stop_request_ends_the_call) {
     const Rows rows = lattice(12, 7, 3);
     std::stop_source stop;
     stop.request_stop();

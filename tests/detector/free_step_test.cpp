@@ -1,4 +1,4 @@
-// Free steps: who is held back, how far, and why.
+// Tests of free steps: what is held back, how far, and because of which impact.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,8 @@ namespace {
 
 constexpr double cut = 1 - 0x1p-16;
 
-/// Triangles of one size side by side along x, two units above others; each falls by a distance of its own.
+/// Returns pairs of triangles of one size, side by side along x: one at height 0, the other two units above it, which
+/// falls by its own distance.
 MovingSoup<> falling(const std::vector<double>& falls) {
     MovingSoup<> soup;
     const auto add = [&](double x, double z, double fall) {
@@ -43,7 +44,7 @@ class FreeSteps : public testing::TestWithParam<Backend> {
     }
 };
 
-TEST_P(FreeSteps, name_the_first_impact_that_cut_them) {
+TEST_P(FreeSteps, free_step_reports_the_first_impact) {
     const MovingSoup<> soup = falling({4, 8, 1});
     const MeshView moving = soup.view().moving_to(soup.end_view());
     const FreeStep step = detector_.find(moving, FreeStepQuery());
@@ -56,7 +57,7 @@ TEST_P(FreeSteps, name_the_first_impact_that_cut_them) {
     EXPECT_FALSE(whole.first.found);
 }
 
-TEST_P(FreeSteps, hold_the_vertices_that_touch_and_no_others) {
+TEST_P(FreeSteps, only_vertices_of_pairs_that_touch_are_held_back) {
     const MovingSoup<> soup = falling({4, 8, 1});
     const FreeStep step = detector_.find(soup.view().moving_to(soup.end_view()), holding(Held::vertices));
     expect_free(soup, step);
@@ -68,7 +69,7 @@ TEST_P(FreeSteps, hold_the_vertices_that_touch_and_no_others) {
     }
 }
 
-TEST_P(FreeSteps, hold_bodies_or_worlds_of_many) {
+TEST_P(FreeSteps, bodies_or_worlds_are_held_back_as_a_whole) {
     const MovingSoup<> soup = falling({4, 8, 1});
     std::vector<Shape> shapes;
     std::vector<Body> bodies;
@@ -98,13 +99,13 @@ TEST_P(FreeSteps, hold_bodies_or_worlds_of_many) {
     EXPECT_EQ(shares(Held::bodies), (std::vector{half, half, quarter, quarter, 1., 1.}));
 }
 
-/// Bodies that are in all worlds touch each other beside a world that touches first, or is held at the start.
-TEST_P(FreeSteps, keep_bodies_that_are_in_all_worlds_from_each_other) {
+/// Bodies that are in all worlds touch each other, while another body touches earlier or is stuck at the start.
+TEST_P(FreeSteps, bodies_in_all_worlds_are_kept_apart) {
     MovingSoup<> soup = falling({8, 4});
     std::vector<Shape> shapes;
     const std::vector<Body> bodies{{0, 0, 0}, {1, 0, 0}, {2, 0, -1}, {3, 0, -1}};
     for (const bool stuck : {false, true}) {
-        if (stuck)  // the first two triangles pass through each other at the start
+        if (stuck)  // the first two triangles intersect at the start
             for (std::size_t v = 3; v < 6; ++v) soup.start[v] = {0.5, 0.5, 1 - static_cast<double>(v - 3)};
         shapes.clear();
         for (std::int64_t t = 0; t < 4; ++t) {
@@ -133,7 +134,7 @@ TEST_P(FreeSteps, keep_bodies_that_are_in_all_worlds_from_each_other) {
     EXPECT_EQ(held.share, 0);
 }
 
-TEST_P(FreeSteps, of_two_meshes_are_those_of_two_bodies) {
+TEST_P(FreeSteps, two_meshes_are_held_back_like_two_bodies) {
     const MovingSoup<> soup = falling({4});
     const std::vector<std::array<std::int32_t, 3>> one{{0, 1, 2}};
     const std::vector<std::array<double, 3>> low(soup.start.begin(), soup.start.begin() + 3),
@@ -146,7 +147,7 @@ TEST_P(FreeSteps, of_two_meshes_are_those_of_two_bodies) {
     expect_free(soup, step);
 }
 
-TEST_P(FreeSteps, of_posed_bodies_begin_and_end_where_they_are_posed) {
+TEST_P(FreeSteps, posed_bodies_move_from_start_to_end_poses) {
     const MovingSoup<> soup = falling({0});
     const std::vector<std::array<std::int32_t, 3>> one{{0, 1, 2}};
     const Shape shape{MeshView(soup.start, one)};
@@ -162,7 +163,7 @@ TEST_P(FreeSteps, of_posed_bodies_begin_and_end_where_they_are_posed) {
     EXPECT_EQ(step.positions[posed + 2], 2 - 4 * (0.5 * cut));
 }
 
-TEST_P(FreeSteps, name_triangles_that_intersect_and_hold_their_world_alone) {
+TEST_P(FreeSteps, intersecting_triangles_are_reported_and_hold_their_world) {
     MovingSoup<> soup = falling({1, 1});
     for (std::size_t v = 3; v < 6; ++v)
         soup.start[v] = {soup.start[v - 3][0] + 0.5, 0.5, 1 - static_cast<double>(v - 3)};
@@ -188,7 +189,7 @@ TEST_P(FreeSteps, name_triangles_that_intersect_and_hold_their_world_alone) {
     EXPECT_TRUE(std::ranges::equal(step.body_shares, std::vector<double>{0, 1}));
 }
 
-TEST_P(FreeSteps, go_on_from_contact_if_only_what_approaches_counts) {
+TEST_P(FreeSteps, approaching_only_lets_bodies_leave_contact) {
     MovingSoup<> soup = falling({-2, 2});
     for (std::size_t v = 3; v < 6; ++v) soup.start[v][2] = 0.5;
     const ImpactQuery near{.min_distance = 1};
@@ -204,7 +205,7 @@ TEST_P(FreeSteps, go_on_from_contact_if_only_what_approaches_counts) {
     EXPECT_EQ(step.vertex_shares[3], 1);
     EXPECT_EQ(step.vertex_shares[9], 0.5 * cut);
 
-    for (std::size_t v = 3; v < 6; ++v) soup.end[v][2] = 0.25;  // nearer yet
+    for (std::size_t v = 3; v < 6; ++v) soup.end[v][2] = 0.25;  // now approaching
     const FreeStep held = detector_.find(soup.view().moving_to(soup.end_view()), holding(Held::vertices, approaching));
     expect_free(soup, held, approaching);
     EXPECT_EQ(held.vertex_shares[3], 0);
@@ -214,8 +215,8 @@ TEST_P(FreeSteps, go_on_from_contact_if_only_what_approaches_counts) {
 INSTANTIATE_TEST_SUITE_P(, FreeSteps, testing::Values(Backend::reference, Backend::cpu),
                          [](const auto& p) { return p.param == Backend::cpu ? "cpu" : "reference"; });
 
-/// Hard soups: free as they are rounded, or at the start where something touches there.
-TEST(FreeStepsOfSoups, are_free_whatever_is_held) {
+/// The steps of hard soups are free after rounding, or stay at the start if something touches there.
+TEST(FreeStepsOfSoups, free_steps_of_hard_soups_are_free) {
     Detector cpu({.backend = Backend::cpu, .threads = 1}), reference({.backend = Backend::reference});
     int cuts = 0, some = 0;
     for (const NamedMove<double>& move : moving_soups<double>()) {

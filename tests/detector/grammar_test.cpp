@@ -1,4 +1,5 @@
-// One grammar: every query is asked of every scene by the same call, and what is not there is refused by one error.
+// Tests that every query takes every kind of scene by the same call, and that unsupported combinations are rejected by
+// one kind of error.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +24,7 @@ std::string refusal(const Error& error) {
     return error.what();
 }
 
-/// Two meshes as bodies of a world.
+/// World of two meshes as bodies.
 struct TwoBodies {
     std::array<Shape, 2> shapes;
     std::array<Body, 2> bodies{Body{.shape = 0}, Body{.shape = 1}};
@@ -46,7 +47,7 @@ class Grammar : public testing::TestWithParam<Backend> {
 INSTANTIATE_TEST_SUITE_P(, Grammar, testing::Values(Backend::cpu, Backend::reference),
                          [](const auto& b) { return b.param == Backend::cpu ? "cpu" : "reference"; });
 
-TEST_P(Grammar, less_output_of_meshes_tells_of_the_same_pairs) {
+TEST_P(Grammar, smaller_outputs_agree_with_the_pairs) {
     const MeshView a = a_.view(), b = b_.view();
     for (const Scene& scene : {Scene(a), Scene(a, b)}) {
         const Intersections all = other_.find(scene);
@@ -68,7 +69,7 @@ TEST_P(Grammar, less_output_of_meshes_tells_of_the_same_pairs) {
     }
 }
 
-TEST_P(Grammar, two_meshes_are_two_bodies) {
+TEST_P(Grammar, two_meshes_give_the_results_of_two_bodies) {
     const MeshView a = a_.view(), b = b_.view();
     const TwoBodies bodies(a, b);
     const ProximityQuery near{.radius = 0.02};
@@ -95,7 +96,7 @@ TEST_P(Grammar, two_meshes_are_two_bodies) {
     EXPECT_EQ(rows, of_meshes.count);
 }
 
-TEST_P(Grammar, a_step_is_free_until_its_first_impact) {
+TEST_P(Grammar, free_step_ends_before_the_first_impact) {
     const MeshView moving = a_.view().moving_to(end_view_);
     const Impacts all = other_.find(moving, ImpactQuery{.output = Output::first});
     ASSERT_TRUE(all.first.found);
@@ -108,7 +109,7 @@ TEST_P(Grammar, a_step_is_free_until_its_first_impact) {
     EXPECT_EQ(detector_.find(a_.view().moving_to(a_.view().vertices), FirstImpactQuery{{.min_distance = 1}}).toi, 0);
 }
 
-TEST_P(Grammar, refuses_what_is_not_there) {
+TEST_P(Grammar, unsupported_queries_are_rejected) {
     const MeshView a = a_.view();
     const TwoBodies bodies(a, a);
     const Part part = detector_.partition(a, {}, 2)[0];
@@ -144,7 +145,7 @@ TEST_P(Grammar, refuses_what_is_not_there) {
     EXPECT_EQ(detector_.find(a).count, other_.find(a).count) << "and goes on";
 }
 
-/// A scene of every kind, in host memory.
+/// One scene of every kind, in host memory.
 struct Scenes {
     test::Soup<double> soup = random_soup<double>(20, 0.4);
     MeshView mesh = soup.view();
@@ -170,7 +171,7 @@ using Queries = testing::Types<IntersectionQuery, ImpactQuery, FirstImpactQuery,
                                CandidateQuery, DistanceQuery>;
 TYPED_TEST_SUITE(Supports, Queries, );
 
-TYPED_TEST(Supports, says_what_find_takes) {
+TYPED_TEST(Supports, supports_agrees_with_find) {
     const Scenes scenes;
     Detector detectors[] = {Detector({.backend = Backend::cpu}), Detector({.backend = Backend::reference})};
     for (Detector& detector : detectors)

@@ -1,5 +1,5 @@
-// The front door: every layout that the contract accepts is read where it lies; everything else is an error that names
-// the place and leaves the detector usable.
+// Tests of input checks: every layout that the contract accepts is read in place; everything else is an error that
+// names the place and leaves the detector usable.
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ const std::vector<std::array<float, 3>> vertices{{0, 0, 0},        {1, 0, 0},   
 const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}};
 const std::vector<Pair> expected{{0, 1}};
 
-TEST(Input, takes_every_index_type) {
+TEST(Input, every_index_type_is_accepted) {
     Detector detector;
     EXPECT_EQ(pairs_of(detector.find({vertices, triangles})), expected);
     const std::vector<std::array<std::uint32_t, 3>> unsigned_triangles{{0, 1, 2}, {3, 4, 5}};
@@ -30,7 +30,7 @@ TEST(Input, takes_every_index_type) {
     EXPECT_EQ(pairs_of(detector.find({vertices, long_triangles})), expected);
 }
 
-TEST(Input, takes_column_major_and_interleaved_and_unaligned_arrays) {
+TEST(Input, column_major_interleaved_and_unaligned_arrays_are_read) {
     Detector detector;
     std::vector<double> columns(18);
     for (std::size_t i = 0; i < 6; ++i)
@@ -60,7 +60,7 @@ TEST(Input, empty_soups_have_no_collisions) {
     EXPECT_FALSE(detector.any(MeshView()));
 }
 
-TEST(Input, a_vertex_that_is_not_finite_is_named_even_if_no_triangle_uses_it) {
+TEST(Input, vertex_that_is_not_finite_is_reported_even_if_unused) {
     Detector detector;
     for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                             -std::numeric_limits<float>::infinity()}) {
@@ -78,7 +78,7 @@ TEST(Input, a_vertex_that_is_not_finite_is_named_even_if_no_triangle_uses_it) {
     EXPECT_EQ(pairs_of(detector.find({vertices, triangles})), expected) << "still usable";
 }
 
-// Sixteen rows are checked at once, and chunks by several threads.
+// The checks take sixteen rows at once, and chunks on several threads.
 template <class Scalar>
 void expect_bad_values_named_anywhere() {
     Detector detector;
@@ -93,7 +93,7 @@ void expect_bad_values_named_anywhere() {
     }
 }
 
-TEST(Input, a_bad_value_is_named_wherever_it_stands) {
+TEST(Input, bad_coordinate_is_reported_at_any_row) {
     expect_bad_values_named_anywhere<float>();
     expect_bad_values_named_anywhere<double>();
 }
@@ -111,7 +111,7 @@ void expect_bad_indices_named_anywhere(Index bad) {
     }
 }
 
-TEST(Input, a_bad_index_is_named_wherever_it_stands) {
+TEST(Input, bad_index_is_reported_at_any_row) {
     expect_bad_indices_named_anywhere<std::int32_t>(6);
     expect_bad_indices_named_anywhere<std::int32_t>(-1);
     expect_bad_indices_named_anywhere<std::uint32_t>(6);
@@ -121,7 +121,7 @@ TEST(Input, a_bad_index_is_named_wherever_it_stands) {
     expect_bad_indices_named_anywhere<std::int64_t>(std::numeric_limits<std::int64_t>::min());
 }
 
-TEST(Input, an_index_out_of_range_is_named) {
+TEST(Input, index_out_of_range_is_reported) {
     Detector detector;
     for (const std::int32_t bad : {-1, 6, 90, std::numeric_limits<std::int32_t>::min()}) {
         auto broken = triangles;
@@ -136,7 +136,7 @@ TEST(Input, an_index_out_of_range_is_named) {
     EXPECT_EQ(error_of([&] { detector.find({vertices, far}); }).code, ErrorCode::index_out_of_range);
 }
 
-TEST(Input, between_two_meshes_the_message_says_which) {
+TEST(Input, message_names_which_of_two_meshes_is_wrong) {
     Detector detector;
     auto broken = triangles;
     broken[0][0] = 77;
@@ -144,7 +144,7 @@ TEST(Input, between_two_meshes_the_message_says_which) {
     EXPECT_EQ(std::string(error.what()), "second mesh: triangle 0 names vertex 77 of 6");
 }
 
-TEST(Input, wrong_shapes_and_options_are_errors) {
+TEST(Input, wrong_array_sizes_and_options_are_rejected) {
     Detector detector;
     const std::vector<std::int32_t> one_group{1};
     EXPECT_EQ(error_of([&] { detector.find({vertices, triangles, one_group}); }).code, ErrorCode::invalid_argument);
@@ -170,7 +170,7 @@ TEST(Input, wrong_shapes_and_options_are_errors) {
     EXPECT_EQ(error_of([&] { detector.find(Part{}); }).code, ErrorCode::invalid_argument);
 }
 
-TEST(Input, after_an_error_the_result_is_empty) {
+TEST(Input, result_is_empty_after_an_error) {
     Detector detector;
     const MeshView mesh(vertices, triangles);
     const std::vector<std::function<void()>> wrong_calls{
@@ -192,7 +192,7 @@ TEST(Input, after_an_error_the_result_is_empty) {
     }
 }
 
-TEST(Input, a_wrong_number_of_parts_is_found_before_the_mesh_is_read) {
+TEST(Input, number_of_parts_is_checked_before_the_mesh) {
     Detector detector;
     const std::vector<std::array<std::int32_t, 3>> out_of_range{{0, 1, 6}};
     const MeshView wrong(vertices, out_of_range);
@@ -201,7 +201,7 @@ TEST(Input, a_wrong_number_of_parts_is_found_before_the_mesh_is_read) {
     EXPECT_EQ(error.element, Element::option);
 }
 
-TEST(Input, a_wrong_shape_names_the_mesh) {
+TEST(Input, wrong_array_size_error_names_the_mesh) {
     Detector detector;
     const std::vector<std::int32_t> groups{1, 2, 3};
     const MeshView good(vertices, triangles), bad(vertices, triangles, groups);
@@ -211,7 +211,7 @@ TEST(Input, a_wrong_shape_names_the_mesh) {
     EXPECT_EQ(error_of([&] { detector.find({good, bad}); }).what(), "the second mesh" + rest);
 }
 
-TEST(Input, between_groups_needs_groups) {
+TEST(Input, filter_between_groups_needs_groups) {
     Detector detector;
     const std::vector<std::int32_t> groups{1, 2};
     const MeshView plain(vertices, triangles), grouped(vertices, triangles, groups), none;
@@ -233,7 +233,7 @@ TEST(Input, between_groups_needs_groups) {
     EXPECT_EQ(pairs_of(detector.find(plain, {.filter = {.groups = PairScope::within}})), expected) << "all in group 0";
 }
 
-TEST(Input, empty_braces_are_the_default_query) {
+TEST(Input, query_may_be_omitted) {
     Detector detector;
     const MeshView mesh(vertices, triangles);
     EXPECT_EQ(pairs_of(detector.find(mesh)), expected);
@@ -247,7 +247,7 @@ TEST(Input, empty_braces_are_the_default_query) {
     EXPECT_EQ(error_of([&] { detector.find(Part{}); }).code, ErrorCode::invalid_argument);
 }
 
-/// What Eigen's matrices tell of themselves.
+/// Stand-in for Eigen's matrices, with the functions that MeshView uses.
 template <class T, bool row_major>
 struct Matrix {
     std::int64_t count, width;
@@ -275,7 +275,7 @@ void expect_matrices_are_read() {
     EXPECT_EQ(pairs_of(detector.find(MeshView(v, t))), expected);
 }
 
-TEST(Input, takes_matrices_in_the_order_in_which_they_lie) {
+TEST(Input, matrices_of_either_storage_order_are_read) {
     expect_matrices_are_read<true, true>();
     expect_matrices_are_read<true, false>();
     expect_matrices_are_read<false, true>();
@@ -287,7 +287,7 @@ TEST(Input, takes_matrices_in_the_order_in_which_they_lie) {
     EXPECT_STREQ(error.what(), "vertices must have 3 columns, one row each, not 6");
 }
 
-TEST(Input, refuses_to_exclude_groups_where_there_are_none) {
+TEST(Input, excluded_groups_need_groups) {
     const std::vector<GroupPair> excluded{{0, 1}};
     const MeshView mesh(vertices, triangles);
     MeshView grouped = mesh;

@@ -1,4 +1,4 @@
-// Normalised coordinates are at most 1 and, for float32 input, float32 numbers without loss.
+// Tests that normalised coordinates are at most 1 and, for float32 input, exact as float32.
 
 #include "geometry/normaliser.h"
 
@@ -11,11 +11,11 @@
 namespace crumple {
 namespace {
 
-TEST(Normaliser, float32_coordinates_lose_nothing) {
+TEST(Normaliser, normalising_float32_coordinates_is_lossless) {
     std::mt19937 engine(7);
     const auto number = [&] { return static_cast<double>(engine()) * 0x1p-31 - 1; };  // -1 to 1
     for (int round = 0; round < 2000; ++round) {
-        // Boxes anywhere: around 0, far from it, thin, from subnormal to huge.
+        // Random boxes: around 0, far from it, thin, from subnormal to huge.
         const double offset = std::ldexp(number(), static_cast<int>(engine() % 240) - 120);
         const double size = std::ldexp(1.0, static_cast<int>(engine() % 240) - 120);
         std::vector<Vec3d> points;

@@ -1,5 +1,5 @@
-// Blocks that several threads fill, unit by unit: nothing is lost, all but the last are full, the order is that of the
-// units, and what take() throws is the last.
+// Tests of blocks that several threads fill, unit by unit: no row is lost, all blocks but the last are full, the order
+// is that of the units, and no block is delivered after take() has thrown.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ OrderedBlocks<Numbers>::Work work(std::function<void(Numbers&)> take) {
             std::move(take), [](Numbers& block) { block.clear(); }};
 }
 
-/// Units of `pieces` pieces of 20 numbers each, begun in ascending order by so many threads.
+/// Fills units of `pieces` pieces of 20 numbers each, begun in ascending order by `threads` threads.
 void fill(OrderedBlocks<Numbers>& blocks, int threads, int units, int pieces) {
     std::atomic<int> next{0};
     std::vector<std::thread> workers;
@@ -47,7 +47,7 @@ void fill(OrderedBlocks<Numbers>& blocks, int threads, int units, int pieces) {
     for (std::thread& worker : workers) worker.join();
 }
 
-TEST(OrderedBlocks, have_all_that_units_add_in_their_order) {
+TEST(OrderedBlocks, blocks_hold_everything_in_the_order_of_units) {
     for (const int threads : {1, 2, 8})
         for (const int most : {7, 100, 1'000'000}) {
             Numbers all;
@@ -69,7 +69,7 @@ TEST(OrderedBlocks, have_all_that_units_add_in_their_order) {
         }
 }
 
-TEST(OrderedBlocks, deliver_nothing_once_take_has_thrown) {
+TEST(OrderedBlocks, nothing_is_delivered_after_take_has_thrown) {
     std::atomic<int> taken{0};
     Cancellation cancellation;
     cancellation.begin({});
@@ -80,7 +80,7 @@ TEST(OrderedBlocks, deliver_nothing_once_take_has_thrown) {
     EXPECT_EQ(taken, 3);
 }
 
-TEST(OrderedBlocks, wake_who_waits_when_the_call_is_cancelled) {
+TEST(OrderedBlocks, cancellation_wakes_waiting_threads) {
     std::stop_source stop;
     Cancellation cancellation;
     cancellation.begin(stop.get_token());

@@ -1,4 +1,4 @@
-// Public parts: independent, self-contained, complete, nothing twice.
+// Tests of public parts: independent, self-contained, complete, without duplicate pairs.
 
 #include <gtest/gtest.h>
 
@@ -20,29 +20,29 @@ using test::error_of;
 using test::pairs_of;
 
 /// Owned pairs with their contacts' bytes.
-using Answer = std::map<Pair, std::vector<std::array<double, 3>>>;
+using OwnedPairs = std::map<Pair, std::vector<std::array<double, 3>>>;
 
-void add(const Intersections& found, Answer& answer) {
+void add(const Intersections& found, OwnedPairs& result) {
     for (std::size_t i = 0; i < found.pairs.size(); ++i) {
         std::vector<std::array<double, 3>> contact;
         if (!found.contacts.kinds.empty()) {
             const auto* points = found.contacts.points.data();
             contact.assign(points + found.contacts.offsets[i], points + found.contacts.offsets[i + 1]);
         }
-        EXPECT_TRUE(answer.emplace(found.pairs[i], contact).second)
+        EXPECT_TRUE(result.emplace(found.pairs[i], contact).second)
             << "two parts own " << testing::PrintToString(found.pairs[i]);
     }
 }
 
-std::vector<Pair> pairs_of(const Answer& answer) {
+std::vector<Pair> pairs_of(const OwnedPairs& result) {
     std::vector<Pair> pairs;
-    for (const auto& entry : answer) pairs.push_back(entry.first);
+    for (const auto& entry : result) pairs.push_back(entry.first);
     return pairs;
 }
 
 void expect_union(const Intersections& whole, const std::vector<Part>& parts, const IntersectionQuery& query,
                   Detector& elsewhere) {
-    Answer expected, joined;
+    OwnedPairs expected, joined;
     add(whole, expected);
     for (const Part& part : parts) add(elsewhere.find(part, query), joined);
     ASSERT_EQ(difference(pairs_of(expected), pairs_of(joined)), "") << parts.size() << " parts";
@@ -50,11 +50,11 @@ void expect_union(const Intersections& whole, const std::vector<Part>& parts, co
 }
 
 template <class Scalar>
-class PartOf : public testing::Test {
+class PartUnion : public testing::Test {
    public:
     static test::Soup<Scalar> soup(int count, double size, unsigned seed = 1) {
         auto soup = test::random_soup<Scalar>(count, size, seed);
-        // Neighbours, by index and by position, duplicates and degenerate triangles.
+        // Adds triangles adjacent by index and by position, duplicates and degenerate triangles.
         for (std::size_t t = 7; t < soup.triangles.size(); t += 7) soup.triangles[t][0] = soup.triangles[t - 1][2];
         for (std::size_t v = 30; v < soup.vertices.size(); v += 30) soup.vertices[v] = soup.vertices[v - 3];
         for (std::size_t t = 11; t < soup.triangles.size(); t += 11) soup.triangles[t] = soup.triangles[t - 3];
@@ -65,11 +65,11 @@ class PartOf : public testing::Test {
     }
 };
 using Scalars = testing::Types<float, double>;
-TYPED_TEST_SUITE(PartOf, Scalars, );
+TYPED_TEST_SUITE(PartUnion, Scalars, );
 
 const std::vector<GroupPair> excluded{{0, 1}, {2, 2}};
 
-/// The first one asks for most.
+/// Returns queries, of which the first one gets the most numbers of parts.
 std::vector<IntersectionQuery> queries() {
     return {{.output = Output::contacts},
             {.neighbours = Neighbours::skip, .weld = true},
@@ -83,7 +83,7 @@ std::vector<int> counts(const IntersectionQuery& query) {
     return {3, 64, 65};
 }
 
-TYPED_TEST(PartOf, a_soup_unite_to_the_whole_answer) {
+TYPED_TEST(PartUnion, parts_of_one_soup_give_the_whole_result) {
     const auto soup = TestFixture::soup(1200, 0.12);
     Detector detector({.threads = 2, .leaf_size = 100}), elsewhere({.threads = 1, .leaf_size = 50}),
         reference({.backend = Backend::reference});
@@ -98,7 +98,7 @@ TYPED_TEST(PartOf, a_soup_unite_to_the_whole_answer) {
     }
 }
 
-TYPED_TEST(PartOf, two_meshes_unite_to_the_whole_answer) {
+TYPED_TEST(PartUnion, parts_of_two_meshes_give_the_whole_result) {
     const auto a = TestFixture::soup(700, 0.15), b = TestFixture::soup(500, 0.15, 4);
     const auto ungrouped = test::random_soup<double>(300, 0.2, 9);
     Detector detector({.threads = 2, .leaf_size = 100}), elsewhere({.threads = 1, .leaf_size = 50}),
@@ -116,7 +116,7 @@ TYPED_TEST(PartOf, two_meshes_unite_to_the_whole_answer) {
     }
 }
 
-TEST(Part, holds_copies_and_both_triangles_of_its_pairs) {
+TEST(Part, part_holds_both_triangles_of_its_pairs) {
     auto soup = test::wavy_sheet(40);
     Detector detector;
     const std::vector<Pair> whole = test::pairs_of(detector.find(soup.view()));
@@ -135,7 +135,7 @@ TEST(Part, holds_copies_and_both_triangles_of_its_pairs) {
             }
         EXPECT_LT(xyz.size(), 3 * part.mesh.ids.size()) << "vertices are shared";
     }
-    soup = {};  // nobody looks at it any more
+    soup = {};  // parts must not refer to it
     std::vector<Pair> joined;
     for (const Part& part : parts) {
         const auto is_member = [&](std::int32_t t) { return std::ranges::binary_search(part.mesh.ids, t); };
@@ -149,32 +149,32 @@ TEST(Part, holds_copies_and_both_triangles_of_its_pairs) {
     EXPECT_EQ(difference(whole, joined), "");
 }
 
-TEST(Part, offsets_and_hits_are_by_position_in_its_lists) {
+TEST(Part, offsets_and_hits_follow_the_order_of_ids) {
     const auto a = test::random_soup(300, 0.3), b = test::random_soup(200, 0.3, 4);
     Detector detector;
     std::size_t found = 0;
     for (const Part& part : detector.partition({a.view(), b.view()}, {}, 3)) {
-        const Intersections& answer = detector.find(part);
+        const Intersections& result = detector.find(part);
         const auto &first = part.mesh.ids, &second = part.second->ids;
-        ASSERT_EQ(answer.offsets.size(), first.size() + 1);
-        ASSERT_EQ(answer.hit.size(), first.size());
-        ASSERT_EQ(answer.hit_second.size(), second.size());
+        ASSERT_EQ(result.offsets.size(), first.size() + 1);
+        ASSERT_EQ(result.hit.size(), first.size());
+        ASSERT_EQ(result.hit_second.size(), second.size());
         std::vector<std::uint8_t> hit(first.size()), hit_second(second.size());
         for (std::size_t i = 0; i < first.size(); ++i)
-            for (std::int64_t p = answer.offsets[i]; p < answer.offsets[i + 1]; ++p) {
-                EXPECT_EQ(answer.pairs[p].a, first[i]);
+            for (std::int64_t p = result.offsets[i]; p < result.offsets[i + 1]; ++p) {
+                EXPECT_EQ(result.pairs[p].a, first[i]);
                 hit[i] = 1;
-                hit_second[static_cast<std::size_t>(std::ranges::lower_bound(second, answer.pairs[p].b) -
+                hit_second[static_cast<std::size_t>(std::ranges::lower_bound(second, result.pairs[p].b) -
                                                     second.begin())] = 1;
                 ++found;
             }
-        EXPECT_TRUE(std::ranges::equal(hit, answer.hit));
-        EXPECT_TRUE(std::ranges::equal(hit_second, answer.hit_second));
+        EXPECT_TRUE(std::ranges::equal(hit, result.hit));
+        EXPECT_TRUE(std::ranges::equal(hit_second, result.hit_second));
     }
     EXPECT_EQ(found, detector.find({a.view(), b.view()}).pairs.size());
 }
 
-TEST(Part, makes_the_same_parts_on_any_number_of_threads) {
+TEST(Part, parts_do_not_depend_on_threads_or_backend) {
     const auto soup = test::wavy_sheet(120);
     const auto parts_of = [&](int threads, Backend backend) {
         return Detector({.backend = backend, .threads = threads}).partition(soup.view(), {}, 100);
@@ -197,8 +197,8 @@ TEST(Part, makes_the_same_parts_on_any_number_of_threads) {
     }
 }
 
-// What a machine finds that holds a few of the triangles is what one finds that holds them all.
-TEST(Part, members_are_found_from_any_slice) {
+// A process with a slice of the triangles finds the same members as one with all triangles.
+TEST(Part, members_can_be_found_from_any_slice) {
     const auto soup = test::random_soup<double>(500, 0.1);
     ParallelFor serial;
     SceneBuffers buffers;
@@ -208,7 +208,7 @@ TEST(Part, members_are_found_from_any_slice) {
         const PartTree tree = centres.tree();
         const std::vector<Part> parts = make_parts(scene, count, serial);
         for (const std::int64_t begin : {0, 123, 499}) {
-            auto alone = soup;  // a scene of its own, in another box
+            auto alone = soup;  // its bounding box is another one
             alone.triangles = {soup.triangles.begin() + begin,
                                soup.triangles.begin() + std::min<std::int64_t>(begin + 50, 500)};
             SceneBuffers own;
@@ -234,7 +234,7 @@ TEST(Part, members_are_found_from_any_slice) {
     }
 }
 
-TEST(Part, levels_are_as_few_as_hold_the_parts) {
+TEST(Part, levels_are_as_few_as_possible) {
     const auto soup = test::random_soup(2000, 0.05);
     Detector detector;
     for (const auto& [count, levels] : {std::pair{1, 1u}, {64, 1u}, {65, 2u}, {4096, 2u}, {4097, 3u}}) {
@@ -252,7 +252,7 @@ TEST(Part, levels_are_as_few_as_hold_the_parts) {
     }
 }
 
-TEST(Part, shares_are_in_proportion_and_fit) {
+TEST(Part, shares_are_proportional_and_fit) {
     const std::vector<std::int64_t> points{1000, 0, 3000, 10};
     const std::vector<int> shares = share_out(84, 64, points);
     EXPECT_EQ(std::accumulate(shares.begin(), shares.end(), 0), 84);
@@ -263,8 +263,8 @@ TEST(Part, shares_are_in_proportion_and_fit) {
     EXPECT_EQ(share_out(128, 64, std::vector<std::int64_t>{5, 0}), (std::vector<int>{64, 64}));
 }
 
-// The pairs of parts that come from elsewhere are checked before they are believed.
-TEST(Part, a_part_that_cannot_be_is_refused) {
+// Parts are checked before use, since they may come from elsewhere.
+TEST(Part, inconsistent_parts_are_rejected) {
     const auto soup = test::random_soup(40, 0.4), other = test::random_soup(30, 0.4, 2);
     Detector detector;
     const Part good = detector.partition({soup.view(), other.view()}, {}, 3)[1];
@@ -295,8 +295,8 @@ TEST(Part, a_part_that_cannot_be_is_refused) {
     EXPECT_EQ(error_of([&] { detector.partition(soup.view(), {}, 262145); }).code, ErrorCode::invalid_argument);
 }
 
-// Centres are found in float32, where the largest number rounds up.
-TEST(Part, a_scene_as_large_as_numbers_are_has_parts) {
+// Centres are computed in float32, where the largest float64 number rounds to infinity.
+TEST(Part, scene_of_the_largest_numbers_can_be_partitioned) {
     constexpr double most = std::numeric_limits<double>::max();
     test::Soup<double> soup;
     soup.vertices = {{-most, most, -most}, {-most, most, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -308,7 +308,7 @@ TEST(Part, a_scene_as_large_as_numbers_are_has_parts) {
         expect_union(whole, detector.partition(soup.view(), {}, count), query, detector);
 }
 
-TEST(Part, far_from_the_origin_is_no_place_of_its_own) {
+TEST(Part, scene_far_from_the_origin_can_be_partitioned) {
     auto soup = test::random_soup<double>(400, 0.2);
     for (auto& vertex : soup.vertices)
         for (double& x : vertex) x = (x + 1e6) * 1e200;
@@ -318,8 +318,8 @@ TEST(Part, far_from_the_origin_is_no_place_of_its_own) {
     for (const int count : {3, 65, 1000}) expect_union(whole, detector.partition(soup.view(), {}, count), {}, detector);
 }
 
-// Where no centre parts the triangles, one part has them all, and the others are empty.
-TEST(Part, triangles_at_one_place_are_in_one_part) {
+// If centres cannot separate the triangles, one part has them all, and the others are empty.
+TEST(Part, coincident_triangles_are_in_one_part) {
     test::Soup<float> stack;
     stack.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     for (int i = 0; i < 50; ++i) stack.triangles.push_back({0, 1, 2});
@@ -334,7 +334,7 @@ TEST(Part, triangles_at_one_place_are_in_one_part) {
     }
 }
 
-TEST(Part, of_nothing_are_empty) {
+TEST(Part, parts_of_an_empty_mesh_are_empty) {
     Detector detector;
     for (const int count : {1, 64, 1000}) {
         for (const Part& part : detector.partition(MeshView(), {}, count)) {

@@ -1,4 +1,4 @@
-// Results in blocks: together they have the rows of find(), whatever the blocks' size, in an order of their own.
+// Tests of results in blocks: together the blocks have the rows of find(), for any block size, in another order.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ using test::error_of;
 using test::pairs_of;
 using test::Soup;
 
-/// All blocks one behind the other.
+/// All blocks, concatenated.
 struct Whole {
     std::vector<Pair> pairs;
     std::vector<ContactKind> kinds;
@@ -43,7 +43,7 @@ struct Whole {
         for (std::size_t i = 0; i < c.kinds.size(); ++i) counts.push_back(c.offsets[i + 1] - c.offsets[i]);
         points.insert(points.end(), c.points.begin(), c.points.end());
     }
-    /// In the order of pairs.
+    /// Sorts the rows by their pairs.
     void sort() {
         std::vector<std::size_t> order(pairs.size());
         std::iota(order.begin(), order.end(), std::size_t{0});
@@ -106,10 +106,10 @@ void compare(const Meshes& meshes, const IntersectionQuery& query, const Options
     }
 }
 
-/// Sanitizers are slow.
+/// Divisor of scene sizes: sanitizers are slow.
 constexpr int part = sanitized ? 2 : 1;
 
-std::vector<Options> ways() {
+std::vector<Options> option_list() {
     std::vector<Options> result(4);
     result[0].threads = 1;
     result[1].threads = 3;
@@ -121,47 +121,47 @@ std::vector<Options> ways() {
     return result;
 }
 
-TEST(Stream, of_one_soup_is_the_whole_answer) {
+TEST(Stream, blocks_of_one_soup_hold_all_pairs) {
     const auto soup = test::random_soup(200 / part, 0.8);
-    for (const Options& options : ways())
+    for (const Options& options : option_list())
         compare({soup.view()}, {.output = Output::contacts}, options, {1, 7, 300 / part, 1 << 18}, 500 / (part * part));
 }
 
-TEST(Stream, of_two_soups_is_the_whole_answer) {
+TEST(Stream, blocks_of_two_soups_hold_all_pairs) {
     const auto a = test::random_soup<float>(150 / part, 0.8);
     const auto b = test::random_soup<double>(120 / part, 0.9, 2);
     const MeshView second = b.view();
-    for (const Options& options : ways())
+    for (const Options& options : option_list())
         compare({a.view(), &second}, {.output = Output::contacts}, options, {1, 50, 4000}, 400 / (part * part));
 }
 
-TEST(Stream, of_a_sheet_is_the_whole_answer) {
+TEST(Stream, blocks_of_a_sheet_hold_all_pairs) {
     auto sheet = test::wavy_sheet(60);
     for (std::size_t t = 0; t < sheet.triangles.size(); ++t) sheet.groups.push_back(static_cast<std::int32_t>(t % 5));
     const std::vector<GroupPair> excluded{{0, 1}, {3, 3}};
     IntersectionQuery query;
     query.filter.excluded_groups = excluded;
-    for (std::size_t way = 0; way < 3; ++way) {
-        compare({sheet.view()}, {}, ways()[way], {40, 1000, 100000}, 1000);
-        compare({sheet.view()}, query, ways()[way], {40, 1000}, 500);
+    for (std::size_t i = 0; i < 3; ++i) {
+        compare({sheet.view()}, {}, option_list()[i], {40, 1000, 100000}, 1000);
+        compare({sheet.view()}, query, option_list()[i], {40, 1000}, 500);
     }
 }
 
-// More pairs of one triangle than a block holds.
-TEST(Stream, cuts_the_pairs_of_one_triangle) {
+// One triangle has more pairs than a block holds.
+TEST(Stream, pairs_of_one_triangle_may_span_blocks) {
     Soup<float> soup = test::random_soup(2000, 0.02);
     const auto n = static_cast<std::int32_t>(soup.vertices.size());
     for (std::size_t v = 0; v < soup.vertices.size(); ++v) soup.vertices[v][2] = static_cast<float>(v % 3) - 1.0f;
     soup.vertices.insert(soup.vertices.end(), {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}});
     soup.triangles.insert(soup.triangles.begin() + 5, {n, n + 1, n + 2});
-    for (const Options& options : ways()) {
+    for (const Options& options : option_list()) {
         if (options.backend == Backend::reference) continue;
         compare({soup.view()}, {}, options, {100, 1500}, 2000);
     }
 }
 
-// Copies of degenerate triangles are searched once, and their pairs repeated: those before, within and behind a range.
-TEST(Stream, repeats_the_pairs_of_copies) {
+// Copies of degenerate triangles are searched once, and their pairs repeated.
+TEST(Stream, pairs_of_duplicate_degenerates_are_repeated) {
     Soup<float> soup = test::random_soup(60, 0.8);
     for (const int where : {0, 20, 40}) {
         std::vector<std::array<std::int32_t, 3>> copies;
@@ -170,13 +170,13 @@ TEST(Stream, repeats_the_pairs_of_copies) {
     }
     const auto other = test::random_soup(40, 0.9, 7);
     const MeshView second = other.view();
-    for (const Options& options : ways()) {
+    for (const Options& options : option_list()) {
         compare({soup.view()}, {.output = Output::contacts}, options, {1, 10, 500}, 350);
         compare({soup.view(), &second}, {}, options, {3, 200}, 100);
     }
 }
 
-TEST(Stream, has_an_order_that_does_not_depend_on_threads) {
+TEST(Stream, order_does_not_depend_on_threads) {
     const auto soup = test::random_soup(3000, 0.3);
     const auto dense = test::random_soup(1500, 0.9);  // one large leaf, in tiles
     for (const MeshView& mesh : {soup.view(), dense.view()}) {
@@ -195,7 +195,7 @@ TEST(Stream, has_an_order_that_does_not_depend_on_threads) {
     }
 }
 
-TEST(Stream, of_nothing_has_no_blocks) {
+TEST(Stream, empty_results_have_no_blocks) {
     Detector detector;
     const auto never = [](const Intersections&) { FAIL(); };
     EXPECT_EQ(detector.stream(MeshView(), {}, never).pairs, 0);
@@ -204,7 +204,7 @@ TEST(Stream, of_nothing_has_no_blocks) {
     EXPECT_EQ(detector.stream({apart.view(), MeshView()}, {}, never).pairs, 0);
 }
 
-TEST(Stream, ends_by_what_a_block_throws_and_by_a_stop) {
+TEST(Stream, exception_or_stop_request_ends_the_stream) {
     const auto soup = test::random_soup(2000, 0.5);
     Detector detector({.threads = 2});
     std::atomic<int> blocks{0};
@@ -214,10 +214,10 @@ TEST(Stream, ends_by_what_a_block_throws_and_by_a_stop) {
     EXPECT_THROW(detector.stream(soup.view(), {}, refuse, 50), std::runtime_error);
     EXPECT_EQ(blocks, 3);
     std::stop_source stop;
-    const auto ask = [&](const Intersections&) { stop.request_stop(); };
-    const Error error = error_of([&] { detector.stream(soup.view(), {}, ask, 50, stop.get_token()); });
+    const auto request_stop = [&](const Intersections&) { stop.request_stop(); };
+    const Error error = error_of([&] { detector.stream(soup.view(), {}, request_stop, 50, stop.get_token()); });
     EXPECT_EQ(error.code, ErrorCode::cancelled);
-    // The detector is usable still.
+    // The detector stays usable.
     Whole found;
     detector.stream(
         soup.view(), {}, [&](const Intersections& block) { found.add(block); }, 1000);
@@ -225,7 +225,7 @@ TEST(Stream, ends_by_what_a_block_throws_and_by_a_stop) {
     EXPECT_EQ(difference(pairs_of(Detector().find(soup.view())), found.pairs), "");
 }
 
-TEST(Stream, fits_a_limit_that_the_answer_does_not_fit_or_names_one) {
+TEST(Stream, stream_fits_a_limit_too_small_for_the_whole_result) {
     const auto soup = test::random_soup(4000, 0.9);
     const auto count = static_cast<std::int64_t>(Detector().find(soup.view()).pairs.size());
     constexpr std::int64_t limit = 2'500'000;
@@ -249,7 +249,7 @@ TEST(Stream, fits_a_limit_that_the_answer_does_not_fit_or_names_one) {
     });
 }
 
-TEST(Stream, refuses_what_is_no_size_of_a_block) {
+TEST(Stream, invalid_block_sizes_are_rejected) {
     const auto soup = test::random_soup(10, 0.2);
     for (const std::int64_t size : {std::int64_t{0}, std::int64_t{-5}, (std::int64_t{1} << 40) + 1}) {
         const Error error = error_of([&] {

@@ -1,4 +1,4 @@
-// Distances of bodies against brute force in rational arithmetic.
+// Compares distances of bodies with brute force in rational arithmetic.
 
 #include <gtest/gtest.h>
 
@@ -18,14 +18,14 @@ using test::same_nearest;
 
 DistanceQuery random_nearest(unsigned seed, int bodies) {
     Dice dice(seed);
-    DistanceQuery question;
-    if (dice.chance(0.4)) question.radius = dice.chance(0.2) ? 0 : dice.between(0, 0.5);
-    if (dice.chance(0.2)) question.filter.bodies = PairScope::between;
-    question.filter.groups = static_cast<PairScope>(dice.chance(0.5) ? 0 : dice.below(3));
+    DistanceQuery query;
+    if (dice.chance(0.4)) query.radius = dice.chance(0.2) ? 0 : dice.between(0, 0.5);
+    if (dice.chance(0.2)) query.filter.bodies = PairScope::between;
+    query.filter.groups = static_cast<PairScope>(dice.chance(0.5) ? 0 : dice.below(3));
     for (int i = dice.below(3); i > 0 && bodies > 0; --i)
-        question.filter.excluded_bodies.push_back({dice.below(bodies), dice.below(bodies)});
-    for (int i = dice.below(3); i > 0; --i) question.filter.excluded_groups.push_back({dice.below(3), dice.below(3)});
-    return question;
+        query.filter.excluded_bodies.push_back({dice.below(bodies), dice.below(bodies)});
+    for (int i = dice.below(3); i > 0; --i) query.filter.excluded_groups.push_back({dice.below(3), dice.below(3)});
+    return query;
 }
 
 class NearestAgreement : public testing::TestWithParam<int> {
@@ -36,49 +36,49 @@ class NearestAgreement : public testing::TestWithParam<int> {
     void compare(unsigned seed, const test::WorldKind& kind) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         const auto world = random_world(seed, kind);
-        DistanceQuery question = random_nearest(7 * seed, kind.bodies);
-        // Under other names each time, for a detector holds on to what it knows.
+        DistanceQuery query = random_nearest(7 * seed, kind.bodies);
+        // New names for each seed, since the detector caches shapes by name.
         for (Shape& shape : world->shapes)
             if (shape.name != 0) shape.name += 1000 * (seed + 1);
-        const Distances& found = detector_.find(world->view(), question);
-        ASSERT_TRUE(same_nearest(found, reference_.find(world->view(), question)));
+        const Distances& found = detector_.find(world->view(), query);
+        ASSERT_TRUE(same_nearest(found, reference_.find(world->view(), query)));
         rows_ += found.bodies.size();
         for (const std::uint8_t touches : found.touching) touching_ += touches;
-        question.output = Output::nearest;
-        ASSERT_TRUE(same_nearest(detector_.find(world->view(), question), reference_.find(world->view(), question)));
+        query.output = Output::nearest;
+        ASSERT_TRUE(same_nearest(detector_.find(world->view(), query), reference_.find(world->view(), query)));
     }
 
     std::size_t rows_ = 0, touching_ = 0;
 };
 
-TEST_P(NearestAgreement, of_bodies_apart) {
+TEST_P(NearestAgreement, holds_for_bodies_apart) {
     for (unsigned seed = 0; seed < 25; ++seed) compare(seed, {.triangles = 12, .reach = 4});
     EXPECT_GT(rows_ - touching_, 50u);
 }
-TEST_P(NearestAgreement, of_bodies_at_one_place) {
+TEST_P(NearestAgreement, holds_for_bodies_at_one_place) {
     for (unsigned seed = 100; seed < 125; ++seed) compare(seed, {.bodies = 7, .triangles = 14, .reach = 0.1});
     EXPECT_GT(touching_, 30u);
 }
-TEST_P(NearestAgreement, of_several_worlds) {
+TEST_P(NearestAgreement, holds_for_several_worlds) {
     for (unsigned seed = 200; seed < 215; ++seed)
         compare(seed, {.bodies = 9, .worlds = 4, .triangles = 6, .everywhere = 0.3, .reach = 2});
 }
-TEST_P(NearestAgreement, of_larger_bodies) {
+TEST_P(NearestAgreement, holds_for_larger_bodies) {
     for (unsigned seed = 300; seed < 304; ++seed)
         compare(seed, {.shapes = 2, .bodies = 3, .triangles = 60, .named = 1, .reach = 3});
 }
-/// So many triangles touch that the first ones are seldom found first.
-TEST_P(NearestAgreement, of_larger_bodies_at_one_place) {
+/// Many triangles touch, so the search seldom meets the first pair first.
+TEST_P(NearestAgreement, holds_for_larger_bodies_at_one_place) {
     for (unsigned seed = 350; seed < (sanitized ? 352u : 358u); ++seed)
         compare(seed, {.shapes = 2, .bodies = 4, .triangles = 60, .named = 1, .everywhere = 0, .reach = 0.1});
     EXPECT_GE(touching_, sanitized ? 1u : 5u);
 }
-TEST_P(NearestAgreement, of_single_triangles) {
+TEST_P(NearestAgreement, holds_for_single_triangles) {
     for (unsigned seed = 400; seed < 440; ++seed) compare(seed, {.shapes = 5, .triangles = 1, .reach = 1.5});
 }
-TEST_P(NearestAgreement, of_no_bodies) { compare(500, {.bodies = 0}); }
+TEST_P(NearestAgreement, holds_without_bodies) { compare(500, {.bodies = 0}); }
 
-/// A box of `cuts` squares along each edge, of two triangles each: symmetric, with many triangles in one plane.
+/// Returns a box with `cuts` squares of two triangles along each edge: symmetric, with many triangles in one plane.
 test::Soup<double> box(int cuts) {
     test::Soup<double> soup;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -99,8 +99,8 @@ test::Soup<double> box(int cuts) {
     return soup;
 }
 
-/// Faces that are parallel, edges that are, corners: all kinds of ties, in place and turned.
-TEST_P(NearestAgreement, of_symmetric_shapes) {
+/// Ties of all kinds, from parallel faces, parallel edges and corners, axis-aligned and turned.
+TEST_P(NearestAgreement, holds_for_symmetric_shapes) {
     const auto coarse = box(1), fine = box(2);
     const std::vector<Shape> shapes{Shape(coarse.view(), 1), Shape(fine.view())};
     const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
@@ -120,8 +120,8 @@ TEST_P(NearestAgreement, of_symmetric_shapes) {
     }
 }
 
-/// As they are, scaled down to a size with small numbers, and to one whose squares underflow.
-TEST_P(NearestAgreement, of_the_largest_and_the_smallest_numbers) {
+/// Sizes from the smallest to the largest float64, whose squares underflow or overflow.
+TEST_P(NearestAgreement, holds_for_largest_and_smallest_numbers) {
     for (const double size : {0x1p-1060, 0x1p-600, 0x1p-300, 0x1p250, 0x1p500, 0x1p1020}) {
         const std::vector<std::array<double, 3>> vertices{{-size, -size, 0}, {size, -size, 0}, {0, size, 0},
                                                           {-size, 0, -size}, {size, 0, size},  {0, 0, size}};
@@ -138,10 +138,10 @@ TEST_P(NearestAgreement, of_the_largest_and_the_smallest_numbers) {
         SCOPED_TRACE(size);
         ASSERT_TRUE(same_nearest(detector_.find(world, DistanceQuery()), reference_.find(world, DistanceQuery())));
         for (const double radius : {0.25, 0.5, 1.0}) {
-            const DistanceQuery question{.radius = radius * size};
-            ASSERT_TRUE(same_nearest(detector_.find(world, question), reference_.find(world, question)));
+            const DistanceQuery query{.radius = radius * size};
+            ASSERT_TRUE(same_nearest(detector_.find(world, query), reference_.find(world, query)));
         }
-        // Squares that underflow to 0 are equal, of any distance.
+        // Squared distances that underflow to 0 are equal.
         const DistanceQuery nearest{.output = Output::nearest};
         ASSERT_TRUE(same_nearest(detector_.find(world, nearest), reference_.find(world, nearest)));
     }

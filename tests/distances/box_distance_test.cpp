@@ -1,4 +1,4 @@
-// Boxes and posed triangles are never told to be farther apart than points of theirs are.
+// Checks that bounds on the distance of boxes and of posed triangles never exceed the distance of their points.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace crumple::test {
 namespace {
 
-/// Any matrix, so that axes are neither orthogonal nor of one length; now and then a motion.
+/// Returns a random pose: often any matrix, whose axes are neither orthogonal nor of equal length, sometimes a motion.
 Pose any_pose(Dice& dice) {
     Pose pose = random_pose(dice, 3);
     if (dice.chance(0.3)) return pose;
@@ -31,7 +31,7 @@ struct PosedShape {
         box = part;
     }
     double coordinate(Dice& dice) const { return dice.between(-size, size); }
-    /// A posed point of the box, which is a corner now and then.
+    /// Returns a posed point of the box, sometimes a corner.
     Vec3d point(Dice& dice) const {
         const auto within = [&](double low, double high) {
             return dice.chance(0.4) ? low : dice.chance(0.6) ? high : dice.between(low, high);
@@ -48,14 +48,14 @@ struct PosedShape {
 
 double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
 
-TEST(BoxDistance, IsNoMoreThanThatOfTheirPoints) {
+TEST(BoxDistance, never_exceeds_the_distance_of_points) {
     int apart = 0;
     for (unsigned seed = 0; seed < 2000; ++seed) {
         SCOPED_TRACE(seed);
         Dice dice(seed);
         const PosedShape a(any_pose(dice), dice.between(0.1, 3), dice), b(any_pose(dice), dice.between(0.1, 3), dice);
-        const Vec3d known = dice.chance(0.2) ? Vec3d{} : Vec3d{dice.between(-1, 1), dice.between(-1, 1), 0.5};
-        const BoxDistance boxes(a.place, a.frame, b.place, b.frame, known);
+        const Vec3d direction = dice.chance(0.2) ? Vec3d{} : Vec3d{dice.between(-1, 1), dice.between(-1, 1), 0.5};
+        const BoxDistance boxes(a.place, a.frame, b.place, b.frame, direction);
         const float between = gap(boxes.a()(a.frame(CentredBox(a.box))), boxes.b()(b.frame(CentredBox(b.box))));
         apart += between > 0;
         for (int i = 0; i < 60; ++i) {
@@ -70,8 +70,8 @@ TEST(BoxDistance, IsNoMoreThanThatOfTheirPoints) {
     }
     EXPECT_GT(apart, 200);
 }
-/// Two cubes in line with each other, and corner to corner: of rigid poses it is the distance, nearly.
-TEST(BoxDistance, IsThatOfCubesInLine) {
+/// Cubes face to face, edge to edge and corner to corner: with rigid poses the bound is nearly the distance.
+TEST(BoxDistance, nearly_equals_the_distance_of_cubes) {
     const Bounds cube{{-1, -1, -1}, {1, 1, 1}};
     const SmallFrame frame{CentredBox(cube)};
     const SmallBox box = frame(CentredBox(cube));

@@ -6,7 +6,7 @@
 
 namespace crumple::test {
 
-/// Everything byte for byte; a failure names the bodies.
+/// Compares all arrays byte for byte. A failure names the array that differs.
 inline testing::AssertionResult same_nearest(const Distances& found, const Distances& expected) {
     testing::AssertionResult same = same_bytes(found.bodies, expected.bodies, "bodies");
     if (same) same = same_bytes(found.touching, expected.touching, "flags");

@@ -1,4 +1,4 @@
-// What docs/nearest.md promises, one claim a test.
+// Checks the promises of docs/nearest.md, one per test.
 
 #include <gtest/gtest.h>
 
@@ -23,11 +23,11 @@ Pose moved(double x, double y = 0, double z = 0) { return {{1, 0, 0, x, 0, 1, 0,
 const std::vector<std::array<float, 3>> square{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
 const std::vector<std::array<std::int32_t, 3>> halves{{0, 1, 2}, {0, 2, 3}};
 
-class NearestBodiesOf : public testing::TestWithParam<Backend> {
+class NearestBodiesOfEachBackend : public testing::TestWithParam<Backend> {
    protected:
     const Distances& find(const std::vector<Body>& bodies, const std::vector<Pose>& poses,
-                          const DistanceQuery& question = {}) {
-        return detector_.find(World{shapes_, bodies, poses}, question);
+                          const DistanceQuery& query = {}) {
+        return detector_.find(World{shapes_, bodies, poses}, query);
     }
 
     Detector detector_{Options{.backend = GetParam(), .threads = 2}};
@@ -35,13 +35,13 @@ class NearestBodiesOf : public testing::TestWithParam<Backend> {
 };
 
 using Rows = std::vector<std::array<std::int32_t, 2>>;
-Rows rows(const Distances& answer) {
+Rows rows(const Distances& distances) {
     Rows rows;
-    for (const BodyPair& pair : answer.bodies) rows.push_back({pair.first, pair.second});
+    for (const BodyPair& pair : distances.bodies) rows.push_back({pair.first, pair.second});
     return rows;
 }
 
-TEST_P(NearestBodiesOf, two_squares_above_each_other) {
+TEST_P(NearestBodiesOfEachBackend, report_distance_triangles_and_points) {
     const Distances& found = find({{}, {}}, {{}, moved(0.25, 0.5, 3)});
     ASSERT_EQ(rows(found), (Rows{{0, 1}}));
     EXPECT_EQ(found.squared_distance[0], 9);
@@ -52,7 +52,7 @@ TEST_P(NearestBodiesOf, two_squares_above_each_other) {
     EXPECT_EQ(found.points[0][0][0], found.points[0][1][0]);
     EXPECT_EQ(found.statistics.pairs, 1);
 }
-TEST_P(NearestBodiesOf, bodies_that_touch) {
+TEST_P(NearestBodiesOfEachBackend, have_distance_zero_if_they_touch) {
     const Distances& found = find({{}, {}, {}}, {{}, moved(1, 0.5), moved(0.5, 0.5, 0)});
     ASSERT_EQ(found.bodies.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -64,35 +64,35 @@ TEST_P(NearestBodiesOf, bodies_that_touch) {
     EXPECT_EQ(found.triangles[1], (Pair{0, 0}));
     EXPECT_EQ(found.points[0][0], (std::array<double, 3>{1, 0.5, 0}));
 }
-TEST_P(NearestBodiesOf, several_worlds_in_the_order_of_their_bodies) {
+TEST_P(NearestBodiesOfEachBackend, rows_follow_the_order_of_bodies_in_all_worlds) {
     const std::vector<Body> bodies{{.world = 0}, {.world = 0}, {.world = 2}, {.world = -1}, {.world = -1}};
     const std::vector<Pose> poses{{}, moved(3), moved(0, 5), moved(0, 0, 4), moved(0, 0, -1)};
     EXPECT_EQ(rows(find(bodies, poses)), (Rows{{0, 1}, {0, 3}, {0, 4}, {1, 3}, {1, 4}, {2, 3}, {2, 4}, {3, 4}}));
 }
-TEST_P(NearestBodiesOf, each_world_the_nearest_pair) {
+TEST_P(NearestBodiesOfEachBackend, nearest_output_lists_one_pair_per_world) {
     const std::vector<Body> bodies{{.world = 0}, {.world = 0},  {.world = 0}, {.world = 2},
                                    {.world = 3}, {.world = -1}, {.world = -1}};
     const std::vector<Pose> poses{{}, moved(3), moved(-3), moved(0, 5), moved(40), moved(0, 0, 4), moved(0, 0, -1)};
-    DistanceQuery question{.output = Output::nearest};
-    const Distances& all = find(bodies, poses, question);
+    DistanceQuery query{.output = Output::nearest};
+    const Distances& all = find(bodies, poses, query);
     EXPECT_EQ(rows(all), (Rows{{0, 6}, {3, 6}, {4, 6}})) << "those that are in all worlds have no row";
     EXPECT_EQ((std::vector<std::int64_t>(all.world_rows.begin(), all.world_rows.end())),
               (std::vector<std::int64_t>{0, -1, 1, 2}));
     EXPECT_EQ(all.squared_distance[0], 1);
-    question.radius = 20;
-    const Distances& near = find(bodies, poses, question);
+    query.radius = 20;
+    const Distances& near = find(bodies, poses, query);
     EXPECT_EQ(rows(near), (Rows{{0, 6}, {3, 6}}));
     EXPECT_EQ((std::vector<std::int64_t>(near.world_rows.begin(), near.world_rows.end())),
               (std::vector<std::int64_t>{0, -1, 1, -1}));
-    question.filter.excluded_bodies = {{0, 6}, {1, 6}, {2, 6}};
-    EXPECT_EQ(rows(find(bodies, poses, question))[0], (std::array<std::int32_t, 2>{0, 1})) << "the first of two at 2";
+    query.filter.excluded_bodies = {{0, 6}, {1, 6}, {2, 6}};
+    EXPECT_EQ(rows(find(bodies, poses, query))[0], (std::array<std::int32_t, 2>{0, 1})) << "the first of two at 2";
 }
-TEST_P(NearestBodiesOf, each_world_the_first_of_pairs_that_touch) {
+TEST_P(NearestBodiesOfEachBackend, nearest_output_takes_the_first_touching_pair) {
     const std::vector<Body> bodies(4);
     const std::vector<Pose> poses{moved(9), {}, moved(0.5), moved(0.5, 0.5)};
     EXPECT_EQ(rows(find(bodies, poses, {.output = Output::nearest})), (Rows{{1, 2}}));
 }
-TEST_P(NearestBodiesOf, those_within_the_radius_which_counts) {
+TEST_P(NearestBodiesOfEachBackend, radius_is_inclusive) {
     const std::vector<Pose> poses{{}, moved(0, 0, 2), moved(0, 0, 5)};
     const std::vector<Body> bodies(3);
     EXPECT_EQ(rows(find(bodies, poses, {.radius = 2})), (Rows{{0, 1}}));
@@ -102,42 +102,42 @@ TEST_P(NearestBodiesOf, those_within_the_radius_which_counts) {
     EXPECT_EQ(rows(find(bodies, {{}, moved(0, 1), moved(9)}, {.radius = 0})), (Rows{{0, 1}}));
     EXPECT_EQ(find(bodies, poses, {.radius = infinity}).bodies.size(), 3u);
 }
-TEST_P(NearestBodiesOf, what_the_rules_want) {
+TEST_P(NearestBodiesOfEachBackend, filter_excludes_bodies_and_groups) {
     const std::vector<Body> bodies{{.group = 0}, {.group = 1}, {.group = 1}};
     const std::vector<Pose> poses{{}, moved(2), moved(4)};
-    DistanceQuery question;
-    question.filter.excluded_bodies = {{1, 0}};
-    EXPECT_EQ(rows(find(bodies, poses, question)), (Rows{{0, 2}, {1, 2}}));
-    question.filter = {};
-    question.filter.groups = PairScope::between;
-    EXPECT_EQ(rows(find(bodies, poses, question)), (Rows{{0, 1}, {0, 2}}));
-    question.filter = {};
-    question.filter.excluded_groups = {{1, 1}};
-    EXPECT_EQ(rows(find(bodies, poses, question)), (Rows{{0, 1}, {0, 2}}));
+    DistanceQuery query;
+    query.filter.excluded_bodies = {{1, 0}};
+    EXPECT_EQ(rows(find(bodies, poses, query)), (Rows{{0, 2}, {1, 2}}));
+    query.filter = {};
+    query.filter.groups = PairScope::between;
+    EXPECT_EQ(rows(find(bodies, poses, query)), (Rows{{0, 1}, {0, 2}}));
+    query.filter = {};
+    query.filter.excluded_groups = {{1, 1}};
+    EXPECT_EQ(rows(find(bodies, poses, query)), (Rows{{0, 1}, {0, 2}}));
 }
-/// The nearer half of the square is of an excluded group, so that the other one counts.
-TEST_P(NearestBodiesOf, triangles_of_wanted_groups_alone) {
+/// The nearer half of the square belongs to an excluded group, so the other half counts.
+TEST_P(NearestBodiesOfEachBackend, triangles_of_excluded_groups_do_not_count) {
     const std::vector<std::int32_t> groups{5, 6};
     shapes_.push_back(Shape(MeshView(square, halves, groups), 2));
     const std::vector<Body> bodies{{.shape = 0, .group = 0}, {.shape = 1}};
     const std::vector<Pose> poses{moved(3), {}};
     EXPECT_EQ(find(bodies, poses).triangles[0], (Pair{0, 0}));
-    DistanceQuery question;
-    question.filter.excluded_groups = {{0, 5}};
-    const Distances& found = find(bodies, poses, question);
+    DistanceQuery query;
+    query.filter.excluded_groups = {{0, 5}};
+    const Distances& found = find(bodies, poses, query);
     EXPECT_EQ(found.triangles[0].b, 1);
     EXPECT_EQ(found.squared_distance[0], 4);
-    question.filter.excluded_groups = {{0, 5}, {0, 6}};
-    EXPECT_EQ(rows(find(bodies, poses, question)), Rows{}) << "no pair of triangles is wanted";
+    query.filter.excluded_groups = {{0, 5}, {0, 6}};
+    EXPECT_EQ(rows(find(bodies, poses, query)), Rows{}) << "no pair of triangles is wanted";
 }
-TEST_P(NearestBodiesOf, nothing) {
+TEST_P(NearestBodiesOfEachBackend, empty_worlds_and_shapes_have_no_rows) {
     EXPECT_EQ(rows(find({}, {})), Rows{});
     EXPECT_EQ(rows(find({{}}, {})), Rows{}) << "a body is not near itself";
     const std::vector<std::array<std::int32_t, 3>> none;
     shapes_.push_back(Shape(MeshView(square, none)));
     EXPECT_EQ(rows(find({{.shape = 0}, {.shape = 1}, {.shape = 0}}, {})), (Rows{{0, 2}}));
 }
-TEST_P(NearestBodiesOf, no_world_that_is_wrong) {
+TEST_P(NearestBodiesOfEachBackend, wrong_queries_and_worlds_are_refused) {
     const auto refused = [&](auto call) {
         const Error error = error_of(call);
         EXPECT_EQ(rows(find({{}, {}}, {{}, moved(3)})), (Rows{{0, 1}})) << "usable still";
@@ -163,10 +163,10 @@ TEST_P(NearestBodiesOf, no_world_that_is_wrong) {
     EXPECT_EQ(refused(stopped).code, ErrorCode::cancelled);
 }
 
-INSTANTIATE_TEST_SUITE_P(, NearestBodiesOf, testing::Values(Backend::reference, Backend::cpu),
+INSTANTIATE_TEST_SUITE_P(, NearestBodiesOfEachBackend, testing::Values(Backend::reference, Backend::cpu),
                          [](const auto& info) { return std::string(backend_name(info.param)); });
 
-TEST(NearestBodies, AreHandedOver) {
+TEST(NearestBodies, are_swapped_out_without_a_copy) {
     const std::vector<Shape> shapes{Shape(MeshView(square, halves), 1)};
     const std::vector<Body> bodies(2);
     const std::vector<Pose> poses{{}, moved(0, 0, 3)};
@@ -180,8 +180,8 @@ TEST(NearestBodies, AreHandedOver) {
     EXPECT_TRUE(detector.find(World{shapes, {}, {}}, DistanceQuery()).bodies.empty());
 }
 
-/// Trees of named shapes are those of other questions about worlds.
-TEST(NearestBodies, KnowNamedShapes) {
+/// Trees of named shapes are shared with other queries about worlds.
+TEST(NearestBodies, use_cached_trees_of_named_shapes) {
     const auto soup = random_soup(50, 0.2);
     std::vector<Shape> shapes{Shape(soup.view(), 7)};
     const std::vector<Body> bodies(2);
@@ -199,17 +199,17 @@ TEST(NearestBodies, KnowNamedShapes) {
     EXPECT_EQ(error_of([&] { detector.find(World{shapes, bodies, poses}, DistanceQuery()); }).element, Element::shape);
 }
 
-/// The first of all pairs that intersect, however many there are, and where their contact begins.
-TEST(NearestBodies, ThatTouchNameTheFirstPair) {
+/// Expects the first of many intersecting pairs, and the first point of its contact.
+TEST(NearestBodies, name_the_first_pair_that_intersects) {
     Detector detector({.backend = Backend::cpu}), other({.backend = Backend::cpu});
     const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
     for (unsigned seed = 0; seed < 60; ++seed) {
         const auto a = random_soup(400, 0.2, 2 * seed + 1), b = random_soup(400, 0.2, 2 * seed + 2);
         const std::vector<Shape> shapes{Shape(a.view()), Shape(b.view())};
         const std::vector<Pose> poses{{}, moved(0.001 * seed, 0.3)};
-        IntersectionQuery question{.output = Output::contacts};
-        question.filter.bodies = PairScope::between;
-        const Intersections& all = other.find(World{shapes, bodies, poses}, question);
+        IntersectionQuery query{.output = Output::contacts};
+        query.filter.bodies = PairScope::between;
+        const Intersections& all = other.find(World{shapes, bodies, poses}, query);
         const Distances& found = detector.find(World{shapes, bodies, poses}, DistanceQuery());
         ASSERT_GT(all.count, 20);
         ASSERT_EQ(found.triangles[0], all.pairs[0]) << "seed " << seed;
@@ -217,7 +217,7 @@ TEST(NearestBodies, ThatTouchNameTheFirstPair) {
     }
 }
 
-TEST(NearestBodies, EndSoonAfterAStop) {
+TEST(NearestBodies, stop_at_the_first_poll_after_cancellation) {
     const auto soup = random_soup(3000, 0.05);
     const std::vector<Shape> shapes{Shape(soup.view(), 1)};
     const std::vector<Body> bodies(200);
@@ -234,15 +234,15 @@ TEST(NearestBodies, EndSoonAfterAStop) {
 
 class NearestMemory : public testing::TestWithParam<int> {};
 
-/// Under each limit the same answer within it, or an error with a limit that suffices.
-TEST_P(NearestMemory, HoldsToTheLimit) {
+/// Expects, under each limit, the same result within it or an error that leads to a sufficient limit.
+TEST_P(NearestMemory, peak_stays_within_the_limit) {
     const auto world = random_world(3, {.shapes = 4, .bodies = 30, .triangles = 300, .named = 0.7, .reach = 3});
     const Options options{.backend = Backend::cpu, .threads = GetParam()};
     Detector free(options);
     const std::int64_t peak = free.find(world->view(), DistanceQuery()).statistics.peak_memory_bytes;
     Distances expected;
     free.swap_result(expected);
-    bool refused = false, kept = false;
+    bool refused = false, succeeded = false;
     for (std::int64_t limit = peak; limit > 1000; limit = limit * 3 / 5) {
         SCOPED_TRACE(limit);
         Options tight = options;
@@ -252,7 +252,7 @@ TEST_P(NearestMemory, HoldsToTheLimit) {
             const Distances& found = limited.find(world->view(), DistanceQuery());
             EXPECT_LE(found.statistics.peak_memory_bytes, limit);
             EXPECT_TRUE(same_nearest(found, expected));
-            kept = true;
+            succeeded = true;
         } catch (const Error& error) {
             refused = true;
             ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
@@ -268,7 +268,7 @@ TEST_P(NearestMemory, HoldsToTheLimit) {
             EXPECT_NO_THROW(limited.find(World(), DistanceQuery())) << "usable still";
         }
     }
-    EXPECT_TRUE(refused && kept);
+    EXPECT_TRUE(refused && succeeded);
 }
 INSTANTIATE_TEST_SUITE_P(Threads, NearestMemory, testing::Values(1, 3));
 

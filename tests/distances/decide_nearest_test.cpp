@@ -1,4 +1,5 @@
-// What float64 proves of two triangles, and the decision among several, against rational arithmetic.
+// Compares float64 bounds on the distance of two triangles, and the choice among several pairs, with rational
+// arithmetic.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +14,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-TEST(QuickNearest, BoundsTheDistance) {
+TEST(QuickNearest, bounds_the_distance) {
     int apart_proven = 0, all = 0;
     for_triangles(1000, [&](RandomTriangles& random, double apart) {
         const TrianglePoints a = random(0), b = random(apart);
@@ -30,7 +31,7 @@ TEST(QuickNearest, BoundsTheDistance) {
     });
     EXPECT_GT(apart_proven, all * 99 / 100) << "nearly always the bounds meet";
 }
-TEST(QuickNearest, KnowsNothingOfHugeNumbers) {
+TEST(QuickNearest, gives_no_bounds_for_huge_numbers) {
     TrianglePoints a = RandomTriangles(Lattice::fine, 1)(0), b = RandomTriangles(Lattice::fine, 2)(5);
     for (TrianglePoints* t : {&a, &b})
         for (Vec3d& p : *t) p = 0x1p300 * p;
@@ -39,8 +40,8 @@ TEST(QuickNearest, KnowsNothingOfHugeNumbers) {
     EXPECT_EQ(quick.upper(), infinity);
 }
 
-/// Triangles made of a few points, so that they have parts in common.
-TEST(ClosestParts, AreThoseOfOtherTrianglesOnlyWhereTheDistanceIsTheSame) {
+/// Uses triangles built from few points, so that they have parts in common.
+TEST(ClosestParts, claimed_triangles_have_the_distance_of_the_parts) {
     int same = 0, others = 0;
     for_triangles(300, [&](RandomTriangles& random, double) {
         const TrianglePoints some = random(0), more = random(0), far = random(6), farther = random(6);
@@ -55,7 +56,7 @@ TEST(ClosestParts, AreThoseOfOtherTrianglesOnlyWhereTheDistanceIsTheSame) {
                 const bool claimed = parts.are_closest_of(s, t);
                 const bool equal = compare(RationalNearest(s, t), exact) == 0;
                 if (claimed) {
-                    // The parts are the distance of those triangles; their own may be less.
+                    // The distance of the parts is that of s and t; that of a and b may be less.
                     const RationalDistance distance(parts.features());
                     ASSERT_EQ(distance.squared(), RationalNearest(s, t).squared());
                 }
@@ -77,7 +78,7 @@ void compare_with_rational(Array<NearestCandidate>& candidates, double radius) {
     double upper = infinity;
     for (NearestCandidate& candidate : candidates) {
         RationalNearest exact(candidate.a, candidate.b);
-        if (exact.touching()) return;  // those are no candidates
+        if (exact.touching()) return;  // touching pairs are no candidates
         const QuickNearest quick(candidate.a, candidate.b);
         candidate.lower = quick.lower();
         if (quick.upper() < upper) upper = quick.upper(), closest = &candidate;
@@ -95,10 +96,10 @@ void compare_with_rational(Array<NearestCandidate>& candidates, double radius) {
     ASSERT_EQ(least.points[1], expected->least.points()[1]);
 }
 
-TEST(DecideNearest, IsThatOfRationalArithmetic) {
+TEST(DecideNearest, agrees_with_rational_arithmetic) {
     for_triangles(300, [](RandomTriangles& random, double) {
         Array<NearestCandidate> candidates;
-        // Few points, so that there are ties; in an order that is not theirs.
+        // Few points, so that distances tie. The order of candidates is not that of their triangles.
         const TrianglePoints a[]{random(0), random(0)}, b[]{random(7), random(7)};
         for (std::int32_t i = 5; i >= 0; --i) {
             const auto pick = [&](const TrianglePoints* from) {

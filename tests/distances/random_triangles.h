@@ -17,7 +17,7 @@ class RandomTriangles {
    public:
     RandomTriangles(Lattice lattice, unsigned seed) : lattice_(lattice), engine_(seed) {}
 
-    /// `apart`: how far its place is from the origin along x.
+    /// Returns a random triangle. `apart`: its offset along x.
     TrianglePoints operator()(double apart) { return {position(apart), position(apart), position(apart)}; }
 
     int below(int n) { return static_cast<int>(engine_() % static_cast<unsigned>(n)); }
@@ -28,8 +28,8 @@ class RandomTriangles {
             const auto number = [&] { return static_cast<double>(engine_()) * 0x1p-31 - 1; };
             return {number() + apart, number(), number()};
         }
-        const int reach = lattice_ == Lattice::tiny ? 1 : 3;
-        const auto number = [&] { return static_cast<double>(below(2 * reach + 1) - reach); };
+        const int extent = lattice_ == Lattice::tiny ? 1 : 3;
+        const auto number = [&] { return static_cast<double>(below(2 * extent + 1) - extent); };
         Vec3d p{number() + apart, number(), number()};
         if (lattice_ == Lattice::plane) p.z = 0;
         return p;
@@ -39,7 +39,7 @@ class RandomTriangles {
     std::mt19937 engine_;
 };
 
-/// Calls check(random, apart) some times for each lattice, near each other and apart.
+/// Calls check(random, apart) `rounds` times for each lattice. `apart` is 0, 2.5 or 5.
 template <class Check>
 void for_triangles(unsigned rounds, Check check) {
     for (const Lattice lattice : all_lattices) {

@@ -1,4 +1,4 @@
-// The yardstick: distances of two triangles in rational arithmetic.
+// Tests of the reference: distances of two triangles in rational arithmetic.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ void expect_points(const RationalNearest& nearest, const Vec3d& a, const Vec3d& 
     EXPECT_EQ(nearest.points()[1], b);
 }
 
-TEST(RationalNearest, OfAVertexAboveAFace) {
+TEST(RationalNearest, measures_a_vertex_above_a_face) {
     const TrianglePoints above{Vec3d{1, 1, 2}, Vec3d{1, 2, 5}, Vec3d{2, 1, 5}};
     const RationalNearest nearest(flat, above), other(above, flat);
     EXPECT_FALSE(nearest.touching());
@@ -30,14 +30,14 @@ TEST(RationalNearest, OfAVertexAboveAFace) {
     EXPECT_TRUE(nearest.within(2));
     EXPECT_FALSE(nearest.within(std::nextafter(2, 0)));
 }
-TEST(RationalNearest, OfTwoEdgesAcrossEachOther) {
+TEST(RationalNearest, measures_two_edges_across_each_other) {
     const TrianglePoints across{Vec3d{2, -1, 3}, Vec3d{2, 1, 3}, Vec3d{2, 0, 9}};
     const TrianglePoints below{Vec3d{0, 0, 0}, Vec3d{4, 0, 0}, Vec3d{2, 0, -4}};
     const RationalNearest nearest(below, across);
     EXPECT_EQ(nearest.squared(), 9);
     expect_points(nearest, {2, 0, 0}, {2, 0, 3});
 }
-TEST(RationalNearest, IsZeroWhereAnEdgeRunsThroughAFace) {
+TEST(RationalNearest, is_zero_where_an_edge_pierces_a_face) {
     const TrianglePoints through{Vec3d{1, 1, -1}, Vec3d{1, 1, 1}, Vec3d{9, 9, 1}};
     const RationalNearest nearest(flat, through);
     EXPECT_TRUE(nearest.touching());
@@ -45,11 +45,11 @@ TEST(RationalNearest, IsZeroWhereAnEdgeRunsThroughAFace) {
     EXPECT_TRUE(nearest.within(0));
     expect_points(nearest, {1, 1, 0}, {1, 1, 0});
 }
-TEST(RationalNearest, TakesTheLeastCommonPoint) {
+TEST(RationalNearest, takes_the_lexicographically_first_common_point) {
     const TrianglePoints inside{Vec3d{1, 0.5, 0}, Vec3d{0.5, 1, 0}, Vec3d{1, 1, 0}};
     expect_points(RationalNearest(flat, inside), {0.5, 1, 0}, {0.5, 1, 0});
 }
-TEST(RationalNearest, OfCollapsedTriangles) {
+TEST(RationalNearest, measures_collapsed_triangles) {
     const TrianglePoints point{Vec3d{1, 1, 7}, Vec3d{1, 1, 7}, Vec3d{1, 1, 7}};
     const TrianglePoints segment{Vec3d{-1, -3, 0}, Vec3d{-1, 9, 0}, Vec3d{-1, 2, 0}};
     EXPECT_EQ(RationalNearest(flat, point).squared(), 49);
@@ -57,7 +57,7 @@ TEST(RationalNearest, OfCollapsedTriangles) {
     EXPECT_EQ(RationalNearest(segment, point).squared(), 4 + 49);
     EXPECT_TRUE(RationalNearest(point, point).touching());
 }
-TEST(RationalNearest, RoundsSquaresBeyondTheLargestNumberToInfinity) {
+TEST(RationalNearest, rounds_overflowing_squares_to_infinity) {
     TrianglePoints far = flat;
     for (Vec3d& p : far) p.x = 0x1p1000;
     const RationalNearest nearest(flat, far);
@@ -69,15 +69,16 @@ TEST(RationalNearest, RoundsSquaresBeyondTheLargestNumberToInfinity) {
     EXPECT_LT(compare(nearest, RationalNearest(flat, farther)), 0);
 }
 
-/// Whether no pair of points out of many is closer, and the points that are told are that close.
-TEST(RationalNearest, IsTheLeastOverManyPoints) {
+/// Checks that no sampled pair of points is closer than the distance, and that the reported points are at that
+/// distance.
+TEST(RationalNearest, is_least_over_sampled_points) {
     for_triangles(60, [](RandomTriangles& random, double apart) {
         const TrianglePoints a = random(0), b = random(apart);
         const RationalNearest nearest(a, b);
         const double squared = nearest.squared(), slack = 1e-12;
         const Witnesses points = nearest.points();
-        const Vec3d told = points[0] - points[1];
-        ASSERT_NEAR(dot(told, told), squared, slack);
+        const Vec3d difference = points[0] - points[1];
+        ASSERT_NEAR(dot(difference, difference), squared, slack);
         constexpr int steps = 7;
         const auto each = [&](const TrianglePoints& t, auto visit) {
             for (int i = 0; i <= steps; ++i)
@@ -86,7 +87,7 @@ TEST(RationalNearest, IsTheLeastOverManyPoints) {
         };
         each(a,
              [&](const Vec3d& p) { each(b, [&](const Vec3d& q) { ASSERT_GE(dot(p - q, p - q), squared - slack); }); });
-        // Each point is in its own triangle: no farther from it than rounding.
+        // Each point lies in its own triangle up to rounding.
         for (std::size_t side = 0; side < 2; ++side) {
             const TrianglePoints point{points[side], points[side], points[side]};
             ASSERT_LT(RationalNearest(side == 0 ? a : b, point).squared(), 1e-24);
@@ -94,7 +95,7 @@ TEST(RationalNearest, IsTheLeastOverManyPoints) {
         }
     });
 }
-TEST(RationalNearest, IsTheSameFromBothSides) {
+TEST(RationalNearest, does_not_depend_on_the_order_of_triangles) {
     for_triangles(60, [](RandomTriangles& random, double apart) {
         const TrianglePoints a = random(0), b = random(apart);
         const RationalNearest one(a, b), other(b, a);

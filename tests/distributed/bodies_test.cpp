@@ -1,4 +1,4 @@
-// Bodies on many ranks against one machine: byte for byte.
+// Compares results about bodies on many ranks with those of a single detector, byte by byte.
 
 #include <gtest/gtest.h>
 
@@ -37,25 +37,26 @@ WorldKind one_world(int bodies) {
     return kind;
 }
 
-/// As random_question, but for what ranks refuse.
-IntersectionQuery question_for_ranks(unsigned seed, RandomWorld& world) {
-    IntersectionQuery question = random_question(seed, static_cast<int>(world.bodies.size()));
-    question.index = false;
-    if (seed % 2 == 0) question.output = Output::contacts;
+/// Returns a random query (see random_query) that ranks accept, and changes the world's bodies accordingly.
+IntersectionQuery query_for_ranks(unsigned seed, RandomWorld& world) {
+    IntersectionQuery query = random_query(seed, static_cast<int>(world.bodies.size()));
+    query.index = false;
+    if (seed % 2 == 0) query.output = Output::contacts;
     if (seed % 3 == 0) {
-        question.filter.bodies = PairScope::both;
-        question.filter.excluded_bodies.clear();
+        query.filter.bodies = PairScope::both;
+        query.filter.excluded_bodies.clear();
         for (Body& body : world.bodies) body.self = true;
     } else {
-        question.filter.groups = PairScope::both;
-        question.filter.excluded_groups.clear();
+        query.filter.groups = PairScope::both;
+        query.filter.excluded_groups.clear();
         if (seed % 3 == 1)
             for (Body& body : world.bodies) body.self = false;
     }
-    return question;
+    return query;
 }
 
-/// Bodies 0 and 1 are boxes side by side with a common face, the others soups that lie among them.
+/// Returns a world in which bodies 0 and 1 are boxes side by side with a common face, and the others soups that lie
+/// among them.
 std::unique_ptr<RandomWorld> touching_world(int soups) {
     auto world = std::make_unique<RandomWorld>();
     world->floats.reserve(2);
@@ -76,48 +77,47 @@ std::unique_ptr<RandomWorld> touching_world(int soups) {
     return world;
 }
 
-testing::AssertionResult same_in_world(const World& world, Distribution how, int ranks,
-                                       const IntersectionQuery& question,
+testing::AssertionResult same_in_world(const World& world, Distribution how, int ranks, const IntersectionQuery& query,
                                        const DistributedOptions& options = for_bodies()) {
     Detector one({.backend = Backend::cpu, .threads = 1});
-    const Intersections expected = one.find(world, question);
+    const Intersections expected = one.find(world, query);
     Verdicts verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const WorldPiece piece(world, how, transport.rank(), ranks);
         RankDetector detector(transport, options);
-        verdicts.add(transport.rank(), rows_are(detector.find(piece.share(), question), piece, expected));
+        verdicts.add(transport.rank(), rows_are(detector.find(piece.share(), query), piece, expected));
     });
     return verdicts.all();
 }
 
-TEST(RankBodies, have_the_answer_of_one_machine) {
+TEST(RankBodies, intersections_match_a_single_detector) {
     std::int64_t rows = 0;
     for (unsigned seed = 1; seed <= 72; ++seed) {
         const auto world = random_world(seed, one_world(2 + static_cast<int>(seed % 9)));
-        const IntersectionQuery question = question_for_ranks(seed, *world);
+        const IntersectionQuery query = query_for_ranks(seed, *world);
         Detector one({.backend = Backend::cpu, .threads = 1});
-        rows += one.find(world->view(), question).count;
+        rows += one.find(world->view(), query).count;
         const int ranks = seed % 20 == 0 ? 64 : rank_counts[seed % 4];
-        ASSERT_TRUE(same_in_world(world->view(), every_distribution[seed / 4 % 4], ranks, question)) << "seed " << seed;
+        ASSERT_TRUE(same_in_world(world->view(), every_distribution[seed / 4 % 4], ranks, query)) << "seed " << seed;
     }
     EXPECT_GT(rows, 1000);
 }
 
-TEST(RankBodies, have_all_that_is_wanted_of_bodies_that_touch) {
+TEST(RankBodies, every_output_matches_a_single_detector) {
     const auto world = touching_world(5);
-    for (const Output wants :
+    for (const Output output :
          {Output::any, Output::any_by_world, Output::body_pairs, Output::count, Output::pairs, Output::contacts})
         for (const int ranks : rank_counts)
             for (const bool weld : {false, true}) {
-                IntersectionQuery question;
-                question.output = wants, question.weld = weld;
-                question.filter.excluded_bodies = {{2, 1}, {0, 0}};
-                ASSERT_TRUE(same_in_world(world->view(), Distribution::round_robin, ranks, question, for_bodies(7)))
-                    << ranks << " ranks, wants " << static_cast<int>(wants);
+                IntersectionQuery query;
+                query.output = output, query.weld = weld;
+                query.filter.excluded_bodies = {{2, 1}, {0, 0}};
+                ASSERT_TRUE(same_in_world(world->view(), Distribution::round_robin, ranks, query, for_bodies(7)))
+                    << ranks << " ranks, wants " << static_cast<int>(output);
             }
 }
 
-TEST(RankBodies, are_those_of_rank_after_rank_without_ids) {
+TEST(RankBodies, without_ids_bodies_are_numbered_rank_by_rank) {
     const auto world = random_world(12, one_world(7));
     Detector one({.backend = Backend::cpu, .threads = 1});
     const Intersections expected = one.find(world->view());
@@ -133,7 +133,7 @@ TEST(RankBodies, are_those_of_rank_after_rank_without_ids) {
     EXPECT_TRUE(verdicts.all());
 }
 
-TEST(RankBodies, move_by_coordinates_alone) {
+TEST(RankBodies, moving_bodies_need_coordinates_only) {
     constexpr int ranks = 3, frames = 5;
     std::vector<std::unique_ptr<RandomWorld>> worlds;
     for (int frame = 0; frame < frames; ++frame) {
@@ -154,7 +154,7 @@ TEST(RankBodies, move_by_coordinates_alone) {
             if (found.statistics.moved != (frame > 0))
                 verdicts.add(transport.rank(), testing::AssertionFailure() << "moved in frame " << frame);
         }
-        // A body that is another one moves nothing.
+        // Replacing a body does not count as motion.
         piece.bodies[0].shape = static_cast<std::int32_t>(piece.shapes.size()) - 1;
         if (transport.rank() == 1) piece.shapes.back() = Shape(worlds[0]->floats[0].view());
         if (detector.find(piece.share()).statistics.moved)
@@ -163,7 +163,7 @@ TEST(RankBodies, move_by_coordinates_alone) {
     EXPECT_TRUE(verdicts.all());
 }
 
-/// Poses at the end of a step.
+/// Returns poses at the end of a step.
 std::vector<Pose> end_poses_of(const RandomWorld& world, unsigned seed) {
     Dice dice(seed);
     std::vector<Pose> ends;
@@ -175,13 +175,13 @@ std::vector<Pose> end_poses_of(const RandomWorld& world, unsigned seed) {
     return ends;
 }
 
-TEST(RankBodies, have_impacts_and_near_pairs_of_one_machine) {
+TEST(RankBodies, impacts_and_proximities_match_a_single_detector) {
     std::int64_t rows = 0;
     for (unsigned seed = 1; seed <= 24; ++seed) {
         WorldKind kind = one_world(2 + static_cast<int>(seed % 6));
         kind.triangles = 12;
         const auto random = random_world(seed, kind);
-        const IntersectionQuery like = question_for_ranks(seed, *random);
+        const IntersectionQuery like = query_for_ranks(seed, *random);
         const std::vector<Pose> ends = end_poses_of(*random, seed);
         World world = random->view();
         world.end_poses = ends;
@@ -205,12 +205,12 @@ TEST(RankBodies, have_impacts_and_near_pairs_of_one_machine) {
             verdicts.add(rank, feature_rows_are(found, piece, impacts));
             if (!(found.first == impacts.first)) verdicts.add(rank, testing::AssertionFailure() << "first impact");
             if (seed % 3 == 0) {
-                ImpactQuery asked = motion;
-                asked.output = Output::first;
-                if (!(detector.find(piece.share(), asked).first == impacts.first))
+                ImpactQuery smaller = motion;
+                smaller.output = Output::first;
+                if (!(detector.find(piece.share(), smaller).first == impacts.first))
                     verdicts.add(rank, testing::AssertionFailure() << "earliest");
-                asked.output = Output::any;
-                if (detector.find(piece.share(), asked).any != impacts.any)
+                smaller.output = Output::any;
+                if (detector.find(piece.share(), smaller).any != impacts.any)
                     verdicts.add(rank, testing::AssertionFailure() << "any");
             }
             verdicts.add(rank, feature_rows_are(detector.find(piece.share(), near), piece, nearby));
@@ -220,8 +220,8 @@ TEST(RankBodies, have_impacts_and_near_pairs_of_one_machine) {
     EXPECT_GT(rows, 1000);
 }
 
-// Edges are counted anew where triangles are others, be there as many.
-TEST(RankBodies, may_have_other_triangles_of_the_same_number) {
+// Edges are recomputed when triangles change, even if their number does not.
+TEST(RankBodies, changed_triangles_of_the_same_number_are_noticed) {
     Soup<float> fan = random_soup<float>(8, 0.5), loose = fan;
     for (std::size_t t = 1; t < fan.triangles.size(); ++t) fan.triangles[t][0] = 0, fan.triangles[t][1] = 1;
     const std::vector<Body> bodies(3, Body{.self = true});
@@ -242,24 +242,25 @@ TEST(RankBodies, may_have_other_triangles_of_the_same_number) {
     EXPECT_TRUE(verdicts.all());
 }
 
-TEST(RankBodies, may_be_few_or_none) {
+TEST(RankBodies, few_or_no_bodies_match_a_single_detector) {
     for (const int bodies : {0, 1}) {
         const auto world = random_world(5, one_world(bodies));
         world->poses.clear();
         ASSERT_TRUE(same_in_world(world->view(), Distribution::round_robin, 3, {}));
-        IntersectionQuery question;
-        question.output = Output::body_pairs, question.filter.bodies = PairScope::between;
-        ASSERT_TRUE(same_in_world(world->view(), Distribution::round_robin, 3, question));
+        IntersectionQuery query;
+        query.output = Output::body_pairs, query.filter.bodies = PairScope::between;
+        ASSERT_TRUE(same_in_world(world->view(), Distribution::round_robin, 3, query));
     }
 }
 
-/// What each of three ranks is told where spoil(rank, piece, question) has changed a call; good ones must go on.
+/// Returns the error message of a call that spoil(rank, piece, share, query) has changed, or those of three ranks if
+/// they differ. Expects valid calls to work afterwards.
 template <class Spoil>
 std::string refused(Spoil spoil, ErrorCode code = ErrorCode::invalid_argument, std::int64_t index = -1) {
     const auto world = touching_world(4);
     Detector one({.backend = Backend::cpu, .threads = 1});
     const Intersections expected = one.find(world->view());
-    std::vector<std::string> told(3);
+    std::vector<std::string> messages(3);
     run_ranks(3, [&](Transport& transport) {
         const auto rank = static_cast<std::size_t>(transport.rank());
         const WorldPiece good(world->view(), Distribution::round_robin, transport.rank(), 3);
@@ -267,25 +268,27 @@ std::string refused(Spoil spoil, ErrorCode code = ErrorCode::invalid_argument, s
         for (int frame = 0; frame < 2; ++frame) {
             WorldPiece piece = good;
             WorldShare share;
-            IntersectionQuery question;
+            IntersectionQuery query;
             try {
                 share = piece.share();
-                spoil(transport.rank(), piece, share, question);
-                detector.find(share, question);
-                told[rank] = "nothing";
+                spoil(transport.rank(), piece, share, query);
+                detector.find(share, query);
+                messages[rank] = "nothing";
             } catch (const Error& error) {
-                told[rank] = error.what();
+                messages[rank] = error.what();
                 if (error.code != code || (index >= 0 && (error.index != index || error.element != Element::body)))
-                    told[rank] += ", of another kind";
+                    messages[rank] += ", of another kind";
             }
             if (!rows_are(detector.find(good.share(), IntersectionQuery()), good, expected))
-                told[rank] += ", and does not go on";
+                messages[rank] += ", and does not go on";
         }
     });
-    return told[1] == told[0] && told[2] == told[0] ? told[0] : told[0] + "; " + told[1] + "; " + told[2];
+    return messages[1] == messages[0] && messages[2] == messages[0]
+               ? messages[0]
+               : messages[0] + "; " + messages[1] + "; " + messages[2];
 }
 
-TEST(RankBodies, are_refused_alike_on_all_ranks) {
+TEST(RankBodies, invalid_calls_fail_alike_on_all_ranks) {
     using Share = WorldShare;
     EXPECT_EQ(refused(
                   [](int rank, WorldPiece& piece, Share& share, IntersectionQuery&) {
@@ -328,30 +331,29 @@ TEST(RankBodies, are_refused_alike_on_all_ranks) {
                   if (rank == 1) piece.shapes[0].edges = edges, share = piece.share();
               }),
               "rank 1: body 0: ranks do not read a shape's list of edges or points (body 1 over all ranks)");
-    EXPECT_EQ(refused([](int, WorldPiece&, Share&, IntersectionQuery& question) {
-                  question.filter.groups = PairScope::within;
-              }),
-              "rank 0: rules about groups and rules about bodies (Body::self, too) exclude each other on ranks");
+    EXPECT_EQ(
+        refused([](int, WorldPiece&, Share&, IntersectionQuery& query) { query.filter.groups = PairScope::within; }),
+        "rank 0: rules about groups and rules about bodies (Body::self, too) exclude each other on ranks");
     EXPECT_EQ(refused(
-                  [](int, WorldPiece&, Share&, IntersectionQuery& question) {
-                      question.filter.excluded_bodies = {{0, 6}};
+                  [](int, WorldPiece&, Share&, IntersectionQuery& query) {
+                      query.filter.excluded_bodies = {{0, 6}};
                   },
                   ErrorCode::invalid_argument, 6),
               "rank 0: excluded_bodies names body 6 of 6");
-    EXPECT_EQ(refused([](int rank, WorldPiece&, Share&, IntersectionQuery& question) {
-                  if (rank == 2) question.filter.excluded_bodies = {{0, 1}};
+    EXPECT_EQ(refused([](int rank, WorldPiece&, Share&, IntersectionQuery& query) {
+                  if (rank == 2) query.filter.excluded_bodies = {{0, 1}};
               }),
               "rank 0: the ranks ask different questions, or have different options");
-    EXPECT_EQ(refused([](int, WorldPiece&, Share&, IntersectionQuery& question) { question.index = true; }),
+    EXPECT_EQ(refused([](int, WorldPiece&, Share&, IntersectionQuery& query) { query.index = true; }),
               "rank 0: index must be false: ranks have no offsets by body");
-    EXPECT_EQ(refused([](int, WorldPiece&, Share&, IntersectionQuery& question) { question.containment = true; }),
+    EXPECT_EQ(refused([](int, WorldPiece&, Share&, IntersectionQuery& query) { query.containment = true; }),
               "rank 0: containment must be false: ranks find the surfaces that meet");
 }
 
-// A rank that asks about triangles does not leave the others waiting.
-TEST(RankBodies, are_not_asked_about_as_triangles) {
+// A rank that calls with triangles instead of bodies does not leave the others waiting.
+TEST(RankBodies, calls_of_different_kinds_fail_on_all_ranks) {
     const auto world = touching_world(4);
-    std::vector<std::string> told(3);
+    std::vector<std::string> messages(3);
     run_ranks(3, [&](Transport& transport) {
         const auto rank = static_cast<std::size_t>(transport.rank());
         const WorldPiece piece(world->view(), Distribution::round_robin, transport.rank(), 3);
@@ -362,10 +364,10 @@ TEST(RankBodies, are_not_asked_about_as_triangles) {
             else
                 detector.find(piece.share());
         } catch (const Error& error) {
-            told[rank] = error.what();
+            messages[rank] = error.what();
         }
     });
-    for (const std::string& one : told)
+    for (const std::string& one : messages)
         EXPECT_EQ(one, "rank 0: the ranks ask different questions, or have different options");
 }
 

@@ -1,4 +1,4 @@
-// What fails on one rank is the same Error on all, and the detectors go on.
+// Tests that an error on one rank becomes the same Error on all ranks, and that detectors work afterwards.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ DistributedOptions small() {
     return options;
 }
 
-/// An error as each rank saw it; "" where there was none.
+/// The error that a rank got; an empty message if there was none.
 struct Seen {
     std::string message;
     ErrorCode code{};
@@ -53,8 +53,8 @@ Seen seen_by(Call call) {
     return {};
 }
 
-/// Three ranks ask about shares that spoil(rank, piece, query) has changed, and then about the right ones. Returns what
-/// they saw, which has to be the same on all.
+/// Lets three ranks call with local meshes that spoil(rank, piece, query) has changed, then with the right ones.
+/// Returns the error, which must be the same on all ranks.
 template <class Spoil>
 Seen seen_by_all(Spoil spoil, const DistributedOptions& options = small()) {
     const WholeMesh mesh(wavy_sheet<float>(16));
@@ -66,7 +66,7 @@ Seen seen_by_all(Spoil spoil, const DistributedOptions& options = small()) {
         const auto rank = static_cast<std::size_t>(transport.rank());
         const MeshPiece good(mesh, Distribution::blocks, transport.rank(), ranks);
         RankDetector detector(transport, options);
-        for (int frame = 0; frame < 2; ++frame) {  // a first one, and one in which only vertices have moved
+        for (int frame = 0; frame < 2; ++frame) {  // a first call, and one in which only vertices have moved
             MeshPiece piece = good;
             IntersectionQuery query;
             spoil(transport.rank(), piece, query);
@@ -82,7 +82,7 @@ Seen seen_by_all(Spoil spoil, const DistributedOptions& options = small()) {
     return seen[0];
 }
 
-TEST(RankErrors, are_the_same_on_all_ranks_at_each_phase) {
+TEST(RankErrors, error_in_any_phase_is_the_same_on_all_ranks) {
     const WholeMesh mesh(wavy_sheet<float>(16));
     Detector one({.backend = Backend::cpu});
     const Intersections expected = one.find(mesh.view());
@@ -104,7 +104,7 @@ TEST(RankErrors, are_the_same_on_all_ranks_at_each_phase) {
                     });
                     const Seen seen = seen_by([&] { detector.find(piece.share()); });
                     detector.set_hook({});
-                    // Where only vertices have moved, centres are not made anew.
+                    // If only vertices have moved, centres are not recomputed.
                     const bool skipped = warm && static_cast<Phase>(phase) == Phase::place;
                     const std::string message = "rank " + std::to_string(failing) + ": fault in " + name;
                     if (seen.message != (skipped ? "" : message) || (!skipped && seen.rank != failing))
@@ -120,7 +120,7 @@ TEST(RankErrors, are_the_same_on_all_ranks_at_each_phase) {
     }
 }
 
-TEST(RankErrors, name_the_least_element_over_all_ranks) {
+TEST(RankErrors, error_names_the_first_invalid_element_of_all_ranks) {
     const auto spoil = [](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 0) return;
         auto& xyz = std::get<0>(piece.vertices);
@@ -137,7 +137,7 @@ TEST(RankErrors, name_the_least_element_over_all_ranks) {
     EXPECT_EQ(seen.index, piece.vertex_ids[5]);
 }
 
-TEST(RankErrors, name_what_is_out_of_range) {
+TEST(RankErrors, index_out_of_range_names_its_rank) {
     const Seen seen = seen_by_all([](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 2) piece.corners[3 * 7 + 2] = 100000;
     });
@@ -146,7 +146,7 @@ TEST(RankErrors, name_what_is_out_of_range) {
     EXPECT_EQ(seen.rank, 2);
 }
 
-TEST(RankErrors, tell_of_ids_that_are_not_there_once) {
+TEST(RankErrors, missing_and_duplicate_ids_are_reported) {
     Seen seen = seen_by_all([](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 1) piece.triangle_ids[3] = 2;
     });
@@ -171,7 +171,7 @@ TEST(RankErrors, tell_of_ids_that_are_not_there_once) {
     EXPECT_EQ(seen.element, Element::vertex);
 }
 
-TEST(RankErrors, tell_of_copies_that_differ) {
+TEST(RankErrors, shared_vertices_that_differ_are_reported) {
     const WholeMesh mesh(wavy_sheet<float>(16));
     const MeshPiece first(mesh, Distribution::blocks, 0, ranks), second(mesh, Distribution::blocks, 1, ranks);
     std::size_t shared = 0;
@@ -187,7 +187,7 @@ TEST(RankErrors, tell_of_copies_that_differ) {
     EXPECT_EQ(seen.index, second.vertex_ids[shared]);
 }
 
-TEST(RankErrors, tell_of_ranks_that_ask_different_questions) {
+TEST(RankErrors, different_queries_on_ranks_are_reported) {
     const std::string expected = "rank 0: the ranks ask different questions, or have different options";
     EXPECT_EQ(seen_by_all([](int rank, MeshPiece&, IntersectionQuery& query) {
                   query.output = rank == 1 ? Output::contacts : Output::pairs;
@@ -222,7 +222,7 @@ TEST(RankErrors, tell_of_ranks_that_ask_different_questions) {
         "rank 0: filter.groups = between needs groups, and no rank has any: nothing lies between different groups");
 }
 
-TEST(RankErrors, tell_of_ids_that_only_some_ranks_give) {
+TEST(RankErrors, ids_on_some_ranks_only_are_reported) {
     std::vector<Seen> seen(2);
     run_ranks(2, [&](Transport& transport) {
         const MeshPiece piece(WholeMesh(wavy_sheet<float>(8)), Distribution::blocks, transport.rank(), 2);
@@ -235,7 +235,7 @@ TEST(RankErrors, tell_of_ids_that_only_some_ranks_give) {
     EXPECT_EQ(seen[1], seen[0]);
 }
 
-TEST(RankErrors, refuse_options_that_make_no_sense) {
+TEST(RankErrors, invalid_options_fail_on_all_ranks) {
     for (const int which : {0, 1, 2}) {
         std::vector<Seen> seen(2);
         run_ranks(2, [&](Transport& transport) {
@@ -251,7 +251,7 @@ TEST(RankErrors, refuse_options_that_make_no_sense) {
     }
 }
 
-TEST(RankErrors, end_a_call_on_all_ranks_where_one_is_stopped) {
+TEST(RankErrors, stop_on_one_rank_ends_the_call_on_all) {
     const WholeMesh mesh(wavy_sheet<float>(16));
     std::vector<Seen> seen(ranks);
     run_ranks(ranks, [&](Transport& transport) {
@@ -268,7 +268,7 @@ TEST(RankErrors, end_a_call_on_all_ranks_where_one_is_stopped) {
     }
 }
 
-TEST(RankErrors, of_a_foreign_kind_are_thrown_as_they_are_where_they_began) {
+TEST(RankErrors, foreign_exception_is_rethrown_on_its_own_rank) {
     const WholeMesh mesh(wavy_sheet<float>(8));
     std::vector<std::string> seen(ranks);
     run_ranks(ranks, [&](Transport& transport) {
@@ -288,7 +288,7 @@ TEST(RankErrors, of_a_foreign_kind_are_thrown_as_they_are_where_they_began) {
     EXPECT_EQ(seen[2], "an interrupt");
 }
 
-TEST(RankErrors, in_what_shows_progress_end_a_call_on_all_ranks) {
+TEST(RankErrors, error_in_progress_callback_ends_the_call_on_all_ranks) {
     const WholeMesh mesh(wavy_sheet<float>(8));
     std::vector<Seen> seen(ranks);
     run_ranks(ranks, [&](Transport& transport) {
@@ -306,7 +306,7 @@ TEST(RankErrors, in_what_shows_progress_end_a_call_on_all_ranks) {
     }
 }
 
-TEST(RankErrors, tell_what_memory_the_rank_that_lacks_most_needs) {
+TEST(RankErrors, memory_error_reports_largest_shortfall) {
     const WholeMesh mesh(wavy_sheet<float>(40));
     std::vector<Seen> seen(ranks);
     run_ranks(ranks, [&](Transport& transport) {
@@ -322,11 +322,11 @@ TEST(RankErrors, tell_what_memory_the_rank_that_lacks_most_needs) {
     EXPECT_EQ(seen[2], seen[0]);
 }
 
-// Triangles enter parts and leave them, frame by frame, within a quarter more memory than the first frame needs. What
-// leaves is given back to the meter, or it would be full after some frames.
-TEST(RankErrors, stay_within_their_memory_while_a_scene_moves_through_the_parts) {
+// Triangles enter and leave parts, frame by frame, within a quarter more memory than the first frame needs. The meter
+// would be full after some frames if memory of triangles that left were not released.
+TEST(RankErrors, memory_does_not_grow_while_triangles_change_parts) {
     const WholeMesh mesh(wavy_sheet<float>(60));
-    const auto answer_frames = [&](std::int64_t limit, int frames) {
+    const auto run_frames = [&](std::int64_t limit, int frames) {
         std::vector<Seen> seen(ranks);
         run_ranks(ranks, [&](Transport& transport) {
             WholeMesh now = mesh;
@@ -335,7 +335,7 @@ TEST(RankErrors, stay_within_their_memory_while_a_scene_moves_through_the_parts)
             options.parts = 9;
             options.detector.memory_limit = limit;
             RankDetector detector(transport, options);
-            detector.set_clock([] { return 0.0; });  // no part changes hands
+            detector.set_clock([] { return 0.0; });  // no part moves to another rank
             for (int f = 0; f < frames; ++f) {
                 auto& xyz = std::get<std::vector<float>>(now.vertices);
                 const auto& start = std::get<std::vector<float>>(mesh.vertices);
@@ -349,11 +349,11 @@ TEST(RankErrors, stay_within_their_memory_while_a_scene_moves_through_the_parts)
         return seen[0];
     };
     std::int64_t limit = 20000;
-    while (answer_frames(limit, 1).code == ErrorCode::memory_limit) limit += limit / 8;
-    EXPECT_EQ(answer_frames(limit + limit / 4, 300), Seen{});
+    while (run_frames(limit, 1).code == ErrorCode::memory_limit) limit += limit / 8;
+    EXPECT_EQ(run_frames(limit + limit / 4, 300), Seen{});
 }
 
-TEST(RankErrors, keep_nobody_waiting_for_a_rank_that_has_ended) {
+TEST(RankErrors, ended_rank_leaves_no_rank_waiting) {
     std::vector<Seen> seen(ranks);
     EXPECT_THROW(run_ranks(ranks,
                            [&](Transport& transport) {

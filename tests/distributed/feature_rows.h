@@ -1,6 +1,6 @@
 #pragma once
 
-// Steps, and a rank's rows of questions about features against one machine's.
+// Steps of meshes, and comparison of a rank's rows of feature results with those of a single detector.
 
 #include <gtest/gtest.h>
 
@@ -14,17 +14,17 @@
 
 namespace crumple::test {
 
-/// A mesh and where its vertices go.
+/// A mesh, and the positions of its vertices at the end of a step.
 struct Step {
     WholeMesh start, end;
 
-    explicit Step(WholeMesh mesh, double reach = 0.1) : start(std::move(mesh)), end(start) {
+    explicit Step(WholeMesh mesh, double extent = 0.1) : start(std::move(mesh)), end(start) {
         std::visit(
             [&](auto& xyz) {
                 using Scalar = typename std::remove_cvref_t<decltype(xyz)>::value_type;
                 for (std::size_t i = 0; i < xyz.size(); ++i)
                     xyz[i] = static_cast<Scalar>(static_cast<double>(xyz[i]) +
-                                                 reach * std::sin(3.0 * static_cast<double>(i % 97) + 1));
+                                                 extent * std::sin(3.0 * static_cast<double>(i % 97) + 1));
             },
             end.vertices);
     }
@@ -35,9 +35,9 @@ struct Step {
     VertexView end_view() const { return end.view().vertices; }
 };
 
-/// The lowest triangle that names each vertex, and each edge of an answer.
-template <class Answer>
-std::vector<std::int64_t> owner_of_first(const WholeMesh& mesh, const Answer& whole, FeatureKind kind) {
+/// Returns the lowest triangle that has each vertex, or each edge of a result.
+template <class Result>
+std::vector<std::int64_t> owner_of_first(const WholeMesh& mesh, const Result& whole, FeatureKind kind) {
     const bool edges = kind == FeatureKind::edge_edge;
     const std::size_t n = std::visit([](const auto& xyz) { return xyz.size() / 3; }, mesh.vertices);
     std::vector<std::int64_t> owner(edges ? whole.edges.size() : n, -1);
@@ -65,10 +65,10 @@ inline bool same_values(const ProximityList& found, std::size_t i, const Proximi
                                            std::memcmp(&found.at[i], &whole.at[j], sizeof whole.at[j]) == 0));
 }
 
-/// Are these the rows of the whole answer whose first feature is owned by a triangle of this rank, in order, and are
-/// their edges told?
-template <class Rows, class Answer>
-testing::AssertionResult rows_are(const Rows& rows, std::vector<std::int64_t> ids, const Answer& whole,
+/// Compares with the rows of the whole result whose first feature is owned by a triangle of this rank, in order, and
+/// checks that their edges are listed.
+template <class Rows, class Result>
+testing::AssertionResult rows_are(const Rows& rows, std::vector<std::int64_t> ids, const Result& whole,
                                   const WholeMesh& mesh) {
     std::sort(ids.begin(), ids.end());
     std::int64_t count = 0;

@@ -1,4 +1,4 @@
-// Motion and nearness on many ranks against one machine: byte for byte.
+// Compares impacts and proximities on many ranks with those of a single detector, byte by byte.
 
 #include <gtest/gtest.h>
 
@@ -28,49 +28,49 @@ DistributedOptions single_thread(int parts = 0) {
     return options;
 }
 
-testing::AssertionResult same_impacts(const Step& step, Distribution how, int ranks, const ImpactQuery& question,
+testing::AssertionResult same_impacts(const Step& step, Distribution how, int ranks, const ImpactQuery& query,
                                       const DistributedOptions& options = single_thread()) {
     Detector one({.backend = Backend::cpu});
-    const Impacts expected = one.find(step.start.view().moving_to(step.end_view()), question);
+    const Impacts expected = one.find(step.start.view().moving_to(step.end_view()), query);
     Verdicts verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const int rank = transport.rank();
         const MeshPiece start(step.start, how, rank, ranks), end(step.end, how, rank, ranks);
         const VertexView end_view = end.share().mesh.vertices;
         RankDetector detector(transport, options);
-        const DistributedImpacts& found = detector.find(start.share().moving_to(end_view), question);
+        const DistributedImpacts& found = detector.find(start.share().moving_to(end_view), query);
         verdicts.add(rank, rows_are(found, start.triangle_ids, expected, step.start));
         if (!(found.first == expected.first)) verdicts.add(rank, testing::AssertionFailure() << "first impact");
-        ImpactQuery asked = question;
-        asked.output = Output::any;
-        if (detector.find(start.share().moving_to(end_view), asked).any != expected.any)
+        ImpactQuery smaller = query;
+        smaller.output = Output::any;
+        if (detector.find(start.share().moving_to(end_view), smaller).any != expected.any)
             verdicts.add(rank, testing::AssertionFailure() << "any");
-        asked.output = Output::first;
-        if (!(detector.find(start.share().moving_to(end_view), asked).first == expected.first))
+        smaller.output = Output::first;
+        if (!(detector.find(start.share().moving_to(end_view), smaller).first == expected.first))
             verdicts.add(rank, testing::AssertionFailure() << "earliest");
     });
     return verdicts.all();
 }
 
-testing::AssertionResult same_near(const WholeMesh& mesh, Distribution how, int ranks, const ProximityQuery& question,
+testing::AssertionResult same_near(const WholeMesh& mesh, Distribution how, int ranks, const ProximityQuery& query,
                                    const DistributedOptions& options = single_thread()) {
     Detector one({.backend = Backend::cpu});
-    const Proximities expected = one.find(mesh.view(), question);
+    const Proximities expected = one.find(mesh.view(), query);
     Verdicts verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const int rank = transport.rank();
         const MeshPiece piece(mesh, how, rank, ranks);
         RankDetector detector(transport, options);
-        verdicts.add(rank, rows_are(detector.find(piece.share(), question), piece.triangle_ids, expected, mesh));
-        ProximityQuery asked = question;
-        asked.output = Output::any;
-        if (detector.find(piece.share(), asked).any != expected.any)
+        verdicts.add(rank, rows_are(detector.find(piece.share(), query), piece.triangle_ids, expected, mesh));
+        ProximityQuery smaller = query;
+        smaller.output = Output::any;
+        if (detector.find(piece.share(), smaller).any != expected.any)
             verdicts.add(rank, testing::AssertionFailure() << "any");
     });
     return verdicts.all();
 }
 
-TEST(RankFeatures, have_the_impacts_of_one_machine) {
+TEST(RankFeatures, impacts_match_a_single_detector) {
     const Step sheet(WholeMesh(wavy_sheet<float>(12))), soup(WholeMesh(random_soup<double>(150, 0.3)));
     for (const int ranks : {1, 3})
         for (const Distribution how : every_distribution)
@@ -79,7 +79,7 @@ TEST(RankFeatures, have_the_impacts_of_one_machine) {
                     << ranks << " ranks, distribution " << static_cast<int>(how);
 }
 
-TEST(RankFeatures, have_the_near_pairs_of_one_machine) {
+TEST(RankFeatures, proximities_match_a_single_detector) {
     const WholeMesh sheet(wavy_sheet<double>(12)), soup(random_soup<float>(150, 0.3));
     for (const int ranks : {1, 3})
         for (const Distribution how : every_distribution)
@@ -88,7 +88,7 @@ TEST(RankFeatures, have_the_near_pairs_of_one_machine) {
                     << ranks << " ranks, distribution " << static_cast<int>(how);
 }
 
-TEST(RankFeatures, have_the_answers_of_one_machine_on_hard_soups) {
+TEST(RankFeatures, hard_soups_match_a_single_detector) {
     std::size_t number = 0;
     for (const NamedMove<double>& soup : moving_soups<double>()) {
         const Step step(soup.soup);
@@ -111,7 +111,7 @@ TEST(RankFeatures, have_the_answers_of_one_machine_on_hard_soups) {
     }
 }
 
-TEST(RankFeatures, have_the_answers_of_one_machine_on_scenes) {
+TEST(RankFeatures, scenes_match_a_single_detector) {
     for (const scenes::Description& scene : scenes::descriptions()) {
         const WholeMesh mesh = last_frame(scene, 600);
         ASSERT_TRUE(same_impacts(Step(mesh, 0.01), Distribution::blocks, 3, {})) << scene.name;
@@ -119,7 +119,7 @@ TEST(RankFeatures, have_the_answers_of_one_machine_on_scenes) {
     }
 }
 
-TEST(RankFeatures, may_be_asked_for_in_turn_while_the_scene_moves) {
+TEST(RankFeatures, queries_may_alternate_while_the_scene_moves) {
     WholeMesh mesh(wavy_sheet<float>(14));
     constexpr int ranks = 3, frames = 8;
     std::vector<Step> steps;
@@ -139,17 +139,16 @@ TEST(RankFeatures, may_be_asked_for_in_turn_while_the_scene_moves) {
             const MeshPiece start(step.start, Distribution::random, rank, ranks),
                 end(step.end, Distribution::random, rank, ranks);
             if (f == 4) {
-                const ProximityQuery question{.radius = 0.03};
-                verdicts.add(rank, rows_are(detector.find(start.share(), question), start.triangle_ids,
-                                            one.find(step.start.view(), question), step.start));
+                const ProximityQuery query{.radius = 0.03};
+                verdicts.add(rank, rows_are(detector.find(start.share(), query), start.triangle_ids,
+                                            one.find(step.start.view(), query), step.start));
                 verdicts.add(rank, test::rows_are(detector.find(start.share()), start.triangle_ids,
                                                   one.find(step.start.view())));
             }
-            const ImpactQuery question{.min_distance = f < 6 ? 0.0 : 0.01};
-            const DistributedImpacts& found =
-                detector.find(start.share().moving_to(end.share().mesh.vertices), question);
+            const ImpactQuery query{.min_distance = f < 6 ? 0.0 : 0.01};
+            const DistributedImpacts& found = detector.find(start.share().moving_to(end.share().mesh.vertices), query);
             verdicts.add(rank, rows_are(found, start.triangle_ids,
-                                        one.find(step.start.view().moving_to(step.end_view()), question), step.start));
+                                        one.find(step.start.view().moving_to(step.end_view()), query), step.start));
             if (rank == 0) moved += found.statistics.moved;
         }
     });
@@ -157,7 +156,7 @@ TEST(RankFeatures, may_be_asked_for_in_turn_while_the_scene_moves) {
     EXPECT_GE(moved, 1);
 }
 
-TEST(RankFeatures, own_a_vertex_once_that_a_rank_lists_twice) {
+TEST(RankFeatures, vertex_that_a_rank_lists_twice_is_owned_once) {
     Soup<float> soup;
     soup.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 1}, {1, 1, 1}, {0, 2, 1}};
     soup.triangles = {{0, 0, 1}, {2, 3, 4}};
@@ -167,18 +166,18 @@ TEST(RankFeatures, own_a_vertex_once_that_a_rank_lists_twice) {
     listed.triangles = {{0, 1, 2}, {3, 4, 5}};
     const std::vector<std::int64_t> ids{0, 0, 1, 2, 3, 4};
     Detector one({.backend = Backend::cpu});
-    const ProximityQuery question{.radius = 10};
-    const Proximities& expected = one.find(mesh.view(), question);
+    const ProximityQuery query{.radius = 10};
+    const Proximities& expected = one.find(mesh.view(), query);
     ASSERT_GT(expected.count, 0);
     Verdicts verdicts;
     run_ranks(1, [&](Transport& transport) {
         RankDetector detector(transport, single_thread());
-        verdicts.add(0, rows_are(detector.find(MeshShare{listed.view(), {}, ids}, question), {0, 1}, expected, mesh));
+        verdicts.add(0, rows_are(detector.find(MeshShare{listed.view(), {}, ids}, query), {0, 1}, expected, mesh));
     });
     EXPECT_TRUE(verdicts.all());
 }
 
-TEST(RankFeatures, may_have_little_or_nothing) {
+TEST(RankFeatures, few_or_no_triangles_match_a_single_detector) {
     for (const int triangles : {0, 1, 2}) {
         const Step step(WholeMesh(random_soup<float>(triangles, 0.9)), 0.4);
         ASSERT_TRUE(same_impacts(step, Distribution::round_robin, 3, {}));

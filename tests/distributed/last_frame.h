@@ -1,6 +1,6 @@
 #pragma once
 
-// Procedural scenes, small enough for many ranks to make them one after the other.
+// Procedural scenes, small enough for many ranks to make them in turn.
 
 #include <cstdint>
 
@@ -9,8 +9,8 @@
 
 namespace crumple::test {
 
-/// The last frame of a scene of about so many triangles. A simulated one takes all frames before it, so it has 500:
-/// with fewer, some collide no more.
+/// Returns the last frame of a scene with about `triangles` triangles. Simulated scenes compute all earlier frames, so
+/// they get 500: with fewer, some have no collisions.
 inline WholeMesh last_frame(const scenes::Description& scene, std::int64_t triangles) {
     if (scene.simulated) triangles = 500;
     return WholeMesh(scenes::make(scene.name, {.triangles = triangles, .frame = scene.frames - 1}));

@@ -1,6 +1,6 @@
-// Processes of MPI against one machine: one mpirun for each number of ranks, with all scenes inside. Every rank makes
-// the answer of one machine itself and looks for its own rows in it. A failed expectation must not leave out a
-// collective call, so calls come first.
+// Compares MPI processes with a single detector: one mpirun for each number of ranks runs all scenes. Every rank
+// computes the result of a single detector itself and compares its own rows. Collective calls come before expectations,
+// since a failed one must not skip them.
 
 #include "crumple/mpi.h"
 
@@ -66,7 +66,7 @@ class MpiRanks : public testing::Test {
     const int rank = rank_in_world(), ranks = ranks_in_world();
 };
 
-TEST_F(MpiRanks, have_the_answer_of_one_machine_on_soups) {
+TEST_F(MpiRanks, hard_soups_match_a_single_detector) {
     std::size_t number = 0;
     for (const NamedMesh& soup : hard_soups()) {
         const WholeMesh mesh(soup.mesh);
@@ -76,14 +76,14 @@ TEST_F(MpiRanks, have_the_answer_of_one_machine_on_soups) {
     }
 }
 
-TEST_F(MpiRanks, have_the_answer_of_one_machine_on_scenes) {
+TEST_F(MpiRanks, scenes_match_a_single_detector) {
     for (const scenes::Description& scene : scenes::descriptions()) {
         const WholeMesh mesh = last_frame(scene, 1000);
         expect_same(mesh, every_distribution, {.output = Output::contacts}, std::string(scene.name));
     }
 }
 
-TEST_F(MpiRanks, have_the_answer_of_one_machine_on_real_scenes) {
+TEST_F(MpiRanks, real_scenes_match_a_single_detector) {
     const auto folder = io::test::data_folder();
     if (!folder) GTEST_SKIP() << "no scenes: set CRUMPLE_DATA";
     const bool usual = (ranks == 2 || ranks == 3) && !sanitized;
@@ -99,7 +99,7 @@ TEST_F(MpiRanks, have_the_answer_of_one_machine_on_real_scenes) {
     }
 }
 
-TEST_F(MpiRanks, have_impacts_and_near_pairs_of_one_machine) {
+TEST_F(MpiRanks, impacts_and_proximities_match_a_single_detector) {
     Detector one({.backend = Backend::cpu, .threads = 1});
     mpi::Detector detector(MPI_COMM_WORLD, one_thread());
     for (const NamedMove<double>& soup : moving_soups<double>(0.5)) {
@@ -120,7 +120,7 @@ TEST_F(MpiRanks, have_impacts_and_near_pairs_of_one_machine) {
     detector.close();
 }
 
-TEST_F(MpiRanks, have_the_answer_of_one_machine_about_bodies) {
+TEST_F(MpiRanks, bodies_match_a_single_detector) {
     Detector one({.backend = Backend::cpu, .threads = 1});
     mpi::Detector detector(MPI_COMM_WORLD, one_thread());
     WorldKind kind;
@@ -132,26 +132,26 @@ TEST_F(MpiRanks, have_the_answer_of_one_machine_about_bodies) {
         World world = random->view();
         world.end_poses = ends;
         const WorldPiece piece(world, every_distribution[seed % 4], rank, ranks);
-        const IntersectionQuery question{.output = seed % 2 ? Output::contacts : Output::body_pairs};
-        const DistributedIntersections found = detector.find(piece.share(), question);
+        const IntersectionQuery query{.output = seed % 2 ? Output::contacts : Output::body_pairs};
+        const DistributedIntersections found = detector.find(piece.share(), query);
         const DistributedImpacts impacts = detector.find(piece.share(), ImpactQuery());
         const ProximityQuery near{.radius = 0.05, .closest = true};
         const DistributedProximities nearby = detector.find(piece.share(), near);
-        EXPECT_TRUE(rows_are(found, piece, one.find(world, question))) << seed;
+        EXPECT_TRUE(rows_are(found, piece, one.find(world, query))) << seed;
         EXPECT_TRUE(feature_rows_are(impacts, piece, one.find(world, ImpactQuery()))) << seed;
         EXPECT_TRUE(feature_rows_are(nearby, piece, one.find(world, near))) << seed;
     }
     detector.close();
 }
 
-TEST_F(MpiRanks, send_in_rounds_of_a_kilobyte) {
+TEST_F(MpiRanks, small_message_batches_match_a_single_detector) {
     DistributedOptions options = one_thread();
     options.round_bytes = 1024;
     expect_same(WholeMesh(wavy_sheet<double>(24)), every_distribution, {.output = Output::contacts}, "wavy sheet",
                 options);
 }
 
-TEST_F(MpiRanks, follow_frames_of_a_scene) {
+TEST_F(MpiRanks, moving_scene_matches_a_single_detector) {
     const WholeMesh start(wavy_sheet<float>(30));
     WholeMesh now = start;
     MeshPiece piece(now, Distribution::random, rank, ranks);
@@ -169,7 +169,7 @@ TEST_F(MpiRanks, follow_frames_of_a_scene) {
     detector.close();
 }
 
-TEST_F(MpiRanks, fail_together_and_go_on) {
+TEST_F(MpiRanks, error_is_the_same_on_all_ranks_and_calls_go_on) {
     const WholeMesh mesh(wavy_sheet<float>(16));
     const MeshPiece good(mesh, Distribution::blocks, rank, ranks);
     mpi::Detector detector(MPI_COMM_WORLD, one_thread());
@@ -187,7 +187,7 @@ TEST_F(MpiRanks, fail_together_and_go_on) {
     EXPECT_EQ(error_of([&] { count_pairs(detector, good.share()); }).code, ErrorCode::communication);
 }
 
-TEST_F(MpiRanks, share_the_cores_of_their_machine) {
+TEST_F(MpiRanks, ranks_share_the_cores_of_their_machine) {
     mpi::Detector detector(MPI_COMM_WORLD, {});
     EXPECT_GE(detector.options().detector.threads, 1);
     int threads = detector.options().detector.threads;
@@ -208,7 +208,7 @@ int main(int count, char** arguments) {
     MPI_Init_thread(&count, &arguments, MPI_THREAD_FUNNELED, &level);
     testing::InitGoogleTest(&count, arguments);
     if (crumple::test::rank_in_world() != 0) {
-        // Only what fails there is told.
+        // Other ranks print failures only.
         testing::GTEST_FLAG(brief) = true;
     }
     int failed = RUN_ALL_TESTS();

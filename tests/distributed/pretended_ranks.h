@@ -1,6 +1,6 @@
 #pragma once
 
-// Ranks that are threads of the test.
+// Ranks simulated by threads of the test.
 
 #include <exception>
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace crumple::test {
 
-/// Runs body(transport) on so many ranks at once, and throws what the lowest of those that failed has thrown.
+/// Runs body(transport) on `ranks` ranks at once, and rethrows the exception of the lowest rank that failed.
 template <class Body>
 void run_ranks(int ranks, Body body) {
     const auto hub = std::make_shared<distribute::Hub>(ranks);

@@ -1,4 +1,4 @@
-// Many ranks against one machine: byte for byte, for any number of ranks and any distribution.
+// Compares many ranks with a single detector, byte by byte, for any number of ranks and any distribution.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ namespace {
 using distribute::RankDetector;
 using distribute::Transport;
 
-// The backend of the ranks; the same tests are built once for each.
+// Options of the ranks, with the tested backend: the same tests are built once for each.
 
 DistributedOptions one_thread(int parts = 0, std::int64_t round_bytes = std::int64_t{1} << 26) {
     DistributedOptions options;
@@ -36,7 +36,7 @@ DistributedOptions one_thread(int parts = 0, std::int64_t round_bytes = std::int
     return options;
 }
 
-Intersections answer_of_one(const WholeMesh& mesh, const IntersectionQuery& query = {}) {
+Intersections result_of_one(const WholeMesh& mesh, const IntersectionQuery& query = {}) {
     Detector one({.backend = Backend::cpu});
     return one.find(mesh.view(), query);
 }
@@ -44,16 +44,16 @@ Intersections answer_of_one(const WholeMesh& mesh, const IntersectionQuery& quer
 testing::AssertionResult same_as_one(const WholeMesh& mesh, Distribution how, int ranks,
                                      const IntersectionQuery& query = {},
                                      const DistributedOptions& options = one_thread()) {
-    const Intersections expected = answer_of_one(mesh, query);
+    const Intersections expected = result_of_one(mesh, query);
     Verdicts verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const int rank = transport.rank();
         const MeshPiece piece(mesh, how, rank, ranks);
         RankDetector detector(transport, options);
         verdicts.add(rank, rows_are(detector.find(piece.share(), query), piece.triangle_ids, expected));
-        IntersectionQuery whether = query;
-        whether.output = Output::any;
-        const bool any = detector.find(piece.share(), whether).any;
+        IntersectionQuery smaller = query;
+        smaller.output = Output::any;
+        const bool any = detector.find(piece.share(), smaller).any;
         const std::int64_t count = count_pairs(detector, piece.share(), query);
         if (any != (count > 0) || count != static_cast<std::int64_t>(expected.pairs.size()))
             verdicts.add(rank, testing::AssertionFailure() << "any " << any << ", count " << count);
@@ -61,7 +61,7 @@ testing::AssertionResult same_as_one(const WholeMesh& mesh, Distribution how, in
     return verdicts.all();
 }
 
-TEST(Ranks, have_the_answer_of_one_machine) {
+TEST(Ranks, every_distribution_matches_a_single_detector) {
     const WholeMesh sheet(wavy_sheet<float>(16)), soup(random_soup<double>(300, 0.2));
     for (const int ranks : {1, 2, 3, 5})
         for (const Distribution how : every_distribution)
@@ -71,7 +71,7 @@ TEST(Ranks, have_the_answer_of_one_machine) {
                         << ranks << " ranks, distribution " << static_cast<int>(how) << ", contacts " << contacts;
 }
 
-TEST(Ranks, have_the_answer_of_one_machine_on_hard_soups) {
+TEST(Ranks, hard_soups_match_a_single_detector) {
     std::size_t number = 0;
     for (const NamedMesh& soup : hard_soups()) {
         IntersectionQuery query;
@@ -79,8 +79,8 @@ TEST(Ranks, have_the_answer_of_one_machine_on_hard_soups) {
         query.weld = number % 3 == 0;
         query.neighbours = number % 5 == 0 ? Neighbours::skip : Neighbours::geometric;
         query.kind = number % 7 == 0 ? IntersectionKind::proper : IntersectionKind::all;
-        const std::array wanted{PairScope::both, PairScope::between, PairScope::within};
-        query.filter.groups = wanted[number % 3];
+        const std::array scopes{PairScope::both, PairScope::between, PairScope::within};
+        query.filter.groups = scopes[number % 3];
         const std::vector<GroupPair> excluded{{0, 1}};
         if (number % 4 == 3) query.filter.excluded_groups = excluded;
         ASSERT_TRUE(
@@ -90,45 +90,45 @@ TEST(Ranks, have_the_answer_of_one_machine_on_hard_soups) {
     }
 }
 
-TEST(Ranks, have_the_answer_of_one_machine_on_scenes) {
+TEST(Ranks, scenes_match_a_single_detector) {
     std::size_t number = 0;
     for (const scenes::Description& scene : scenes::descriptions()) {
         const WholeMesh mesh = last_frame(scene, 1500);
-        EXPECT_TRUE(!scene.simulated || !answer_of_one(mesh).pairs.empty()) << scene.name;
+        EXPECT_TRUE(!scene.simulated || !result_of_one(mesh).pairs.empty()) << scene.name;
         ASSERT_TRUE(same_as_one(mesh, every_distribution[number++ % 4], 3, {.output = Output::contacts})) << scene.name;
     }
 }
 
-TEST(Ranks, may_be_many_and_have_parts_on_two_levels) {
+TEST(Ranks, many_ranks_and_parts_match_a_single_detector) {
     const WholeMesh sheet(wavy_sheet<float>(40));
     for (const Distribution how : {Distribution::blocks, Distribution::random})
         ASSERT_TRUE(same_as_one(sheet, how, 64, {.output = Output::contacts}));
     ASSERT_TRUE(same_as_one(sheet, Distribution::round_robin, 3, {}, one_thread(200)));
 }
 
-TEST(Ranks, may_send_in_rounds_of_a_kilobyte) {
+TEST(Ranks, small_message_batches_match_a_single_detector) {
     const WholeMesh sheet(wavy_sheet<double>(30));
     for (const Distribution how : every_distribution)
         ASSERT_TRUE(same_as_one(sheet, how, 4, {.output = Output::contacts}, one_thread(0, 1024)));
 }
 
-TEST(Ranks, may_have_little_or_nothing) {
+TEST(Ranks, few_or_no_triangles_match_a_single_detector) {
     const WholeMesh nothing(Soup<float>{}), one(random_soup<float>(1, 0.5)), two(random_soup<float>(2, 2.0));
     for (const int ranks : {1, 2, 5})
         for (const WholeMesh* mesh : {&nothing, &one, &two})
             for (const int parts : {0, 7})
                 ASSERT_TRUE(same_as_one(*mesh, Distribution::round_robin, ranks, {.output = Output::contacts},
                                         one_thread(parts)));
-    // All at one place: every centre is the same.
+    // All triangles coincide, and so do all centres.
     Soup<float> stack;
     stack.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     for (int i = 0; i < 40; ++i) stack.triangles.push_back({0, 1, 2});
     ASSERT_TRUE(same_as_one(WholeMesh(stack), Distribution::round_robin, 3, {}, one_thread(5)));
 }
 
-TEST(Ranks, need_no_ids_for_what_they_do_not_share) {
+TEST(Ranks, ids_may_be_omitted_if_ranks_share_no_vertices) {
     const Soup<float> soup = random_soup<float>(300, 0.3);
-    const Intersections expected = answer_of_one(WholeMesh(soup));
+    const Intersections expected = result_of_one(WholeMesh(soup));
     Verdicts verdicts;
     run_ranks(3, [&](Transport& transport) {
         const int rank = transport.rank();
@@ -146,7 +146,7 @@ TEST(Ranks, need_no_ids_for_what_they_do_not_share) {
     EXPECT_TRUE(verdicts.all());
 }
 
-/// Coordinates at a time: the sheet flies away, turns and waves.
+/// Sets the coordinates at a time: the sheet flies away, turns and waves.
 void move(WholeMesh& mesh, const WholeMesh& from, double time) {
     std::visit(
         [&](auto& xyz) {
@@ -163,14 +163,14 @@ void move(WholeMesh& mesh, const WholeMesh& from, double time) {
         mesh.vertices);
 }
 
-TEST(Ranks, follow_a_scene_that_moves_through_their_parts) {
+TEST(Ranks, moving_scene_matches_a_single_detector) {
     const WholeMesh start(wavy_sheet<float>(24));
     constexpr int ranks = 3, frames = 50;
     std::vector<WholeMesh> meshes(frames, start);
     std::vector<Intersections> expected;
     for (int f = 0; f < frames; ++f) {
         move(meshes[static_cast<std::size_t>(f)], start, 0.1 * f);
-        expected.push_back(answer_of_one(meshes[static_cast<std::size_t>(f)]));
+        expected.push_back(result_of_one(meshes[static_cast<std::size_t>(f)]));
     }
     for (const Distribution how : {Distribution::blocks, Distribution::random}) {
         Verdicts verdicts;
@@ -180,7 +180,7 @@ TEST(Ranks, follow_a_scene_that_moves_through_their_parts) {
             WholeMesh now = start;
             MeshPiece piece(now, how, rank, ranks);
             RankDetector detector(transport, one_thread(6));
-            detector.set_clock([] { return 0.0; });  // no part changes hands
+            detector.set_clock([] { return 0.0; });  // no part moves to another rank
             for (std::size_t f = 0; f < frames; ++f) {
                 now.vertices = meshes[f].vertices;
                 piece.follow();
@@ -191,11 +191,12 @@ TEST(Ranks, follow_a_scene_that_moves_through_their_parts) {
         });
         EXPECT_TRUE(verdicts.all());
         EXPECT_GT(moved, frames / 2);
-        EXPECT_LT(moved, frames);  // it has left the box that the centres were made for
+        EXPECT_LT(moved, frames);  // the scene left the box for which centres were computed
     }
 }
 
-/// Each triangle of a random soup on its way to where another was: who meets came from anywhere.
+/// Returns the soup at a time between 0 and 1 while each triangle moves to the initial place of another one, so that
+/// triangles from anywhere meet.
 WholeMesh mingled(const WholeMesh& soup, double time, double unit) {
     WholeMesh mesh = soup;
     const auto& from = std::get<std::vector<double>>(soup.vertices);
@@ -208,8 +209,8 @@ WholeMesh mingled(const WholeMesh& soup, double time, double unit) {
     return mesh;
 }
 
-// Of tiny scenes the squares of ways are 0.
-TEST(Ranks, follow_triangles_that_go_from_part_to_part) {
+// In tiny scenes the squares of displacements underflow to 0.
+TEST(Ranks, triangles_may_move_between_parts) {
     const WholeMesh soup(random_soup<double>(400, 0.15));
     constexpr int frames = 12;
     for (const double unit : {1.0, 1e-170}) {
@@ -217,7 +218,7 @@ TEST(Ranks, follow_triangles_that_go_from_part_to_part) {
         std::vector<Intersections> expected;
         for (int f = 0; f < frames; ++f) {
             meshes.push_back(mingled(soup, f / (frames - 1.0), unit));
-            expected.push_back(answer_of_one(meshes.back()));
+            expected.push_back(result_of_one(meshes.back()));
         }
         Verdicts verdicts;
         int moved = 0;
@@ -239,13 +240,13 @@ TEST(Ranks, follow_triangles_that_go_from_part_to_part) {
     }
 }
 
-/// A clock by which each search takes as long as the rank says.
+/// Clock by which each search takes the rank's time_of_search.
 thread_local double time_now = 0, time_of_search = 0;
 double pretended_time() { return time_now += time_of_search; }
 
-TEST(Ranks, give_parts_to_others_where_their_work_is_uneven) {
+TEST(Ranks, parts_move_away_from_a_slow_rank) {
     const WholeMesh mesh(wavy_sheet<float>(24));
-    const Intersections expected = answer_of_one(mesh);
+    const Intersections expected = result_of_one(mesh);
     constexpr int ranks = 3;
     std::vector<std::vector<int>> parts(ranks);
     Verdicts verdicts;
@@ -267,13 +268,13 @@ TEST(Ranks, give_parts_to_others_where_their_work_is_uneven) {
     EXPECT_EQ(parts[0].back() + parts[1].back() + parts[2].back(), 9);
 }
 
-TEST(Ranks, show_each_phase_and_each_part_once) {
+TEST(Ranks, progress_shows_each_phase_and_part_once) {
     constexpr int ranks = 3;
     const WholeMesh mesh(wavy_sheet<float>(20));
     Verdicts verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const MeshPiece piece(mesh, Distribution::round_robin, transport.rank(), ranks);
-        RankDetector detector(transport, one_thread(9, 1024));  // rounds in which members and room take turns
+        RankDetector detector(transport, one_thread(9, 1024));  // small batches: members and capacities alternate
         std::vector<DistributedProgress> seen;
         detector.set_progress([&](const DistributedProgress& progress) { seen.push_back(progress); });
         for (int frame = 0; frame < 2; ++frame) {
@@ -292,7 +293,7 @@ TEST(Ranks, show_each_phase_and_each_part_once) {
             std::iota(all_parts.begin(), all_parts.end(), 0);
             const bool ascend =
                 std::adjacent_find(phases.begin(), phases.end(), std::greater_equal<>()) == phases.end();
-            // Where only vertices have moved, centres are not made anew.
+            // If only vertices have moved, centres are not recomputed.
             const std::size_t count = phase_count - (frame == 0 ? 0 : 1);
             if (!even || !ascend || done != all_parts || did.parts == 0 || phases.size() != count)
                 verdicts.add(transport.rank(), testing::AssertionFailure() << "frame " << frame << ": " << phases.size()
@@ -306,7 +307,7 @@ TEST(Ranks, show_each_phase_and_each_part_once) {
     EXPECT_TRUE(verdicts.all());
 }
 
-TEST(Ranks, see_that_triangles_groups_owners_or_precision_are_others) {
+TEST(Ranks, changed_triangles_groups_owners_and_precision_are_noticed) {
     WholeMesh mesh(wavy_sheet<float>(16));
     const auto torn = [&] {
         WholeMesh other = mesh;
@@ -333,7 +334,7 @@ TEST(Ranks, see_that_triangles_groups_owners_or_precision_are_others) {
         {&regrouped, Distribution::random, &between}, {&mesh, Distribution::all_on_one, &all},
         {&wide, Distribution::blocks, &all},          {&mesh, Distribution::blocks, &all}};
     std::vector<Intersections> expected;
-    for (const Step& step : steps) expected.push_back(answer_of_one(*step.mesh, *step.query));
+    for (const Step& step : steps) expected.push_back(result_of_one(*step.mesh, *step.query));
     Verdicts verdicts;
     run_ranks(3, [&](Transport& transport) {
         const int rank = transport.rank();
@@ -348,11 +349,11 @@ TEST(Ranks, see_that_triangles_groups_owners_or_precision_are_others) {
     EXPECT_TRUE(verdicts.all());
 }
 
-TEST(Ranks, take_float64_from_all_where_one_has_it) {
+TEST(Ranks, float64_on_one_rank_is_used_on_all) {
     const Soup<float> narrow = wavy_sheet<float>(16);
     WholeMesh mesh(narrow), wide = mesh;
     wide.vertices = std::vector<double>(std::get<0>(mesh.vertices).begin(), std::get<0>(mesh.vertices).end());
-    const Intersections expected = answer_of_one(wide, {.output = Output::contacts});
+    const Intersections expected = result_of_one(wide, {.output = Output::contacts});
     Verdicts verdicts;
     run_ranks(3, [&](Transport& transport) {
         const int rank = transport.rank();

@@ -1,6 +1,6 @@
 #pragma once
 
-// A mesh cut into what each rank brings, and the rows of all ranks put together again.
+// Local meshes of ranks, cut from one mesh, and comparison of a rank's rows with the whole result.
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace crumple::test {
 
-/// How many pairs there are over all ranks.
+/// Returns the number of pairs over all ranks.
 template <class Detector>
 std::int64_t count_pairs(Detector& detector, const MeshShare& share, IntersectionQuery query = {}) {
     query.output = Output::count;
@@ -67,7 +67,7 @@ inline int rank_of_triangle(Distribution how, std::int64_t t, std::int64_t trian
     return 0;
 }
 
-/// One rank's share, with ids. The vertices that no triangle names are brought by rank 0.
+/// Local mesh of one rank, with ids. Rank 0 also has the vertices that no triangle uses.
 class MeshPiece {
    public:
     MeshPiece(const WholeMesh& whole, Distribution how, int rank, int ranks) : whole_(&whole) {
@@ -85,7 +85,7 @@ class MeshPiece {
         };
         for (std::size_t v = 0; rank == 0 && v < n; ++v)
             if (!named[v]) number(v);
-        // Not in the order of the ids, which may be any.
+        // Not sorted by id: ids may come in any order.
         for (std::int64_t i = 0; i < m; ++i) {
             const std::int64_t t = how == Distribution::random ? m - 1 - i : i;
             if (rank_of_triangle(how, t, m, ranks) != rank) continue;
@@ -96,7 +96,7 @@ class MeshPiece {
         }
         follow();
     }
-    /// Takes the coordinates that the whole mesh has now.
+    /// Updates the coordinates to those that the whole mesh has now.
     void follow() {
         std::visit(
             [&](const auto& all) {
@@ -129,8 +129,8 @@ class MeshPiece {
     const WholeMesh* whole_;
 };
 
-/// Are these the rows of the whole answer whose first triangle is one of `ids`, in order? Where that holds on each
-/// rank, the rows of all ranks are the whole answer.
+/// Compares with the rows of the whole result whose first triangle is one of `ids`, in order. If the rows of each rank
+/// compare equal, the rows of all ranks are the whole result.
 inline testing::AssertionResult rows_are(const DistributedIntersections& rows, std::vector<std::int64_t> ids,
                                          const Intersections& whole) {
     std::sort(ids.begin(), ids.end());

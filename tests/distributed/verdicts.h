@@ -7,7 +7,7 @@
 
 namespace crumple::test {
 
-/// What the ranks have found out, one by one: GoogleTest's own records are not for many threads.
+/// Thread-safe list of the ranks' failures: GoogleTest's own records must not be used by many threads.
 class Verdicts {
    public:
     void add(int rank, const testing::AssertionResult& result) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// A world whose bodies are shared out among ranks, and a rank's rows against one machine's.
+// World whose bodies are distributed over ranks, and comparison of a rank's rows with those of a single detector.
 
 #include <gtest/gtest.h>
 
@@ -14,13 +14,13 @@
 
 namespace crumple::test {
 
-/// One rank's bodies, with the shapes that they need, and their ids.
+/// Bodies of one rank, with the shapes that they need, and their ids.
 class WorldPiece {
    public:
     WorldPiece(const World& whole, Distribution how, int rank, int ranks) : whole_(whole) {
         const auto n = static_cast<std::int64_t>(whole.bodies.size());
         std::map<std::int32_t, std::int32_t> local;
-        // Not in the order of the ids, which may be any.
+        // Not sorted by id: ids may come in any order.
         for (std::int64_t i = 0; i < n; ++i) {
             const std::int64_t b = how == Distribution::random ? n - 1 - i : i;
             if (rank_of_triangle(how, b, n, ranks) != rank) continue;
@@ -33,7 +33,7 @@ class WorldPiece {
         }
         follow(whole);
     }
-    /// Takes the poses of the same world at another time.
+    /// Updates the poses to those of the same world at another time.
     void follow(const World& whole) {
         const auto take = [&](std::span<const Pose> all, std::vector<Pose>& mine) {
             mine.clear();
@@ -55,7 +55,7 @@ class WorldPiece {
     World whole_;
 };
 
-/// Are these the rows of the whole answer whose first body is this rank's, in order?
+/// Compares with the rows of the whole result whose first body is this rank's, in order.
 inline testing::AssertionResult rows_are(const DistributedIntersections& rows, const WorldPiece& piece,
                                          const Intersections& whole) {
     std::vector<BodyPair> bodies;
@@ -84,9 +84,9 @@ inline testing::AssertionResult rows_are(const DistributedIntersections& rows, c
     return same ? same_bytes(rows.contacts.points, contacts.points, "contact points") : same;
 }
 
-/// The same of impacts and near pairs; and are the edges of edge pairs told?
-template <class Rows, class Answer>
-testing::AssertionResult feature_rows_are(const Rows& rows, const WorldPiece& piece, const Answer& whole) {
+/// Compares rows of impacts or proximities in the same way, and checks that the edges of edge pairs are listed.
+template <class Rows, class Result>
+testing::AssertionResult feature_rows_are(const Rows& rows, const WorldPiece& piece, const Result& whole) {
     for (std::size_t k = 0; k < feature_kinds; ++k) {
         const auto &found = rows.lists[k], &expected = whole.lists[k];
         std::size_t i = 0;

@@ -1,4 +1,4 @@
-// Indices of 16 bits.
+// Mistake: indices of 16 bits.
 #include "crumple/mesh.h"
 
 const float xyz[9]{};

@@ -1,4 +1,4 @@
-// A view of vertices that are gone.
+// Mistake: a view of vectors that no longer exist.
 #include "crumple/mesh.h"
 
 std::vector<std::array<float, 3>> vertices();

@@ -1,4 +1,4 @@
-// Triangles before vertices.
+// Mistake: triangles before vertices.
 #include "crumple/mesh.h"
 
 const float xyz[9]{};

@@ -1,4 +1,4 @@
-// Two detectors at work on two threads of a program.
+// Runs two detectors on two threads.
 
 #include <array>
 #include <cstdio>

@@ -1,6 +1,6 @@
 #pragma once
 
-// Detectors on the tested backend that work in many ways, and shall agree with brute force in every one.
+// Detectors on the tested backend with various options, each of which must agree with brute force.
 
 #include <memory>
 
@@ -11,8 +11,8 @@
 
 namespace crumple::test {
 
-/// Soups to try, see moving_soups(). Under sanitizers they are smaller, as the yardstick takes the square of it; where
-/// a device is played, they are fewer.
+/// Returns soups to try, see moving_soups(). Under sanitizers the soups are smaller, since brute force takes quadratic
+/// time; where a device is played, there are fewer.
 template <class Scalar>
 std::vector<NamedMove<Scalar>> soups_to_try(double part, double if_sanitized) {
     std::vector<NamedMove<Scalar>> all = moving_soups<Scalar>((played ? 0.2 : sanitized ? if_sanitized : 1) * part);
@@ -21,7 +21,7 @@ std::vector<NamedMove<Scalar>> soups_to_try(double part, double if_sanitized) {
     return all;
 }
 
-/// Names of tests that are typed by the scalar.
+/// Names of tests that are typed by the precision.
 class PrecisionNames {
    public:
     template <class Scalar>
@@ -30,7 +30,7 @@ class PrecisionNames {
     }
 };
 
-/// Detectors that shall all agree; they go from soup to soup, and from question to question.
+/// One of the detectors that must all agree. Detectors are reused from soup to soup and from query to query.
 struct Tested {
     std::string name;
     std::unique_ptr<Detector> detector;
@@ -65,34 +65,33 @@ inline Detector& reference() {
 }
 
 template <class Scalar>
-void expect_impacts(const MovingSoup<Scalar>& soup, const ImpactQuery& asked, std::span<const Tested> by = tested()) {
-    ImpactQuery question = asked;
-    question.index = true;
-    const Impacts& expected = reference().find(soup.view().moving_to(soup.end_view()), question);
+void expect_impacts(const MovingSoup<Scalar>& soup, const ImpactQuery& given, std::span<const Tested> by = tested()) {
+    ImpactQuery query = given;
+    query.index = true;
+    const Impacts& expected = reference().find(soup.view().moving_to(soup.end_view()), query);
     const FirstImpact first = first_listed(expected);
     EXPECT_EQ(expected.any, first.found);
     EXPECT_TRUE(same_first(expected.first, first)) << "listed with all";
     for (const auto& [name, detector] : by) {
         SCOPED_TRACE(name);
-        const Impacts& found = detector->find(soup.view().moving_to(soup.end_view()), question);
+        const Impacts& found = detector->find(soup.view().moving_to(soup.end_view()), query);
         ASSERT_TRUE(same_features(found, expected));
-        if (&detector != &tested()[1].detector) continue;  // others are as slow, and no different
-        EXPECT_TRUE(
-            same_first(detector->find(soup.view().moving_to(soup.end_view()), FirstImpactQuery{question}), first));
-        EXPECT_EQ(!detector->any(soup.view().moving_to(soup.end_view()), question), !first.found);
+        if (&detector != &tested()[1].detector) continue;  // other detectors would take as long and add nothing
+        EXPECT_TRUE(same_first(detector->find(soup.view().moving_to(soup.end_view()), FirstImpactQuery{query}), first));
+        EXPECT_EQ(!detector->any(soup.view().moving_to(soup.end_view()), query), !first.found);
     }
 }
 
 template <class Scalar>
-void expect_near(const MovingSoup<Scalar>& soup, const ProximityQuery& asked) {
-    ProximityQuery question = asked;
-    question.index = true;
-    const Proximities& expected = reference().find(soup.view(), question);
-    ProximityQuery any = question;
+void expect_near(const MovingSoup<Scalar>& soup, const ProximityQuery& given) {
+    ProximityQuery query = given;
+    query.index = true;
+    const Proximities& expected = reference().find(soup.view(), query);
+    ProximityQuery any = query;
     any.output = Output::any;
     for (const auto& [name, detector] : tested()) {
         SCOPED_TRACE(name);
-        ASSERT_TRUE(same_features(detector->find(soup.view(), question), expected));
+        ASSERT_TRUE(same_features(detector->find(soup.view(), query), expected));
         EXPECT_EQ(detector->find(soup.view(), any).any, expected.count > 0);
     }
 }

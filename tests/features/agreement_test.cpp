@@ -1,5 +1,5 @@
-// Impacts and near pairs of small hard soups: the cpu backend, however it works, against brute force in rational
-// arithmetic, value for value.
+// Compares impacts and proximities of small hard soups, for each of the tested detectors, with brute force in rational
+// arithmetic, value by value.
 
 #include <gtest/gtest.h>
 
@@ -22,48 +22,48 @@ class FeatureAgreement : public testing::Test {
             if (this->HasFailure()) return;
         }
     }
-    void expect_separated(double separation, double share) {
-        SCOPED_TRACE(testing::Message() << "separation " << separation << ", share " << share);
+    void expect_within_distance(double min_distance, double share) {
+        SCOPED_TRACE(testing::Message() << "separation " << min_distance << ", share " << share);
         const auto work = [&](const NamedMove<Scalar>& move) {
-            const double distance = separation * move.unit;
+            const double distance = min_distance * move.unit;
             if (distance > 1e300) return;
-            const ImpactQuery question{.min_distance = distance, .min_distance_share = share};
-            expect_impacts(move.soup, question, std::span(tested()).subspan(1, share > 0 ? 1 : 2));
+            const ImpactQuery query{.min_distance = distance, .min_distance_share = share};
+            expect_impacts(move.soup, query, std::span(tested()).subspan(1, share > 0 ? 1 : 2));
         };
-        for_each_soup(work, share > 0 ? 0.12 : 0.2);  // a share spares no pair the decision
+        for_each_soup(work, share > 0 ? 0.12 : 0.2);  // a share leaves every pair to the exact decision
     }
 };
 using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(FeatureAgreement, Precisions, PrecisionNames);
 
-TYPED_TEST(FeatureAgreement, OfImpacts) {
+TYPED_TEST(FeatureAgreement, impacts_match_brute_force) {
     this->for_each_soup([](const auto& move) { expect_impacts(move.soup, {}); });
 }
 
-TYPED_TEST(FeatureAgreement, OfWhatComesWithinADistance) {
-    for (const double separation : {1e-3, 0.75, 1.0, 1e9}) this->expect_separated(separation, 0);
+TYPED_TEST(FeatureAgreement, impacts_within_a_distance_match_brute_force) {
+    for (const double min_distance : {1e-3, 0.75, 1.0, 1e9}) this->expect_within_distance(min_distance, 0);
 }
 
-TYPED_TEST(FeatureAgreement, OfWhatComesWithinAShareOfItsDistance) {
-    for (const double share : {0.5, 1 - 0x1p-53}) this->expect_separated(0, share);
-    this->expect_separated(1, 0.75);
+TYPED_TEST(FeatureAgreement, impacts_within_a_distance_share_match_brute_force) {
+    for (const double share : {0.5, 1 - 0x1p-53}) this->expect_within_distance(0, share);
+    this->expect_within_distance(1, 0.75);
 }
 
-TYPED_TEST(FeatureAgreement, OfWhatComesNearerThanItStarts) {
+TYPED_TEST(FeatureAgreement, approaching_impacts_match_brute_force) {
     const auto work = [&](const auto& move) {
         expect_impacts(move.soup, {.approaching_only = true});
         if (move.unit > 1e300) return;
-        const ImpactQuery question{.min_distance = 0.75 * move.unit, .approaching_only = true};
-        expect_impacts(move.soup, question, std::span(tested()).subspan(1, 2));
+        const ImpactQuery query{.min_distance = 0.75 * move.unit, .approaching_only = true};
+        expect_impacts(move.soup, query, std::span(tested()).subspan(1, 2));
     };
     this->for_each_soup(work, 0.05);
 }
 
-TYPED_TEST(FeatureAgreement, OfImpactsOfWeldedSoups) {
+TYPED_TEST(FeatureAgreement, welded_impacts_match_brute_force) {
     this->for_each_soup([](const auto& move) { expect_impacts(move.soup, {.weld = true}); });
 }
 
-TYPED_TEST(FeatureAgreement, OfWhatTouchesAtRest) {
+TYPED_TEST(FeatureAgreement, static_contacts_match_brute_force) {
     this->for_each_soup([](const auto& move) {
         auto soup = move.soup;
         soup.end = soup.start;
@@ -73,7 +73,7 @@ TYPED_TEST(FeatureAgreement, OfWhatTouchesAtRest) {
     });
 }
 
-TYPED_TEST(FeatureAgreement, OfWhatIsNear) {
+TYPED_TEST(FeatureAgreement, proximities_match_brute_force) {
     for (const double radius : {1e-3, 1.0, 3.0, 1e9})
         for (const bool strict : {false, true}) {
             if (strict && radius != 1) continue;
@@ -86,9 +86,9 @@ TYPED_TEST(FeatureAgreement, OfWhatIsNear) {
         }
 }
 
-/// A few triangles next to 0 come close, in a leaf of their own, while others are so far away that squares of the few
-/// ones' steps vanish in float32.
-TEST(FeatureExtremes, SmallStepsInALargeScene) {
+/// A few triangles near 0 come close, in a leaf of their own, while others are so far away that squares of the steps
+/// vanish in float32.
+TEST(FeatureExtremes, small_steps_in_a_large_scene_match_brute_force) {
     for (int exponent = -5; exponent >= -22; exponent -= sanitized || played ? 4 : 1) {
         const double step = std::pow(10, exponent);
         MovingSoup<> soup;
@@ -100,7 +100,7 @@ TEST(FeatureExtremes, SmallStepsInALargeScene) {
         };
         for (int i = 0; i < 6; ++i) {
             add(0, i * 5 * step, step, step);
-            add(3.8 * step, i * 5 * step, step, -step);  // comes from 3.8 to 1.8 steps
+            add(3.8 * step, i * 5 * step, step, -step);  // their distance shrinks from 3.8 to 1.8 steps
             add(1, 0.1 * i, 0.05, 0.01);
             add(-1, 0.1 * i, 0.05, 0.01);
         }

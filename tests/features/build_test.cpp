@@ -1,4 +1,4 @@
-// Records and boxes of a leaf's members, by every table of kernels: what the plain one makes, up to rounding.
+// Tests that every table of kernels builds the records and boxes of the scalar table, up to rounding.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::int64_t vertices = 300, triangles = 500;
 
-/// A tangle that moves, of which some triangles have no area, and a leaf of some of its triangles.
+/// Random moving triangles, some of them without area, and a leaf with some of them.
 template <int moments>
 class Leaf {
    public:
@@ -101,7 +101,7 @@ void expect_same(const FeatureRecord<moments>& a, const FeatureRecord<moments>& 
             if (i % 4 < 3)
                 ASSERT_EQ(p, q);
             else
-                ASSERT_NEAR(p, q, 1e-5);  // of a normal, where edges are short against their distance
+                ASSERT_NEAR(p, q, 1e-5);  // of a normal; edges are short relative to their distance
         }
     for (int k = 0; k < 3; ++k) {
         ASSERT_EQ(a.vertex[k], b.vertex[k]);
@@ -112,7 +112,7 @@ void expect_same(const FeatureRecord<moments>& a, const FeatureRecord<moments>& 
 }
 
 template <int moments>
-void expect_plain_answers() {
+void expect_scalar_results() {
     constexpr float margin = 16 * unit_roundoff;
     const Inflation none, distance{0.02f, 0}, share{0, 0.5f}, both{0.01f, 0.25f};
     int big_ones = 0;
@@ -146,8 +146,8 @@ void expect_plain_answers() {
     EXPECT_GT(big_ones, 1000);
 }
 
-TEST(BuildOfFeatures, MakesWhatThePlainOneMakesAtRest) { expect_plain_answers<1>(); }
-TEST(BuildOfFeatures, MakesWhatThePlainOneMakesOfSteps) { expect_plain_answers<2>(); }
+TEST(BuildOfFeatures, static_records_and_boxes_match_the_scalar_kernels) { expect_scalar_results<1>(); }
+TEST(BuildOfFeatures, moving_records_and_boxes_match_the_scalar_kernels) { expect_scalar_results<2>(); }
 
 }  // namespace
 }  // namespace crumple

@@ -1,4 +1,4 @@
-// Worlds of named bodies, most of which are clear: as brute force says, for whom nothing is left out.
+// Compares worlds of named bodies, many of which are clear, with brute force, which leaves out nothing.
 
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ void expect_same_hits(Detector& detector, Detector& brute, const World& world, Q
     ASSERT_EQ(detector.any(world, query), brute.any(world, query));
 }
 
-TEST(ClearWorlds, are_those_in_which_brute_force_finds_nothing) {
+TEST(ClearWorlds, clear_worlds_match_brute_force) {
     Detector detector({.backend = Backend::cpu}), brute({.backend = Backend::reference});
     std::size_t hits = 0, clear = 0;
     for (unsigned seed = 0; seed < 8; ++seed) {
@@ -52,17 +52,17 @@ TEST(ClearWorlds, are_those_in_which_brute_force_finds_nothing) {
             ASSERT_NO_FATAL_FAILURE(
                 expect_same_hits(detector, brute, moving.view(), ProximityQuery{.radius = distance}, hits, clear));
         }
-        ImpactQuery rules{.min_distance = 0.5, .triangle_pairs = true};
-        rules.filter.bodies = PairScope::between;
-        rules.filter.excluded_bodies = {{0, 1}, {2, 5}};
-        ASSERT_NO_FATAL_FAILURE(expect_same_hits(detector, brute, moving.view(), rules, hits, clear));
+        ImpactQuery filtered{.min_distance = 0.5, .triangle_pairs = true};
+        filtered.filter.bodies = PairScope::between;
+        filtered.filter.excluded_bodies = {{0, 1}, {2, 5}};
+        ASSERT_NO_FATAL_FAILURE(expect_same_hits(detector, brute, moving.view(), filtered, hits, clear));
     }
     EXPECT_GT(hits, 50u);
     EXPECT_GT(clear, 50u);
 }
 
-/// A body above another one by 2, whose lowest point is a corner.
-TEST(ClearWorlds, end_where_boxes_are_as_near_as_the_distance) {
+/// A body 2 above another one; its lowest point is a corner.
+TEST(ClearWorlds, boxes_at_exactly_the_distance_are_not_clear) {
     const std::vector<std::array<double, 3>> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}};
     Shape shape{MeshView(vertices, triangles), 7};

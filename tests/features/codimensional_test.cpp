@@ -1,5 +1,5 @@
-// Edges and points that callers list: rods, hair, particles, and a mesh's own lists. The cpu backend against brute
-// force over the lists, and what the lists mean.
+// Tests of codimensional edges and points: rods, hair, particles, and explicit lists of a mesh's features. Compares the
+// tested backend with brute force over the lists, and checks what lists mean.
 
 #include <gtest/gtest.h>
 
@@ -31,13 +31,13 @@ class Codimensional : public testing::Test {
 using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(Codimensional, Precisions, PrecisionNames);
 
-TYPED_TEST(Codimensional, ImpactsAreThoseOfBruteForce) {
+TYPED_TEST(Codimensional, impacts_match_brute_force) {
     this->for_each_soup(0.5, 4, [](const auto& soup, double) { expect_impacts(soup, {}); });
 }
-TYPED_TEST(Codimensional, WeldedImpactsAreThoseOfBruteForce) {
+TYPED_TEST(Codimensional, welded_impacts_match_brute_force) {
     this->for_each_soup(0.5, 2, [](const auto& soup, double) { expect_impacts(soup, {.weld = true}); });
 }
-TYPED_TEST(Codimensional, WhatComesNearIsThatOfBruteForce) {
+TYPED_TEST(Codimensional, impacts_within_a_distance_match_brute_force) {
     this->for_each_soup(0.2, 3, [](const auto& soup, double unit) {
         if (unit > 1e300) return;
         expect_impacts(soup, {.min_distance = 0.75 * unit}, std::span(tested()).subspan(1, 2));
@@ -47,7 +47,7 @@ TYPED_TEST(Codimensional, WhatComesNearIsThatOfBruteForce) {
                        std::span(tested()).subspan(1, 1));
     });
 }
-TYPED_TEST(Codimensional, NearPairsAreThoseOfBruteForce) {
+TYPED_TEST(Codimensional, proximities_match_brute_force) {
     this->for_each_soup(0.4, 3, [](const auto& soup, double unit) {
         if (unit > 1e300 || soup.start.size() > 60) return;
         for (const double radius : {0.0, 1e-3, 1.0}) {
@@ -66,11 +66,11 @@ Pairs pairs_of(const List& list) {
     return pairs;
 }
 
-class ListsMean : public testing::TestWithParam<Backend> {
+class CodimensionalFeatures : public testing::TestWithParam<Backend> {
    protected:
     Detector detector_{Options{.backend = GetParam(), .threads = 2}};
-    const Proximities& near(const MovingSoup<>& soup, ProximityQuery question = {.radius = 10}) {
-        return detector_.find(soup.view(), question);
+    const Proximities& near(const MovingSoup<>& soup, ProximityQuery query = {.radius = 10}) {
+        return detector_.find(soup.view(), query);
     }
     static MovingSoup<> points_on_a_line(int n) {
         MovingSoup<> soup;
@@ -79,7 +79,7 @@ class ListsMean : public testing::TestWithParam<Backend> {
     }
 };
 
-TEST_P(ListsMean, ParticlesMeetEachOther) {
+TEST_P(CodimensionalFeatures, particles_are_near_each_other) {
     MovingSoup<> soup = points_on_a_line(4);
     soup.points = {3, 0, 2};
     const Proximities& all = near(soup);
@@ -91,18 +91,18 @@ TEST_P(ListsMean, ParticlesMeetEachOther) {
     EXPECT_EQ(pairs_of(near(soup, {.radius = 1}).vertex_vertices()), (Pairs{{0, 2}}));
 }
 
-TEST_P(ListsMean, NothingWithoutLists) {
+TEST_P(CodimensionalFeatures, loose_vertices_without_lists_have_no_pairs) {
     const MovingSoup<> soup = points_on_a_line(4);
     EXPECT_EQ(near(soup).count, 0);
 }
 
-TEST_P(ListsMean, APointListedTwiceIsAnsweredTwice) {
+TEST_P(CodimensionalFeatures, point_listed_twice_gives_two_rows) {
     MovingSoup<> soup = points_on_a_line(2);
     soup.points = {1, 0, 1};
     EXPECT_EQ(pairs_of(near(soup).vertex_vertices()), (Pairs{{0, 1}, {1, 2}})) << "but not with itself";
 }
 
-TEST_P(ListsMean, AParticleMeetsARodAndARodsEndItsOwnBend) {
+TEST_P(CodimensionalFeatures, particles_and_ends_of_rods_pair_with_edges) {
     MovingSoup<> soup = points_on_a_line(5);
     soup.edges = {{1, 0}, {1, 2}};
     const Proximities& two = near(soup);
@@ -115,7 +115,7 @@ TEST_P(ListsMean, AParticleMeetsARodAndARodsEndItsOwnBend) {
     EXPECT_EQ(listed.edges[0], (Edge{1, 0})) << "as it was listed";
 }
 
-TEST_P(ListsMean, AnEdgeThatMeetsAnotherCoversItsVertices) {
+TEST_P(CodimensionalFeatures, edge_pairs_cover_their_vertices) {
     MovingSoup<> soup = points_on_a_line(5);
     soup.edges = {{0, 1}, {1, 2}, {2, 3}, {3, 4}};
     const Proximities& chain = near(soup);
@@ -123,7 +123,7 @@ TEST_P(ListsMean, AnEdgeThatMeetsAnotherCoversItsVertices) {
     EXPECT_EQ(pairs_of(chain.vertex_edges()), (Pairs{{0, 1}, {4, 2}})) << "only the ends have no other edge";
 }
 
-TEST_P(ListsMean, OnlyListedEdgesOfAMesh) {
+TEST_P(CodimensionalFeatures, only_listed_edges_of_a_mesh_have_pairs) {
     MovingSoup<> soup;
     for (int i = 0; i < 4; ++i) soup.vertex({1.0 * (i % 2), 1.0 * (i / 2), 0}, {});
     soup.vertex({0.5, 0.5, 1}, {});
@@ -139,7 +139,7 @@ TEST_P(ListsMean, OnlyListedEdgesOfAMesh) {
         << "2 and 3 have an edge, an edge of a face has no pair";
 }
 
-TEST_P(ListsMean, AMeshsOwnListsAreNoChange) {
+TEST_P(CodimensionalFeatures, lists_of_all_features_of_a_mesh_change_nothing) {
     MovingSoup<> soup = moving_grid(4, 30, 24, 7);
     const Impacts plain = detector_.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true});
     const Proximities near_plain =
@@ -158,7 +158,7 @@ TEST_P(ListsMean, AMeshsOwnListsAreNoChange) {
     }
     EXPECT_TRUE(same_bytes(near_listed.edge_distance, near_plain.edge_distance, "least distances"));
 
-    // Another order is another numbering, and nothing else.
+    // Another order only changes the numbering.
     std::reverse(soup.edges->begin(), soup.edges->end());
     std::reverse(soup.points->begin(), soup.points->end());
     const auto edges = static_cast<std::int32_t>(soup.edges->size()),
@@ -173,7 +173,7 @@ TEST_P(ListsMean, AMeshsOwnListsAreNoChange) {
     }
 }
 
-TEST_P(ListsMean, WhereTheNewKindsAreClosest) {
+TEST_P(CodimensionalFeatures, closest_points_are_given_for_points_and_edges) {
     MovingSoup<> soup = points_on_a_line(4);
     soup.start[3] = {0.25, 2, 0};
     soup.start[2] = {0.25, 0, 1};
@@ -191,8 +191,8 @@ TEST_P(ListsMean, WhereTheNewKindsAreClosest) {
     EXPECT_EQ(std::vector<double>(found.edge_distance.begin(), found.edge_distance.end()), (std::vector<double>{1}));
 }
 
-/// Distances and their squares are not compared with each other.
-TEST_P(ListsMean, LeastDistancesAreOverAllKinds) {
+/// Compares distances with squared distances up to rounding only.
+TEST_P(CodimensionalFeatures, least_distances_cover_all_kinds_of_pairs) {
     for (unsigned seed = 1; seed < 20; ++seed) {
         const MovingSoup<> soup = with_lists(moving_grid(6, 30, 20, seed), 7 * seed + 1);
         const Proximities& found = near(soup, {.radius = 3.5, .least = true});
@@ -222,7 +222,7 @@ TEST_P(ListsMean, LeastDistancesAreOverAllKinds) {
     }
 }
 
-TEST_P(ListsMean, AFreeStepOfParticles) {
+TEST_P(CodimensionalFeatures, free_step_stops_particles_before_they_touch) {
     MovingSoup<> soup;
     soup.vertex({0, 0, 0}, {1, 0, 0});
     soup.vertex({1, 0, 0}, {0, 0, 0});
@@ -239,7 +239,7 @@ TEST_P(ListsMean, AFreeStepOfParticles) {
     EXPECT_EQ(detector_.find(soup.view().moving_to(soup.end_view()), FreeStepQuery()).share, 1);
 }
 
-TEST_P(ListsMean, WrongListsAreErrors) {
+TEST_P(CodimensionalFeatures, invalid_lists_are_rejected) {
     const auto error = [&](std::vector<Edge> edges, std::vector<std::int32_t> points) {
         MovingSoup<> soup = points_on_a_line(4);
         soup.edges = std::move(edges);
@@ -270,8 +270,8 @@ TEST_P(ListsMean, WrongListsAreErrors) {
                  "body 0: edge 0 has vertex 1 at both ends");
 }
 
-/// Bodies with lists and without, against their soup with all lists written out.
-TEST_P(ListsMean, BodiesCountWithinThemselves) {
+/// Compares bodies with and without lists with one soup that has all features listed.
+TEST_P(CodimensionalFeatures, features_are_numbered_within_their_body) {
     for (unsigned seed = 1; seed <= 40; ++seed) {
         SCOPED_TRACE(seed);
         std::vector<MovingSoup<>> soups;
@@ -355,8 +355,8 @@ TEST_P(ListsMean, BodiesCountWithinThemselves) {
     }
 }
 
-/// What no triangle names is of its body, and of no group of triangles.
-TEST_P(ListsMean, GroupsAreThoseOfTriangles) {
+/// Features that no triangle uses belong to their body, but to no group of triangles.
+TEST_P(CodimensionalFeatures, group_filters_use_groups_of_triangles) {
     MovingSoup<> mesh;
     for (int i = 0; i < 6; ++i) mesh.vertex({1.0 * (i % 2), 1.0 * (i / 2 % 2), 0.1 * (i / 3)}, {});
     mesh.vertex({0.5, 0.5, 0.5}, {});
@@ -364,20 +364,20 @@ TEST_P(ListsMean, GroupsAreThoseOfTriangles) {
     mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
     mesh.groups = {4, 5};
     mesh.points = {6, 7, 0, 0};
-    ProximityQuery question{.radius = 10};
-    question.filter.groups = PairScope::between;
-    const Proximities& between = near(mesh, question);
+    ProximityQuery query{.radius = 10};
+    query.filter.groups = PairScope::between;
+    const Proximities& between = near(mesh, query);
     EXPECT_EQ(pairs_of(between.vertex_faces()), (Pairs{{0, 0}, {0, 1}, {1, 0}, {1, 1}, {2, 1}, {3, 1}}));
     EXPECT_EQ(pairs_of(between.vertex_vertices()), (Pairs{{0, 1}}));
 
     mesh.edges = {{0, 1}, {1, 0}, {3, 4}, {6, 7}};
-    question.filter.groups = PairScope::within;
-    const Proximities& within = near(mesh, question);
+    query.filter.groups = PairScope::within;
+    const Proximities& within = near(mesh, query);
     EXPECT_EQ(pairs_of(within.vertex_faces()), (Pairs{{0, 0}, {0, 1}, {1, 0}, {1, 1}}))
         << "what is listed twice is of its triangle's group both times";
     EXPECT_EQ(pairs_of(within.edge_edges()), (Pairs{{0, 3}, {1, 3}, {2, 3}}));
 
-    // Without groups of triangles all that a body has is in the body's.
+    // Without groups of triangles, all features of a body are in the body's group.
     MovingSoup<> dust = mesh;
     dust.triangles = {};
     dust.groups = {};
@@ -386,8 +386,8 @@ TEST_P(ListsMean, GroupsAreThoseOfTriangles) {
     const std::array shapes{Shape(dust.view())};
     const std::array bodies{Body{.shape = 0, .group = 1, .self = true}, Body{.shape = 0, .group = 1, .self = true},
                             Body{.shape = 0, .group = 2, .self = true}};
-    question.filter.groups = PairScope::between;
-    const Proximities& found = detector_.find(World{shapes, bodies, {}, {}}, question);
+    query.filter.groups = PairScope::between;
+    const Proximities& found = detector_.find(World{shapes, bodies, {}, {}}, query);
     const auto& list = found.vertex_vertices();
     ASSERT_EQ(list.pairs.size(), 2U);
     EXPECT_EQ(list.bodies[0], (BodyPair{0, 2}));
@@ -396,7 +396,7 @@ TEST_P(ListsMean, GroupsAreThoseOfTriangles) {
     EXPECT_EQ(found.first_point.back(), 3);
 }
 
-TEST_P(ListsMean, OneListAfterTheOther) {
+TEST_P(CodimensionalFeatures, lists_may_change_from_call_to_call) {
     MovingSoup<> soup = points_on_a_line(5);
     soup.points = {0, 1, 2};
     EXPECT_EQ(near(soup).count, 3);
@@ -414,7 +414,7 @@ TEST_P(ListsMean, OneListAfterTheOther) {
     EXPECT_EQ(near(soup).vertex_faces().pairs.size(), 5U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, ListsMean, testing::ValuesIn(tested_backends), name_of_backend);
+INSTANTIATE_TEST_SUITE_P(Backends, CodimensionalFeatures, testing::ValuesIn(tested_backends), name_of_backend);
 
 }  // namespace
 }  // namespace crumple::test

@@ -1,6 +1,6 @@
 #pragma once
 
-// Whole answers on motion and nearness compared, byte for byte but for the statistics.
+// Comparison of complete results about impacts and proximities, byte by byte; statistics are ignored.
 
 #include "agreement/compare.h"
 
@@ -33,8 +33,8 @@ inline testing::AssertionResult same_first(const FirstImpact& found, const First
     return testing::AssertionFailure() << "first is " << text(found) << " instead of " << text(expected);
 }
 
-template <class Answer>
-testing::AssertionResult same_features(const Answer& found, const Answer& expected) {
+template <class Result>
+testing::AssertionResult same_features(const Result& found, const Result& expected) {
     testing::AssertionResult same = testing::AssertionSuccess();
     for (std::size_t kind = 0; same && kind < feature_kinds; ++kind) {
         same = same_list(found.lists[kind], expected.lists[kind]);
@@ -59,7 +59,7 @@ testing::AssertionResult same_features(const Answer& found, const Answer& expect
     return same;
 }
 
-/// The first of an answer that lists all impacts, found by looking at each.
+/// Returns the first impact of a result that lists all impacts, found by looking at each.
 inline FirstImpact first_listed(const Impacts& impacts) {
     FirstImpact first;
     for (std::size_t k = 0; k < feature_kinds; ++k) {

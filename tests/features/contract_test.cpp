@@ -1,4 +1,4 @@
-// What goes wrong in questions about motion and nearness, what is left behind then, and who owns an answer.
+// Tests of errors of feature queries, the detector's state after them, and ownership of results.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,8 @@ class FeatureErrors : public testing::TestWithParam<Backend> {
     Detector detector_{Options{.backend = GetParam(), .threads = 2}};
     const MovingSoup<> soup_ = moving_grid(3, 14, 10, 1);
 
-    /// The error of a call; before it the detector holds answers, afterwards none, and it works as if nothing had been.
+    /// Returns the error of a call. Expects the call to empty the results that the detector holds, and not to affect
+    /// later calls.
     template <class Call>
     Error refused(Call call) {
         const Impacts& impacts = detector_.find(soup_.view().moving_to(soup_.end_view()), ImpactQuery());
@@ -43,15 +44,15 @@ class FeatureErrors : public testing::TestWithParam<Backend> {
                                   fresh.find(soup_.view(), ProximityQuery{.radius = 1})));
         return error;
     }
-    Error refused(const MovingSoup<>& soup, const VertexView& end, const ImpactQuery& question = {}) {
-        return refused([&] { detector_.find(soup.view().moving_to(end), question); });
+    Error refused(const MovingSoup<>& soup, const VertexView& end, const ImpactQuery& query = {}) {
+        return refused([&] { detector_.find(soup.view().moving_to(end), query); });
     }
     Error refused(const World& world) {
         return refused([&] { detector_.find(world, ImpactQuery()); });
     }
 };
 
-TEST_P(FeatureErrors, of_an_end_of_another_shape) {
+TEST_P(FeatureErrors, end_with_another_number_of_vertices_is_rejected) {
     VertexView end = soup_.end_view();
     end.rows = 13;
     EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument);
@@ -60,19 +61,19 @@ TEST_P(FeatureErrors, of_an_end_of_another_shape) {
     end.rows = 0;
     EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument);
 }
-TEST_P(FeatureErrors, but_not_of_an_end_of_another_precision) {
+TEST_P(FeatureErrors, end_may_have_another_precision) {
     const auto floats = rounded<float>(soup_);
     const auto doubles = rounded<double>(floats);
     const Impacts expected = detector_.find(soup_.view().moving_to(doubles.end_view()), ImpactQuery());
     EXPECT_TRUE(same_features(detector_.find(soup_.view().moving_to(floats.end_view()), ImpactQuery()), expected));
 }
-TEST_P(FeatureErrors, of_a_missing_end) {
+TEST_P(FeatureErrors, missing_end_is_rejected) {
     EXPECT_STREQ(refused(soup_, {}).what(), "the vertices at the end are missing");
     VertexView end = soup_.end_view();
     end.data = nullptr;
     EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument) << "so many vertices, but no data";
 }
-TEST_P(FeatureErrors, of_ends_that_are_not_finite) {
+TEST_P(FeatureErrors, end_that_is_not_finite_is_reported) {
     for (const double value : {nan, inf, -inf}) {
         auto soup = soup_;
         soup.end[11][2] = value;
@@ -81,20 +82,20 @@ TEST_P(FeatureErrors, of_ends_that_are_not_finite) {
         EXPECT_EQ(error.element, Element::vertex);
         EXPECT_EQ(error.index, 11);
         EXPECT_STREQ(error.what(), "at the end: vertex 11 is not finite");
-        // Of a start that is not finite, too, the start is named.
+        // If the start is not finite either, the error names the start.
         soup.start[12][0] = value;
         EXPECT_STREQ(refused(soup, soup.end_view()).what(), "vertex 12 is not finite");
         EXPECT_STREQ(refused([&] { detector_.find(soup.view(), ProximityQuery()); }).what(), "vertex 12 is not finite");
     }
 }
-TEST_P(FeatureErrors, of_indices) {
+TEST_P(FeatureErrors, index_out_of_range_is_reported) {
     auto soup = soup_;
     soup.triangles[4][1] = 14;
     EXPECT_STREQ(refused(soup, soup.end_view()).what(), "triangle 4 names vertex 14 of 14");
     EXPECT_STREQ(refused([&] { detector_.find(soup.view(), ProximityQuery()); }).what(),
                  "triangle 4 names vertex 14 of 14");
 }
-TEST_P(FeatureErrors, of_distances) {
+TEST_P(FeatureErrors, invalid_distances_are_rejected) {
     const VertexView end = soup_.end_view();
     for (const double wrong : {nan, inf, -1.0, -std::numeric_limits<double>::denorm_min()}) {
         EXPECT_EQ(refused(soup_, end, {.min_distance = wrong}).element, Element::option);
@@ -106,14 +107,14 @@ TEST_P(FeatureErrors, of_distances) {
     EXPECT_TRUE(same_features(Impacts(detector_.find(soup_.view().moving_to(end), ImpactQuery{.min_distance = -0.0})),
                               detector_.find(soup_.view().moving_to(end), ImpactQuery())));
 }
-TEST_P(FeatureErrors, of_meshes_on_a_device) {
+TEST_P(FeatureErrors, mesh_in_the_wrong_memory_is_rejected) {
     MeshView mesh = soup_.view();
     mesh.memory = MemorySpace::cuda;
     EXPECT_EQ(refused([&] { detector_.find(mesh.moving_to(soup_.end_view()), ImpactQuery()); }).code,
               ErrorCode::invalid_argument);
     EXPECT_EQ(refused([&] { detector_.find(mesh, ProximityQuery()); }).code, ErrorCode::invalid_argument);
 }
-TEST_P(FeatureErrors, of_worlds) {
+TEST_P(FeatureErrors, invalid_worlds_are_rejected) {
     std::vector<Shape> shapes{Shape(soup_.view()), Shape(soup_.view())};
     shapes[1].end = soup_.end_view();
     const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
@@ -138,38 +139,39 @@ TEST_P(FeatureErrors, of_worlds) {
     shapes[1].end = {nullptr, 14, 24, 8, ScalarType::float64};
     EXPECT_EQ(refused({shapes, bodies, {}, {}}).element, Element::shape) << "so many vertices, but no data";
 }
-TEST_P(FeatureErrors, of_rules_that_name_nobody) {
-    ImpactQuery question;
-    question.filter.excluded_bodies = {{0, 1}};
-    EXPECT_EQ(refused(soup_, soup_.end_view(), question).element, Element::body);
+TEST_P(FeatureErrors, excluded_bodies_that_do_not_exist_are_rejected) {
+    ImpactQuery query;
+    query.filter.excluded_bodies = {{0, 1}};
+    EXPECT_EQ(refused(soup_, soup_.end_view(), query).element, Element::body);
 }
-TEST_P(FeatureErrors, of_groups_that_there_are_not) {
-    PairFilter rules;
-    rules.groups = PairScope::between;
+TEST_P(FeatureErrors, filter_between_groups_needs_groups) {
+    PairFilter filter;
+    filter.groups = PairScope::between;
     const char* const message =
         "filter.groups = between needs groups, and the mesh has none: nothing lies between different groups";
-    EXPECT_STREQ(refused(soup_, soup_.end_view(), {.filter = rules}).what(), message);
-    EXPECT_STREQ(refused([&] { detector_.find(soup_.view(), ProximityQuery{.filter = rules}); }).what(), message);
-    EXPECT_STREQ(refused([&] { detector_.find(soup_.view(), CandidateQuery{.filter = rules}); }).what(), message);
+    EXPECT_STREQ(refused(soup_, soup_.end_view(), {.filter = filter}).what(), message);
+    EXPECT_STREQ(refused([&] { detector_.find(soup_.view(), ProximityQuery{.filter = filter}); }).what(), message);
+    EXPECT_STREQ(refused([&] { detector_.find(soup_.view(), CandidateQuery{.filter = filter}); }).what(), message);
     EXPECT_STREQ(refused([&] {
-                     detector_.stream(soup_.view(), ProximityQuery{.filter = rules}, [](const Proximities&) {});
+                     detector_.stream(soup_.view(), ProximityQuery{.filter = filter}, [](const Proximities&) {});
                  }).what(),
                  message);
-    if (GetParam() == Backend::cuda) return;  // which has no parts
+    if (GetParam() == Backend::cuda) return;  // the cuda backend has no parts
     const auto parts = detector_.partition(soup_.view().moving_to(soup_.end_view()), ImpactQuery(), 1);
-    EXPECT_STREQ(refused([&] { detector_.find(parts[0], ImpactQuery{.filter = rules}); }).what(), message);
+    EXPECT_STREQ(refused([&] { detector_.find(parts[0], ImpactQuery{.filter = filter}); }).what(), message);
     const MovingSoup<> none;
-    EXPECT_FALSE(detector_.find(none.view(), ProximityQuery{.filter = rules}).any) << "there is nothing to have groups";
+    EXPECT_FALSE(detector_.find(none.view(), ProximityQuery{.filter = filter}).any)
+        << "there is nothing to have groups";
 }
-/// Each row is the same vertex.
-TEST_P(FeatureErrors, of_more_vertices_than_both_ends_can_be_numbered) {
+/// All rows are the same vertex.
+TEST_P(FeatureErrors, too_many_moving_vertices_are_rejected) {
     MeshView mesh = soup_.view();
     mesh.vertices.rows = (std::int64_t{1} << 30) + 1;
     mesh.vertices.row_stride = 0;
     EXPECT_STREQ(refused([&] { detector_.find(mesh.moving_to(mesh.vertices), ImpactQuery()); }).what(),
                  "in motion there may be 1073741824 vertices at most");
 }
-TEST_P(FeatureErrors, of_calls_that_were_stopped) {
+TEST_P(FeatureErrors, stopped_calls_report_cancellation) {
     std::stop_source stop;
     stop.request_stop();
     const auto code = [&](auto call) { return refused(call).code; };
@@ -186,9 +188,9 @@ TEST_P(FeatureErrors, of_calls_that_were_stopped) {
 
 INSTANTIATE_TEST_SUITE_P(, FeatureErrors, testing::ValuesIn(tested_backends), name_of_backend);
 
-/// All in one leaf, whose tests take a second or so together, for no filter in floating point knows such numbers.
-/// Between leaves and chunks alone there would be some three polls.
-TEST(FeatureCalls, LookForAStopBetweenTests) {
+/// All triangles are in one leaf, whose tests take about a second, since no floating-point filter can decide such
+/// numbers. Polls between leaves and chunks alone would be about three.
+TEST(FeatureCalls, stop_requests_are_polled_between_tests) {
     constexpr double unit = 0x1p600;
     MovingSoup<> soup = moving_grid(6, 60, 40, 2);
     for (auto* vertices : {&soup.start, &soup.end})
@@ -197,7 +199,7 @@ TEST(FeatureCalls, LookForAStopBetweenTests) {
     Detector detector({.backend = tested_backend, .threads = 1});
     int polls = 0;
     detector.set_poll([&] { ++polls; });
-    // A machine that stands still meanwhile polls less.
+    // A machine that stalls meanwhile polls less.
     for (int call = 0; call < 5 && polls < 8; ++call) {
         polls = 0;
         detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.min_distance = unit});
@@ -211,9 +213,9 @@ TEST(FeatureCalls, LookForAStopBetweenTests) {
     EXPECT_EQ(error_of(call).code, ErrorCode::cancelled);
 }
 
-/// Two flat sheets that slide through each other in one plane touch all over at the start: the first of these pairs
-/// ends the search for the first impact, and is the one that the whole list tells.
-TEST(FeatureCalls, FindTheFirstOfManyImpactsAtTheStart) {
+/// Two flat sheets that slide through each other in one plane touch everywhere at the start. The first of these pairs
+/// ends the search for the first impact, and is the first impact of the whole list.
+TEST(FeatureCalls, first_of_many_impacts_at_the_start_is_found) {
     constexpr std::int32_t n = 8;
     std::vector<std::array<double, 3>> start, end;
     std::vector<std::array<std::int32_t, 3>> triangles;
@@ -251,7 +253,7 @@ TEST(FeatureCalls, FindTheFirstOfManyImpactsAtTheStart) {
     }
 }
 
-TEST(FeatureCalls, HandTheirAnswersOver) {
+TEST(FeatureCalls, swap_result_moves_the_result_without_copying) {
     const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
     Detector detector({.backend = tested_backend, .threads = 2}), fresh({.backend = tested_backend});
     const Impacts& impacts = detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true});
@@ -271,19 +273,19 @@ TEST(FeatureCalls, HandTheirAnswersOver) {
     const Impacts& expected = fresh.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true});
     EXPECT_TRUE(same_features(taken, expected));
     EXPECT_TRUE(same_features(near, fresh.find(soup.view(), ProximityQuery{.radius = 1, .index = true})));
-    detector.swap_result(taken);  // gives its storage for the next
+    detector.swap_result(taken);  // its storage is reused by the next call
     EXPECT_EQ(taken.count, 0);
     EXPECT_TRUE(
         same_features(detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true}), expected));
 }
 
-TEST(FeatureCalls, DoNotDependOnThoseBefore) {
+TEST(FeatureCalls, results_do_not_depend_on_earlier_calls) {
     const auto soups = [] {
         std::vector<MovingSoup<>> all{moving_grid(3, 20, 20, 4), in_general(60, 0.3, 0.2, 5), {}};
         all.push_back(all[1]);
         for (auto& p : all.back().end) p[0] += 0.01;  // the next frame of the same triangles
         all.push_back(all[1]);
-        std::swap(all.back().triangles[3], all.back().triangles[40]);  // other triangles, as many
+        std::swap(all.back().triangles[3], all.back().triangles[40]);  // other triangles of the same number
         return all;
     }();
     Detector warm({.backend = tested_backend, .threads = 2, .leaf_size = 8});
@@ -313,21 +315,21 @@ TEST(FeatureCalls, DoNotDependOnThoseBefore) {
 
 class FeatureMemory : public testing::TestWithParam<int> {};
 
-TEST_P(FeatureMemory, IsBounded) {
+TEST_P(FeatureMemory, memory_limit_is_respected) {
     const MovingSoup<> soup = in_general(played ? 400 : 1500, played ? 0.14 : 0.07, played ? 0.12 : 0.06, 6);
     const Options options{.backend = tested_backend, .threads = GetParam(), .leaf_size = 40};
     const std::vector<double> radii(soup.start.size(), 0.005);
     const ProximityQuery one{.radius = 0.01},
         filtered{.radii = radii, .rings = 3, .rest = soup.end_view(), .rest_radius = 0.01};
-    const auto questions = {0, 1, 2};
-    for (const int question : questions) {
-        const auto ask = [&](Detector& detector) -> std::int64_t {
-            return question ? detector.find(soup.view(), question == 1 ? one : filtered).statistics.peak_memory_bytes
-                            : detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery())
-                                  .statistics.peak_memory_bytes;
+    const auto queries = {0, 1, 2};
+    for (const int query : queries) {
+        const auto find = [&](Detector& detector) -> std::int64_t {
+            return query ? detector.find(soup.view(), query == 1 ? one : filtered).statistics.peak_memory_bytes
+                         : detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery())
+                               .statistics.peak_memory_bytes;
         };
         Detector free(options);
-        const std::int64_t peak = ask(free);
+        const std::int64_t peak = find(free);
         Impacts impacts;
         Proximities nearby;
         free.swap_result(impacts);
@@ -337,25 +339,25 @@ TEST_P(FeatureMemory, IsBounded) {
             Proximities found_near;
             detector.swap_result(found);
             detector.swap_result(found_near);
-            return question ? same_features(found_near, nearby) : same_features(found, impacts);
+            return query ? same_features(found_near, nearby) : same_features(found, impacts);
         };
         bool refused = false;
         for (std::int64_t limit = peak; limit > 10'000; limit = limit * 3 / 5) {
-            SCOPED_TRACE(testing::Message() << "limit " << limit << ", question " << question);
+            SCOPED_TRACE(testing::Message() << "limit " << limit << ", question " << query);
             Options tight = options;
             tight.memory_limit = limit;
             Detector limited(tight);
             try {
-                EXPECT_LE(ask(limited), limit);
+                EXPECT_LE(find(limited), limit);
                 EXPECT_TRUE(same(limited));
             } catch (const Error& error) {
                 refused = true;
                 ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
                 EXPECT_GT(error.bytes_needed, limit);
-                tight.memory_limit = sufficient_limit(tight, ask);
+                tight.memory_limit = sufficient_limit(tight, find);
                 for (int again = 0; again < (played ? 1 : 5); ++again) {
                     Detector enough(tight);
-                    EXPECT_LE(ask(enough), tight.memory_limit);
+                    EXPECT_LE(find(enough), tight.memory_limit);
                     EXPECT_TRUE(same(enough));
                 }
                 EXPECT_NO_THROW(limited.find(MeshView(), ProximityQuery())) << "usable still";

@@ -1,7 +1,7 @@
 #pragma once
 
-// Pairs of features that are hard for filters, from a seed: what the tests of this folder draw from. Coordinates are at
-// most 1, as those of normalised rows are.
+// Random pairs of features that are hard for filters, for the tests of this folder. Coordinates are at most 1, like
+// those of normalised rows.
 
 #include <gtest/gtest.h>
 
@@ -27,13 +27,13 @@ namespace crumple {
 enum class Hard {
     random,    ///< uniform in the cube
     lattice,   ///< few coordinates: coplanar, parallel, degenerate, touching
-    touching,  ///< in contact at some moment but for rounding, and a few units in the last place
-    flat,      ///< in one plane but for rounding
+    touching,  ///< in contact at some time, except for rounding and a few units in the last place
+    flat,      ///< in one plane, except for rounding
     needles,   ///< next to one line
     tiny,      ///< the lattice times a power of two, down to subnormal numbers
-    speck,     ///< random ones around the size at which squares of float32 numbers underflow
+    speck,     ///< random, of about the size at which squares of float32 numbers underflow
     mixed,     ///< each coordinate of its own magnitude
-    opposite,  ///< closest along what joins their middles, but for rounding; in contact every third time
+    opposite,  ///< closest along the line through their centres, except for rounding; every third in contact
 };
 inline constexpr std::array all_hard{Hard::random, Hard::lattice, Hard::touching, Hard::flat,    Hard::needles,
                                      Hard::tiny,   Hard::speck,   Hard::mixed,    Hard::opposite};
@@ -46,16 +46,16 @@ constexpr std::string_view hard_name(Hard how) {
 inline void PrintTo(Hard how, std::ostream* out) { *out << hard_name(how); }
 inline std::string name_of_hard(const testing::TestParamInfo<Hard>& info) { return std::string(hard_name(info.param)); }
 
-/// Of every instruction set that build and machine have.
+/// Returns the tables of every instruction set that the build and the machine have.
 inline const std::vector<const cpu::FeatureTables*>& feature_tables() {
     static const auto all = cpu::all_feature_kernels();
     return all;
 }
 
-/// Whether features come within `distance`, a number that is taken for exact.
+/// A pair of features, and the distance within which they may come, taken as exact.
 struct FeatureCase {
     FeatureKind kind;
-    int moments;  ///< 1: at rest, where they are at the start
+    int moments;  ///< 1: static, at the start positions
     FeaturePoints point;
     float distance = 0;
     double share = 0;
@@ -83,7 +83,8 @@ class RandomCases {
     int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
     double real(double low, double high) { return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
 
-    /// Without a distance every other time; else with one next to that at the start, or with any.
+    /// Returns a random case: every other time without a distance, otherwise with a random one or one next to the
+    /// distance at the start.
     FeatureCase operator()(FeatureKind kind, int moments) {
         begin();
         FeatureCase c{kind, moments, {}};
@@ -100,7 +101,7 @@ class RandomCases {
         return c;
     }
 
-    /// At most 1, and a float32 number if the rows are.
+    /// Limits coordinates to at most 1, and rounds them to float32 if the rows are float32.
     Vec3d number(Vec3d p) {
         for (int axis = 0; axis < 3; ++axis) {
             volatile float rounded = static_cast<float>(p[axis]);
@@ -110,7 +111,7 @@ class RandomCases {
     }
 
    private:
-    // What all points of a case have in common.
+    // Draws what all points of a case have in common.
     void begin() {
         plane_ = {real(-0.4, 0.4), real(-0.4, 0.4), real(-0.1, 0.1)};
         along_ = {real(-0.4, 0.4), real(-0.4, 0.4), real(-0.4, 0.4)};
@@ -146,7 +147,8 @@ class RandomCases {
         return {scaled(), scaled(), scaled()};
     }
 
-    // The first point, or the third and fourth, moved so that the features have a point in common at some eighth.
+    // Moves the first point, or the third and fourth, so that the features have a common point at some eighth of the
+    // step.
     void touch(FeatureCase& c) {
         auto& [p, q, r, s] = c.point;
         const double when = c.moments == 1 ? 0 : below(9) / 8.0, u = below(5) / 4.0, v = (1 - u) * (below(5) / 4.0);
@@ -158,14 +160,14 @@ class RandomCases {
         move(r, by), move(s, by);
     }
 
-    // One is as high above the other, all along the way; both are symmetric about what joins their middles.
+    // Places one feature above the other at constant height, both symmetric about the line through their centres.
     void oppose(FeatureCase& c) {
         const double turn = real(0, 6.3), tilt = real(0, 6.3), height = below(3) ? std::ldexp(0.3, -below(20)) : 0;
         const Vec3d across{-std::sin(turn), std::cos(turn), 0}, x{std::cos(turn), std::sin(turn), 0};
         const Vec3d y = std::cos(tilt) * across + Vec3d{0, 0, std::sin(tilt)}, z = cross(x, y);
         const Vec3d from{real(-0.3, 0.3), real(-0.3, 0.3), real(-0.3, 0.3)}, way{real(-0.2, 0.2), 0.1, real(-0.2, 0.2)};
         const Vec3d base = from + height * z, wide = real(0.01, 0.3) * x, up = real(0.01, 0.3) * z;
-        const bool upright = below(2);  // what stands on its end or on a side; else it lies
+        const bool upright = below(2);  // one feature stands on its end or on a side; otherwise it lies
         std::array<Vec3d, 4> at;
         if (c.kind == FeatureKind::vertex_face)
             at = {from, base - wide, base + wide, base + (upright ? up : real(0, 0.3) * y)};
@@ -174,7 +176,7 @@ class RandomCases {
         for (std::size_t k = 0; k < 4; ++k) c.point[k] = {at[k], at[k] + way};
     }
 
-    // All move by much the same.
+    // Makes all points move by nearly the same amount.
     void rigidly(FeaturePoints& point) {
         const Vec3d way = point[0].end - point[0].start;
         for (MovingPoint& p : point) p.end = p.start + way;

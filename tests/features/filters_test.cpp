@@ -1,4 +1,5 @@
-// The filters of pairs of features, by every table of kernels: what they reject is apart, and they reject most of that.
+// Tests of the filters of pairs of features, for every table of kernels: rejected pairs are apart, and most pairs apart
+// are rejected.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,7 @@
 namespace crumple {
 namespace {
 
-/// Cases with one kind, one number of moments and one distance, as kernels read them.
+/// Cases of one kind, with one number of time samples and one distance, as rows that kernels read.
 class Rows {
    public:
     Rows(std::span<const FeatureCase> cases, bool float32) : ends_(4 * static_cast<std::int64_t>(cases.size())) {
@@ -33,14 +34,15 @@ class Rows {
     }
     std::int64_t ends() const { return ends_; }
 
-    /// Of each case whether the table keeps it; they have one distance, or `each` its own. `flush`: subnormal numbers
-    /// are 0, as where it is called; not so on devices, which run the per-pair sources.
+    /// Returns for each case whether the table keeps it. All cases have one distance, or with `each` their own.
+    /// `flush`: subnormal numbers are 0, as in the library's calls, but not on devices, which run the per-pair sources.
     std::vector<bool> kept(const cpu::FeatureTables& table, std::span<const FeatureCase> cases, bool flush = true,
                            bool each = false) const {
         const auto kind = static_cast<std::size_t>(cases.front().kind);
         std::vector<float> distances(cases.size() + cpu::padding);
         for (std::size_t i = 0; i < cases.size(); ++i) distances[i] = cases[i].distance;
-        const cpu::AskedDistance distance = each ? cpu::AskedDistance(distances.data()) : asked(cases.front());
+        const cpu::AskedDistance distance =
+            each ? cpu::AskedDistance(distances.data()) : requested_distance(cases.front());
         std::vector<FeatureTest> test;
         for (std::int32_t i = 0; i < static_cast<std::int32_t>(cases.size()); ++i)
             test.push_back({{i, i}, {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}});
@@ -59,7 +61,7 @@ class Rows {
         return kept;
     }
 
-    /// The same of tests that are not written out yet, each of two triangles of its own.
+    /// Returns the same for tests that are listed but not written out, each with two triangles of its own.
     template <int moments>
     std::vector<bool> kept_of_listed(const cpu::FeatureKernels<moments>& kernels,
                                      std::span<const FeatureCase> cases) const {
@@ -84,7 +86,7 @@ class Rows {
         cpu::ListedTests tests{listed.data(), cases.size()};
         std::vector<FeatureTest> test(cases.size());
         const std::size_t left = kernels.filter_listed[static_cast<std::size_t>(kind)](
-            points(), ends_, asked(cases.front()), pairs, tests, test.data());
+            points(), ends_, requested_distance(cases.front()), pairs, tests, test.data());
         std::vector<bool> kept(cases.size(), false);
         for (std::size_t i = 0; i < left; ++i) {
             const Pair& pair = test[i].pair;
@@ -94,7 +96,9 @@ class Rows {
     }
 
    private:
-    static cpu::AskedDistance asked(const FeatureCase& c) { return {c.distance, share_to_filter(c.share)}; }
+    static cpu::AskedDistance requested_distance(const FeatureCase& c) {
+        return {c.distance, share_to_filter(c.share)};
+    }
 
     std::int64_t ends_;
     std::vector<double> rows_;
@@ -110,14 +114,14 @@ constexpr FeatureKind kinds[] = {FeatureKind::vertex_face, FeatureKind::edge_edg
 class FeatureFilters : public testing::TestWithParam<Hard> {};
 INSTANTIATE_TEST_SUITE_P(, FeatureFilters, testing::ValuesIn(all_hard), name_of_hard);
 
-TEST_P(FeatureFilters, OfAShareRejectOnlyWhatStaysFarther) {
+TEST_P(FeatureFilters, filters_for_a_distance_share_reject_no_near_pair) {
     int rejected = 0;
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : kinds) {
             RandomCases random(GetParam(), float32, 101);
             for (int i = 0; i < 400; ++i) {
                 FeatureCase c = random(kind, 2);
-                // Half of them stay about where they are, as most do.
+                // Half of them hardly move, like most features in practice.
                 const double part = i % 2 ? 0x1p-6 : 1;
                 for (MovingPoint& p : c.point)
                     for (int axis = 0; axis < 3; ++axis) {
@@ -135,9 +139,9 @@ TEST_P(FeatureFilters, OfAShareRejectOnlyWhatStaysFarther) {
     EXPECT_GT(rejected, 100);
 }
 
-// Tables differ by fused operations only, so they may answer differently only next to a filter's edge; or where all is
-// next to one line, and rounding alone makes the direction beside it.
-TEST_P(FeatureFilters, RejectOnlyWhatIsApart) {
+// Tables differ only in fused operations, so they may decide differently only close to a filter's threshold, or for
+// needles, where rounding alone determines the direction.
+TEST_P(FeatureFilters, filters_reject_no_near_pair) {
     int cases = 0, differ = 0;
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : kinds)
@@ -156,7 +160,7 @@ TEST_P(FeatureFilters, RejectOnlyWhatIsApart) {
     EXPECT_LE(differ, cases / (GetParam() == Hard::needles ? 50 : 500));
 }
 
-TEST(FeatureFiltersOfManyTests, AnswerAsForOne) {
+TEST(FeatureFiltersOfManyTests, many_tests_are_filtered_like_one) {
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : kinds)
             for (const int moments : {1, 2}) {
@@ -175,7 +179,7 @@ TEST(FeatureFiltersOfManyTests, AnswerAsForOne) {
             }
 }
 
-TEST(FeatureFiltersOfManyTests, AskEachForItsOwnDistance) {
+TEST(FeatureFiltersOfManyTests, each_test_may_have_its_own_distance) {
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : kinds) {
             RandomCases random(Hard::opposite, float32, 109);
@@ -198,8 +202,8 @@ void expect_rejected(const FeatureCase& c) {
     }
 }
 
-// All points of the one below all of the other along an axis, by a tenth at least.
-TEST(FeatureFiltersReject, WhatAnAxisSeparates) {
+// All points of one feature are below all of the other along an axis, by at least 0.1.
+TEST(FeatureFiltersReject, features_separated_by_an_axis_are_rejected) {
     RandomCases random(Hard::random, true, 103);
     for (int i = 0; i < 400; ++i) {
         FeatureCase c = random(kinds[i % 2], 1 + i / 2 % 2);
@@ -217,7 +221,8 @@ TEST(FeatureFiltersReject, WhatAnAxisSeparates) {
 constexpr Vec3d u{0.6, 0.125, 0.25}, v{-0.25, 0.5, 0.125};
 Vec3d normal() { return (1 / std::sqrt(dot(cross(u, v), cross(u, v)))) * cross(u, v); }
 
-/// A vertex above a face, or an edge above an edge, whose boxes overlap, as do the places on what joins their middles.
+/// A vertex above a face, or an edge above an edge; their boxes overlap, and so do their projections onto the line
+/// through their centres.
 FeatureCase stacked(FeatureKind kind, double height) {
     const Vec3d h = height * normal();
     if (kind == FeatureKind::vertex_face)
@@ -225,7 +230,7 @@ FeatureCase stacked(FeatureKind kind, double height) {
     return {kind, 1, {{{-1.0 * u, {}}, {u, {}}, {0.75 * u - 0.125 * v + h, {}}, {0.75 * u + v + h, {}}}}};
 }
 
-TEST(FeatureFiltersReject, WhatThePlaneSeparates) {
+TEST(FeatureFiltersReject, features_separated_by_a_plane_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (const double height : {0.01, -0.01})
             for (const float distance : {0.0f, 0.0099f}) {
@@ -235,7 +240,7 @@ TEST(FeatureFiltersReject, WhatThePlaneSeparates) {
             }
 }
 
-TEST(FeatureFiltersReject, WhatIsInOnePlaneAtNoTime) {
+TEST(FeatureFiltersReject, features_never_in_one_plane_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (const double height : {0.01, -0.01}) {
             FeatureCase c = stacked(kind, height);
@@ -246,8 +251,8 @@ TEST(FeatureFiltersReject, WhatIsInOnePlaneAtNoTime) {
         }
 }
 
-// At one end the vertex is above the middle of the face; at the other what joins it to that does not separate.
-TEST(FeatureFiltersReject, WhatADirectionOfEitherEndSeparates) {
+// At one end the vertex is above the centre of the face; at the other end the direction between them does not separate.
+TEST(FeatureFiltersReject, features_separated_by_a_direction_of_one_end_are_rejected) {
     const Vec3d n = normal();
     FeatureCase c = stacked(FeatureKind::vertex_face, 0.02);
     c.moments = 2;
@@ -261,8 +266,9 @@ TEST(FeatureFiltersReject, WhatADirectionOfEitherEndSeparates) {
 
 const Vec3d e = 1 / std::sqrt(3) * Vec3d{1, 1, 1}, f = 1 / std::sqrt(2) * Vec3d{1, -1, 0};
 
-/// In one plane, a vertex next to an edge of a face, or an edge that starts next to another: their boxes overlap, and
-/// so do the places on what joins their middles. `edge`: which of the face's it is, or of both.
+/// In one plane, a vertex next to an edge of a face, or an edge that starts next to another one: their boxes overlap,
+/// and so do their projections onto the line through their centres. `edge`: which edge of the face, or which of both
+/// edges.
 FeatureCase beside_an_edge(FeatureKind kind, std::size_t edge) {
     if (kind == FeatureKind::edge_edge) {
         FeatureCase c{kind, 1, {{{-1.0 * e, {}}, {e, {}}, {0.8 * e + 0.02 * f, {}}, {0.2 * e + 0.5 * f, {}}}}};
@@ -274,7 +280,7 @@ FeatureCase beside_an_edge(FeatureKind kind, std::size_t edge) {
     return c;
 }
 
-TEST(FeatureFiltersReject, WhatIsBesideAnEdge) {
+TEST(FeatureFiltersReject, features_beside_an_edge_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (std::size_t edge = 0; edge < (kind == FeatureKind::vertex_face ? 3 : 2); ++edge) {
             FeatureCase c = beside_an_edge(kind, edge);
@@ -287,8 +293,8 @@ TEST(FeatureFiltersReject, WhatIsBesideAnEdge) {
         }
 }
 
-// At the other end the edges have another direction, and what is beside them there does not separate.
-TEST(FeatureFiltersReject, WhatIsBesideAnEdgeAtEitherEnd) {
+// At the other end the edges have another direction, in which nothing separates.
+TEST(FeatureFiltersReject, features_beside_an_edge_at_one_end_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (std::size_t edge = 0; edge < (kind == FeatureKind::vertex_face ? 3 : 2); ++edge) {
             FeatureCase c = beside_an_edge(kind, edge);

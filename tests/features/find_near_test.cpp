@@ -1,4 +1,4 @@
-// Near pairs of small scenes, asked of a detector.
+// Tests of proximity queries on small scenes.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using Triangles = std::vector<std::array<std::int32_t, 3>>;
 
 constexpr double none = std::numeric_limits<double>::infinity();
 
-// A small triangle a half above a large one, off its middle.
+// A small triangle 0.5 above a large one, away from its centre.
 struct Two {
     Vertices vertices{{0, 0, 0}, {8, 0, 0}, {0, 8, 0}, {1, 2, 0.5}, {3, 2, 1}, {1, 4, 1}};
     Triangles triangles{{0, 1, 2}, {3, 4, 5}};
@@ -32,7 +32,7 @@ class FindNear : public testing::TestWithParam<Backend> {
     }()};
 };
 
-TEST_P(FindNear, ListsPairsAndSquaredDistances) {
+TEST_P(FindNear, pairs_and_squared_distances_are_listed) {
     const Two two;
     const Proximities& nearby = detector.find(two.mesh, ProximityQuery{.radius = 0.5});
     ASSERT_EQ(nearby.vertex_faces().pairs.size(), 1);
@@ -45,7 +45,7 @@ TEST_P(FindNear, ListsPairsAndSquaredDistances) {
     EXPECT_TRUE(detector.find(two.mesh, ProximityQuery{.output = Output::any, .radius = 0.5}).any);
 }
 
-TEST_P(FindNear, TellsWhereTheyAreClosest) {
+TEST_P(FindNear, closest_points_are_given) {
     const Two two;
     const Proximities& nearby = detector.find(two.mesh, ProximityQuery{.radius = 1.1, .closest = true});
     const ProximityList& faces = nearby.vertex_faces();
@@ -56,9 +56,9 @@ TEST_P(FindNear, TellsWhereTheyAreClosest) {
         EXPECT_EQ(faces.type[i], static_cast<std::uint8_t>(VertexFaceType::P_T));
         EXPECT_EQ(faces.at[i], (std::array{two.vertices[3 + i][0] / 8, two.vertices[3 + i][1] / 8}));
     }
-    // The edge from (1, 2, 0.5) to (1, 4, 1), and that along the y axis: their ends have distances 1.118 and 1.414.
+    // The edge from (1, 2, 0.5) to (1, 4, 1) and the edge along the y axis: its ends are at distances 1.118 and 1.414.
     const ProximityList& edges = detector.find(two.mesh, ProximityQuery{.radius = 1.12, .closest = true}).edge_edges();
-    ASSERT_EQ(edges.pairs.size(), 2);  // with the two edges that end there
+    ASSERT_EQ(edges.pairs.size(), 2);  // pairs with the two edges that end there
     for (std::size_t i = 0; i < 2; ++i) {
         EXPECT_EQ(edges.squared_distance[i], 1.25);
         EXPECT_EQ(edges.type[i], static_cast<std::uint8_t>(EdgeEdgeType::EA_EB0));
@@ -66,7 +66,7 @@ TEST_P(FindNear, TellsWhereTheyAreClosest) {
     }
 }
 
-TEST_P(FindNear, TellsTheLeastDistanceOfEachFeature) {
+TEST_P(FindNear, least_distance_of_each_feature_is_given) {
     const Two two;
     const Proximities& nearby = detector.find(two.mesh, ProximityQuery{.radius = 1.12, .least = true});
     const auto list = [](const Array<double>& values) { return std::vector<double>(values.begin(), values.end()); };
@@ -78,7 +78,7 @@ TEST_P(FindNear, TellsTheLeastDistanceOfEachFeature) {
     EXPECT_TRUE(detector.find(two.mesh, ProximityQuery{.radius = 1}).vertex_distance.empty());
 }
 
-TEST_P(FindNear, FindsByFeature) {
+TEST_P(FindNear, index_lists_pairs_by_feature) {
     const Two two;
     const ProximityList& faces = detector.find(two.mesh, ProximityQuery{.radius = 1.1, .index = true}).vertex_faces();
     const auto list = [](const Array<std::int64_t>& values) {

@@ -1,5 +1,5 @@
-// Balls and boxes of triangles for questions that ask for less than contact: those of an answer overlap, and they are
-// hardly larger than that takes.
+// Tests of inflated balls and boxes for queries within a distance: those of near triangles overlap, and they are hardly
+// larger than necessary.
 
 #include "geometry/inflation.h"
 
@@ -12,7 +12,7 @@
 namespace crumple {
 namespace {
 
-/// Of coordinates that are normalised already.
+/// Returns the inflation for coordinates that are already normalised.
 Inflation inflation_of(const Separation& separation) {
     PreparedScene scene;
     scene.low = {-0.75, -0.75, -0.75};
@@ -35,11 +35,11 @@ Ball ball_of(const TriangleCase& c, std::size_t first, const Inflation& inflatio
 bool balls_overlap(const TriangleCase& c, const Inflation& inflation) {
     const Ball a = ball_of(c, 0, inflation), b = ball_of(c, 3, inflation);
     const Vec3d between = Vec3d{a.x, a.y, a.z} - Vec3d{b.x, b.y, b.z};
-    const double reach = static_cast<double>(a.r) + static_cast<double>(b.r);
-    return dot(between, between) <= reach * reach;
+    const double sum_of_radii = static_cast<double>(a.r) + static_cast<double>(b.r);
+    return dot(between, between) <= sum_of_radii * sum_of_radii;
 }
 
-// Stage `sort` lowers starts against ends by 20 u M at least (docs/align.md).
+// Stage `sort` lowers starts relative to ends by at least 20 u M (docs/align.md).
 template <int moments>
 bool boxes_overlap(const cpu::FeatureTables& table, const TriangleCase& c, bool float32, const LeafFrame& frame,
                    const Inflation& inflation) {
@@ -70,10 +70,10 @@ LeafFrame any_frame(RandomCases& random) {
     return {{static_cast<float>(random.real(-1, 1)), 0.25f, 0}, {to_float(x), to_float(y), to_float(z)}, most};
 }
 
-class InflationOf : public testing::TestWithParam<Hard> {};
-INSTANTIATE_TEST_SUITE_P(, InflationOf, testing::ValuesIn(all_hard), name_of_hard);
+class InflatedTriangles : public testing::TestWithParam<Hard> {};
+INSTANTIATE_TEST_SUITE_P(, InflatedTriangles, testing::ValuesIn(all_hard), name_of_hard);
 
-TEST_P(InflationOf, MakesBallsAndBoxesOfAnswersOverlap) {
+TEST_P(InflatedTriangles, near_triangles_have_overlapping_balls_and_boxes) {
     int near = 0;
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::edge_edge})
@@ -92,15 +92,15 @@ TEST_P(InflationOf, MakesBallsAndBoxesOfAnswersOverlap) {
                     const LeafFrame frame = i % 3 ? any_frame(features) : straight;
                     const Inflation inflation = inflation_of(c.separation);
                     const bool overlap = balls_overlap(c, inflation) && boxes_overlap(c, float32, frame, inflation);
-                    const bool answer = c.near();
-                    ASSERT_TRUE(overlap || !answer) << c << (float32 ? ", float32" : ", float64");
-                    near += answer;
+                    const bool comes_near = c.near();
+                    ASSERT_TRUE(overlap || !comes_near) << c << (float32 ? ", float32" : ", float64");
+                    near += comes_near;
                 }
             }
     EXPECT_GT(near, 100);
 }
 
-TEST(Inflation, IsHalfOfTheDistanceRoundedUp) {
+TEST(Inflation, inflation_is_half_of_the_distance_rounded_up) {
     for (const double distance : {1e-300, 1e-38, 1e-7, 0.3, 1.0, 3.4}) {
         const Inflation inflation = inflation_of({distance, 0});
         EXPECT_GE(2 * static_cast<double>(inflation.half), distance);
@@ -113,7 +113,7 @@ TEST(Inflation, IsHalfOfTheDistanceRoundedUp) {
     EXPECT_TRUE(inflation_of({0, 0}).none());
 }
 
-/// Radii of two triangles' vertices, of which three and three are theirs.
+/// Radii of the vertices of two triangles, three each.
 struct RadiiOfTwo {
     explicit RadiiOfTwo(const std::vector<double>& radii) {
         PreparedScene scene;
@@ -135,7 +135,7 @@ struct RadiiOfTwo {
     Inflation inflation;
 };
 
-TEST(InflationOfRadii, IsTheLargestOfATriangleRoundedUp) {
+TEST(InflationOfRadii, inflation_is_the_largest_radius_of_a_triangle_rounded_up) {
     for (const double radius : {0.0, 1e-300, 1e-38, 1e-7, 0.3, 1.0, 3.4}) {
         std::vector<double> radii(6, radius / 3);
         radii[1] = radius;
@@ -153,8 +153,8 @@ TEST(InflationOfRadii, IsTheLargestOfATriangleRoundedUp) {
     EXPECT_LE(RadiiOfTwo(std::vector<double>(6, 1e308)).of(0), 4);
 }
 
-// One is widened by all of the distance but a part, the other by that.
-TEST_P(InflationOf, RadiiMakesBallsAndBoxesOfAnswersOverlap) {
+// The radii of the two triangles add up to the distance.
+TEST_P(InflatedTriangles, near_triangles_with_radii_have_overlapping_balls_and_boxes) {
     int near = 0;
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::edge_edge}) {
@@ -163,25 +163,26 @@ TEST_P(InflationOf, RadiiMakesBallsAndBoxesOfAnswersOverlap) {
                 const TriangleCase c = random(kind, 1);
                 RandomCases& features = random.features();
                 const double part[] = {0, 0x1p-30, 0.25, 0.5, 1};
-                const double first = part[features.below(5)] * c.separation.distance;  // exact, and so is the rest
+                const double first = part[features.below(5)] * c.separation.distance;  // exact, and so is the remainder
                 const double second = c.separation.distance - first;
                 const RadiiOfTwo radii({first, 0, first / 2, second, second, 0});
                 const Ball a = ball_of(c, 0, radii.inflation.of(0)), b = ball_of(c, 3, radii.inflation.of(1));
                 const Vec3d between = Vec3d{a.x, a.y, a.z} - Vec3d{b.x, b.y, b.z};
-                const double reach = static_cast<double>(a.r) + static_cast<double>(b.r);
+                const double sum_of_radii = static_cast<double>(a.r) + static_cast<double>(b.r);
                 const LeafFrame frame = i % 3 ? any_frame(features) : straight;
-                const bool overlap =
-                    dot(between, between) <= reach * reach && boxes_overlap(c, float32, frame, radii.inflation);
-                const bool answer = c.near();
-                ASSERT_TRUE(overlap || !answer) << c << (float32 ? ", float32" : ", float64");
-                near += answer;
+                const bool overlap = dot(between, between) <= sum_of_radii * sum_of_radii &&
+                                     boxes_overlap(c, float32, frame, radii.inflation);
+                const bool comes_near = c.near();
+                ASSERT_TRUE(overlap || !comes_near) << c << (float32 ? ", float32" : ", float64");
+                near += comes_near;
             }
         }
     EXPECT_GT(near, 50);
 }
 
-// Its square is flushed to zero, yet it brings the vertex to the share: 1e-19 of a half of a thousandth.
-TEST(Inflation, SeesTheShortestWay) {
+// The square of the motion is flushed to zero, yet the motion brings the vertex to the share: 1e-19 of half of a
+// thousandth.
+TEST(Inflation, motion_whose_square_underflows_is_covered) {
     TriangleCase c{2, {}, {0, 1 - 0x1p-53}};
     const auto at = [](double x, double y, double z) { return MovingPoint{{x, y, z}, {x, y, z}}; };
     c.corner = {at(0, 0, 0),          at(0.25, 0, -0.25),  at(0, 0.25, -0.25),
@@ -193,9 +194,9 @@ TEST(Inflation, SeesTheShortestWay) {
     for (const bool float32 : {true, false}) EXPECT_TRUE(boxes_overlap(c, float32, straight, inflation));
 }
 
-// Nothing that moves by more than the way of its corners is in it, and nothing comes closer than their ways allow.
-TEST(Inflation, OfAShareIsNoLargerThanItTakes) {
-    // Two that come towards each other by an eighth each, from a half apart to half of that.
+// Inflation covers no motion beyond that of the corners, and no approach beyond what their motions allow.
+TEST(Inflation, inflation_for_a_distance_share_is_tight) {
+    // Two triangles approach each other by an eighth each, from a distance of a half to half of that.
     TriangleCase c{2, {}, {0, 0.5}};
     const auto corner = [](double x, double y, double z, double way) {
         return MovingPoint{{x, y, z}, {x, y, z + way}};

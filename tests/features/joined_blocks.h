@@ -1,6 +1,6 @@
 #pragma once
 
-// Blocks of an answer about features, put together and compared with the whole answer.
+// Blocks of a feature result, joined and compared with the whole result.
 
 #include <functional>
 #include <numeric>
@@ -12,21 +12,21 @@
 
 namespace crumple::test {
 
-// The arrays of a list that blocks have.
+// Arrays of a list that blocks have.
 inline auto rows_of(ImpactList& l) { return std::tie(l.pairs, l.bodies, l.toi, l.start); }
 inline auto rows_of(ProximityList& l) {
     return std::tie(l.pairs, l.bodies, l.squared_distance, l.touching, l.type, l.at);
 }
 inline auto rows_of(CandidateList& l) { return std::tie(l.pairs, l.bodies); }
 
-/// Calls visit(array, array) for each.
+/// Calls visit(array, array) for each array of two lists.
 template <class List, class Visit>
 void for_each_array(List& a, List& b, Visit visit) {
     auto of_a = rows_of(a);
     std::apply([&](auto&... in_b) { std::apply([&](auto&... in_a) { (visit(in_a, in_b), ...); }, of_a); }, rows_of(b));
 }
 
-/// Sorts rows by their features: the same order for all that have the same rows.
+/// Sorts rows by their features; lists of the same rows get the same order.
 template <class List>
 void sort_rows(List& list) {
     std::vector<std::size_t> order(list.pairs.size());
@@ -43,15 +43,15 @@ void sort_rows(List& list) {
     list = std::move(sorted);
 }
 
-/// All blocks one behind the other.
-template <class Answer>
+/// All blocks, concatenated.
+template <class Result>
 struct Joined {
     std::int64_t most;
-    Answer all = {};
+    Result all = {};
     std::int64_t blocks = 0;
 
-    void add(const Answer& given) {
-        Answer block = given;
+    void add(const Result& given) {
+        Result block = given;
         std::int64_t rows = 0;
         for (std::size_t k = 0; k < block.lists.size(); ++k) {
             rows += static_cast<std::int64_t>(block.lists[k].pairs.size());
@@ -73,17 +73,17 @@ struct Joined {
         all.first_edge = block.first_edge;
         all.points = block.points;
         all.first_point = block.first_point;
-        tell(block);
+        merge(block);
     }
 
    private:
-    void tell(const Candidates& block) { all.listed = block.listed; }
-    void tell(const Proximities& block) {
+    void merge(const Candidates& block) { all.listed = block.listed; }
+    void merge(const Proximities& block) {
         EXPECT_TRUE(block.any);
         EXPECT_TRUE(block.world_hit.empty());
         all.any = true;
     }
-    void tell(const Impacts& block) {
+    void merge(const Impacts& block) {
         EXPECT_TRUE(block.any);
         EXPECT_TRUE(block.world_hit.empty());
         EXPECT_TRUE(block.world_first.empty());
@@ -92,15 +92,15 @@ struct Joined {
     }
 };
 
-/// What blocks have of a whole answer.
-inline Candidates of_blocks(const Candidates& answer) { return answer; }
-inline Proximities of_blocks(const Proximities& answer) {
-    Proximities all = answer;
+/// Returns the part of a whole result that blocks have.
+inline Candidates of_blocks(const Candidates& result) { return result; }
+inline Proximities of_blocks(const Proximities& result) {
+    Proximities all = result;
     all.world_hit.clear();
     return all;
 }
-inline Impacts of_blocks(const Impacts& answer) {
-    Impacts all = answer;
+inline Impacts of_blocks(const Impacts& result) {
+    Impacts all = result;
     all.world_hit.clear();
     all.world_first.clear();
     all.first = {};
@@ -110,10 +110,10 @@ inline Impacts of_blocks(const Impacts& answer) {
 inline testing::AssertionResult same_whole(const Candidates& found, const Candidates& expected) {
     return same_candidates(found, expected);
 }
-template <class Answer>
-testing::AssertionResult same_whole(const Answer& found, const Answer& expected) {
+template <class Result>
+testing::AssertionResult same_whole(const Result& found, const Result& expected) {
     testing::AssertionResult same = same_features(found, expected);
-    if constexpr (std::is_same_v<Answer, Proximities>)
+    if constexpr (std::is_same_v<Result, Proximities>)
         for (std::size_t k = 0; same && k < feature_kinds; ++k) {
             same = same_bytes(found.lists[k].type, expected.lists[k].type, "types");
             if (same) same = same_bytes(found.lists[k].at, expected.lists[k].at, "parameters");
@@ -121,11 +121,11 @@ testing::AssertionResult same_whole(const Answer& found, const Answer& expected)
     return same;
 }
 
-/// A question by both ways.
-template <class Answer>
-struct Asked {
-    using Take = FunctionRef<void(const Answer&)>;
-    std::function<const Answer&(Detector&)> find;
+/// One query as a find() call and as a stream() call.
+template <class Result>
+struct BothCalls {
+    using Take = FunctionRef<void(const Result&)>;
+    std::function<const Result&(Detector&)> find;
     std::function<Statistics(Detector&, Take, std::int64_t rows, std::stop_token)> stream;
 
     Statistics blocks(Detector& by, Take take, std::int64_t rows, std::stop_token stop = {}) const {
@@ -133,19 +133,19 @@ struct Asked {
     }
 };
 
-/// Blocks of a size, by a detector, are the answer.
-template <class Answer>
-void expect_blocks(const Asked<Answer>& asked, const Answer& expected, Detector& by, std::int64_t size) {
+/// Expects blocks of `size` rows from the detector to make up the result.
+template <class Result>
+void expect_blocks(const BothCalls<Result>& calls, const Result& expected, Detector& by, std::int64_t size) {
     SCOPED_TRACE(testing::Message() << "blocks of " << size);
-    Joined<Answer> joined{size};
-    const Statistics statistics = asked.blocks(
-        by, [&](const Answer& block) { joined.add(block); }, size);
+    Joined<Result> joined{size};
+    const Statistics statistics = calls.blocks(
+        by, [&](const Result& block) { joined.add(block); }, size);
     EXPECT_EQ(statistics.pairs, expected.count);
     EXPECT_EQ(joined.blocks, (expected.count + size - 1) / size) << "full blocks, but the last";
     if (expected.count == 0) return;
-    Answer whole = of_blocks(expected);
-    for (Answer* answer : {&whole, &joined.all})
-        for (auto& list : answer->lists) sort_rows(list);
+    Result whole = of_blocks(expected);
+    for (Result* result : {&whole, &joined.all})
+        for (auto& list : result->lists) sort_rows(list);
     EXPECT_TRUE(same_whole(joined.all, whole));
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Soups with lists of edges and points of many kinds: of all triangles or of none, in any order, some twice.
+// Soups with codimensional edges and points of many kinds: of all triangles or of none, in any order, some twice.
 
 #include <algorithm>
 #include <numeric>
@@ -24,7 +24,7 @@ void shuffle(Draw& draw, std::vector<T>& list) {
         std::swap(list[i - 1], list[static_cast<std::size_t>(draw.below(static_cast<int>(i)))]);
 }
 
-/// Some of the edges of triangles, some of none, either way round, some twice.
+/// Returns some edges of triangles and some others, in either direction, some of them twice.
 inline std::vector<Edge> some_edges(Draw& draw, const MovingSoup<>& soup, double of_triangles) {
     const auto n = static_cast<int>(soup.start.size());
     std::vector<Edge> list;
@@ -50,7 +50,7 @@ inline std::vector<std::int32_t> some_points(Draw& draw, const MovingSoup<>& sou
     return list;
 }
 
-/// The soup without some of its triangles, and with lists of many kinds.
+/// Returns the soup with some triangles removed, and with codimensional edges and points of many kinds.
 template <class Scalar>
 MovingSoup<Scalar> with_lists(const MovingSoup<Scalar>& from, unsigned seed) {
     Draw draw(seed);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Small soups that move, in which everything happens exactly: on integer grids, in one plane, in one line, at the
-// start, at the end, at rest; with triangles that collapse, repeat, and name a vertex twice.
+// Small moving soups with exact special cases: on integer grids, in one plane, on one line; contact at the start, at
+// the end, or throughout; triangles that collapse, repeat, or use a vertex twice.
 
 #include <cmath>
 #include <functional>
@@ -18,7 +18,7 @@ namespace crumple::test {
 template <class Scalar>
 using PointOf = std::array<Scalar, 3>;
 
-/// A mesh at the start, and where its vertices are at the end.
+/// A mesh at the start of a step, and the positions of its vertices at the end.
 template <class Scalar = double>
 struct MovingSoup {
     std::vector<PointOf<Scalar>> start, end;
@@ -49,7 +49,7 @@ struct MovingSoup {
     }
 };
 
-/// The same with every coordinate changed, the result rounded to another precision.
+/// Returns the soup with every coordinate changed and then rounded to another precision.
 template <class To, class From, class Change>
 MovingSoup<To> changed(const MovingSoup<From>& soup, Change change) {
     MovingSoup<To> out{{}, {}, soup.triangles, soup.groups, soup.edges, soup.points};
@@ -69,7 +69,7 @@ MovingSoup<To> rounded(const MovingSoup<From>& soup) {
     return changed<To>(soup, [](From x) { return x; });
 }
 
-/// Integers, the same on every machine.
+/// Random integers, the same on every machine.
 class Draw {
    public:
     explicit Draw(unsigned seed) : engine_(seed) {}
@@ -82,7 +82,7 @@ class Draw {
     std::mt19937 engine_;
 };
 
-/// Random triangles among so many vertices: neighbours of every kind, vertices named twice, faces repeated.
+/// Adds random triangles among the soup's vertices: adjacent ones of every kind, vertices used twice, repeated faces.
 inline void connect(Draw& draw, int triangles, MovingSoup<>& soup) {
     const auto n = static_cast<int>(soup.start.size());
     for (int i = 0; i < triangles; ++i) {
@@ -91,7 +91,7 @@ inline void connect(Draw& draw, int triangles, MovingSoup<>& soup) {
         if (draw.below(10) == 0) soup.triangles.push_back(soup.triangles[static_cast<std::size_t>(draw.below(i + 1))]);
     }
 }
-/// Each vertex from its own point to its own.
+/// Returns a soup in which each vertex moves from one random point to another.
 template <class Point>
 MovingSoup<> any_soup(unsigned seed, int vertices, int triangles, Point point) {
     Draw draw(seed);
@@ -107,7 +107,7 @@ MovingSoup<> any_soup(unsigned seed, int vertices, int triangles, Point point) {
 inline MovingSoup<> moving_grid(int width, int vertices, int triangles, unsigned seed) {
     return any_soup(seed, vertices, triangles, [&](Draw& draw) { return draw.grid(width); });
 }
-/// In the plane x + y + z = 0 at all times.
+/// All vertices stay in the plane x + y + z = 0.
 inline MovingSoup<> moving_in_a_plane(int vertices, int triangles, unsigned seed) {
     return any_soup(seed, vertices, triangles, [](Draw& draw) {
         const double x = draw.integer(-3, 3), y = draw.integer(-3, 3);
@@ -120,7 +120,7 @@ inline MovingSoup<> moving_in_a_line(int vertices, int triangles, unsigned seed)
         return PointOf<double>{t, -t, 2 * t};
     });
 }
-/// All on one line at 1/2, where normals vanish and roots are double and triple.
+/// All vertices are on one line at time 1/2, where normals vanish and roots are double and triple.
 inline MovingSoup<> moving_through_a_line(int vertices, int triangles, unsigned seed) {
     Draw draw(seed);
     MovingSoup<> soup;
@@ -132,8 +132,9 @@ inline MovingSoup<> moving_through_a_line(int vertices, int triangles, unsigned 
     connect(draw, triangles, soup);
     return soup;
 }
-/// Vertices that stay, or go along one axis, or all move alike: contact at the start, at the end, all the way.
-inline MovingSoup<> mostly_resting(int width, int vertices, int triangles, unsigned seed) {
+/// Vertices that stay, move along one axis, or all move by the same vector: contact at the start, at the end,
+/// throughout.
+inline MovingSoup<> mostly_static(int width, int vertices, int triangles, unsigned seed) {
     Draw draw(seed);
     MovingSoup<> soup;
     for (int i = 0; i < vertices; ++i) {
@@ -147,7 +148,7 @@ inline MovingSoup<> mostly_resting(int width, int vertices, int triangles, unsig
     connect(draw, triangles, soup);
     return soup;
 }
-/// Triangles that shrink to segments and points, some of them to the same.
+/// Triangles that shrink to segments and points, some of which coincide.
 inline MovingSoup<> collapsing(int triangles, unsigned seed) {
     Draw draw(seed);
     MovingSoup<> soup;
@@ -159,7 +160,7 @@ inline MovingSoup<> collapsing(int triangles, unsigned seed) {
     }
     return soup;
 }
-/// Flat sheets of n x n quads; sheet s goes from its first height to its second.
+/// Flat sheets of n x n quads; sheet s moves from its first height to its second.
 inline MovingSoup<> moving_sheets(int n, const std::vector<std::array<double, 2>>& heights) {
     MovingSoup<> soup;
     for (std::size_t s = 0; s < heights.size(); ++s) {
@@ -178,7 +179,7 @@ inline MovingSoup<> moving_sheets(int n, const std::vector<std::array<double, 2>
     }
     return soup;
 }
-/// Long, thin, and far apart but for where they cross.
+/// Long thin triangles, far apart except where they cross.
 inline MovingSoup<> needles(int triangles, unsigned seed) {
     Draw draw(seed);
     MovingSoup<> soup;
@@ -198,7 +199,7 @@ inline MovingSoup<> needles(int triangles, unsigned seed) {
     }
     return soup;
 }
-/// One triangle as large as everything, falling through many small ones.
+/// One triangle as large as the scene, which moves through many small ones.
 inline MovingSoup<> giant_under_many(int small, unsigned seed, double size = 1000) {
     Draw draw(seed);
     MovingSoup<> soup;
@@ -217,7 +218,7 @@ inline MovingSoup<> giant_under_many(int small, unsigned seed, double size = 100
     }
     return soup;
 }
-/// Numbers without structure; triangles of about `size` in the unit cube that move by about `way`.
+/// Random coordinates in general position: triangles of about `size` in the unit cube that move by about `way`.
 inline MovingSoup<> in_general(int triangles, double size, double way, unsigned seed) {
     Draw draw(seed);
     const Soup<double> at_start = random_soup<double>(triangles, size, seed);
@@ -226,7 +227,7 @@ inline MovingSoup<> in_general(int triangles, double size, double way, unsigned 
         for (double& x : p) x += way * (draw.number() - 0.5);
     return soup;
 }
-/// Some stay near each other while others go further than any of them is large.
+/// Some vertices stay near each other, while others move much further than the triangles are large.
 inline MovingSoup<> far_travellers(int vertices, int triangles, double far, unsigned seed) {
     MovingSoup<> soup = moving_grid(4, vertices, triangles, seed);
     Draw draw(seed + 1);
@@ -234,7 +235,7 @@ inline MovingSoup<> far_travellers(int vertices, int triangles, double far, unsi
         if (draw.below(3) == 0) p[static_cast<std::size_t>(draw.below(3))] *= draw.below(2) ? far : -far;
     return soup;
 }
-/// Coordinates moved to the number beside, here and there.
+/// Returns the soup with some coordinates moved to an adjacent floating-point number.
 template <class Scalar>
 MovingSoup<Scalar> nudged(MovingSoup<Scalar> soup, unsigned seed) {
     Draw draw(seed);
@@ -250,10 +251,11 @@ template <class Scalar>
 struct NamedMove {
     std::string name;
     MovingSoup<Scalar> soup;
-    double unit = 1;  ///< about how large things are
+    double unit = 1;  ///< typical size of the coordinates
 };
 
-/// Every kind of them, few triangles each. `part`: a fourth of them, say, for questions that take longer.
+/// Returns soups of every kind, with few triangles each. `part` scales the numbers of triangles, for example 0.25 for
+/// queries that take longer.
 template <class Scalar>
 std::vector<NamedMove<Scalar>> moving_soups(double part = 1) {
     std::vector<NamedMove<Scalar>> all;
@@ -276,7 +278,7 @@ std::vector<NamedMove<Scalar>> moving_soups(double part = 1) {
     add("in a plane", moving_in_a_plane(n(24), n(15), 5));
     add("in a line", moving_in_a_line(n(24), n(12), 6));
     add("through a line", moving_through_a_line(n(24), n(16), 7));
-    add("mostly resting", mostly_resting(4, n(40), n(40), 8));
+    add("mostly resting", mostly_static(4, n(40), n(40), 8));
     add("collapsing", collapsing(n(16), 9));
     add("sheets that land", moving_sheets(n(3), {{0, 0}, {5, 0}, {2, 1}, {1, 3}}));
     add("sheets that lie", moving_sheets(n(2), {{0, 3}, {0, 3}, {3, 0}, {4, 0}}));
@@ -305,7 +307,7 @@ std::vector<NamedMove<Scalar>> moving_soups(double part = 1) {
         all.push_back({name, nudged(rounded<Scalar>(from), seed)});
     };
     add_nudged("a number beside", moving_grid(3, n(14), n(8), 21), 1);
-    add_nudged("a number beside resting", mostly_resting(3, n(16), n(12), 22), 2);
+    add_nudged("a number beside resting", mostly_static(3, n(16), n(12), 22), 2);
     add_nudged("a number beside sheets", moving_sheets(1, {{0, 0}, {3, 0}, {1, 1}}), 3);
     return all;
 }

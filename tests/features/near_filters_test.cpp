@@ -1,5 +1,6 @@
-// What may be asked of nearness beside one radius: a radius of each vertex, neighbours along edges, a shape at rest. By
-// hand; against brute force; and that one against what tests themselves make of a list of everything that is near.
+// Tests of options of proximity queries other than one radius: a radius of each vertex, rings of adjacent triangles, a
+// rest shape. Checks simple cases, compares with brute force, and compares brute force with the contract applied to a
+// list of all near pairs.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +21,7 @@ namespace {
 
 constexpr double ulp = 0x1p-52;
 
-/// So many vertices' radii about a size: powers of two and thirds, none, and all that is not a float32 number.
+/// Returns random radii of about `size`: powers of two, thirds, zero, and numbers that are not float32.
 std::vector<double> random_radii(Draw& draw, std::size_t vertices, double size) {
     std::vector<double> radii(vertices);
     for (double& r : radii) {
@@ -34,13 +35,13 @@ class NearFilters : public testing::TestWithParam<Backend> {
    protected:
     Detector detector{Options{.backend = GetParam(), .threads = 2}};
 
-    std::size_t faces(const MovingSoup<>& soup, const ProximityQuery& question) {
-        return detector.find(soup.view(), question).vertex_faces().pairs.size();
+    std::size_t faces(const MovingSoup<>& soup, const ProximityQuery& query) {
+        return detector.find(soup.view(), query).vertex_faces().pairs.size();
     }
 };
 INSTANTIATE_TEST_SUITE_P(, NearFilters, testing::ValuesIn(tested_backends), name_of_backend);
 
-/// A small triangle, whose first vertex is the lowest, one above the middle of a large one.
+/// A small triangle, whose first and lowest vertex is `height` above the centre of a large one.
 MovingSoup<> two(double height = 1) {
     MovingSoup<> soup;
     const auto add = [&](double x, double y, double z) { soup.vertex({x, y, z}, {x, y, z}); };
@@ -50,7 +51,7 @@ MovingSoup<> two(double height = 1) {
     return soup;
 }
 
-TEST_P(NearFilters, RadiiAddUpInRealNumbers) {
+TEST_P(NearFilters, radii_are_added_without_rounding) {
     const auto near = [&](double face, double vertex, double height, bool strict) {
         const std::vector<double> radii{face, 0, 0, vertex, 0, 0};
         const MovingSoup<> soup = two(height);
@@ -62,7 +63,7 @@ TEST_P(NearFilters, RadiiAddUpInRealNumbers) {
     EXPECT_FALSE(near(0.75, 0.25, 1, true)) << "at the sum, strictly";
     EXPECT_FALSE(near(0.75, 0.25 - ulp / 8, 1, false)) << "one beside";
     EXPECT_TRUE(near(0.75, 0.25 + ulp, 1, true)) << "one beside";
-    // Sums that are no numbers, on either side of one.
+    // Sums that are not representable, on either side of a representable number.
     EXPECT_TRUE(near(1, 0x1p-80, 1, true)) << "rounds to 1, and is more";
     EXPECT_FALSE(near(1, 0x1p-80, 1 + ulp, false));
     EXPECT_FALSE(near(1 - ulp / 2, ulp / 4, 1, false)) << "rounds to 1, and is less";
@@ -74,7 +75,7 @@ TEST_P(NearFilters, RadiiAddUpInRealNumbers) {
     EXPECT_TRUE(near(most, most, 1, true)) << "a sum beyond all numbers";
 }
 
-TEST_P(NearFilters, AFeatureHasTheLargestRadiusOfItsVertices) {
+TEST_P(NearFilters, feature_has_the_largest_radius_of_its_vertices) {
     for (std::size_t v = 0; v < 3; ++v) {
         std::vector<double> radii(6, 0.25);
         radii[v] = 0.75;
@@ -91,7 +92,7 @@ TEST_P(NearFilters, AFeatureHasTheLargestRadiusOfItsVertices) {
     EXPECT_EQ(nearby.edge_edges().pairs.size(), 9u);
 }
 
-TEST_P(NearFilters, WhatIsCloseAtRestIsLeftOut) {
+TEST_P(NearFilters, pairs_close_in_the_rest_shape_are_left_out) {
     const MovingSoup<> soup = two(0.5);
     for (const double height : {1.0, std::nextafter(1.0, 2.0)}) {
         MovingSoup<> rest = two(height);
@@ -110,7 +111,7 @@ TEST_P(NearFilters, WhatIsCloseAtRestIsLeftOut) {
     EXPECT_EQ(faces(two(0), {.radius = 1, .rest = two(0).view().vertices}), 0u) << "in contact at rest";
 }
 
-/// A strip of quads of width 1, along x, and two triangles a quad.
+/// A strip of quads of width 1 along x, with two triangles each.
 MovingSoup<> strip(std::int32_t quads) {
     MovingSoup<> soup;
     for (std::int32_t i = 0; i <= quads; ++i)
@@ -123,9 +124,9 @@ MovingSoup<> strip(std::int32_t quads) {
     return soup;
 }
 
-TEST_P(NearFilters, NeighboursAreJoinedByEdges) {
+TEST_P(NearFilters, rings_leave_out_features_few_edges_away) {
     const MovingSoup<> soup = strip(8);
-    // The vertex (0, 0), and the faces from x to x + 1: x edges lead to the one, x + 1 to the other.
+    // From vertex (0, 0), x edges lead to one face between x and x + 1, and x + 1 edges to the other one.
     for (const std::int32_t rings : {0, 1, 2, 3, 7, 8, 1000}) {
         const ProximityList& list =
             detector.find(soup.view(), ProximityQuery{.radius = 100, .rings = rings}).vertex_faces();
@@ -144,7 +145,7 @@ TEST_P(NearFilters, NeighboursAreJoinedByEdges) {
         << "unless vertices at equal positions are one";
 }
 
-TEST_P(NearFilters, LeastIsThatOfAllThatIsNearAndIndexThatOfTheList) {
+TEST_P(NearFilters, least_distances_ignore_filters_and_index_follows_the_list) {
     const MovingSoup<> soup = strip(4);
     const Proximities all = detector.find(
         soup.view(), ProximityQuery{.radius = 10, .closest = true, .least = true, .rings = 1, .index = true});
@@ -172,11 +173,9 @@ TEST_P(NearFilters, LeastIsThatOfAllThatIsNearAndIndexThatOfTheList) {
     EXPECT_EQ(all.vertex_faces().offsets[1], 5) << "the faces from there on";
 }
 
-TEST_P(NearFilters, ErrorsNameArgumentAndVertex) {
+TEST_P(NearFilters, errors_name_argument_and_vertex) {
     const MovingSoup<> soup = two();
-    const auto of = [&](const ProximityQuery& question) {
-        return error_of([&] { detector.find(soup.view(), question); });
-    };
+    const auto of = [&](const ProximityQuery& query) { return error_of([&] { detector.find(soup.view(), query); }); };
     std::vector<double> radii(5, 1);
     EXPECT_STREQ(of({.radii = radii}).what(), "there are 5 radii for 6 vertices");
     radii.resize(6, 1);
@@ -208,8 +207,8 @@ TEST_P(NearFilters, ErrorsNameArgumentAndVertex) {
 
     std::vector<Shape> shapes{Shape(soup.view()), Shape(soup.view())};
     const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
-    const auto of_world = [&](const ProximityQuery& question) {
-        return error_of([&] { detector.find(World{shapes, bodies, {}}, question); });
+    const auto of_world = [&](const ProximityQuery& query) {
+        return error_of([&] { detector.find(World{shapes, bodies, {}}, query); });
     };
     EXPECT_STREQ(of_world({.radii = radii}).what(), "radii of a world are those of its shapes");
     EXPECT_STREQ(of_world({.rest = soup.view().vertices}).what(),
@@ -225,17 +224,17 @@ TEST_P(NearFilters, ErrorsNameArgumentAndVertex) {
     EXPECT_FALSE(detector.find(soup.view(), ProximityQuery()).any) << "usable still";
 }
 
-TEST(NearFiltersOfWorlds, ConcernPairsWithinABody) {
+TEST(NearFiltersOfWorlds, rest_shape_and_rings_apply_within_a_body) {
     const MovingSoup<> soup = two();
     const std::vector<double> radii(6, 0.5);
     for (const Backend backend : {Backend::reference, tested_backend}) {
         Detector detector({.backend = backend, .threads = 2});
         std::vector<Shape> shapes{Shape(soup.view()), Shape(soup.view())};
         const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
-        const auto count = [&](const ProximityQuery& question) {
-            return detector.find(World{shapes, bodies, {}}, question).vertex_faces().pairs.size();
+        const auto count = [&](const ProximityQuery& query) {
+            return detector.find(World{shapes, bodies, {}}, query).vertex_faces().pairs.size();
         };
-        // Each body's vertex above its face; each body's three and one vertices on the other's faces, and above them.
+        // Pairs: each body's vertex above its own face; and each body's vertices on or above the other's faces.
         const std::size_t between = 2 * 7, within = 2;
         EXPECT_EQ(count({.radius = 1}), between + within);
         shapes[0].rest = shapes[1].rest = soup.view().vertices;
@@ -250,8 +249,8 @@ TEST(NearFiltersOfWorlds, ConcernPairsWithinABody) {
     }
 }
 
-/// Poses move what radii are of, and scale it; radii stay.
-TEST(NearFiltersOfWorlds, RadiiAreNotPosed) {
+/// Poses move and scale shapes, but not radii.
+TEST(NearFiltersOfWorlds, radii_and_rest_shapes_are_not_posed) {
     const MovingSoup<> soup = two();
     const std::vector<double> radii(6, 0.5);
     std::vector<Shape> shapes{Shape(soup.view())};
@@ -273,7 +272,7 @@ class NearFilterAgreement : public testing::Test {};
 using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(NearFilterAgreement, Precisions, PrecisionNames);
 
-/// Soups that are not too large to be decided in rationals, pair by pair.
+/// Calls work for soups that are small enough for decisions in rationals, pair by pair.
 template <class Scalar, class Work>
 void for_each_small_soup(std::size_t most, Work work) {
     unsigned seed = 0;
@@ -286,7 +285,7 @@ void for_each_small_soup(std::size_t most, Work work) {
     }
 }
 
-TYPED_TEST(NearFilterAgreement, OfRadii) {
+TYPED_TEST(NearFilterAgreement, radii_match_brute_force) {
     for (const double size : {1e-3, 1.0, 3.0})
         for_each_small_soup<TypeParam>(size < 1 ? 300 : 60, [&](const auto& move, unsigned seed) {
             SCOPED_TRACE(size);
@@ -295,26 +294,26 @@ TYPED_TEST(NearFilterAgreement, OfRadii) {
             expect_near(move.soup, {.radii = radii, .strict = seed % 2 == 0, .weld = seed % 3 == 0});
         });
 }
-TYPED_TEST(NearFilterAgreement, OfNeighbours) {
+TYPED_TEST(NearFilterAgreement, rings_match_brute_force) {
     for (const std::int32_t rings : {1, 2, 5})
         for_each_small_soup<TypeParam>(60, [&](const auto& move, unsigned seed) {
             SCOPED_TRACE(rings);
             expect_near(move.soup, {.radius = 2 * move.unit, .weld = seed % 2 == 0, .rings = rings});
         });
 }
-TYPED_TEST(NearFilterAgreement, OfShapesAtRest) {
+TYPED_TEST(NearFilterAgreement, rest_shapes_match_brute_force) {
     for (const double radius : {0.0, 0.1, 1.0})
         for_each_small_soup<TypeParam>(60, [&](const auto& move, unsigned seed) {
             SCOPED_TRACE(radius);
-            ProximityQuery question{
+            ProximityQuery query{
                 .radius = 2 * move.unit, .rest = move.soup.end_view(), .rest_radius = radius * move.unit};
-            question.rings = seed % 2 == 0 ? 1 : 0;
-            expect_near(move.soup, question);
+            query.rings = seed % 2 == 0 ? 1 : 0;
+            expect_near(move.soup, query);
         });
 }
 
-/// Rods and particles: paths go along listed edges and along the sides of all faces.
-TYPED_TEST(NearFilterAgreement, OfListedEdgesAndPoints) {
+/// Rods and particles: paths follow codimensional edges and the sides of all faces.
+TYPED_TEST(NearFilterAgreement, codimensional_features_match_brute_force) {
     for_each_small_soup<TypeParam>(60, [&](const auto& move, unsigned seed) {
         auto soup = move.soup;
         const auto n = static_cast<int>(soup.start.size());
@@ -337,8 +336,8 @@ TYPED_TEST(NearFilterAgreement, OfListedEdgesAndPoints) {
                                .rest_radius = 0.5 * move.unit});
     });
 }
-TEST_P(NearFilters, ListedEdgesLeadToNeighbours) {
-    MovingSoup<> soup;  // a rod along x, and a particle
+TEST_P(NearFilters, rings_follow_codimensional_edges) {
+    MovingSoup<> soup;  // a rod along x, and a loose vertex
     for (int i = 0; i < 6; ++i) soup.vertex({1.0 * i, 0, 0}, {1.0 * i, 0, 0});
     soup.edges = {{0, 1}, {2, 1}, {2, 3}, {3, 4}};
     const auto pairs = [&](std::int32_t rings) {
@@ -349,13 +348,13 @@ TEST_P(NearFilters, ListedEdgesLeadToNeighbours) {
     EXPECT_EQ(pairs(0), (std::vector<Pair>{{0, 2}, {0, 3}, {1, 3}}));
     EXPECT_EQ(pairs(1), (std::vector<Pair>{{0, 3}}));
     EXPECT_TRUE(pairs(2).empty());
-    soup.triangles = {{0, 5, 4}};  // a way round, of no edge that is listed
+    soup.triangles = {{0, 5, 4}};  // a detour whose edges are not listed
     EXPECT_EQ(pairs(0).size(), 3u);
     EXPECT_TRUE(pairs(1).empty());
 }
 
-/// One radius for all is that of a half for each vertex.
-TYPED_TEST(NearFilterAgreement, EqualRadiiAreOneRadius) {
+/// One radius for all pairs equals half of it for each vertex.
+TYPED_TEST(NearFilterAgreement, equal_radii_are_like_one_radius) {
     for_each_small_soup<TypeParam>(300, [&](const auto& move, unsigned) {
         const double radius = 0.25 * move.unit;
         const std::vector<double> radii(move.soup.start.size(), radius);
@@ -367,13 +366,13 @@ TYPED_TEST(NearFilterAgreement, EqualRadiiAreOneRadius) {
     });
 }
 
-/// The contract, word by word, of a list of all pairs within a radius that holds everything.
+/// The contract applied literally to a list of all pairs within a radius larger than the scene.
 struct Oracle {
     const MovingSoup<>& soup;
-    const ProximityQuery& question;
+    const ProximityQuery& query;
     std::set<Edge> edges;
 
-    Oracle(const MovingSoup<>& s, const ProximityQuery& q) : soup(s), question(q) {
+    Oracle(const MovingSoup<>& s, const ProximityQuery& q) : soup(s), query(q) {
         for (const auto& corner : soup.triangles)
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::int32_t a = corner[k], b = corner[(k + 1) % 3];
@@ -381,28 +380,28 @@ struct Oracle {
             }
     }
 
-    bool wanted(FeatureKind kind, const std::vector<std::int32_t>& a, const std::vector<std::int32_t>& b) const {
+    bool passes(FeatureKind kind, const std::vector<std::int32_t>& a, const std::vector<std::int32_t>& b) const {
         for (const std::int32_t v : a)
             for (const std::int32_t w : b)
                 if (path(v, w)) return false;
         const auto radius = [&](const std::vector<std::int32_t>& of) {
             double largest = 0;
-            for (const std::int32_t v : of) largest = std::max(largest, question.radii[static_cast<std::size_t>(v)]);
+            for (const std::int32_t v : of) largest = std::max(largest, query.radii[static_cast<std::size_t>(v)]);
             return largest;
         };
-        const Reach reach{radius(a), radius(b), question.strict};
+        const Reach reach{radius(a), radius(b), query.strict};
         return distance(soup.start, kind, a, b).within(reach) &&
-               !distance(soup.end, kind, a, b).within({question.rest_radius, 0});
+               !distance(soup.end, kind, a, b).within({query.rest_radius, 0});
     }
 
    private:
     bool path(std::int32_t v, std::int32_t w) const {
         std::map<std::int32_t, std::int32_t> steps{{v, 0}};
-        for (std::int32_t step = 0; step < question.rings; ++step) {
-            const auto known = steps;
+        for (std::int32_t step = 0; step < query.rings; ++step) {
+            const auto reached = steps;
             for (const Edge& e : edges)
                 for (const auto& [from, to] : {std::pair(e.a, e.b), std::pair(e.b, e.a)})
-                    if (known.count(from)) steps.emplace(to, step + 1);
+                    if (reached.count(from)) steps.emplace(to, step + 1);
         }
         return steps.count(w) > 0;
     }
@@ -419,28 +418,28 @@ struct Oracle {
     }
 };
 
-TEST(NearFiltersOfTheReference, AreTheContract) {
+TEST(NearFiltersOfTheReference, reference_follows_the_contract) {
     for (unsigned seed = 0; seed < 12; ++seed) {
         const MovingSoup<> soup = moving_grid(4, 14, 8, 50 + seed);
         Draw draw(seed);
         const std::vector<double> radii = random_radii(draw, soup.start.size(), 2);
-        const ProximityQuery question{.radii = radii,
-                                      .strict = seed % 2 == 0,
-                                      .rings = static_cast<std::int32_t>(seed % 3),
-                                      .rest = soup.end_view(),
-                                      .rest_radius = 0.5 * draw.below(4)};
-        const Oracle oracle(soup, question);
+        const ProximityQuery query{.radii = radii,
+                                   .strict = seed % 2 == 0,
+                                   .rings = static_cast<std::int32_t>(seed % 3),
+                                   .rest = soup.end_view(),
+                                   .rest_radius = 0.5 * draw.below(4)};
+        const Oracle oracle(soup, query);
         const Proximities all = reference().find(soup.view(), ProximityQuery{.radius = 100});
-        const Proximities& found = reference().find(soup.view(), question);
+        const Proximities& found = reference().find(soup.view(), query);
         std::array<std::vector<Pair>, feature_kinds> expected;
         for (const Pair& pair : all.vertex_faces().pairs) {
             const auto& corner = soup.triangles[static_cast<std::size_t>(pair.b)];
-            if (oracle.wanted(FeatureKind::vertex_face, {pair.a}, {corner[0], corner[1], corner[2]}))
+            if (oracle.passes(FeatureKind::vertex_face, {pair.a}, {corner[0], corner[1], corner[2]}))
                 expected[0].push_back(pair);
         }
         for (const Pair& pair : all.edge_edges().pairs) {
             const Edge e = all.edges[pair.a], f = all.edges[pair.b];
-            if (oracle.wanted(FeatureKind::edge_edge, {e.a, e.b}, {f.a, f.b})) expected[1].push_back(pair);
+            if (oracle.passes(FeatureKind::edge_edge, {e.a, e.b}, {f.a, f.b})) expected[1].push_back(pair);
         }
         for (std::size_t k = 0; k < 2; ++k)
             EXPECT_TRUE(same_pairs(found.lists[k].pairs.span(), expected[k])) << "seed " << seed << ", kind " << k;

@@ -1,5 +1,5 @@
-// Public parts that are asked about features: together they have the rows of the whole answer, byte for byte, and no
-// row twice; and each is answered without the mesh.
+// Tests of public parts for feature queries: together they have the rows of the whole result, byte by byte, without
+// duplicates; and each is searched without the mesh.
 
 #include <gtest/gtest.h>
 
@@ -14,41 +14,39 @@
 namespace crumple::test {
 namespace {
 
-const Impacts& ask(Detector& by, const Part& part, const ImpactQuery& question) { return by.find(part, question); }
-const Proximities& ask(Detector& by, const Part& part, const ProximityQuery& question) {
-    return by.find(part, question);
+const Impacts& find_in(Detector& by, const Part& part, const ImpactQuery& query) { return by.find(part, query); }
+const Proximities& find_in(Detector& by, const Part& part, const ProximityQuery& query) { return by.find(part, query); }
+
+/// Returns the query without the arrays that a part already contains.
+ImpactQuery of_part(const ImpactQuery& query) { return query; }
+ProximityQuery of_part(const ProximityQuery& query) {
+    ProximityQuery remaining = query;
+    remaining.radii = {};
+    remaining.rest = {};
+    return remaining;
 }
 
-/// What a part knows already is not asked once more.
-ImpactQuery of_part(const ImpactQuery& question) { return question; }
-ProximityQuery of_part(const ProximityQuery& question) {
-    ProximityQuery asked = question;
-    asked.radii = {};
-    asked.rest = {};
-    return asked;
-}
-
-template <class Answer, class Question>
-void expect_union(const Answer& whole, const std::vector<Part>& parts, const Question& question, Detector& elsewhere) {
-    Answer joined, expected = whole;
+template <class Result, class Query>
+void expect_union(const Result& whole, const std::vector<Part>& parts, const Query& query, Detector& elsewhere) {
+    Result joined, expected = whole;
     FirstImpact first;
     for (const Part& part : parts) {
-        const Answer& found = ask(elsewhere, part, of_part(question));
+        const Result& found = find_in(elsewhere, part, of_part(query));
         joined.count += found.count;
         joined.any = joined.any || found.any;
         for (std::size_t k = 0; k < joined.lists.size(); ++k) {
-            Answer copy = found;
+            Result copy = found;
             EXPECT_TRUE(std::is_sorted(copy.lists[k].pairs.begin(), copy.lists[k].pairs.end()));
             for_each_array(joined.lists[k], copy.lists[k], [](auto& to, auto& from) {
                 for (const auto& row : from) to.push_back(row);
             });
         }
-        if constexpr (std::is_same_v<Answer, Impacts>) {
+        if constexpr (std::is_same_v<Result, Impacts>) {
             const auto key = [](const FirstImpact& f) { return std::tuple(f.toi, f.kind, f.pair); };
             if (found.first.found && (!first.found || key(found.first) < key(first))) first = found.first;
         }
     }
-    if constexpr (std::is_same_v<Answer, Impacts>) {
+    if constexpr (std::is_same_v<Result, Impacts>) {
         EXPECT_TRUE(first == whole.first);
     }
     EXPECT_EQ(joined.any, whole.any);
@@ -64,7 +62,7 @@ Detector& at_home() {
     static Detector detector({.backend = Backend::cpu, .threads = 2, .leaf_size = 40});
     return detector;
 }
-// The backend that answers parts.
+// Detector that searches the parts, on the tested backend.
 Detector& elsewhere() {
     static Detector detector({.backend = tested_backend, .threads = 1, .clusters = 3, .leaf_size = 10});
     return detector;
@@ -75,36 +73,36 @@ Detector& by_brute_force() {
 }
 
 template <class Soup>
-std::vector<Part> partition(const Soup& soup, const ImpactQuery& question, int count) {
-    return at_home().partition(soup.view().moving_to(soup.end_view()), question, count);
+std::vector<Part> partition(const Soup& soup, const ImpactQuery& query, int count) {
+    return at_home().partition(soup.view().moving_to(soup.end_view()), query, count);
 }
 template <class Soup>
-std::vector<Part> partition(const Soup& soup, const ProximityQuery& question, int count) {
-    return at_home().partition(soup.view(), question, count);
+std::vector<Part> partition(const Soup& soup, const ProximityQuery& query, int count) {
+    return at_home().partition(soup.view(), query, count);
 }
 template <class Soup>
-Impacts whole(const Soup& soup, const ImpactQuery& question) {
-    return at_home().find(soup.view().moving_to(soup.end_view()), question);
+Impacts whole(const Soup& soup, const ImpactQuery& query) {
+    return at_home().find(soup.view().moving_to(soup.end_view()), query);
 }
 template <class Soup>
-Proximities whole(const Soup& soup, const ProximityQuery& question) {
-    return at_home().find(soup.view(), question);
+Proximities whole(const Soup& soup, const ProximityQuery& query) {
+    return at_home().find(soup.view(), query);
 }
 
 constexpr std::int64_t most_for_brute_force = 400;
 const std::vector<int> numbers_of_parts = played ? std::vector{3} : std::vector{1, 7, 70};
 const double share_of_soups = played ? 0.2 : 1;
 
-template <class Soup, class Question>
-void expect_union(const Soup& soup, const Question& question) {
-    const auto all = whole(soup, question);
+template <class Soup, class Query>
+void expect_union(const Soup& soup, const Query& query) {
+    const auto all = whole(soup, query);
     for (const int count : numbers_of_parts) {
         SCOPED_TRACE(testing::Message() << count << " parts");
-        const std::vector<Part> parts = partition(soup, question, count);
+        const std::vector<Part> parts = partition(soup, query, count);
         ASSERT_EQ(parts.size(), static_cast<std::size_t>(count));
-        expect_union(all, parts, question, elsewhere());
+        expect_union(all, parts, query, elsewhere());
         if (count > 1 && count < 10 && all.count < most_for_brute_force)
-            expect_union(all, parts, question, by_brute_force());
+            expect_union(all, parts, query, by_brute_force());
         if (testing::Test::HasFailure()) return;
     }
 }
@@ -125,7 +123,7 @@ class PartsOfFeatures : public testing::Test {
 using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(PartsOfFeatures, Precisions, );
 
-TYPED_TEST(PartsOfFeatures, HaveTheImpactsOfTheWhole) {
+TYPED_TEST(PartsOfFeatures, parts_have_the_impacts_of_the_whole) {
     this->for_each_soup(0.4, [](const auto& move, unsigned) {
         expect_union(move.soup, ImpactQuery{});
         if (move.unit > 1e100) return;
@@ -133,13 +131,13 @@ TYPED_TEST(PartsOfFeatures, HaveTheImpactsOfTheWhole) {
     });
 }
 
-TYPED_TEST(PartsOfFeatures, HaveWhatComesWithinAShareOfItsDistance) {
+TYPED_TEST(PartsOfFeatures, parts_have_impacts_within_a_distance_share) {
     this->for_each_soup(0.2, [](const auto& move, unsigned) {
         if (move.unit < 1e100) expect_union(move.soup, ImpactQuery{.min_distance_share = 0.5});
     });
 }
 
-TYPED_TEST(PartsOfFeatures, HaveTheNearPairsOfTheWhole) {
+TYPED_TEST(PartsOfFeatures, parts_have_the_proximities_of_the_whole) {
     this->for_each_soup(0.4, [](const auto& move, unsigned) {
         if (move.unit > 1e100) return;
         expect_union(move.soup, ProximityQuery{.radius = 0.5 * move.unit, .closest = true});
@@ -148,7 +146,7 @@ TYPED_TEST(PartsOfFeatures, HaveTheNearPairsOfTheWhole) {
     });
 }
 
-TYPED_TEST(PartsOfFeatures, OfListedEdgesAndPoints) {
+TYPED_TEST(PartsOfFeatures, parts_have_codimensional_features) {
     this->for_each_soup(0.4, [](const auto& move, unsigned seed) {
         if (move.unit > 1e100) return;
         for (unsigned lists = 0; lists < 4; ++lists) {
@@ -161,16 +159,16 @@ TYPED_TEST(PartsOfFeatures, OfListedEdgesAndPoints) {
     });
 }
 
-TYPED_TEST(PartsOfFeatures, KnowRadiiAndARestShape) {
+TYPED_TEST(PartsOfFeatures, parts_contain_radii_and_a_rest_shape) {
     const auto soup = rounded<TypeParam>(moving_grid(5, 60, 70, 3));
     std::vector<double> radii;
     for (std::size_t v = 0; v < soup.start.size(); ++v) radii.push_back(0.1 * static_cast<double>(v % 7));
-    const ProximityQuery question{.radii = radii, .closest = true, .rest = soup.end_view(), .rest_radius = 1.5};
-    EXPECT_GT(whole(soup, question).count, 300);
-    expect_union(soup, question);
+    const ProximityQuery query{.radii = radii, .closest = true, .rest = soup.end_view(), .rest_radius = 1.5};
+    EXPECT_GT(whole(soup, query).count, 300);
+    expect_union(soup, query);
 }
 
-TYPED_TEST(PartsOfFeatures, HeedGroups) {
+TYPED_TEST(PartsOfFeatures, parts_respect_group_filters) {
     auto plain = moving_grid(5, 60, 70, 4);
     for (std::size_t t = 0; t < plain.triangles.size(); ++t)
         plain.groups.push_back(static_cast<std::int32_t>(t % 4) - 1);
@@ -181,42 +179,42 @@ TYPED_TEST(PartsOfFeatures, HeedGroups) {
             for (std::size_t t = 0; t < soup.triangles.size(); ++t)
                 soup.groups.push_back(static_cast<std::int32_t>(t % 4) - 1);
         }
-        std::vector<PairFilter> all_rules(4);
-        all_rules[0].groups = PairScope::between;
-        all_rules[1].groups = PairScope::within;
-        all_rules[2].excluded_groups = {{-1, 0}, {2, 2}};
-        all_rules[3].bodies = PairScope::between;
-        for (const PairFilter& rules : all_rules) {
-            expect_union(soup, ImpactQuery{.min_distance = 0.2, .filter = rules});
-            expect_union(soup, ProximityQuery{.radius = 0.5, .filter = rules});
+        std::vector<PairFilter> filters(4);
+        filters[0].groups = PairScope::between;
+        filters[1].groups = PairScope::within;
+        filters[2].excluded_groups = {{-1, 0}, {2, 2}};
+        filters[3].bodies = PairScope::between;
+        for (const PairFilter& filter : filters) {
+            expect_union(soup, ImpactQuery{.min_distance = 0.2, .filter = filter});
+            expect_union(soup, ProximityQuery{.radius = 0.5, .filter = filter});
         }
     }
 }
 
-TEST(PartOfFeatures, CountsOffsetsAndLeastDistancesInItsOwnLists) {
+TEST(PartOfFeatures, offsets_and_least_distances_follow_the_lists_of_the_part) {
     const auto soup = moving_grid(5, 60, 70, 5);
     for (const std::int32_t rings : {0, 1}) {
-        const ProximityQuery question{.radius = 1, .least = true, .rings = rings, .index = true};
-        const Proximities all = whole(soup, question);
+        const ProximityQuery query{.radius = 1, .least = true, .rings = rings, .index = true};
+        const Proximities all = whole(soup, query);
         std::vector<double> least(soup.start.size(), std::numeric_limits<double>::infinity());
-        for (const Part& part : partition(soup, question, 5)) {
-            const Proximities& found = elsewhere().find(part, question);
-            const PartFeatures& known = *part.features;
-            ASSERT_EQ(found.vertex_distance.size(), known.vertices.size());
-            ASSERT_EQ(found.edge_distance.size(), known.edges.size());
-            ASSERT_EQ(found.vertex_faces().offsets.size(), known.vertices.size() + 1);
-            for (std::size_t v = 0; v < known.vertices.size(); ++v) {
-                double& of = least[static_cast<std::size_t>(known.vertices[v])];
+        for (const Part& part : partition(soup, query, 5)) {
+            const Proximities& found = elsewhere().find(part, query);
+            const PartFeatures& features = *part.features;
+            ASSERT_EQ(found.vertex_distance.size(), features.vertices.size());
+            ASSERT_EQ(found.edge_distance.size(), features.edges.size());
+            ASSERT_EQ(found.vertex_faces().offsets.size(), features.vertices.size() + 1);
+            for (std::size_t v = 0; v < features.vertices.size(); ++v) {
+                double& of = least[static_cast<std::size_t>(features.vertices[v])];
                 of = std::min(of, found.vertex_distance[v]);
                 for (std::int64_t i = found.vertex_faces().offsets[v]; i < found.vertex_faces().offsets[v + 1]; ++i)
-                    EXPECT_EQ(found.vertex_faces().pairs[i].a, known.vertices[v]);
+                    EXPECT_EQ(found.vertex_faces().pairs[i].a, features.vertices[v]);
             }
         }
         EXPECT_EQ(least, std::vector<double>(all.vertex_distance.begin(), all.vertex_distance.end()));
     }
 }
 
-TEST(PartOfFeatures, OutlivesTheMesh) {
+TEST(PartOfFeatures, parts_outlive_the_mesh) {
     auto soup = moving_grid(6, 40, 30, 3);
     const Impacts all = whole(soup, ImpactQuery{});
     ASSERT_GT(all.count, 50);
@@ -225,7 +223,7 @@ TEST(PartOfFeatures, OutlivesTheMesh) {
     expect_union(all, parts, ImpactQuery{}, elsewhere());
 }
 
-TEST(PartOfFeatures, AnswersAsMuchAsIsWanted) {
+TEST(PartOfFeatures, output_may_be_first_or_any) {
     const auto soup = moving_grid(6, 40, 30, 3);
     for (const Part& part : partition(soup, ImpactQuery{}, 3)) {
         const Impacts all = elsewhere().find(part, ImpactQuery());
@@ -239,32 +237,32 @@ TEST(PartOfFeatures, AnswersAsMuchAsIsWanted) {
     }
 }
 
-/// A question that asks for less than the part was made for is a question like any other.
-TEST(PartOfFeatures, AnswersLesserQuestions) {
+/// A query may have smaller distances than the part was made for.
+TEST(PartOfFeatures, smaller_distances_may_be_queried) {
     const auto soup = moving_grid(5, 60, 70, 6);
     const auto parts = partition(soup, ImpactQuery{.min_distance = 1, .min_distance_share = 0.3}, 5);
     expect_union(whole(soup, ImpactQuery{.min_distance = 0.25}), parts, ImpactQuery{.min_distance = 0.25}, elsewhere());
-    const auto at_rest = partition(soup, ProximityQuery{.radius = 1}, 5);
-    expect_union(whole(soup, ProximityQuery{.radius = 0.5}), at_rest, ProximityQuery{.radius = 0.5}, elsewhere());
+    const auto static_parts = partition(soup, ProximityQuery{.radius = 1}, 5);
+    expect_union(whole(soup, ProximityQuery{.radius = 0.5}), static_parts, ProximityQuery{.radius = 0.5}, elsewhere());
 }
 
-std::string message(const Part& part, const ImpactQuery& question) {
-    return error_of([&] { elsewhere().find(part, question); }).what();
+std::string message(const Part& part, const ImpactQuery& query) {
+    return error_of([&] { elsewhere().find(part, query); }).what();
 }
-std::string message(const Part& part, const ProximityQuery& question) {
-    return error_of([&] { elsewhere().find(part, question); }).what();
+std::string message(const Part& part, const ProximityQuery& query) {
+    return error_of([&] { elsewhere().find(part, query); }).what();
 }
 
-TEST(PartOfFeatures, RefusesOtherQuestions) {
+TEST(PartOfFeatures, unsuitable_queries_are_rejected) {
     const auto soup = moving_grid(5, 30, 20, 6);
     const Part moving = partition(soup, ImpactQuery{.min_distance = 1}, 2)[0];
-    const Part at_rest = partition(soup, ProximityQuery{.radius = 1, .rings = 1}, 2)[0];
+    const Part static_part = partition(soup, ProximityQuery{.radius = 1, .rings = 1}, 2)[0];
     const Part plain = at_home().partition(soup.view(), {}, 2)[0];
     EXPECT_EQ(message(plain, ImpactQuery{}), "the part was not made for a query about features");
     EXPECT_EQ(error_of([&] { elsewhere().find(moving); }).what(),
               std::string("the part was made for a query about features"));
     EXPECT_EQ(message(moving, ProximityQuery{}), "the part was made for a question about motion");
-    EXPECT_EQ(message(at_rest, ImpactQuery{}), "the part was made for a question about nearness");
+    EXPECT_EQ(message(static_part, ImpactQuery{}), "the part was made for a question about nearness");
     EXPECT_EQ(message(moving, ImpactQuery{.min_distance = 2}),
               "min_distance and min_distance_share must be at most those that the part was made for");
     EXPECT_EQ(message(moving, ImpactQuery{.min_distance_share = 0.5}),
@@ -272,11 +270,11 @@ TEST(PartOfFeatures, RefusesOtherQuestions) {
     EXPECT_EQ(message(moving, ImpactQuery{.weld = true}), "weld must be as the part was made");
     EXPECT_EQ(message(moving, ImpactQuery{.triangle_pairs = true}),
               "triangle_pairs must be false: parts of features have none");
-    EXPECT_EQ(message(at_rest, ProximityQuery{.radius = 2, .rings = 1}),
+    EXPECT_EQ(message(static_part, ProximityQuery{.radius = 2, .rings = 1}),
               "radius must be at most that which the part was made for");
-    EXPECT_EQ(message(at_rest, ProximityQuery{.radius = 1}), "rings must be as the part was made");
-    EXPECT_EQ(message(at_rest, ProximityQuery{.rest_radius = 1}), "rings must be as the part was made");
-    EXPECT_EQ(message(at_rest, ProximityQuery{.rings = 1, .rest_radius = 1}),
+    EXPECT_EQ(message(static_part, ProximityQuery{.radius = 1}), "rings must be as the part was made");
+    EXPECT_EQ(message(static_part, ProximityQuery{.rest_radius = 1}), "rings must be as the part was made");
+    EXPECT_EQ(message(static_part, ProximityQuery{.rings = 1, .rest_radius = 1}),
               "rest_radius needs a part that was made with a shape at rest");
     EXPECT_EQ(message(moving, ImpactQuery{.min_distance = -1}), "min_distance must be finite and 0 or more");
     EXPECT_EQ(error_of([&] { partition(soup, ImpactQuery{}, 0); }).what(),
@@ -287,8 +285,8 @@ TEST(PartOfFeatures, RefusesOtherQuestions) {
               std::string("radius must be finite and 0 or more"));
 }
 
-/// Whatever is changed in a part that came from elsewhere is an error, or leaves a part that can be searched.
-TEST(PartOfFeatures, IsCheckedBeforeItIsSearched) {
+/// Any inconsistent change of a part that comes from elsewhere is an error.
+TEST(PartOfFeatures, inconsistent_parts_are_rejected) {
     const auto soup = with_lists(moving_grid(5, 40, 40, 6), 4);
     const Part good = partition(soup, ImpactQuery{}, 2)[0];
     ASSERT_GT(good.features->edges.size(), 3u);
@@ -319,8 +317,8 @@ TEST(PartOfFeatures, IsCheckedBeforeItIsSearched) {
     refused("rings", [](Part&, PartFeatures& f) { f.rings = 1; });
 }
 
-/// Radii that came from elsewhere may be none.
-TEST(PartOfFeatures, ChecksNumbersToo) {
+/// Radii that come from elsewhere may be invalid.
+TEST(PartOfFeatures, invalid_radii_and_rest_positions_are_rejected) {
     const auto soup = moving_grid(5, 30, 20, 6);
     const std::vector<double> radii(soup.start.size(), 0.5);
     Part part = partition(soup, ProximityQuery{.radii = radii}, 1)[0];

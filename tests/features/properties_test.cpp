@@ -1,4 +1,4 @@
-// What must hold between the answers to related questions about motion and nearness, whatever they are.
+// Properties that relate results of similar queries about motion and proximity.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace crumple::test {
 namespace {
 
-/// A line of an answer, by vertices and triangles: vertex and triangle, or the ends of both edges.
+/// A row of a result by vertices and triangles: a vertex and a triangle, or the ends of both edges.
 struct Hit {
     bool edges;
     std::array<std::int32_t, 4> id;
@@ -25,16 +25,16 @@ struct Hit {
 };
 using Hits = std::vector<Hit>;
 
-template <class Answer>
-Hits hits_of(const Answer& answer) {
+template <class Result>
+Hits hits_of(const Result& result) {
     Hits hits;
     for (const bool edges : {false, true}) {
-        const auto& list = edges ? answer.edge_edges() : answer.vertex_faces();
+        const auto& list = edges ? result.edge_edges() : result.vertex_faces();
         for (std::size_t i = 0; i < list.pairs.size(); ++i) {
             const Pair pair = list.pairs[i];
             Hit hit{edges, {pair.a, pair.b, 0, 0}, values_of(list)[i], flags_of(list)[i] != 0};
             if (edges) {
-                const Edge e = answer.edges[pair.a], f = answer.edges[pair.b];
+                const Edge e = result.edges[pair.a], f = result.edges[pair.b];
                 hit.id = {e.a, e.b, f.a, f.b};
             }
             hits.push_back(hit);
@@ -63,13 +63,13 @@ void expect_within(const Hits& part, const Hits& all) {
 
 class FeatureProperties : public testing::TestWithParam<unsigned> {
    protected:
-    Hits impacts(const MovingSoup<>& soup, const ImpactQuery& question = {}) {
-        return hits_of(detector_.find(soup.view().moving_to(soup.end_view()), question));
+    Hits impacts(const MovingSoup<>& soup, const ImpactQuery& query = {}) {
+        return hits_of(detector_.find(soup.view().moving_to(soup.end_view()), query));
     }
-    Hits near(const MovingSoup<>& soup, const ProximityQuery& question) {
-        return hits_of(detector_.find(soup.view(), question));
+    Hits near(const MovingSoup<>& soup, const ProximityQuery& query) {
+        return hits_of(detector_.find(soup.view(), query));
     }
-    /// Small soups of some kinds, with many hits.
+    /// Returns small soups of some kinds, with many hits.
     std::vector<MovingSoup<>> soups() const {
         const unsigned seed = 100 + GetParam();
         return {moving_grid(3, 14, 12, seed), moving_grid(8, 30, 20, seed), moving_in_a_plane(14, 9, seed),
@@ -86,7 +86,7 @@ class FeatureProperties : public testing::TestWithParam<unsigned> {
     Detector detector_{Options{.backend = Backend::cpu, .threads = 2, .leaf_size = 8}};
 };
 
-TEST_P(FeatureProperties, TheOrderOfVerticesTrianglesAndCornersDoesNotMatter) {
+TEST_P(FeatureProperties, order_of_vertices_triangles_and_corners_does_not_matter) {
     for (const MovingSoup<>& soup : soups()) {
         const auto vertex = any_order(soup.start.size()), triangle = any_order(soup.triangles.size());
         MovingSoup<> other = soup;
@@ -118,7 +118,7 @@ TEST_P(FeatureProperties, TheOrderOfVerticesTrianglesAndCornersDoesNotMatter) {
     }
 }
 
-TEST_P(FeatureProperties, AxesAreAlike) {
+TEST_P(FeatureProperties, swapping_or_mirroring_axes_does_not_matter) {
     for (const MovingSoup<>& soup : soups()) {
         const auto axis = any_order(3);
         const PointOf<double> sign{draw_.below(2) * 2. - 1, draw_.below(2) * 2. - 1, draw_.below(2) * 2. - 1};
@@ -133,13 +133,13 @@ TEST_P(FeatureProperties, AxesAreAlike) {
     }
 }
 
-TEST_P(FeatureProperties, ScaleDoesNotMatter) {
+TEST_P(FeatureProperties, scale_does_not_matter) {
     for (const MovingSoup<>& soup : soups())
         for (const int exponent : {-900, -400, -20, 30, 400, 1000}) {
             const double scale = std::ldexp(1, exponent);
             const MovingSoup<> scaled = changed<double>(soup, [&](double x) { return scale * x; });
             expect_same(impacts(scaled), impacts(soup));
-            // Rounded once; so it scales unless it leaves the range of the numbers.
+            // Values are rounded once, so they scale unless they leave the range of numbers.
             const Hits expected =
                 with(near(soup, {.radius = 0.5}), [&](Hit& hit) { hit.value = std::ldexp(hit.value, 2 * exponent); });
             if (std::abs(exponent) == 400 || std::abs(exponent) < 100)
@@ -149,7 +149,7 @@ TEST_P(FeatureProperties, ScaleDoesNotMatter) {
         }
 }
 
-TEST_P(FeatureProperties, PlaceDoesNotMatter) {
+TEST_P(FeatureProperties, translation_does_not_matter) {
     for (const MovingSoup<>& soup : soups()) {
         if (soup.start[0][0] != std::floor(soup.start[0][0])) continue;  // sums of integers are exact
         const PointOf<double> by{draw_.integer(-1000, 1000) * 0x1p40, draw_.integer(-1000, 1000) * 0x1p10,
@@ -160,14 +160,14 @@ TEST_P(FeatureProperties, PlaceDoesNotMatter) {
                 for (std::size_t k = 0; k < 3; ++k) p[k] += by[k];
         expect_same(impacts(moved), impacts(soup));
         expect_same(near(moved, {.radius = 1}), near(soup, {.radius = 1}));
-        // Seen from a place that moves.
+        // Adds a common motion.
         for (auto& p : moved.end)
             for (std::size_t k = 0; k < 3; ++k) p[k] -= 3 * by[(k + 1) % 3];
         expect_same(impacts(moved), impacts(soup));
     }
 }
 
-TEST_P(FeatureProperties, BackwardsTheSameThingsTouch) {
+TEST_P(FeatureProperties, reversed_motion_has_the_same_impacts) {
     for (const MovingSoup<>& soup : soups()) {
         MovingSoup<> back = soup;
         std::swap(back.start, back.end);
@@ -175,15 +175,15 @@ TEST_P(FeatureProperties, BackwardsTheSameThingsTouch) {
     }
 }
 
-TEST_P(FeatureProperties, WhatTouchesAtRestIsNearByNothing) {
+TEST_P(FeatureProperties, static_contacts_have_distance_zero) {
     for (MovingSoup<> soup : soups()) {
         const Hits from_start = impacts(soup);
         soup.end = soup.start;
         const Hits touching = near(soup, {});
         for (const Hit& hit : touching) EXPECT_TRUE(hit.flag && hit.value == 0) << hit;
-        const Hits at_rest = impacts(soup);
-        for (const Hit& hit : at_rest) EXPECT_TRUE(hit.flag && hit.value == 0) << hit;
-        expect_same(at_rest, touching);
+        const Hits of_static = impacts(soup);
+        for (const Hit& hit : of_static) EXPECT_TRUE(hit.flag && hit.value == 0) << hit;
+        expect_same(of_static, touching);
         Hits start;
         for (const Hit& hit : from_start) {
             EXPECT_TRUE(!hit.flag || hit.value == 0);
@@ -194,12 +194,13 @@ TEST_P(FeatureProperties, WhatTouchesAtRestIsNearByNothing) {
     }
 }
 
-TEST_P(FeatureProperties, MoreIsNearWithinMore) {
+TEST_P(FeatureProperties, larger_radius_finds_more) {
     for (const MovingSoup<>& soup : soups())
         for (const double radius : {0.25, 1.0}) {
             const Hits hits = near(soup, {.radius = radius}), more = near(soup, {.radius = 1.5 * radius});
             expect_within(hits, more);
-            // All of those that are not further, and of numbers that small, rounded or not, only those.
+            // All hits within the radius, and no others: squared distances of such small numbers are exact enough to
+            // tell.
             Hits expected;
             for (const Hit& hit : more)
                 if (hit.value <= radius * radius) expected.push_back(hit);
@@ -210,9 +211,9 @@ TEST_P(FeatureProperties, MoreIsNearWithinMore) {
         }
 }
 
-TEST_P(FeatureProperties, WhatIsNearAtTheStartTouchesAtADistanceAtTheStart) {
+TEST_P(FeatureProperties, proximities_are_impacts_at_the_start_within_a_distance) {
     for (const MovingSoup<>& soup : soups()) {
-        if (soup.triangles.size() > 15) continue;  // separations take long
+        if (soup.triangles.size() > 15) continue;  // minimum distances take long
         const Hits apart = impacts(soup, {.min_distance = 0.5}), hits = impacts(soup);
         Hits start;
         for (const Hit& hit : apart)

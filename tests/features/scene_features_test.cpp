@@ -1,4 +1,4 @@
-// Vertices and edges of scenes, against a plain listing; and what holds a triangle on its way.
+// Compares vertices and edges of scenes with a plain listing, and tests the balls of moving triangles.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace crumple::test {
 namespace {
 
-/// On this thread, in an order of its own.
+/// Runs tasks on the calling thread in reverse order.
 class Backwards : public ParallelFor {
    public:
     void parallel_for(std::size_t n, Task task) override {
@@ -56,7 +56,7 @@ void expect_listing(const MovingSoup<>& soup, const PreparedScene& scene, const 
     }
 }
 
-TEST(SceneFeatures, AreThoseOfAPlainListing) {
+TEST(SceneFeatures, features_match_a_plain_listing) {
     MemoryMeter meter;
     SceneBuffers buffers(&meter);
     SceneFeatures features(&meter);
@@ -69,7 +69,7 @@ TEST(SceneFeatures, AreThoseOfAPlainListing) {
     for (const NamedMove<double>& move : soups)
         for (const bool weld : {false, true, false}) {
             SCOPED_TRACE(move.name + (weld ? ", welded" : ""));
-            if (weld && move.soup.start.size() > 1000) continue;  // the listing compares all with all
+            if (weld && move.soup.start.size() > 1000) continue;  // the listing compares all pairs
             PreparedScene scene = prepare_scene(move.soup.view(), nullptr, false, workers, buffers);
             add_motion(move.soup.end_view(), workers, buffers, scene);
             features.prepare(scene, weld, workers);
@@ -81,38 +81,38 @@ TEST(SceneFeatures, AreThoseOfAPlainListing) {
         << "all memory is given back";
 }
 
-TEST(SceneFeatures, ForgetOtherCorners) {
+TEST(SceneFeatures, features_follow_changed_triangles) {
     MemoryMeter meter;
     SceneBuffers buffers(&meter);
     SceneFeatures features(&meter);
     Backwards workers;
     MovingSoup<> soup = moving_grid(4, 30, 20, 31);
-    const auto look = [&] {
+    const auto update = [&] {
         const PreparedScene scene = prepare_scene(soup.view(), nullptr, false, workers, buffers);
         features.prepare(scene, false, workers);
         expect_listing(soup, scene, features);
     };
-    look();
+    update();
     std::swap(soup.triangles[3], soup.triangles[7]);
-    look();
+    update();
     soup.triangles[5][1] = (soup.triangles[5][1] + 1) % 30;
-    look();
+    update();
     soup.vertex({}, {});
-    look();
+    update();
     soup.triangles.pop_back();
-    look();
-    // Under a limit nothing half-done is believed afterwards.
+    update();
+    // A call that exceeds a limit leaves no partial state that later calls would use.
     soup = moving_grid(4, 3000, 2000, 32);
     meter.limit = meter.used + 20000;
-    EXPECT_THROW(look(), MemoryMeter::Exceeded);
+    EXPECT_THROW(update(), MemoryMeter::Exceeded);
     meter.limit = 0;
-    look();
+    update();
 }
 
 Rational squared(const Vec3<Rational>& v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 
-/// Points and triangles between the start and the end of random steps.
-TEST(SweptBalls, HoldTheirTrianglesAllTheWay) {
+/// Random steps: points of triangles at the start and at the end.
+TEST(SweptBalls, balls_hold_their_triangles_throughout_the_step) {
     Draw draw(33);
     for (int i = 0; i < 3000; ++i) {
         const double size = std::ldexp(1, -draw.below(40)), way = std::ldexp(1, -draw.below(40));
@@ -134,8 +134,9 @@ TEST(SweptBalls, HoldTheirTrianglesAllTheWay) {
         const Vec3<Rational> centre = value({ball.x, ball.y, ball.z});
         Rational longest = 0;
         for (int k = 0; k < 3; ++k) longest = std::max(longest, squared(value(end[k]) - value(start[k])));
-        // r is no less than a point's distance and the inflation together: the square of what the ball has beyond the
-        // inflation's part that stays, and the inflation's share of the way, both from below.
+        // The radius must be at least a point's distance plus the inflation. Compares the square of the radius beyond
+        // the constant part of the inflation with lower bounds of the distance and of the part proportional to the
+        // motion.
         for (int k = 0; k < 3; ++k)
             for (const Vec3f& p : {start[k], end[k]}) {
                 const Rational beyond = Rational(ball.r) - Rational(inflation.half);
@@ -143,8 +144,8 @@ TEST(SweptBalls, HoldTheirTrianglesAllTheWay) {
                 const bool capped = ball.r >= 4;  // holds everything
                 // |p - c| + share * way <= beyond, without roots: compare squares twice.
                 const Rational d2 = squared(value(p) - centre), w2 = share * share * longest;
-                const Rational rest = beyond * beyond - d2 - w2;
-                const bool holds = beyond >= 0 && rest >= 0 && rest * rest >= 4 * d2 * w2;
+                const Rational remainder = beyond * beyond - d2 - w2;
+                const bool holds = beyond >= 0 && remainder >= 0 && remainder * remainder >= 4 * d2 * w2;
                 ASSERT_TRUE(capped || holds) << "step " << i << ", corner " << k;
             }
     }

@@ -1,4 +1,5 @@
-// Impacts and near pairs of real scenes, whole lists, against exact answers from outside: sets, and values bit by bit.
+// Compares impacts and proximities of real scenes with independent exact results: whole lists as sets, values bit by
+// bit.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A line of a list: of edges their vertices.
+/// A row of a list; edges are given by their vertices.
 struct Line {
     bool edges;
     std::array<std::int32_t, 4> id;
@@ -46,16 +47,16 @@ std::vector<Line> read_list(const fs::path& path, bool motion) {
     return lines;
 }
 
-template <class Answer, class Values, class Flags>
-std::vector<Line> lines_of(const Answer& answer, Values values, Flags flags) {
+template <class Result, class Values, class Flags>
+std::vector<Line> lines_of(const Result& result, Values values, Flags flags) {
     std::vector<Line> lines;
     for (const bool edges : {false, true}) {
-        const auto& list = edges ? answer.edge_edges() : answer.vertex_faces();
+        const auto& list = edges ? result.edge_edges() : result.vertex_faces();
         for (std::size_t i = 0; i < list.pairs.size(); ++i) {
             const Pair pair = list.pairs[i];
             Line line{edges, {pair.a, pair.b}, values(list)[i], flags(list)[i] != 0};
             if (edges) {
-                const Edge e = answer.edges[pair.a], f = answer.edges[pair.b];
+                const Edge e = result.edges[pair.a], f = result.edges[pair.b];
                 line.id = {e.a, e.b, f.a, f.b};
             }
             lines.push_back(line);
@@ -69,9 +70,9 @@ void expect_equal(const std::vector<Line>& found, const std::vector<Line>& expec
     for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i], expected[i]) << "line " << i;
 }
 
-std::optional<fs::path> truth(const std::string& answer) {
+std::optional<fs::path> truth(const std::string& truth_file) {
     const auto folder = io::test::data_folder();
-    if (!folder || !fs::exists(*folder / "gt-motion" / answer)) return {};
+    if (!folder || !fs::exists(*folder / "gt-motion" / truth_file)) return {};
     return folder;
 }
 
@@ -80,7 +81,7 @@ io::TriangleMesh frame(const fs::path& folder, const std::string& name) {
 }
 
 struct Case {
-    std::string name, answer, start, end;
+    std::string name, truth_file, start, end;
     double radius;
     friend std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
 };
@@ -90,13 +91,13 @@ std::string name_of(const testing::TestParamInfo<Case>& info) { return info.para
 
 class ImpactsOfScenes : public FeatureTruth {};
 
-TEST_P(ImpactsOfScenes, AreAllFound) {
-    const auto folder = truth(GetParam().answer);
+TEST_P(ImpactsOfScenes, impacts_match_ground_truth) {
+    const auto folder = truth(GetParam().truth_file);
     if (!folder) GTEST_SKIP() << "no exact answers for moving scenes";
     const io::TriangleMesh start = frame(*folder, GetParam().start), end = frame(*folder, GetParam().end);
     Detector detector;
     const Impacts& impacts = detector.find(start.view().moving_to(end.view().vertices), ImpactQuery());
-    const std::vector<Line> expected = read_list(*folder / "gt-motion" / GetParam().answer, true);
+    const std::vector<Line> expected = read_list(*folder / "gt-motion" / GetParam().truth_file, true);
     expect_equal(lines_of(
                      impacts, [](const auto& list) -> auto& { return list.toi; },
                      [](const auto& list) -> auto& { return list.start; }),
@@ -122,8 +123,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 class NearPairsOfScenes : public FeatureTruth {};
 
-TEST_P(NearPairsOfScenes, AreAllFound) {
-    const auto folder = truth(GetParam().answer);
+TEST_P(NearPairsOfScenes, proximities_match_ground_truth) {
+    const auto folder = truth(GetParam().truth_file);
     if (!folder) GTEST_SKIP() << "no exact answers for near pairs";
     const io::TriangleMesh mesh = frame(*folder, GetParam().start);
     Detector detector;
@@ -131,7 +132,7 @@ TEST_P(NearPairsOfScenes, AreAllFound) {
     expect_equal(lines_of(
                      nearby, [](const auto& list) -> auto& { return list.squared_distance; },
                      [](const auto& list) -> auto& { return list.touching; }),
-                 read_list(*folder / "gt-motion" / GetParam().answer, false));
+                 read_list(*folder / "gt-motion" / GetParam().truth_file, false));
 }
 
 INSTANTIATE_TEST_SUITE_P(GroundTruth, NearPairsOfScenes,

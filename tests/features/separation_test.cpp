@@ -1,5 +1,5 @@
-// Pairs of triangles that a direction separates, by every table of kernels: none has a pair of features that is an
-// answer, and most that are apart go.
+// Tests of dropping pairs of triangles that a direction separates, for every table of kernels: dropped pairs have no
+// near features, and most pairs apart are dropped.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace crumple {
 namespace {
 
-/// How many tables drop the pair; `frame`: of their leaf, in which there is nothing else.
+/// Returns how many tables drop the pair; `frame`: frame of their leaf, which has no other members.
 template <int moments>
 std::size_t dropping(const TriangleCase& c, bool float32, const LeafFrame& frame) {
     std::size_t count = 0;
@@ -28,7 +28,7 @@ std::size_t dropping(const TriangleCase& c, bool float32, const LeafFrame& frame
 class SeparatedTriangles : public testing::TestWithParam<Hard> {};
 INSTANTIATE_TEST_SUITE_P(, SeparatedTriangles, testing::ValuesIn(all_hard), name_of_hard);
 
-TEST_P(SeparatedTriangles, HaveNoFeaturesThatAreAnAnswer) {
+TEST_P(SeparatedTriangles, dropped_pairs_have_no_near_features) {
     int cases = 0, differ = 0;
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::edge_edge})
@@ -47,7 +47,7 @@ TEST_P(SeparatedTriangles, HaveNoFeaturesThatAreAnAnswer) {
     EXPECT_LE(differ, cases / 500);
 }
 
-TEST_P(SeparatedTriangles, HaveNoFeaturesThatComeToAShareOfTheirDistance) {
+TEST_P(SeparatedTriangles, dropped_pairs_do_not_approach_to_the_distance_share) {
     int dropped = 0;
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::edge_edge}) {
@@ -72,8 +72,9 @@ TEST_P(SeparatedTriangles, HaveNoFeaturesThatComeToAShareOfTheirDistance) {
     }
 }
 
-// Of the triangles around a hard pair of features the one has corners of the other's, where it has nothing of the pair.
-TEST_P(SeparatedTriangles, HaveNoFeaturesThatAreAnAnswerIfTheyShareCorners) {
+// One of two triangles around a hard pair of features gets corners of the other, where it has none of the pair's
+// vertices.
+TEST_P(SeparatedTriangles, dropped_pairs_with_common_corners_have_no_near_features) {
     int cases = 0, near = 0, dropped = 0, differ = 0;
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::edge_edge})
@@ -97,12 +98,12 @@ TEST_P(SeparatedTriangles, HaveNoFeaturesThatAreAnAnswerIfTheyShareCorners) {
     EXPECT_GT(dropped, GetParam() == Hard::random ? cases / 100 : 0) << near;
 }
 
-MovingPoint at_rest(const Vec3d& p) { return {p, p}; }
+MovingPoint static_point(const Vec3d& p) { return {p, p}; }
 
-/// Two triangles around a common corner, the first from 0 to 60 degrees, the second from `from` to `to`, sides of
-/// length 1; all of it tilted, and moved by `way`.
+/// Returns two triangles with a common corner, in a tilted plane, with sides of length 1/2: the first spans 0 to 60
+/// degrees, the second `from` to `to`. Both move by `way`.
 TriangleCase fan(double from, double to, const Vec3d& way, double distance) {
-    const Vec3d u{0.48, 0.6, 0.64}, v{0.8, -0.6, 0}, at{-0.2, 0.1, -0.3};  // of length 1, at a right angle
+    const Vec3d u{0.48, 0.6, 0.64}, v{0.8, -0.6, 0}, at{-0.2, 0.1, -0.3};  // unit vectors at a right angle
     const auto rim = [&](double degrees) {
         const double angle = degrees * 3.14159265358979 / 180;
         const Vec3d p = at + 0.5 * std::cos(angle) * u + 0.5 * std::sin(angle) * v;
@@ -113,7 +114,7 @@ TriangleCase fan(double from, double to, const Vec3d& way, double distance) {
     return c;
 }
 
-TEST(TrianglesApart, AreThoseOnEitherSideOfACommonCorner) {
+TEST(TrianglesApart, triangles_on_either_side_of_a_common_corner_are_dropped) {
     for (const double distance : {0.0, 0.2})
         for (const int moments : {1, 2})
             for (const double from : {120.0, 150.0, 180.0}) {
@@ -127,16 +128,16 @@ TEST(TrianglesApart, AreThoseOnEitherSideOfACommonCorner) {
             }
 }
 
-// The second one's corners are at places cos(45 degrees) / 2 and 0, beside the common one's.
-TEST(TrianglesApart, AreNotThoseNearerToTheCommonCornerThanIsAsked) {
+// Directions at the common corner separate the triangles by more than a distance of 0.2, but not of 0.3.
+TEST(TrianglesApart, triangles_too_close_at_a_common_corner_are_not_dropped) {
     EXPECT_EQ(dropping(fan(120, 180, {}, 0.2), false, around({})), feature_tables().size());
     const TriangleCase c = fan(120, 180, {}, 0.3);
     EXPECT_EQ(dropping(c, false, around({})), 0U);
-    EXPECT_EQ(dropping(fan(30, 90, {}, 0), false, around({})), 0U);  // across each other
+    EXPECT_EQ(dropping(fan(30, 90, {}, 0), false, around({})), 0U);  // they overlap
 }
 
-// At the end the second one has turned about the common corner to where the first one is.
-TEST(TrianglesApart, AreNotThoseThatTurnAboutTheCommonCorner) {
+// During the step the second triangle turns about the common corner to the place of the first one.
+TEST(TrianglesApart, triangles_turning_about_a_common_corner_are_not_dropped) {
     TriangleCase c = fan(150, 210, {}, 0);
     const TriangleCase end = fan(30, 90, {}, 0);
     for (std::size_t k = 3; k < 6; ++k) c.corner[k].end = end.corner[k].end;
@@ -146,27 +147,28 @@ TEST(TrianglesApart, AreNotThoseThatTurnAboutTheCommonCorner) {
     EXPECT_EQ(dropping(c, false, around({})), 0U);
 }
 
-// Nor those with a common side, whatever lies on either side of it.
-TEST(TrianglesApart, AreNotThoseWithTwoCommonCorners) {
+// Triangles with a common side are not dropped, whatever lies on either side of it.
+TEST(TrianglesApart, triangles_with_a_common_side_are_not_dropped) {
     TriangleCase c = fan(60, 120, {}, 0);
     c.share(1, 3);
     EXPECT_FALSE(c.near());
     EXPECT_EQ(dropping(c, false, around({})), 0U);
 }
 
-TEST(TrianglesApart, AreNotThoseBesideABigOne) {
+TEST(TrianglesApart, big_triangle_with_a_common_corner_is_not_dropped) {
     const TriangleCase c = fan(150, 210, {}, 0);
     ASSERT_EQ(dropping(c, false, around({})), feature_tables().size());
     EXPECT_EQ(dropping(c, false, around({}, 0.55f)), 0U);
 }
 
-// Middles so close that the square of what lies between them is flushed to zero: no length to measure a gap in.
-TEST(TrianglesApart, AreNotThoseWhoseMiddlesAreNext) {
+// The centres are so close that the square of their difference is flushed to zero, so that no gap can be measured along
+// it.
+TEST(TrianglesApart, triangles_with_almost_equal_centres_are_not_dropped) {
     TriangleCase c{1, {}, {1e-3, 0}};
     for (std::size_t k = 0; k < 3; ++k) {
         const Vec3d p{k == 0 ? 0.25 : -0.125, k == 1 ? 0.25 : -0.125, 0};
-        c.corner[k] = at_rest(p + Vec3d{0, 0, 1.1e-19});
-        c.corner[3 + k] = at_rest(p + Vec3d{0, 0, 1.4e-19});
+        c.corner[k] = static_point(p + Vec3d{0, 0, 1.1e-19});
+        c.corner[3 + k] = static_point(p + Vec3d{0, 0, 1.4e-19});
     }
     ASSERT_TRUE(c.near());
     EXPECT_EQ(dropping(c, false, around({})), 0U);
@@ -174,7 +176,8 @@ TEST(TrianglesApart, AreNotThoseWhoseMiddlesAreNext) {
     EXPECT_EQ(dropping(c, false, around({})), 0U);
 }
 
-/// A tilted triangle, and one `height` above it whose box is within its own, as both move.
+/// Returns a tilted triangle, and another one `height` above it whose box is within the first one's; both move by
+/// `way`.
 TriangleCase stacked(double height, const Vec3d& shift, const Vec3d& way, double distance) {
     const Vec3d u{0.6, 0.1, 0.3}, v{-0.2, 0.5, 0.2}, n = (1 / std::sqrt(dot(cross(u, v), cross(u, v)))) * cross(u, v);
     TriangleCase c{2, {}, {distance, 0}};
@@ -187,7 +190,7 @@ TriangleCase stacked(double height, const Vec3d& shift, const Vec3d& way, double
     return c;
 }
 
-TEST(TrianglesApart, AreThoseThatANormalSeparates) {
+TEST(TrianglesApart, triangles_separated_by_a_normal_are_dropped) {
     const Vec3d u{0.6, 0.1, 0.3};
     for (const double distance : {0.0, 0.009})
         for (int moments : {1, 2}) {
@@ -199,8 +202,9 @@ TEST(TrianglesApart, AreThoseThatANormalSeparates) {
         }
 }
 
-// Tilted at the start; at the end one of them is not, and only its normal there separates them at both.
-TEST(TrianglesApart, AreThoseThatANormalOfEitherEndSeparates) {
+// Both triangles are tilted at the start. At the end one of them is not, and only its normal separates them at both
+// times.
+TEST(TrianglesApart, triangles_separated_by_a_normal_of_one_end_are_dropped) {
     const Vec3d u{0.6, 0.1, 0.3}, v{-0.2, 0.5, 0.2}, n = (1 / std::sqrt(dot(cross(u, v), cross(u, v)))) * cross(u, v);
     const double at_start[] = {0, 0.1, 0.3}, at_end[] = {0.3, 0.2, 0};
     for (const bool lower : {true, false}) {
@@ -220,8 +224,8 @@ TEST(TrianglesApart, AreThoseThatANormalOfEitherEndSeparates) {
     }
 }
 
-// Turned by a quarter about the x axis on the way, so that what separates at the one end is told at the other.
-TEST(TrianglesApart, AreThoseThatADirectionOfEitherEndSeparates) {
+// A quarter turn about the x axis during the step, so that only directions of one end separate.
+TEST(TrianglesApart, triangles_separated_by_a_direction_of_one_end_are_dropped) {
     TriangleCase c{2, {}, {0.05, 0}};
     for (std::size_t k = 0; k < 3; ++k) {
         const double x = k == 0 ? 0.6 : -0.3, y = k == 1 ? 0.6 : -0.3;
@@ -234,7 +238,7 @@ TEST(TrianglesApart, AreThoseThatADirectionOfEitherEndSeparates) {
     EXPECT_EQ(dropping(c, false, around({})), feature_tables().size());
 }
 
-TEST(TrianglesApart, AreMostOfThoseThatAreApart) {
+TEST(TrianglesApart, most_triangles_apart_are_dropped) {
     for (const int moments : {1, 2}) {
         RandomTriangles random(Hard::random, true, 97);
         std::size_t apart = 0, dropped = 0;
@@ -251,10 +255,10 @@ TEST(TrianglesApart, AreMostOfThoseThatAreApart) {
     }
 }
 
-TEST(TrianglesApart, AreNoneWithABigMember) {
+TEST(TrianglesApart, pairs_with_a_big_triangle_are_not_dropped) {
     TriangleCase c = stacked(0.2, {}, {}, 0);
     ASSERT_EQ(dropping(c, false, around({})), feature_tables().size());
-    EXPECT_EQ(dropping(c, false, around({}, 0.4f)), 0U);  // the lower one is
+    EXPECT_EQ(dropping(c, false, around({}, 0.4f)), 0U);  // the lower triangle is big
     c.moments = 1;
     ASSERT_EQ(dropping(c, false, around({})), feature_tables().size());
     EXPECT_EQ(dropping(c, false, around({}, 0.4f)), 0U);

@@ -1,4 +1,4 @@
-// Answers about features in blocks: together they are the answer of find, byte for byte, whatever the blocks' size.
+// Tests of feature results in blocks: together the blocks are the result of find(), byte by byte, for any block size.
 
 #include <gtest/gtest.h>
 
@@ -15,36 +15,34 @@
 namespace crumple::test {
 namespace {
 
-// What views name outlives the call: soups and questions are captured by reference.
+// Captures soups and queries by reference: they outlive the calls.
 template <class Scalar>
-Asked<Impacts> impacts(const MovingSoup<Scalar>& soup, const ImpactQuery& question) {
-    return {[&, question](Detector& by) -> const Impacts& {
-                return by.find(soup.view().moving_to(soup.end_view()), question);
-            },
-            [&, question](Detector& by, auto take, std::int64_t rows, std::stop_token stop) {
-                return by.stream(soup.view().moving_to(soup.end_view()), question, take, rows, std::move(stop));
+BothCalls<Impacts> impacts(const MovingSoup<Scalar>& soup, const ImpactQuery& query) {
+    return {
+        [&, query](Detector& by) -> const Impacts& { return by.find(soup.view().moving_to(soup.end_view()), query); },
+        [&, query](Detector& by, auto take, std::int64_t rows, std::stop_token stop) {
+            return by.stream(soup.view().moving_to(soup.end_view()), query, take, rows, std::move(stop));
+        }};
+}
+template <class Scalar>
+BothCalls<Proximities> near(const MovingSoup<Scalar>& soup, const ProximityQuery& query) {
+    return {[&, query](Detector& by) -> const Proximities& { return by.find(soup.view(), query); },
+            [&, query](Detector& by, auto take, std::int64_t rows, std::stop_token stop) {
+                return by.stream(soup.view(), query, take, rows, std::move(stop));
             }};
 }
 template <class Scalar>
-Asked<Proximities> near(const MovingSoup<Scalar>& soup, const ProximityQuery& question) {
-    return {[&, question](Detector& by) -> const Proximities& { return by.find(soup.view(), question); },
-            [&, question](Detector& by, auto take, std::int64_t rows, std::stop_token stop) {
-                return by.stream(soup.view(), question, take, rows, std::move(stop));
-            }};
-}
-template <class Scalar>
-Asked<Candidates> candidates(const MovingSoup<Scalar>& soup, bool step, const CandidateQuery& question) {
-    return {[&, step, question](Detector& by) -> const Candidates& {
-                return step ? by.find(soup.view().moving_to(soup.end_view()), question)
-                            : by.find(soup.view(), question);
+BothCalls<Candidates> candidates(const MovingSoup<Scalar>& soup, bool step, const CandidateQuery& query) {
+    return {[&, step, query](Detector& by) -> const Candidates& {
+                return step ? by.find(soup.view().moving_to(soup.end_view()), query) : by.find(soup.view(), query);
             },
-            [&, step, question](Detector& by, auto take, std::int64_t rows, std::stop_token stop) {
-                return step ? by.stream(soup.view().moving_to(soup.end_view()), question, take, rows, std::move(stop))
-                            : by.stream(soup.view(), question, take, rows, std::move(stop));
+            [&, step, query](Detector& by, auto take, std::int64_t rows, std::stop_token stop) {
+                return step ? by.stream(soup.view().moving_to(soup.end_view()), query, take, rows, std::move(stop))
+                            : by.stream(soup.view(), query, take, rows, std::move(stop));
             }};
 }
 
-/// Detectors that go from soup to soup.
+/// Detectors that are reused from soup to soup.
 Detector& plain() {
     static Detector detector({.backend = Backend::cpu, .threads = 1});
     return detector;
@@ -60,16 +58,16 @@ Detector& by_brute_force() {
     return detector;
 }
 
-template <class Answer>
-void expect_blocks(const Asked<Answer>& asked, bool reference = false) {
-    const Answer expected = asked.find(plain());
+template <class Result>
+void expect_blocks(const BothCalls<Result>& calls, bool reference = false) {
+    const Result expected = calls.find(plain());
     auto detectors = streaming();
     if (reference) detectors = {&by_brute_force()};
     for (std::size_t d = 0; d < detectors.size(); ++d) {
         SCOPED_TRACE(testing::Message() << "detector " << d);
         for (const std::int64_t size : {std::int64_t{1}, std::int64_t{7}, std::int64_t{1000}, std::int64_t{1} << 30}) {
             if (size == 1000 && expected.count <= 7) continue;
-            expect_blocks<Answer>(asked, expected, *detectors[d], size);
+            expect_blocks<Result>(calls, expected, *detectors[d], size);
             if (testing::Test::HasFailure()) return;
         }
     }
@@ -97,7 +95,7 @@ class PrecisionNames {
 using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(StreamOfFeatures, Precisions, PrecisionNames);
 
-TYPED_TEST(StreamOfFeatures, Impacts) {
+TYPED_TEST(StreamOfFeatures, blocks_of_impacts_hold_all_rows) {
     this->for_each_soup(0.4, [](const auto& move) {
         expect_blocks(impacts(move.soup, {}));
         if (move.unit > 1e100) return;
@@ -105,7 +103,7 @@ TYPED_TEST(StreamOfFeatures, Impacts) {
     });
 }
 
-TYPED_TEST(StreamOfFeatures, NearPairs) {
+TYPED_TEST(StreamOfFeatures, blocks_of_proximities_hold_all_rows) {
     this->for_each_soup(0.4, [](const auto& move) {
         if (move.unit > 1e100) return;
         expect_blocks(near(move.soup, {.radius = 0.5 * move.unit, .closest = true}));
@@ -113,24 +111,24 @@ TYPED_TEST(StreamOfFeatures, NearPairs) {
     });
 }
 
-TYPED_TEST(StreamOfFeatures, CandidateChunk) {
+TYPED_TEST(StreamOfFeatures, blocks_of_candidates_hold_all_rows) {
     this->for_each_soup(0.3, [](const auto& move) {
         expect_blocks(candidates(move.soup, true, {}));
         expect_blocks(candidates(move.soup, false, {.kinds = all_candidate_kinds(), .weld = true}));
     });
 }
 
-TYPED_TEST(StreamOfFeatures, NearPairsWithRadiiAndARestShape) {
+TYPED_TEST(StreamOfFeatures, blocks_with_radii_and_rest_shape_hold_all_rows) {
     const auto soup = rounded<TypeParam>(moving_grid(5, 60, 70, 3));
     std::vector<double> radii;
     for (std::size_t v = 0; v < soup.start.size(); ++v) radii.push_back(0.1 * static_cast<double>(v % 7));
-    const ProximityQuery question{.radii = radii, .closest = true, .rest = soup.end_view(), .rest_radius = 1.5};
-    const Asked<Proximities> asked = near(soup, question);
-    EXPECT_GT(asked.find(plain()).count, 300);
-    expect_blocks(asked);
+    const ProximityQuery query{.radii = radii, .closest = true, .rest = soup.end_view(), .rest_radius = 1.5};
+    const BothCalls<Proximities> calls = near(soup, query);
+    EXPECT_GT(calls.find(plain()).count, 300);
+    expect_blocks(calls);
 }
 
-TYPED_TEST(StreamOfFeatures, OfListedEdgesAndPoints) {
+TYPED_TEST(StreamOfFeatures, blocks_of_codimensional_features_hold_all_rows) {
     unsigned seed = 0;
     this->for_each_soup(0.25, [&](const auto& move) {
         if (move.unit > 1e100) return;
@@ -141,7 +139,7 @@ TYPED_TEST(StreamOfFeatures, OfListedEdgesAndPoints) {
     });
 }
 
-TYPED_TEST(StreamOfFeatures, OfTheReferenceBackend) {
+TYPED_TEST(StreamOfFeatures, blocks_of_the_reference_backend_hold_all_rows) {
     this->for_each_soup(0.15, [](const auto& move) {
         if (move.unit > 1e100) return;
         expect_blocks(impacts(move.soup, {}), true);
@@ -150,40 +148,40 @@ TYPED_TEST(StreamOfFeatures, OfTheReferenceBackend) {
     });
 }
 
-TEST(StreamOfFeatures, HasGroupsAndRules) {
+TEST(StreamOfFeatures, blocks_respect_group_filters) {
     MovingSoup<> soup = in_general(150, 0.5, 0.4, 3);
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 5));
-    ImpactQuery question;
-    question.filter.groups = PairScope::between;
-    question.filter.excluded_groups = {{0, 1}, {2, 4}};
-    const Asked<Impacts> asked = impacts(soup, question);
-    EXPECT_GT(asked.find(plain()).count, 500);
-    expect_blocks(asked);
+    ImpactQuery query;
+    query.filter.groups = PairScope::between;
+    query.filter.excluded_groups = {{0, 1}, {2, 4}};
+    const BothCalls<Impacts> calls = impacts(soup, query);
+    EXPECT_GT(calls.find(plain()).count, 500);
+    expect_blocks(calls);
 }
 
-// One vertex, and with it two edges and a face, is near everything: more rows of one feature than a block holds.
-TEST(StreamOfFeatures, CutsTheRowsOfOneFeature) {
+// One vertex, and thus two edges and a face, is near everything: one feature has more rows than a block holds.
+TEST(StreamOfFeatures, rows_of_one_feature_may_span_blocks) {
     const MovingSoup<> soup = giant_under_many(300, 4, 40);
     std::vector<double> radii(soup.start.size(), 0.0);
     radii[150] = 30;
-    const Asked<Proximities> asked = near(soup, {.radii = radii, .closest = true});
-    const Proximities expected = asked.find(plain());
+    const BothCalls<Proximities> calls = near(soup, {.radii = radii, .closest = true});
+    const Proximities expected = calls.find(plain());
     std::vector<int> of_vertex(soup.start.size()), of_edge(expected.edges.size());
     for (const Pair& pair : expected.vertex_faces().pairs) ++of_vertex[static_cast<std::size_t>(pair.a)];
     for (const Pair& pair : expected.edge_edges().pairs) ++of_edge[static_cast<std::size_t>(pair.a)];
     ASSERT_GT(*std::max_element(of_vertex.begin(), of_vertex.end()), 200);
     ASSERT_GT(*std::max_element(of_edge.begin(), of_edge.end()), 500);
-    const Asked<Candidates> boxes = candidates(soup, true, {.kinds = {CandidateKind::face_face}});
+    const BothCalls<Candidates> boxes = candidates(soup, true, {.kinds = {CandidateKind::face_face}});
     const Candidates listed = boxes.find(plain());
-    ASSERT_GT(listed.count, 1000);  // 200 of the giant
+    ASSERT_GT(listed.count, 1000);  // 200 of them of the giant triangle
     for (Detector* detector : streaming())
         for (const std::int64_t size : {30, 90}) {
-            expect_blocks<Proximities>(asked, expected, *detector, size);
+            expect_blocks<Proximities>(calls, expected, *detector, size);
             expect_blocks<Candidates>(boxes, listed, *detector, size);
         }
 }
 
-TEST(StreamOfFeatures, OfWorlds) {
+TEST(StreamOfFeatures, blocks_of_worlds_hold_all_rows) {
     std::int64_t rows = 0;
     for (unsigned seed = 0; seed < 24; ++seed) {
         SCOPED_TRACE(seed);
@@ -198,35 +196,35 @@ TEST(StreamOfFeatures, OfWorlds) {
             shape.points = points.emplace_back(std::vector<std::int32_t>{2, 0, 0});
         }
         const World step = moving->view(), still{step.shapes, step.bodies, step.poses};
-        const IntersectionQuery drawn = random_question(seed, kind.bodies);
-        const auto expect = [&](auto asked) {
-            rows += asked.find(plain()).count;
-            expect_blocks(asked);
+        const IntersectionQuery drawn = random_query(seed, kind.bodies);
+        const auto expect = [&](auto calls) {
+            rows += calls.find(plain()).count;
+            expect_blocks(calls);
         };
         ImpactQuery motion{.min_distance = 0.02, .weld = drawn.weld};
         motion.filter = drawn.filter;
-        expect(Asked<Impacts>{[&](Detector& by) -> const Impacts& { return by.find(step, motion); },
-                              [&](Detector& by, auto take, std::int64_t rows, std::stop_token stop) {
-                                  return by.stream(step, motion, take, rows, std::move(stop));
-                              }});
+        expect(BothCalls<Impacts>{[&](Detector& by) -> const Impacts& { return by.find(step, motion); },
+                                  [&](Detector& by, auto take, std::int64_t rows, std::stop_token stop) {
+                                      return by.stream(step, motion, take, rows, std::move(stop));
+                                  }});
         ProximityQuery nearness{.radius = 0.1, .closest = true, .rings = static_cast<std::int32_t>(seed % 3)};
         nearness.filter = drawn.filter;
-        expect(Asked<Proximities>{[&](Detector& by) -> const Proximities& { return by.find(still, nearness); },
-                                  [&](Detector& by, auto take, std::int64_t rows, std::stop_token stop) {
-                                      return by.stream(still, nearness, take, rows, std::move(stop));
-                                  }});
+        expect(BothCalls<Proximities>{[&](Detector& by) -> const Proximities& { return by.find(still, nearness); },
+                                      [&](Detector& by, auto take, std::int64_t rows, std::stop_token stop) {
+                                          return by.stream(still, nearness, take, rows, std::move(stop));
+                                      }});
         CandidateQuery boxes{.kinds = all_candidate_kinds(), .inflation = 0.01};
         boxes.filter = drawn.filter;
-        expect(Asked<Candidates>{[&](Detector& by) -> const Candidates& { return by.find(step, boxes); },
-                                 [&](Detector& by, auto take, std::int64_t rows, std::stop_token stop) {
-                                     return by.stream(step, boxes, take, rows, std::move(stop));
-                                 }});
+        expect(BothCalls<Candidates>{[&](Detector& by) -> const Candidates& { return by.find(step, boxes); },
+                                     [&](Detector& by, auto take, std::int64_t rows, std::stop_token stop) {
+                                         return by.stream(step, boxes, take, rows, std::move(stop));
+                                     }});
         if (HasFailure()) return;
     }
     EXPECT_GT(rows, 5000);
 }
 
-TEST(StreamOfFeatures, OfNothingHasNoBlocks) {
+TEST(StreamOfFeatures, empty_results_have_no_blocks) {
     const auto never = [](const auto&) { FAIL(); };
     for (Detector* detector : streaming()) {
         EXPECT_EQ(detector->stream(World(), ImpactQuery(), never).pairs, 0);
@@ -239,26 +237,26 @@ TEST(StreamOfFeatures, OfNothingHasNoBlocks) {
     }
 }
 
-template <class Answer>
-void expect_to_end(const Asked<Answer>& asked, Detector& detector) {
-    const Answer expected = asked.find(plain());
+template <class Result>
+void expect_to_end(const BothCalls<Result>& calls, Detector& detector) {
+    const Result expected = calls.find(plain());
     ASSERT_GT(expected.count, 400);
     int blocks = 0;
-    const auto refuse = [&](const Answer&) {
+    const auto refuse = [&](const Result&) {
         if (++blocks == 3) throw std::runtime_error("full");
     };
-    EXPECT_THROW(asked.blocks(detector, refuse, 50), std::runtime_error);
+    EXPECT_THROW(calls.blocks(detector, refuse, 50), std::runtime_error);
     EXPECT_EQ(blocks, 3);
     std::stop_source stop;
-    const auto ask = [&](const Answer&) { stop.request_stop(); };
-    const auto stopped = [&] { asked.blocks(detector, ask, 50, stop.get_token()); };
+    const auto request_stop = [&](const Result&) { stop.request_stop(); };
+    const auto stopped = [&] { calls.blocks(detector, request_stop, 50, stop.get_token()); };
     EXPECT_EQ(error_of(stopped).code, ErrorCode::cancelled);
     EXPECT_EQ(error_of(stopped).code, ErrorCode::cancelled) << "before it begins";
-    expect_blocks<Answer>(asked, expected, detector, 1000);
-    EXPECT_EQ(asked.find(detector).count, expected.count);
+    expect_blocks<Result>(calls, expected, detector, 1000);
+    EXPECT_EQ(calls.find(detector).count, expected.count);
 }
 
-TEST(StreamOfFeatures, EndsByWhatABlockThrowsAndByAStop) {
+TEST(StreamOfFeatures, exception_or_stop_request_ends_the_stream) {
     const MovingSoup<> soup = in_general(600, 0.4, 0.3, 5);
     for (Detector* detector : streaming()) {
         expect_to_end(impacts(soup, {}), *detector);
@@ -269,27 +267,27 @@ TEST(StreamOfFeatures, EndsByWhatABlockThrowsAndByAStop) {
     expect_to_end(impacts(small, {}), by_brute_force());
 }
 
-template <class Answer>
-void expect_within_limit(const Asked<Answer>& asked) {
-    const std::int64_t count = asked.find(plain()).count;
+template <class Result>
+void expect_within_limit(const BothCalls<Result>& calls) {
+    const std::int64_t count = calls.find(plain()).count;
     const auto limit_of = [&](auto call) { return sufficient_limit({.threads = 2}, call, 4); };
-    const std::int64_t whole = limit_of([&](Detector& by) { asked.find(by); });
+    const std::int64_t whole = limit_of([&](Detector& by) { calls.find(by); });
     const Soup<float> other = random_soup(800, 0.2);
     const auto caller = std::this_thread::get_id();
     std::int64_t rows = 0;
-    const auto take = [&](const Answer& block) {
+    const auto take = [&](const Result& block) {
         EXPECT_EQ(std::this_thread::get_id(), caller) << "one thread does it all";
         for (const auto& list : block.lists) rows += static_cast<std::int64_t>(list.pairs.size());
     };
     const auto stream = [&](Detector& by, std::int64_t size) {
         rows = 0;
-        return asked.blocks(by, take, size).peak_memory_bytes;
+        return calls.blocks(by, take, size).peak_memory_bytes;
     };
     const std::int64_t limit = limit_of([&](Detector& by) { stream(by, 1000); });
     EXPECT_LT(limit, whole / 2);
     Detector enough({.threads = 2, .memory_limit = limit});
     for (int round = 0; round < 2; ++round) {
-        EXPECT_EQ(error_of([&] { asked.find(enough); }).code, ErrorCode::memory_limit);
+        EXPECT_EQ(error_of([&] { calls.find(enough); }).code, ErrorCode::memory_limit);
         EXPECT_TRUE(enough.any(other.view())) << "whose memory is kept";
         EXPECT_LE(stream(enough, 1000), limit);
         EXPECT_EQ(rows, count);
@@ -303,16 +301,16 @@ void expect_within_limit(const Asked<Answer>& asked) {
     });
 }
 
-TEST(StreamOfFeatures, FitsALimitThatTheAnswerDoesNotFitOrNamesOne) {
+TEST(StreamOfFeatures, stream_fits_a_limit_too_small_for_the_whole_result) {
     const MovingSoup<> soup = in_general(700, 0.7, 0.4, 6);
     expect_within_limit(impacts(soup, {}));
     expect_within_limit(near(soup, {.radius = 0.05, .closest = true}));
     expect_within_limit(candidates(soup, true, {}));
 }
 
-// A worker's rows are in a block before the next one is searched; what a limit counts does not depend on who
-// found it.
-TEST(StreamOfFeatures, PeaksFarBelowTheWholeAnswer) {
+// A worker's rows are moved into a block before it searches on; what counts towards the limit does not depend on which
+// worker found it.
+TEST(StreamOfFeatures, peak_memory_is_far_below_that_of_the_whole_result) {
     const MovingSoup<> soup = in_general(1500, 0.5, 0.3, 7);
     Detector find({.threads = 1}), stream({.threads = 1});
     const std::int64_t whole =
@@ -324,7 +322,7 @@ TEST(StreamOfFeatures, PeaksFarBelowTheWholeAnswer) {
     EXPECT_LT(statistics.peak_memory_bytes, whole / 4) << statistics.pairs;
 }
 
-TEST(StreamOfFeatures, RefusesWhatBlocksHaveNot) {
+TEST(StreamOfFeatures, unsupported_options_of_blocks_are_rejected) {
     const MovingSoup<> soup = in_general(10, 0.4, 0.3, 5);
     const auto ignore = [](const auto&) {};
     const auto expect = [&](const std::string& word, auto call) {
@@ -333,18 +331,18 @@ TEST(StreamOfFeatures, RefusesWhatBlocksHaveNot) {
         EXPECT_EQ(error.element, Element::option);
         EXPECT_EQ(std::string(error.what()).find(word), 0U) << error.what();
     };
-    for (const ImpactQuery& question :
+    for (const ImpactQuery& query :
          {ImpactQuery{.index = true}, ImpactQuery{.triangle_pairs = true}, ImpactQuery{.output = Output::first}})
-        expect(question.index            ? "index"
-               : question.triangle_pairs ? "triangle_pairs"
-                                         : "output",
-               [&] { Detector().stream(soup.view().moving_to(soup.end_view()), question, ignore); });
-    for (const ProximityQuery& question :
+        expect(query.index            ? "index"
+               : query.triangle_pairs ? "triangle_pairs"
+                                      : "output",
+               [&] { Detector().stream(soup.view().moving_to(soup.end_view()), query, ignore); });
+    for (const ProximityQuery& query :
          {ProximityQuery{.index = true}, ProximityQuery{.least = true}, ProximityQuery{.output = Output::any}})
-        expect(question.index   ? "index"
-               : question.least ? "least"
-                                : "output",
-               [&] { Detector().stream(soup.view(), question, ignore); });
+        expect(query.index   ? "index"
+               : query.least ? "least"
+                             : "output",
+               [&] { Detector().stream(soup.view(), query, ignore); });
     expect("kinds", [&] { Detector().stream(soup.view(), CandidateQuery{.kinds = {}}, ignore); });
     for (const std::int64_t size : {std::int64_t{0}, (std::int64_t{1} << 40) + 1})
         expect("block_rows", [&] { Detector().stream(soup.view(), CandidateQuery(), ignore, size); });

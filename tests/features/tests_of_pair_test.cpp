@@ -1,4 +1,5 @@
-// Which tests of features pairs of triangles stand for: over a whole scene each that is not incident, and each once.
+// Tests of listing the feature tests of pairs of triangles: over a whole scene, each test of features that are not
+// incident is listed exactly once.
 
 #include "filters/features/tests_of_pair.h"
 
@@ -16,14 +17,15 @@
 namespace crumple {
 namespace {
 
-/// The pair, and the vertices of both.
+/// Pair of features, and the vertices of both.
 using Line = std::array<std::int32_t, 6>;
 
 Line line_of(const FeatureTest& test) {
     return {test.pair.a, test.pair.b, test.vertex[0], test.vertex[1], test.vertex[2], test.vertex[3]};
 }
 
-/// Few vertices, so that triangles share them, name one twice or thrice, or are the same; some at equal positions.
+/// Returns triangles over so few vertices that they share them, use one twice or thrice, or coincide; some vertices
+/// have equal positions.
 test::Soup<float> tangle(unsigned seed, int vertices, int triangles) {
     std::mt19937 engine(seed);
     const auto below = [&](int n) { return static_cast<std::int32_t>(engine() % static_cast<unsigned>(n)); };
@@ -38,7 +40,7 @@ test::Soup<float> tangle(unsigned seed, int vertices, int triangles) {
     return soup;
 }
 
-/// A scene's features, and its tests by brute force: sorted.
+/// Features of a scene, and its tests by brute force, sorted.
 class Tangle {
    public:
     Tangle(const test::Soup<float>& soup, bool weld) : features(nullptr) {
@@ -75,7 +77,7 @@ class Tangle {
         return lines;
     }
 
-    /// By pairs of triangles, the lower one first or second.
+    /// Lists the tests by pairs of triangles, with the lower triangle first or second.
     std::array<std::vector<Line>, feature_kinds> listed(bool lower_first) const {
         std::array<std::vector<Line>, feature_kinds> lines;
         const auto name = [&](std::int32_t vertex) { return features.name(vertex); };
@@ -91,7 +93,7 @@ class Tangle {
         return lines;
     }
 
-    /// The same by a table of kernels, in one batch.
+    /// Lists the tests by a table of kernels, in one batch.
     std::array<std::vector<Line>, feature_kinds> listed_by(const cpu::FeatureTables& table) const {
         const std::int64_t n = scene.triangle_count();
         std::vector<FeatureRecord<1>> records;
@@ -100,11 +102,11 @@ class Tangle {
         for (std::uint32_t i = 0; i < n; ++i)
             for (std::uint32_t j = i + 1; j < n; ++j) packed.push_back((i + j) % 2 ? j << 16 | i : i << 16 | j);
         const cpu::PairsLeft<1> pairs{records.data(), records.data(), packed.data(), packed.size()};
-        std::vector<std::uint32_t> room[2];
+        std::vector<std::uint32_t> storage[2];
         cpu::ListedTests tests[2];
         for (std::size_t k = 0; k < 2; ++k) {
-            room[k].resize(9 * packed.size() + cpu::padding);
-            tests[k].test = room[k].data();
+            storage[k].resize(9 * packed.size() + cpu::padding);
+            tests[k].test = storage[k].data();
         }
         table.at_rest.list(pairs, features.renames() ? features.names().data() : nullptr, tests[0], tests[1]);
         std::array<std::vector<Line>, feature_kinds> lines;
@@ -142,7 +144,7 @@ class Tangle {
     SceneBuffers buffers_;
 };
 
-TEST(TestsOfPairs, AreAllThatAreNotIncidentOnce) {
+TEST(TestsOfPairs, each_test_of_features_not_incident_is_listed_once) {
     std::size_t faces = 0, edges = 0;
     for (unsigned seed = 1; seed <= 40; ++seed)
         for (const bool weld : {false, true}) {

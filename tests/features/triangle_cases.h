@@ -10,20 +10,21 @@
 
 namespace crumple {
 
-/// Corners 0 1 2 of the one, 3 4 5 of the other; each triangle has vertices of its own, but for those they share.
+/// Corners 0 1 2 belong to the first triangle, 3 4 5 to the second. The triangles have separate vertices, except those
+/// that share() merges.
 struct TriangleCase {
     int moments;
     std::array<MovingPoint, 6> corner;
     Separation separation{};
     std::array<std::int32_t, 6> vertex{0, 1, 2, 3, 4, 5};
 
-    /// The one's corner becomes the other's.
+    /// Makes a corner of the first triangle the same vertex as one of the second.
     void share(std::size_t of_one, std::size_t of_other) {
         corner[of_one] = corner[of_other];
         vertex[of_one] = vertex[of_other];
     }
 
-    /// Whether a pair of their features that has no vertex in common is an answer.
+    /// True if a pair of their features without a common vertex is within the distance.
     bool near() const {
         for (std::size_t i = 0; i < 3; ++i) {
             if (near(FeatureKind::vertex_face, {i, 3, 4, 5}) || near(FeatureKind::vertex_face, {3 + i, 0, 1, 2}))
@@ -56,7 +57,7 @@ struct TriangleCase {
     }
 };
 
-/// Triangles that have the features of a random case; what else they have lies away from the other, mostly.
+/// Triangles around the features of a random case; their other features are mostly further away from each other.
 class RandomTriangles {
    public:
     RandomTriangles(Hard how, bool float32, std::uint64_t seed) : features_(how, float32, seed) {}
@@ -88,10 +89,10 @@ class RandomTriangles {
 
 inline constexpr float most = std::numeric_limits<float>::max();
 
-/// Along the axes of coordinates.
+/// Returns a frame along the coordinate axes.
 constexpr LeafFrame around(Vec3f origin, float big = most) { return {origin, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, big}; }
 
-/// What a leaf makes of the two, and whether tables separate them.
+/// Records of a leaf with these two triangles, and whether tables of kernels separate them.
 template <int moments>
 class LeafOfTwo {
    public:
@@ -123,7 +124,7 @@ class LeafOfTwo {
     const cpu::LeafBounds& bounds() const { return bounds_; }
     const cpu::Boxes& boxes() const { return boxes_; }
 
-    /// Whether the table keeps the pair, either way round, where no direction has a gap of more than this.
+    /// True if the table keeps the pair, in either order, because no direction has a gap larger than `gap`.
     bool kept(const NeededGap& gap) const {
         const bool kept = separate(0, 1, gap) == 1;
         EXPECT_EQ(separate(1, 0, gap) == 1, kept);

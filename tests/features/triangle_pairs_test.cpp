@@ -1,4 +1,4 @@
-// Pairs of triangles of a step against their definition.
+// Compares pairs of triangles of a step with their definition.
 
 #include "features/triangle_pairs.h"
 
@@ -14,37 +14,37 @@ namespace {
 template <class Scalar>
 class TrianglePairsOfAStep : public testing::Test {
    protected:
-    static void compare(const MovingSoup<Scalar>& soup, ImpactQuery question) {
-        question.index = true;
-        question.triangle_pairs = false;
+    static void compare(const MovingSoup<Scalar>& soup, ImpactQuery query) {
+        query.index = true;
+        query.triangle_pairs = false;
         Impacts features;
-        reference().find(soup.view().moving_to(soup.end_view()), question);
+        reference().find(soup.view().moving_to(soup.end_view()), query);
         reference().swap_result(features);
-        const TrianglePairs expected = triangle_pairs_of(soup, features, question.weld);
-        question.triangle_pairs = true;
+        const TrianglePairs expected = triangle_pairs_of(soup, features, query.weld);
+        query.triangle_pairs = true;
         Impacts all;
-        reference().find(soup.view().moving_to(soup.end_view()), question);
+        reference().find(soup.view().moving_to(soup.end_view()), query);
         reference().swap_result(all);
         EXPECT_EQ(listed(all.triangle_pairs), expected);
         EXPECT_EQ(all.any, !expected.empty() || features.any) << "what touches without a face is no pair of triangles";
-        for (const Tested& way : std::span(tested()).first(4)) {
-            SCOPED_TRACE(way.name);
-            const Impacts& found = way.detector->find(soup.view().moving_to(soup.end_view()), question);
+        for (const Tested& entry : std::span(tested()).first(4)) {
+            SCOPED_TRACE(entry.name);
+            const Impacts& found = entry.detector->find(soup.view().moving_to(soup.end_view()), query);
             ASSERT_TRUE(same_list(found.triangle_pairs, all.triangle_pairs));
             EXPECT_EQ(found.any, all.any);
             for (std::size_t kind = 0; kind < feature_kinds; ++kind)
                 ASSERT_TRUE(same_list(found.lists[kind], features.lists[kind])) << "as without";
         }
         Detector& detector = *tested()[1].detector;
-        EXPECT_EQ(!detector.any(soup.view().moving_to(soup.end_view()), question), !all.any);
-        EXPECT_TRUE(same_first(detector.find(soup.view().moving_to(soup.end_view()), FirstImpactQuery{question}),
-                               features.first));
+        EXPECT_EQ(!detector.any(soup.view().moving_to(soup.end_view()), query), !all.any);
+        EXPECT_TRUE(
+            same_first(detector.find(soup.view().moving_to(soup.end_view()), FirstImpactQuery{query}), features.first));
     }
 };
 using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(TrianglePairsOfAStep, Precisions);
 
-TYPED_TEST(TrianglePairsOfAStep, AreThoseOfTheDefinition) {
+TYPED_TEST(TrianglePairsOfAStep, triangle_pairs_match_their_definition) {
     for (const auto& move : moving_soups<TypeParam>(0.4))
         for (const bool weld : {false, true}) {
             SCOPED_TRACE(testing::Message() << move.name << (weld ? ", welded" : ""));
@@ -53,7 +53,7 @@ TYPED_TEST(TrianglePairsOfAStep, AreThoseOfTheDefinition) {
         }
 }
 
-TYPED_TEST(TrianglePairsOfAStep, CountWhatComesNear) {
+TYPED_TEST(TrianglePairsOfAStep, triangle_pairs_within_a_distance_match_their_definition) {
     for (const auto& move : moving_soups<TypeParam>(0.1)) {
         if (move.unit > 1e200) continue;
         SCOPED_TRACE(move.name);
@@ -61,14 +61,14 @@ TYPED_TEST(TrianglePairsOfAStep, CountWhatComesNear) {
     }
 }
 
-TYPED_TEST(TrianglePairsOfAStep, AreOfTheFeaturesThatAreListed) {
+TYPED_TEST(TrianglePairsOfAStep, triangle_pairs_of_listed_features_match_their_definition) {
     for (unsigned seed = 0; seed < 12; ++seed) {
         SCOPED_TRACE(seed);
         this->compare(with_lists(rounded<TypeParam>(moving_grid(4, 24, 20, 100 + seed)), seed), {});
     }
 }
 
-// A blade that sticks through a plate and moves along: no vertex, no edge ever touches.
+// A blade that sticks in a plate and moves along it: no vertex and no edge ever touches.
 MovingSoup<> blade_in_a_plate(double x) {
     MovingSoup<> soup;
     const auto add = [&](double px, double py, double pz, double dx) { soup.vertex({px, py, pz}, {px + dx, py, pz}); };
@@ -82,35 +82,35 @@ MovingSoup<> blade_in_a_plate(double x) {
     return soup;
 }
 
-TEST(TrianglePairs, WhatIsStuckFromStartToEndIsFreeButForItsTriangles) {
+TEST(TrianglePairs, stuck_triangles_are_found_as_triangle_pairs_only) {
     const MovingSoup<> soup = blade_in_a_plate(0.25);
     for (const Backend backend : {Backend::reference, Backend::cpu}) {
         Detector detector({.backend = backend});
         EXPECT_FALSE(detector.any(soup.view().moving_to(soup.end_view()), ImpactQuery()));
         EXPECT_EQ(detector.find(soup.view().moving_to(soup.end_view()), FreeStepQuery()).share, 1);
-        const ImpactQuery question{.triangle_pairs = true};
-        EXPECT_TRUE(detector.any(soup.view().moving_to(soup.end_view()), question));
-        EXPECT_EQ(detector.find(soup.view().moving_to(soup.end_view()), FreeStepQuery{question}).share, 0);
-        const Impacts& found = detector.find(soup.view().moving_to(soup.end_view()), question);
+        const ImpactQuery query{.triangle_pairs = true};
+        EXPECT_TRUE(detector.any(soup.view().moving_to(soup.end_view()), query));
+        EXPECT_EQ(detector.find(soup.view().moving_to(soup.end_view()), FreeStepQuery{query}).share, 0);
+        const Impacts& found = detector.find(soup.view().moving_to(soup.end_view()), query);
         EXPECT_TRUE(found.any);
         EXPECT_EQ(found.count, 0) << "impacts";
         EXPECT_EQ(listed(found.triangle_pairs), (TrianglePairs{{{0, 1}, {0, true}}}));
     }
 }
 
-TEST(TrianglePairs, AFreeStepIsTheSameWhereNothingIsStuck) {
+TEST(TrianglePairs, free_step_ends_at_contact_if_nothing_is_stuck) {
     MovingSoup<> soup = blade_in_a_plate(0);
     for (std::size_t v = 3; v < 6; ++v) soup.start[v][2] += 2;
     Detector detector({.backend = Backend::cpu});
-    const ImpactQuery question{.triangle_pairs = true};
-    const FreeStep step = detector.find(soup.view().moving_to(soup.end_view()), FreeStepQuery{question});
+    const ImpactQuery query{.triangle_pairs = true};
+    const FreeStep step = detector.find(soup.view().moving_to(soup.end_view()), FreeStepQuery{query});
     EXPECT_GT(step.share, 0.4);
     EXPECT_LT(step.share, 0.5);
-    const Impacts& found = detector.find(soup.view().moving_to(soup.end_view()), question);
+    const Impacts& found = detector.find(soup.view().moving_to(soup.end_view()), query);
     EXPECT_EQ(listed(found.triangle_pairs), (TrianglePairs{{{0, 1}, {0.5, false}}}));
 }
 
-TEST(TrianglePairs, AreNotListedUnlessAskedFor) {
+TEST(TrianglePairs, triangle_pairs_are_listed_on_request_only) {
     const MovingSoup<> soup = blade_in_a_plate(0.25);
     Detector detector({.backend = Backend::cpu});
     EXPECT_EQ(detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.triangle_pairs = true})
@@ -124,12 +124,12 @@ TEST(TrianglePairs, AreNotListedUnlessAskedFor) {
     EXPECT_TRUE(first.triangle_pairs.pairs.empty());
 }
 
-TEST(TrianglePairs, ObeyAMemoryLimit) {
+TEST(TrianglePairs, memory_limit_is_respected) {
     const MovingSoup<> soup = in_general(1200, 0.12, 0.05, 6);
-    const ImpactQuery question{.triangle_pairs = true};
+    const ImpactQuery query{.triangle_pairs = true};
     Detector free({.backend = Backend::cpu, .threads = 2, .leaf_size = 40});
     Impacts expected;
-    const std::int64_t peak = free.find(soup.view().moving_to(soup.end_view()), question).statistics.peak_memory_bytes;
+    const std::int64_t peak = free.find(soup.view().moving_to(soup.end_view()), query).statistics.peak_memory_bytes;
     free.swap_result(expected);
     ASSERT_FALSE(expected.triangle_pairs.pairs.empty());
     bool refused = false;
@@ -137,7 +137,7 @@ TEST(TrianglePairs, ObeyAMemoryLimit) {
         SCOPED_TRACE(limit);
         Options tight{.backend = Backend::cpu, .threads = 2, .memory_limit = limit, .leaf_size = 40};
         const auto expect_same = [&](Detector& detector) {
-            const Impacts& found = detector.find(soup.view().moving_to(soup.end_view()), question);
+            const Impacts& found = detector.find(soup.view().moving_to(soup.end_view()), query);
             EXPECT_LE(found.statistics.peak_memory_bytes, tight.memory_limit);
             EXPECT_TRUE(same_list(found.triangle_pairs, expected.triangle_pairs));
         };
@@ -149,7 +149,7 @@ TEST(TrianglePairs, ObeyAMemoryLimit) {
             ASSERT_EQ(error.code, ErrorCode::memory_limit);
             EXPECT_GT(error.bytes_needed, limit);
             sufficient_limit(tight, [&](Detector& enough) {
-                const Impacts& found = enough.find(soup.view().moving_to(soup.end_view()), question);
+                const Impacts& found = enough.find(soup.view().moving_to(soup.end_view()), query);
                 EXPECT_TRUE(same_list(found.triangle_pairs, expected.triangle_pairs));
             });
         }

@@ -1,4 +1,4 @@
-// The rings about vertices, against a walk of its own; and when they are found anew.
+// Compares rings about vertices with a plain walk along edges, and tests when rings are recomputed.
 
 #include "scene/vertex_rings.h"
 
@@ -11,7 +11,7 @@
 namespace crumple::test {
 namespace {
 
-/// On this thread, in an order of its own; counts.
+/// Runs tasks on the calling thread in reverse order, and counts them.
 class Backwards : public ParallelFor {
    public:
     void parallel_for(std::size_t n, Task task) override {
@@ -21,16 +21,16 @@ class Backwards : public ParallelFor {
     std::size_t tasks = 0;
 };
 
-class VertexRingsOf : public testing::Test {
+class RingsOfVertices : public testing::Test {
    protected:
     void prepare(const MovingSoup<>& soup, std::int32_t count, bool weld = false) {
         const PreparedScene scene = prepare_scene(soup.view(), nullptr, false, workers, buffers);
         features.prepare(scene, weld, workers);
         const std::size_t before = workers.tasks;
         rings.prepare(features, scene.vertex_count(), count, workers, cancellation);
-        found_anew = workers.tasks > before;
+        recomputed = workers.tasks > before;
     }
-    /// Compares with sets that grow edge by edge.
+    /// Compares rings with sets that grow edge by edge.
     void expect_rings(const MovingSoup<>& soup, std::int32_t count, bool weld = false) {
         prepare(soup, count, weld);
         EXPECT_EQ(rings.rings(), count);
@@ -59,10 +59,10 @@ class VertexRingsOf : public testing::Test {
     VertexRings rings{&meter};
     Backwards workers;
     Cancellation cancellation;
-    bool found_anew = false;
+    bool recomputed = false;
 };
 
-TEST_F(VertexRingsOf, AreThoseOfAPlainWalk) {
+TEST_F(RingsOfVertices, rings_match_a_plain_walk) {
     std::vector<NamedMove<double>> soups = moving_soups<double>();
     soups.push_back({"many", moving_grid(4, 5000, 1500, 30)});  // more than a chunk
     for (const NamedMove<double>& move : soups)
@@ -75,23 +75,23 @@ TEST_F(VertexRingsOf, AreThoseOfAPlainWalk) {
             }
 }
 
-TEST_F(VertexRingsOf, AreKeptWhileTheyStayTheSame) {
+TEST_F(RingsOfVertices, rings_are_recomputed_only_if_they_change) {
     MovingSoup<> soup = moving_grid(4, 30, 20, 31);
     prepare(soup, 2);
-    EXPECT_TRUE(found_anew);
+    EXPECT_TRUE(recomputed);
     for (auto& p : soup.start) p[0] += 1;
     prepare(soup, 2);
-    EXPECT_FALSE(found_anew) << "vertices may move";
+    EXPECT_FALSE(recomputed) << "vertices may move";
     std::swap(soup.triangles[3], soup.triangles[7]);
     prepare(soup, 2);
-    EXPECT_TRUE(found_anew) << "other triangles, though their edges are the same";
+    EXPECT_TRUE(recomputed) << "other triangles, though their edges are the same";
     expect_rings(soup, 3);
-    EXPECT_TRUE(found_anew) << "another number of rings";
+    EXPECT_TRUE(recomputed) << "another number of rings";
     expect_rings(soup, 3, true);
-    EXPECT_TRUE(found_anew) << "other names";
+    EXPECT_TRUE(recomputed) << "other names";
     for (auto& p : soup.start) p[0] = -p[0];
     prepare(soup, 3, true);
-    EXPECT_FALSE(found_anew) << "the same ones";
+    EXPECT_FALSE(recomputed) << "the same ones";
     soup.start[7] = soup.start[21];
     expect_rings(soup, 3, true);
     soup.triangles[5][1] = (soup.triangles[5][1] + 1) % 30;
@@ -102,12 +102,12 @@ TEST_F(VertexRingsOf, AreKeptWhileTheyStayTheSame) {
     expect_rings(soup, 3);
 }
 
-TEST_F(VertexRingsOf, AreCountedAndBelievedOnlyIfTheyAreWhole) {
+TEST_F(RingsOfVertices, incomplete_rings_are_discarded_and_memory_is_metered) {
     const MovingSoup<> few = moving_grid(4, 30, 20, 31), many = moving_grid(4, 3000, 2000, 32);
     expect_rings(few, 2);
     prepare(many, 1);
     rings.release();
-    meter.limit = meter.used + 50000;  // the edges of each vertex, and more, but not all rings
+    meter.limit = meter.used + 50000;  // enough for the edges of each vertex, not for all rings
     EXPECT_THROW(prepare(many, 3), MemoryMeter::Exceeded);
     meter.limit = 0;
     expect_rings(many, 3);

@@ -1,5 +1,5 @@
-// Impacts, near pairs and candidates of worlds: what is found of all bodies as one soup, less what the worlds and rules
-// do not want, by body.
+// Compares impacts, proximities and candidates of worlds with those of all bodies as one soup, filtered by worlds and
+// pair filter, body by body.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@
 namespace crumple::test {
 namespace {
 
-/// An answer's line, in the order of the answer. `world`: that of the pair; pairs among bodies that are in all come
+/// A row of a result, in the order of results. `world`: world of the pair; pairs of bodies that are in all worlds come
 /// last.
 struct Line {
     std::size_t kind;
@@ -33,7 +33,7 @@ struct Line {
     }
 };
 
-// Impacts and near pairs are of the first two kinds of candidates. Candidates have neither value nor flag.
+// Impacts and proximities have the first two kinds of candidates. Candidates have neither value nor flag.
 static_assert(static_cast<int>(CandidateKind::edge_edge) == static_cast<int>(FeatureKind::edge_edge));
 template <class List>
 double value_of(const List& list, std::size_t i) {
@@ -51,9 +51,9 @@ bool flag_of(const List& list, std::size_t i) {
 }
 
 constexpr auto of_triangles = static_cast<std::size_t>(CandidateKind::face_face);
-constexpr std::int64_t everywhere = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t in_all_worlds = std::numeric_limits<std::int32_t>::max();
 
-/// All bodies as one soup at the coordinates they are posed to, and where its features come from.
+/// All bodies as one soup at their posed coordinates, and the body of each feature.
 class Together {
    public:
     explicit Together(const World& world) : world_(world) {
@@ -88,25 +88,25 @@ class Together {
     const MovingSoup<>& soup() const { return soup_; }
     const std::vector<std::vector<Edge>>& edges() const { return edges_; }
 
-    /// The lines of an answer about the soup that the rules want.
-    template <class Answer>
-    std::vector<Line> lines(const Answer& answer, const PairFilter& rules) const {
+    /// Returns the rows of a result about the soup that pass the filter.
+    template <class Result>
+    std::vector<Line> lines(const Result& result, const PairFilter& filter) const {
         std::vector<Line> lines;
-        for (std::size_t kind = 0; kind < answer.lists.size(); ++kind) {
-            const auto& list = answer.lists[kind];
+        for (std::size_t kind = 0; kind < result.lists.size(); ++kind) {
+            const auto& list = result.lists[kind];
             const FeatureTypes types = types_of(static_cast<CandidateKind>(kind));
             for (std::size_t i = 0; i < list.pairs.size(); ++i) {
-                const Place a = place(answer, types.first, list.pairs[i].a),
-                            b = place(answer, types.second, list.pairs[i].b);
-                if (wanted(a, b, rules)) lines.push_back(line(kind, a, b, value_of(list, i), flag_of(list, i)));
+                const Place a = place(result, types.first, list.pairs[i].a),
+                            b = place(result, types.second, list.pairs[i].b);
+                if (passes(a, b, filter)) lines.push_back(line(kind, a, b, value_of(list, i), flag_of(list, i)));
             }
         }
         std::sort(lines.begin(), lines.end());
         return lines;
     }
 
-    /// The lines of the pairs of triangles that the rules want, as the features' impacts and the triangles are wanted.
-    std::vector<Line> triangle_lines(const Impacts& all, bool weld, const PairFilter& rules) const {
+    /// Returns the rows of the pairs of triangles that pass the filter, from impacts whose features pass it.
+    std::vector<Line> triangle_lines(const Impacts& all, bool weld, const PairFilter& filter) const {
         Impacts impacts;
         impacts.edges = all.edges;
         for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
@@ -114,7 +114,7 @@ class Together {
             const ImpactList& list = all.lists[kind];
             for (std::size_t i = 0; i < list.pairs.size(); ++i) {
                 const Pair pair = list.pairs[i];
-                if (!wanted(place(all, types.first, pair.a), place(all, types.second, pair.b), rules)) continue;
+                if (!passes(place(all, types.first, pair.a), place(all, types.second, pair.b), filter)) continue;
                 impacts.lists[kind].pairs.push_back(pair);
                 impacts.lists[kind].toi.push_back(list.toi[i]);
                 impacts.lists[kind].start.push_back(list.start[i]);
@@ -123,7 +123,7 @@ class Together {
         std::vector<Line> lines;
         for (const auto& [pair, found] : triangle_pairs_of(soup_, impacts, weld)) {
             const Place a = triangle(pair.a), b = triangle(pair.b);
-            if (wanted(a, b, rules)) lines.push_back(line(of_triangles, a, b, found.toi, found.start));
+            if (passes(a, b, filter)) lines.push_back(line(of_triangles, a, b, found.toi, found.start));
         }
         std::sort(lines.begin(), lines.end());
         return lines;
@@ -135,16 +135,16 @@ class Together {
         std::int32_t index, group;
     };
 
-    template <class Answer>
-    Place place(const Answer& answer, FeatureType type, std::int32_t i) const {
+    template <class Result>
+    Place place(const Result& result, FeatureType type, std::int32_t i) const {
         return type == FeatureType::vertex ? vertex(i)
-               : type == FeatureType::edge ? edge(answer.edges[i])
+               : type == FeatureType::edge ? edge(result.edges[i])
                                            : triangle(i);
     }
     Line line(std::size_t kind, const Place& a, const Place& b, double value, bool flag) const {
         const std::int32_t in = std::max(world_.bodies[a.body].world, world_.bodies[b.body].world);
         return {kind,
-                in < 0 ? everywhere : in,
+                in < 0 ? in_all_worlds : in,
                 static_cast<std::int32_t>(a.body),
                 a.index,
                 static_cast<std::int32_t>(b.body),
@@ -187,19 +187,19 @@ class Together {
         const auto at = std::lower_bound(edges_[b].begin(), edges_[b].end(), inside);
         return {b, static_cast<std::int32_t>(at - edges_[b].begin()), edge_group_.at(e)};
     }
-    bool wanted(const Place& a, const Place& b, const PairFilter& rules) const {
+    bool passes(const Place& a, const Place& b, const PairFilter& filter) const {
         const Body &p = world_.bodies[a.body], &q = world_.bodies[b.body];
         if (p.world != q.world && p.world != -1 && q.world != -1) return false;
-        if (a.body == b.body ? !p.self || rules.bodies == PairScope::between : rules.bodies == PairScope::within)
+        if (a.body == b.body ? !p.self || filter.bodies == PairScope::between : filter.bodies == PairScope::within)
             return false;
-        if (a.group == b.group ? rules.groups == PairScope::between : rules.groups == PairScope::within) return false;
+        if (a.group == b.group ? filter.groups == PairScope::between : filter.groups == PairScope::within) return false;
         const auto names = [](const auto& excluded, std::int64_t x, std::int64_t y) {
             return std::any_of(excluded.begin(), excluded.end(), [&](const auto& e) {
                 return (e.first == x && e.second == y) || (e.first == y && e.second == x);
             });
         };
-        return !names(rules.excluded_bodies, static_cast<std::int64_t>(a.body), static_cast<std::int64_t>(b.body)) &&
-               !names(rules.excluded_groups, a.group, b.group);
+        return !names(filter.excluded_bodies, static_cast<std::int64_t>(a.body), static_cast<std::int64_t>(b.body)) &&
+               !names(filter.excluded_groups, a.group, b.group);
     }
 
     World world_;
@@ -216,14 +216,14 @@ void add_lines(const World& world, std::size_t kind, const List& list, std::vect
     for (std::size_t i = 0; i < list.pairs.size(); ++i) {
         const auto [a, b] = list.bodies[i];
         const auto in = [&](std::int32_t body) { return world.bodies[static_cast<std::size_t>(body)].world; };
-        const std::int64_t of = std::max(in(a), in(b)) < 0 ? everywhere : std::max(in(a), in(b));
+        const std::int64_t of = std::max(in(a), in(b)) < 0 ? in_all_worlds : std::max(in(a), in(b));
         lines.push_back({kind, of, a, list.pairs[i].a, b, list.pairs[i].b, value_of(list, i), flag_of(list, i)});
     }
 }
-template <class Answer>
-std::vector<Line> lines_of(const World& world, const Answer& answer) {
+template <class Result>
+std::vector<Line> lines_of(const World& world, const Result& result) {
     std::vector<Line> lines;
-    for (std::size_t kind = 0; kind < answer.lists.size(); ++kind) add_lines(world, kind, answer.lists[kind], lines);
+    for (std::size_t kind = 0; kind < result.lists.size(); ++kind) add_lines(world, kind, result.lists[kind], lines);
     return lines;
 }
 
@@ -232,18 +232,18 @@ void expect_same(const std::vector<Line>& found, const std::vector<Line>& expect
         ASSERT_EQ(found[i], expected[i]) << "line " << i;
     ASSERT_EQ(found.size(), expected.size());
 }
-template <class Answer>
-void expect_edges(const Answer& answer, const std::vector<std::vector<Edge>>& expected) {
-    ASSERT_EQ(answer.first_edge.size(), expected.size() + 1);
+template <class Result>
+void expect_edges(const Result& result, const std::vector<std::vector<Edge>>& expected) {
+    ASSERT_EQ(result.first_edge.size(), expected.size() + 1);
     for (std::size_t b = 0; b < expected.size(); ++b) {
         const auto edges =
-            answer.edges.span().subspan(static_cast<std::size_t>(answer.first_edge[b]),
-                                        static_cast<std::size_t>(answer.first_edge[b + 1] - answer.first_edge[b]));
+            result.edges.span().subspan(static_cast<std::size_t>(result.first_edge[b]),
+                                        static_cast<std::size_t>(result.first_edge[b + 1] - result.first_edge[b]));
         EXPECT_EQ(std::vector<Edge>(edges.begin(), edges.end()), expected[b]) << "body " << b;
     }
-    EXPECT_EQ(answer.first_edge.back(), static_cast<std::int64_t>(answer.edges.size()));
+    EXPECT_EQ(result.first_edge.back(), static_cast<std::int64_t>(result.edges.size()));
 }
-/// The worlds that have lines, and of each the first of them.
+/// Returns the first row of each world that has rows.
 std::map<std::int64_t, Line> first_by_world(const std::vector<Line>& lines) {
     std::map<std::int64_t, Line> first;
     for (const Line& line : lines) {
@@ -277,16 +277,16 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
         Detector single({.backend = Backend::cpu, .threads = 1});
         for (unsigned i = 0; i < 3; ++i) {
             SCOPED_TRACE(testing::Message() << "question " << i);
-            const IntersectionQuery rules = random_question(5 * GetParam() + i, kind.bodies);
-            ImpactQuery motion{.weld = rules.weld, .filter = rules.filter};
-            const Impacts& all = single.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.weld = rules.weld});
-            const std::vector<Line> lines = together.lines(all, rules.filter);
+            const IntersectionQuery drawn = random_query(5 * GetParam() + i, kind.bodies);
+            ImpactQuery motion{.weld = drawn.weld, .filter = drawn.filter};
+            const Impacts& all = single.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.weld = drawn.weld});
+            const std::vector<Line> lines = together.lines(all, drawn.filter);
             expect_impacts(detector, world, motion, lines, together.edges());
             expect_triangle_pairs(detector, world, motion, lines,
-                                  together.triangle_lines(all, rules.weld, rules.filter));
-            ProximityQuery near{.radius = i * 0.05, .weld = rules.weld, .filter = rules.filter};
+                                  together.triangle_lines(all, drawn.weld, drawn.filter));
+            ProximityQuery near{.radius = i * 0.05, .weld = drawn.weld, .filter = drawn.filter};
             const std::vector<Line> near_lines = together.lines(
-                single.find(soup.view(), ProximityQuery{.radius = near.radius, .weld = near.weld}), rules.filter);
+                single.find(soup.view(), ProximityQuery{.radius = near.radius, .weld = near.weld}), drawn.filter);
             const Proximities& nearby = detector.find(world, near);
             expect_same(lines_of(world, nearby), near_lines);
             expect_edges(nearby, together.edges());
@@ -298,11 +298,11 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
             near.output = Output::any;
             EXPECT_EQ(detector.find(world, near).any, !near_lines.empty());
             const CandidateQuery candidates{
-                .kinds = all_candidate_kinds(), .inflation = i * 0.05, .weld = rules.weld, .filter = rules.filter};
+                .kinds = all_candidate_kinds(), .inflation = i * 0.05, .weld = drawn.weld, .filter = drawn.filter};
             CandidateQuery of_soup = candidates;
             of_soup.filter = {};
             const std::vector<Line> candidate_lines =
-                together.lines(single.find(soup.view().moving_to(soup.end_view()), of_soup), rules.filter);
+                together.lines(single.find(soup.view().moving_to(soup.end_view()), of_soup), drawn.filter);
             const Candidates& lists = detector.find(world, candidates);
             expect_same(lines_of(world, lists), candidate_lines);
             expect_edges(lists, together.edges());
@@ -327,9 +327,10 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
         expect_hits(detector.find(world, motion).world_hit, lines);
     }
 
-    // Radii of shapes, and neighbours, which are those of the soup. At rest a shape is where it ends.
-    static void compare_radii(const World& world, const Together& together, const PairFilter& rules, Detector& detector,
-                              Detector& single) {
+    // Compares proximities with radii of shapes and with rings of adjacent triangles, which are those of the soup. The
+    // rest shape is the shape at the end.
+    static void compare_radii(const World& world, const Together& together, const PairFilter& filter,
+                              Detector& detector, Detector& single) {
         Dice dice(GetParam());
         std::vector<std::vector<double>> of_shape;
         for (const Shape& shape : world.shapes) {
@@ -350,16 +351,16 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
         for (const bool weld : {false, true}) {
             const Proximities& all =
                 single.find(together.soup().view(), ProximityQuery{.radii = radii, .weld = weld, .rings = 1});
-            const ProximityQuery question{.weld = weld, .rings = 1, .filter = rules};
-            expect_same(lines_of(world, detector.find(with_radii, question)), together.lines(all, rules));
+            const ProximityQuery query{.weld = weld, .rings = 1, .filter = filter};
+            expect_same(lines_of(world, detector.find(with_radii, query)), together.lines(all, filter));
         }
         for (std::size_t s = 0; s < shapes.size(); ++s)
             if (s != 2) shapes[s].rest = world.shapes[s].end;
         const bool any_rest = std::any_of(shapes.begin(), shapes.end(), [](const Shape& s) { return s.rest.data; });
         Detector brute({.backend = Backend::reference});
-        const ProximityQuery question{.rest_radius = any_rest ? 0.1 : 0, .filter = rules};
-        const Proximities& expected = brute.find(with_radii, question);
-        EXPECT_TRUE(same_features(detector.find(with_radii, question), expected));
+        const ProximityQuery query{.rest_radius = any_rest ? 0.1 : 0, .filter = filter};
+        const Proximities& expected = brute.find(with_radii, query);
+        EXPECT_TRUE(same_features(detector.find(with_radii, query), expected));
     }
 
     static void expect_hits(const Array<std::uint8_t>& hits, const std::vector<Line>& lines) {
@@ -397,17 +398,19 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
     }
 };
 
-TEST_P(FeaturesOfWorlds, AreThoseOfOneSoup) { compare({.bodies = 6, .triangles = 12}); }
-TEST_P(FeaturesOfWorlds, AreFoundWorldByWorld) {
+TEST_P(FeaturesOfWorlds, features_of_bodies_match_those_of_one_soup) { compare({.bodies = 6, .triangles = 12}); }
+TEST_P(FeaturesOfWorlds, features_of_several_worlds_match_one_soup) {
     compare({.bodies = 10, .worlds = 4, .triangles = 10, .everywhere = 0.3, .reach = 0.5});
 }
-TEST_P(FeaturesOfWorlds, AreFoundWhereAllMeetAll) { compare({.bodies = 5, .triangles = 8, .everywhere = 1}); }
-TEST_P(FeaturesOfWorlds, AreThoseOfOneBody) { compare({.bodies = 1, .triangles = 30}); }
-TEST_P(FeaturesOfWorlds, AreNoneWithoutBodies) { compare({.bodies = 0}); }
+TEST_P(FeaturesOfWorlds, features_of_bodies_in_all_worlds_match_one_soup) {
+    compare({.bodies = 5, .triangles = 8, .everywhere = 1});
+}
+TEST_P(FeaturesOfWorlds, features_of_one_body_match_one_soup) { compare({.bodies = 1, .triangles = 30}); }
+TEST_P(FeaturesOfWorlds, worlds_without_bodies_have_no_features) { compare({.bodies = 0}); }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, FeaturesOfWorlds, testing::Range(0u, played ? 3u : 12u));
 
-TEST(FeaturesOfWorlds, ThatRestHaveTheirImpactsAtTheStart) {
+TEST(FeaturesOfWorlds, static_worlds_have_impacts_at_the_start_only) {
     Detector detector({.backend = tested_backend}), brute({.backend = Backend::reference});
     std::int64_t impacts = 0;
     for (unsigned seed = 0; seed < (played ? 2u : 5u); ++seed) {
@@ -429,14 +432,14 @@ TEST(FeaturesOfWorlds, ThatRestHaveTheirImpactsAtTheStart) {
     EXPECT_GT(impacts, 100);
 }
 
-/// Rules about groups make a world of it inside; that does not show.
-TEST(FeaturesOfOneMesh, AreThoseOfAMeshWhateverTheRules) {
+/// A filter about groups turns the mesh into a world internally, which must not show in the result.
+TEST(FeaturesOfOneMesh, group_filters_do_not_change_the_form_of_results) {
     MovingSoup<> soup = moving_grid(4, 30, 24, 5);
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 3));
     Detector detector({.backend = tested_backend}), plain({.backend = Backend::cpu});
     ImpactQuery motion{.index = true};
     ProximityQuery near{.radius = 1, .index = true};
-    // Nothing is in group 7, so nothing is excluded.
+    // No triangle is in group 7, so nothing is excluded.
     motion.filter.excluded_groups = near.filter.excluded_groups = {{7, 7}};
     EXPECT_TRUE(same_features(detector.find(soup.view().moving_to(soup.end_view()), motion),
                               plain.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true})));

@@ -1,7 +1,7 @@
 #pragma once
 
-// Zip archives of stored files, and gzip, written by hand: a changed byte of a file keeps the checksum right, so that
-// inputs get past it.
+// Writes zip archives and gzip members of stored (uncompressed) data with valid checksums, so that mutated contents get
+// past the checks of the readers.
 
 #include <array>
 #include <cstdint>
@@ -29,7 +29,7 @@ inline std::uint32_t checksum(std::string_view bytes) {
     return ~value;
 }
 
-/// Files by name.
+/// Pairs of file name and contents.
 using ArchivedFiles = std::vector<std::pair<std::string_view, std::string_view>>;
 
 inline std::string archive_of(const ArchivedFiles& files) {
@@ -69,7 +69,7 @@ inline std::string archive_of(const ArchivedFiles& files) {
     return out;
 }
 
-/// A model part as a 3MF file.
+/// Returns a 3MF file that holds one model part.
 inline std::string package_of(std::string_view model) {
     constexpr std::string_view relations =
         "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\"><Relationship "
@@ -77,7 +77,7 @@ inline std::string package_of(std::string_view model) {
     return archive_of({{"_rels/.rels", relations}, {"m", model}});
 }
 
-/// Bytes as a gzip member of stored blocks.
+/// Returns a gzip member that holds `bytes` in stored blocks.
 inline std::string gzip_of(std::string_view bytes) {
     std::string out("\x1f\x8b\x08\0\0\0\0\0\0\x03", 10);
     const auto put = [&](auto value) {

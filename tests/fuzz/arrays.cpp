@@ -10,8 +10,8 @@ void put(std::byte* at, Value value) {
     std::memcpy(at, &value, sizeof value);
 }
 
-/// Lays out rows of three values of `size` bytes: contiguous, by column, in records, backwards, off alignment, with the
-/// columns backwards. Returns the view's place and strides; `store(row, column, at)` writes a value.
+/// Lays out rows of three values of `size` bytes: contiguous, by column, in records, with rows reversed, unaligned, or
+/// with columns reversed. Sets the address and the strides of `view`; `store(row, column, at)` writes a value.
 template <class View, class Store>
 void lay_out(std::vector<std::byte>& block, View& view, int arrangement, std::int64_t rows, std::int64_t size,
              Store store) {

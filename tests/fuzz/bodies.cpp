@@ -23,7 +23,7 @@ const TriangleMesh& shape_of(const WorldMesh& world, const NamedBody& body) {
     return world.shapes[static_cast<std::size_t>(body.shape)];
 }
 
-/// Nothing collides.
+/// Returns the result of a search that found no collision.
 Intersections free_of(const WorldMesh& world) {
     Intersections free;
     free.first_triangle.push_back(0);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a world or poses that were read must be, and become when they are written and read again.
+// Checks of worlds and poses that were read: they are valid, and survive writing and reading again.
 
 #include <span>
 #include <string>
@@ -10,16 +10,17 @@
 
 namespace crumple::fuzz {
 
-/// Sound shapes, bodies that have one of them, names once each, finite poses.
+/// Requires valid shapes, bodies that refer to one of them, unique names and finite poses.
 void require_sound(const io::WorldMesh& world);
 
-/// The same bodies over shapes with the same corners, and no two vertices at one position.
+/// Requires the bodies of `before` over shapes with the same corners, and no two vertices at one position.
 void require_welded(const io::WorldMesh& world, const io::WorldMesh& before);
 
-/// Written as .glb and read again, bodies with triangles are the same: names, poses, and shapes of float32.
+/// Requires bodies with triangles to survive writing as .glb and reading: names, and for float32 shapes poses and
+/// corners.
 void require_kept_by_writer(const io::WorldMesh& world);
 
-/// Finite numbers, whole configurations, and the same poses when they are written as text and as NumPy's array.
+/// Requires finite poses and whole configurations, which survive writing as text and as .npy and reading.
 void require_kept(const std::vector<Pose>& poses, std::span<const std::string> bodies);
 
 }  // namespace crumple::fuzz

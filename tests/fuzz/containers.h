@@ -1,6 +1,7 @@
 #pragma once
 
-// What files wrap their contents in, made to fit the contents: a changed byte leaves lengths right.
+// Wraps mutated contents in the containers of file formats with lengths that fit, so that a changed byte breaks no
+// length.
 
 #include <algorithm>
 #include <cstdint>
@@ -17,7 +18,7 @@ std::string bytes_of(T value) {
     return {little.begin(), little.end()};
 }
 
-/// .glb: the description ends at the first byte 0 and is followed by the binary chunk.
+/// Returns a .glb file: the JSON description ends at the first byte 0 of `bytes`; the rest is the binary chunk.
 inline std::string glb_of(std::string_view bytes) {
     const std::size_t end = std::min(bytes.find('\0'), bytes.size());
     const std::string_view json = bytes.substr(0, end), binary = bytes.substr(std::min(end + 1, bytes.size()));
@@ -27,13 +28,14 @@ inline std::string glb_of(std::string_view bytes) {
     return file.append(word(binary.size())).append("BIN\0", 4).append(binary);
 }
 
-/// What comes before the bytes of an array of NumPy.
+/// Returns the header of a .npy file.
 inline std::string npy_header(const std::string& description) {
     return std::string("\x93NUMPY\1\0", 8) + bytes_of(static_cast<std::uint16_t>(description.size() + 1)) +
            description + '\n';
 }
 
-/// An array of poses of NumPy, as many as there are bytes for; the first byte chooses the numbers' type and the shape.
+/// Returns a .npy file of as many poses as there are bytes for. The first byte chooses the type of the numbers and the
+/// shape.
 inline std::string npy_of_poses(std::string_view bytes) {
     constexpr const char* types[] = {"<f8", "<f4", ">f8", ">f4"};
     constexpr const char* rows[] = {", 12)", ", 3, 4)", ", 16)", ", 4, 4)"};

@@ -11,8 +11,8 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-/// Those before `tame` of them are of like size, so that the integers of rational arithmetic stay short and a search
-/// takes a tenth of a millisecond.
+/// The first `tame` ones are of similar size, so that the integers of rational arithmetic stay short and a search takes
+/// a tenth of a millisecond.
 constexpr double hostile[] = {
     0.0,         -0.0,      1.0,      -1.0,      2.0,        -2.0,        3.0,
     0.5,         -0.5,      1.0 / 3,  0.1,       0x1p-24,    0x1p-52,     0x1p23,
@@ -26,12 +26,12 @@ constexpr int tame = 24;
 
 struct Style {
     bool single;  ///< coordinates are float32 numbers
-    bool wild;    ///< of any size, side by side
+    bool wild;    ///< mixes numbers of very different size
 };
 
-/// Exponents that a whole frame is scaled by; most of the time none.
+/// Binary exponents by which a whole mesh is scaled, mostly 0.
 constexpr int scales[] = {0, 0, 0, 0, 0, 0, 0, 0, 1, -1, 30, -30, 120, -140, 300, -300, 480, -480, 1000, -1000, -1074};
-/// What is added to all coordinates of a frame, in its own precision.
+/// Offsets added to all coordinates of a mesh, in its own precision.
 constexpr double shifts[] = {0, 0, 0, 0, 0, 0, 1, 0.1, -1e6, 0x1p24, 0x1p53, 1e16, -0x1p-30};
 
 double nearest(double x, bool single) {
@@ -51,7 +51,7 @@ double moved_by_ulps(double x, int ulps, bool single) {
     return x;
 }
 
-/// Any bits at all, made finite; of a like size unless wild.
+/// Returns a finite number of any bits, of moderate size unless wild.
 double raw(Bytes& bytes, Style style) {
     std::uint64_t bits = 0;
     for (int i = 0; i < (style.single ? 4 : 8); ++i) bits = bits << 8 | bytes.next();
@@ -69,7 +69,7 @@ double raw(Bytes& bytes, Style style) {
     return std::isfinite(value) ? value : static_cast<double>(bits & 0xffff);
 }
 
-/// A vertex beside, between or over earlier ones: what rounding makes all but collinear or coplanar.
+/// Returns a vertex near, between or beyond earlier ones, which rounding makes almost collinear or coplanar with them.
 Point derived(Bytes& bytes, const std::vector<Point>& vertices, Style style) {
     if (vertices.empty()) return {};
     const auto earlier = [&] { return vertices[static_cast<std::size_t>(bytes.next()) % vertices.size()]; };
@@ -99,10 +99,10 @@ Point vertex(Bytes& bytes, const std::vector<Point>& earlier, Style style) {
     const int kind = bytes.below(8);
     switch (kind) {
         case 0:
-        case 1:  // a small grid: most positions are taken more than once
+        case 1:  // a small grid: most positions occur more than once
             for (double& x : p) x = bytes.below(kind == 0 ? 4 : 9);
             return p;
-        case 2:  // beside a grid
+        case 2:  // near a grid, by a few ulps
             for (double& x : p) {
                 const int byte = bytes.next();
                 const int grid = byte % 16 - 8, ulps = byte / 16 % 8 - 3;
@@ -118,14 +118,14 @@ Point vertex(Bytes& bytes, const std::vector<Point>& earlier, Style style) {
             return p;
         case 5:
             return derived(bytes, earlier, style);
-        case 6: {  // an earlier one again, perhaps with another sign, perhaps with one other coordinate
+        case 6: {  // an earlier vertex, perhaps with the sign or the value of one coordinate changed
             if (!earlier.empty()) p = earlier[static_cast<std::size_t>(bytes.next()) % earlier.size()];
             const int byte = bytes.next();
             double& x = p[static_cast<std::size_t>(byte % 3)];
             if (byte >= 64) x = byte < 128 ? -x : bytes.below(4);
             return p;
         }
-        default:  // one plane
+        default:  // a common plane
             p[0] = bytes.below(16) - 8;
             p[1] = bytes.below(16) - 8;
             p[2] = 2 * p[0] - p[1];
@@ -152,7 +152,7 @@ Mesh mesh(Bytes& bytes, const Kind& kind, std::size_t side) {
     const double shift = bytes.one_of(shifts);
     const int triangles = bytes.below(kind.most + 1);
     const int vertices = bytes.below(2 * kind.most + 4);
-    const bool soup = bytes.flag();  // each triangle with vertices of its own, while there are enough
+    const bool soup = bytes.flag();  // triangles have their own vertices while there are enough
     std::vector<Point> unplaced;
     for (int v = 0; v < vertices; ++v) {
         unplaced.push_back(vertex(bytes, unplaced, {result.single, kind.wild}));
@@ -170,7 +170,7 @@ Mesh mesh(Bytes& bytes, const Kind& kind, std::size_t side) {
 
 namespace {
 
-/// The frame before with some vertices and corners changed.
+/// Returns `frame` with up to four vertices or corners changed, or with new meshes.
 Frame next_frame(Bytes& bytes, const Kind& kind, Frame frame) {
     const int changes = bytes.below(5);
     for (int i = 0; i < changes; ++i) {
@@ -191,7 +191,7 @@ Frame next_frame(Bytes& bytes, const Kind& kind, Frame frame) {
     return frame;
 }
 
-/// What the contract calls an error, in one of many inputs: both backends must say the same of it.
+/// Introduces an error of the input, which both backends must report alike.
 void spoil(Bytes& bytes, Frame& frame) {
     Mesh& mesh = frame[static_cast<std::size_t>(bytes.next()) % frame.size()];
     const auto place = static_cast<std::size_t>(bytes.next());
@@ -239,9 +239,9 @@ Search::Search(Bytes bytes) {
     constexpr int sizes[] = {1, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 4, 6, 8, 28,
                              1, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 4, 6, 8, 12};
     constexpr IndexType indices[] = {IndexType::int32, IndexType::uint32, IndexType::int64};
-    constexpr PairScope wanted[] = {PairScope::both, PairScope::both, PairScope::between, PairScope::within};
+    constexpr PairScope scopes[] = {PairScope::both, PairScope::both, PairScope::between, PairScope::within};
     Kind kind;
-    kept = bytes.flag();
+    reused = bytes.flag();
     kind.most = bytes.one_of(sizes);
     kind.wild = bytes.below(8) == 7;
     if (kind.wild) kind.most = std::min(kind.most, 3);
@@ -251,16 +251,17 @@ Search::Search(Bytes bytes) {
     query.kind = how & 2 ? IntersectionKind::proper : IntersectionKind::all;
     query.weld = how & 4;
     query.output = how & 8 ? Output::contacts : Output::pairs;
-    query.filter.groups = wanted[how >> 4 & 3];
+    query.filter.groups = scopes[how >> 4 & 3];
     kind.between = how & 64;
     const bool spoilt = bytes.next() == 255;
     const int extras = bytes.next();
-    // Each part is a search, and each memory limit some five. Inputs that ask for many reach more code than others and
-    // so become most of the corpus; what chooses a share of them is no byte that could be learnt.
+    // Each part costs one search, and each memory limit about five. Inputs that request many parts reach more code than
+    // others and would dominate the corpus. A checksum therefore chooses which of them are run: libFuzzer cannot learn
+    // it as it would a byte.
     const std::uint32_t share = bytes.checksum();
     if (share / 32 % 8 == 0) block_rows = 1 + share / 256 % 40;
     if (extras & 1) parts = 1 + bytes.next() % 64 / (share % 16 == 0 ? 1 : 16);
-    if (extras & 4 && share % 16 == 1) parts *= 17;  // more than one level holds
+    if (extras & 4 && share % 16 == 1) parts *= 17;  // more than fit in one level
     if ((extras & 24) == 24) {
         const std::int64_t limit = bytes.next() * (extras & 32 ? 16 : 256);
         if (share / 16 % 2) memory_limit = limit;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Searches from bytes: small meshes with hostile coordinates and topology, options of detector and query, and frames
-// that follow each other. Any bytes make a search, and more bytes make no other one: what is missing is zero.
+// Decodes searches from bytes: small meshes with hostile coordinates and topology, options of detector and query, and
+// successive frames. Any bytes make a search; missing bytes count as zero.
 
 #include <array>
 #include <cstddef>
@@ -13,15 +13,15 @@
 
 namespace crumple::fuzz {
 
-/// Bytes from the left, then zeros.
+/// Reads bytes from left to right, then zeros.
 class Bytes {
    public:
     explicit Bytes(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
     std::uint8_t next() { return place_ < bytes_.size() ? bytes_[place_++] : std::uint8_t{0}; }
-    /// Below `n`, at most 256.
+    /// Returns a number in [0, n), for n up to 256.
     int below(int n) { return next() % n; }
     bool flag() { return next() & 1; }
-    /// Of all bytes, read or not.
+    /// Returns a checksum of all bytes, read or not.
     std::uint32_t checksum() const {
         std::uint32_t sum = 2166136261u;  // FNV-1a, its upper half folded: the lowest bits alone are poor
         for (const std::uint8_t byte : bytes_) sum = (sum ^ byte) * 16777619u;
@@ -37,7 +37,7 @@ class Bytes {
     std::size_t place_ = 0;
 };
 
-/// How the arrays of a mesh lie in memory.
+/// Memory layout of the arrays of a mesh.
 struct Layout {
     IndexType index = IndexType::int32;
     int vertices = 0, triangles = 0;  ///< an arrangement of rows and columns (see Arrays)
@@ -45,14 +45,14 @@ struct Layout {
 };
 
 struct Mesh {
-    bool single = true;  ///< coordinates are float32 numbers and given as such
+    bool single = true;  ///< coordinates are float32 numbers and passed as float32
     std::vector<std::array<double, 3>> vertices;
     std::vector<std::array<std::int64_t, 3>> triangles;
     std::vector<std::int32_t> groups;
     Layout layout;
 };
 
-/// A mesh's arrays as its layout wants them, each in a block of its own that is as long as it must be.
+/// Arrays of a mesh in its layout, each in its own block of exactly the needed size.
 class Arrays {
    public:
     explicit Arrays(const Mesh& mesh);
@@ -66,36 +66,37 @@ class Arrays {
 
 inline constexpr std::int32_t group_ids[] = {0, 1, 2, -1, INT32_MAX, INT32_MIN};
 
-/// What meshes of a kind have in common, for each side.
+/// Common properties of the meshes of a search. Arrays have one element for each side.
 struct Kind {
     bool between = false;
     std::array<bool, 2> single{};
     std::array<Layout, 2> layout{};
-    std::array<int, 2> groups{};  ///< 0: none; else how many ids
-    bool wild = false;
-    bool scaled = true;  ///< perhaps, as a whole
-    int most = 0;        ///< triangles of a mesh
+    std::array<int, 2> groups{};  ///< number of group ids to choose from; 0: no groups
+    bool wild = false;            ///< mixes numbers of very different size
+    bool scaled = true;           ///< a mesh may be scaled as a whole
+    int most = 0;                 ///< largest number of triangles of a mesh
 };
 
+/// Decodes a mesh of side 0 or 1.
 Mesh mesh(Bytes& bytes, const Kind& kind, std::size_t side);
 
-/// Of the cpu backend.
+/// Decodes options of the cpu backend.
 Options options(Bytes& bytes);
 
-/// Numbers at the edges of what filters, expansions and float32 hold; the first ones of like size, unless `wild`.
+/// Returns a number at a limit of filters, expansions or float32: one of moderate size unless `wild`.
 double hostile_number(Bytes& bytes, bool wild);
 
 /// One or two meshes.
 using Frame = std::vector<Mesh>;
 
 struct Search {
-    bool kept = false;  ///< the detector is one that earlier inputs have used
+    bool reused = false;  ///< uses a detector that earlier inputs have used
     Options options;
-    IntersectionQuery query;  ///< `excluded_groups` looks at `excluded`
+    IntersectionQuery query;  ///< its `filter.excluded_groups` equals `excluded`
     std::vector<GroupPair> excluded;
-    int parts = 0;                   ///< 0: none
-    std::int64_t block_rows = 0;     ///< of blocks; 0: none
-    std::int64_t memory_limit = -1;  ///< beside what suffices; -1: none
+    int parts = 0;                   ///< number of parts; 0: no search by parts
+    std::int64_t block_rows = 0;     ///< most rows of a streamed block; 0: no streaming
+    std::int64_t memory_limit = -1;  ///< bytes, of a further detector; -1: none
     std::vector<Frame> frames;
 
     explicit Search(Bytes bytes);

@@ -7,14 +7,14 @@
 namespace crumple::fuzz {
 namespace {
 
-/// For factors of one size with the shapes: where sizes are mixed, rational arithmetic takes ten times as long, so that
-/// is for an eighth of the inputs.
+/// Returns a factor of similar size as the coordinates of shapes unless `mixed`. Mixed sizes make rational arithmetic
+/// ten times as slow, so that only an eighth of the inputs have them.
 double number(Bytes& bytes, bool mixed) {
     constexpr double numbers[] = {0, -0.0, 1, -1, 2, -3, 0.5, 1.0 / 3, 0.1, 1 + 0x1p-52, 1 - 0x1p-53, 1 + 0x1p-23};
     return mixed ? hostile_number(bytes, false) : bytes.one_of(numbers);
 }
 
-/// By a quaternion of small integers: turns by right angles and others, rounded as they come.
+/// Rotates by a quaternion of small integers: right angles and others, with rounded entries.
 void turn(Bytes& bytes, Pose& pose) {
     double q[4], length2 = 0;
     for (double& c : q) c = bytes.below(7) - 3, length2 += c * c;
@@ -54,7 +54,7 @@ Pose pose(Bytes& bytes, const std::vector<Pose>& earlier, bool mixed) {
         case 3:  // any numbers
             for (double& x : result.rows) x = number(bytes, mixed);
             break;
-        case 4:  // beside or at another body's place
+        case 4:  // the pose of another body, perhaps with one number moved by an ulp
             if (!earlier.empty()) result = earlier[static_cast<std::size_t>(bytes.next()) % earlier.size()];
             if (const int byte = bytes.next(); byte >= 128) {
                 double& x = result.rows[static_cast<std::size_t>(byte % 12)];
@@ -68,8 +68,8 @@ Pose pose(Bytes& bytes, const std::vector<Pose>& earlier, bool mixed) {
     return result;
 }
 
-IntersectionQuery question(Bytes& bytes, int bodies) {
-    constexpr PairScope wanted[] = {PairScope::both, PairScope::both, PairScope::between, PairScope::within};
+IntersectionQuery decode_query(Bytes& bytes, int bodies) {
+    constexpr PairScope scopes[] = {PairScope::both, PairScope::both, PairScope::between, PairScope::within};
     IntersectionQuery result;
     constexpr Output outputs[] = {Output::any,   Output::any_by_world, Output::body_pairs,
                                   Output::count, Output::pairs,        Output::contacts};
@@ -79,8 +79,8 @@ IntersectionQuery question(Bytes& bytes, int bodies) {
     result.kind = how & 2 ? IntersectionKind::proper : IntersectionKind::all;
     result.weld = how & 4;
     result.index = how & 8;
-    result.filter.bodies = wanted[how >> 4 & 3];
-    result.filter.groups = wanted[how >> 6 & 3];
+    result.filter.bodies = scopes[how >> 4 & 3];
+    result.filter.groups = scopes[how >> 6 & 3];
     for (int n = bytes.below(4) % 3; n > 0 && bodies > 0; --n) {
         const int first = bytes.below(bodies), second = bytes.below(bodies);
         result.filter.excluded_bodies.push_back({first, second});
@@ -92,7 +92,7 @@ IntersectionQuery question(Bytes& bytes, int bodies) {
     return result;
 }
 
-/// World ids ascend; bodies in all worlds are the last.
+/// Decodes bodies in ascending order of world ids; bodies shared by all worlds come last.
 std::vector<Body> some_bodies(Bytes& bytes, int shapes) {
     std::vector<Body> result;
     const int count = bytes.below(9), worlds = bytes.below(4), everywhere = bytes.below(4);
@@ -110,7 +110,7 @@ std::vector<Body> some_bodies(Bytes& bytes, int shapes) {
     return result;
 }
 
-/// What is an error, in one of many inputs.
+/// Introduces an error of the input; which one, a byte chooses.
 void spoil(Bytes& bytes, Bodies& bodies) {
     const int byte = bytes.next();
     const auto place = static_cast<std::size_t>(bytes.next());
@@ -160,11 +160,11 @@ Bodies::Bodies(Bytes bytes) {
                 const bool stays = !calls.empty() && b < calls.back().poses.size() && bytes.flag();
                 call.poses.push_back(stays ? calls.back().poses[b] : pose(bytes, call.poses, mixed));
             }
-        call.question = question(bytes, static_cast<int>(bodies.size()));
+        call.query = decode_query(bytes, static_cast<int>(bodies.size()));
         calls.push_back(std::move(call));
     }
     if (spoilt) spoil(bytes, *this);
-    // Shapes of no body are read by those alone who keep them.
+    // A shape without bodies is read only by backends that cache named shapes, so its name is removed.
     for (std::size_t s = 0; s < shapes.size(); ++s)
         if (std::none_of(bodies.begin(), bodies.end(),
                          [&](const Body& body) { return body.shape == static_cast<std::int32_t>(s); }))

@@ -1,7 +1,7 @@
 #pragma once
 
-// Worlds from bytes: a few small shapes, named and not, bodies of them in several worlds, poses of every kind, and
-// calls that follow each other: other poses of the same bodies, and other questions.
+// Decodes worlds from bytes: a few small shapes, some of them named, their bodies in several worlds, poses of every
+// kind, and successive calls with other poses of the same bodies and other queries.
 
 #include <cstdint>
 #include <string>
@@ -11,24 +11,24 @@
 
 namespace crumple::fuzz {
 
-/// What one call is asked.
+/// Poses and query of one call.
 struct Call {
-    std::vector<Pose> poses;  ///< one a body, or empty
-    IntersectionQuery question;
+    std::vector<Pose> poses;  ///< one per body, or empty
+    IntersectionQuery query;
 };
 
 struct Bodies {
     Options options;
-    std::int64_t memory_limit = -1;  ///< of a second detector; -1: none
+    std::int64_t memory_limit = -1;  ///< bytes, of a second detector; -1: none
     std::vector<Mesh> shapes;
-    std::vector<std::uint64_t> names;  ///< of shapes; 0: none
+    std::vector<std::uint64_t> names;  ///< names of the shapes; 0: unnamed
     std::vector<Body> bodies;
     std::vector<Call> calls;
 
     explicit Bodies(Bytes bytes);
 };
 
-/// As C++ that a test can take over.
+/// Returns C++ code that can be pasted into a test.
 std::string as_code(const Bodies& bodies);
 
 }  // namespace crumple::fuzz

@@ -1,6 +1,6 @@
 #pragma once
 
-// How a target reports a broken promise: a sentence, and the end, which libFuzzer turns into an artefact.
+// Reports broken promises of a fuzz target: prints a sentence and aborts, which libFuzzer turns into an artefact.
 
 #include <cstdio>
 #include <cstdlib>
@@ -8,12 +8,12 @@
 
 namespace crumple::fuzz {
 
-/// Tells more of the input that is being judged; may be null.
-inline void (*tell_more)() = nullptr;
+/// Prints the input under test before the process ends; may be null.
+inline void (*on_failure)() = nullptr;
 
 [[noreturn]] inline void fail(const std::string& what) {
     std::fprintf(stderr, "\nBroken promise: %s\n", what.c_str());
-    if (tell_more) tell_more();
+    if (on_failure) on_failure();
     std::abort();
 }
 

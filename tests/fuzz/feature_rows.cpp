@@ -14,22 +14,22 @@ namespace {
 
 using io::PairFormat;
 
-constexpr std::int32_t most_bodies = 100;  // an answer has an offset for each
+constexpr std::int32_t most_bodies = 100;  // a result has an offset for each
 
 constexpr std::pair<PairFormat, const char*> formats[] = {{PairFormat::txt, "again.txt"},
                                                           {PairFormat::csv, "again.csv"},
                                                           {PairFormat::json, "again.json"},
                                                           {PairFormat::npz, "again.npz"}};
 
-template <class Answer>
-auto& list_of_kind(Answer& answer, CandidateKind kind) {
+template <class Result>
+auto& list_of_kind(Result& result, CandidateKind kind) {
     for (const FeatureKind feature : io::all_feature_kinds)
-        if (io::kind_of(feature) == kind) return answer[feature];
-    if constexpr (requires { answer.triangle_pairs; })
-        if (kind == CandidateKind::face_face) return answer.triangle_pairs;
+        if (io::kind_of(feature) == kind) return result[feature];
+    if constexpr (requires { result.triangle_pairs; })
+        if (kind == CandidateKind::face_face) return result.triangle_pairs;
     fail("a row of a kind that the list cannot have");
 }
-auto& list_of_kind(Candidates& answer, CandidateKind kind) { return answer[kind]; }
+auto& list_of_kind(Candidates& result, CandidateKind kind) { return result[kind]; }
 
 template <class Rows>
 std::int32_t bodies_of(const Rows& list) {
@@ -50,10 +50,10 @@ void require_sound(const Row& row, bool has_bodies) {
     }
 }
 
-/// An answer that lists these rows; each edge that they name is one of its own.
-template <class Answer, class Rows, class Add>
-Answer answer_of(const Rows& list, Add add) {
-    Answer answer;
+/// Returns a result with these rows. Each edge of a row becomes a new edge of the result.
+template <class Result, class Rows, class Add>
+Result result_of(const Rows& list, Add add) {
+    Result result;
     std::map<std::int32_t, std::vector<Edge>> edges;
     for (const auto& row : list.rows) {
         const CandidateKind kind = row.kind;
@@ -63,21 +63,22 @@ Answer answer_of(const Rows& list, Add add) {
             edges[body].push_back({row.ids[at], row.ids[at + 1]});
             return static_cast<std::int32_t>(edges[body].size() - 1);
         };
-        auto& of_kind = list_of_kind(answer, row.kind);
+        auto& of_kind = list_of_kind(result, row.kind);
         const std::int32_t first = index(0, row.bodies.first);
         of_kind.pairs.push_back({first, index(1, row.bodies.second)});
         if (list.has_bodies) of_kind.bodies.push_back(row.bodies);
         add(of_kind, row);
     }
-    answer.first_edge.push_back(0);
+    result.first_edge.push_back(0);
     for (std::int32_t body = 0; body < bodies_of(list); ++body) {
-        for (const Edge& edge : edges[body]) answer.edges.push_back(edge);
-        answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
+        for (const Edge& edge : edges[body]) result.edges.push_back(edge);
+        result.first_edge.push_back(static_cast<std::int64_t>(result.edges.size()));
     }
-    return answer;
+    return result;
 }
 
-/// `write(out, format)`, `read(bytes, name)`; rows(list, format): what is to be the same.
+/// Writes with `write(out, format)` and reads with `read(bytes, name)`. Requires `rows(list, format)` of both lists to
+/// be equal.
 template <class Rows, class Write, class Read, class Same>
 void require_kept(Rows list, Write write, Read read, Same rows) {
     std::stable_sort(list.rows.begin(), list.rows.end(), [](const auto& a, const auto& b) { return a.kind < b.kind; });
@@ -117,12 +118,12 @@ void require_kept(const io::FeatureList& list, bool impacts) {
     Impacts of_impacts;
     Proximities of_near;
     if (impacts)
-        of_impacts = answer_of<Impacts>(list, [](ImpactList& to, const io::FeatureRow& row) {
+        of_impacts = result_of<Impacts>(list, [](ImpactList& to, const io::FeatureRow& row) {
             to.toi.push_back(row.value);
             to.start.push_back(row.flag);
         });
     else
-        of_near = answer_of<Proximities>(list, [](ProximityList& to, const io::FeatureRow& row) {
+        of_near = result_of<Proximities>(list, [](ProximityList& to, const io::FeatureRow& row) {
             to.squared_distance.push_back(row.value);
             to.touching.push_back(row.flag);
         });
@@ -134,7 +135,7 @@ void require_kept(const io::FeatureList& list, bool impacts) {
         return impacts ? read_impacts(bytes, name) : read_near(bytes, name);
     };
     const auto rows = [&](io::FeatureList of, PairFormat format) {
-        if (!impacts && format == PairFormat::txt)  // which has no flag
+        if (!impacts && format == PairFormat::txt)  // .txt has no flag
             for (io::FeatureRow& row : of.rows) row.flag = row.value == 0;
         return of.rows;
     };
@@ -144,10 +145,10 @@ void require_kept(const io::FeatureList& list, bool impacts) {
 void require_kept(const io::CandidateRows& list) {
     for (const io::CandidateRow& row : list.rows) require_sound(row, list.has_bodies);
     if (bodies_of(list) > most_bodies) return;
-    auto answer = answer_of<Candidates>(list, [](const CandidateList&, const io::CandidateRow&) {});
-    answer.listed.fill(true);
+    auto result = result_of<Candidates>(list, [](const CandidateList&, const io::CandidateRow&) {});
+    result.listed.fill(true);
     require_kept(
-        list, [&](std::ostream& out, PairFormat format) { io::write_candidates(out, answer, format); }, read_candidates,
+        list, [&](std::ostream& out, PairFormat format) { io::write_candidates(out, result, format); }, read_candidates,
         [](const io::CandidateRows& of, PairFormat) { return of.rows; });
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What rows of impacts, near pairs or candidates that were read must be, and become when they are written and read
+// Checks of rows of impacts, near pairs and candidates that were read: they are valid, and survive writing and reading
 // again.
 
 #include <string>
@@ -10,13 +10,13 @@
 
 namespace crumple::fuzz {
 
-/// The three readers.
+/// Readers of the three kinds of list, from bytes as if they were a file called `name`.
 io::FeatureList read_impacts(std::string_view bytes, const std::string& name);
 io::FeatureList read_near(std::string_view bytes, const std::string& name);
 io::CandidateRows read_candidates(std::string_view bytes, const std::string& name);
 
-/// Ids in range and in order, numbers as the list has them; and, kind after kind, the same rows when an answer that has
-/// them is written in each format.
+/// Requires ids in range and edges in order, and possible numbers. Rows, sorted by kind, must survive in each format: a
+/// result that has them is written and read again.
 void require_kept(const io::FeatureList& rows, bool impacts);
 void require_kept(const io::CandidateRows& rows);
 

@@ -252,7 +252,7 @@ void print_running() {
 extern "C" __attribute__((visibility("default"))) void __ubsan_on_report() { crumple::fuzz::print_running(); }
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
-    crumple::fuzz::tell_more = crumple::fuzz::print_running;
+    crumple::fuzz::on_failure = crumple::fuzz::print_running;
     __asan_set_error_report_callback([](const char*) { crumple::fuzz::print_running(); });
     return 0;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// What readers are given: bytes under a name, as if they were a file.
+// Reads bytes as if they were the contents of a file called `name`.
 
 #include <span>
 #include <sstream>

@@ -6,9 +6,9 @@
 
 namespace crumple::fuzz {
 
-/// The instruction sets asked for, or the best where this machine lacks it.
-inline Simd present(Simd wanted) {
-    static const auto there = [] {
+/// Returns the requested instruction set, or `automatic` if this machine lacks it.
+inline Simd present(Simd requested) {
+    static const auto available = [] {
         std::array<bool, 6> result{};
         for (std::size_t i = 0; i < result.size(); ++i) {
             try {
@@ -23,7 +23,7 @@ inline Simd present(Simd wanted) {
         }
         return result;
     }();
-    return there[static_cast<std::size_t>(wanted)] ? wanted : Simd::automatic;
+    return available[static_cast<std::size_t>(requested)] ? requested : Simd::automatic;
 }
 
 }  // namespace crumple::fuzz

@@ -2,7 +2,7 @@
 """Writes the seed corpora of the fuzz targets: make_seeds.py FOLDER makes FOLDER/readers, FOLDER/search, FOLDER/worlds,
 FOLDER/overlaps, FOLDER/features.
 
-Small files of every format and variant that docs/input.md names, sound and not, and scenes for the search. Byte 0 of a
+Valid and invalid small files of every format and variant in docs/input.md, and scenes for the search. Byte 0 of a
 reader's input chooses the file's name (`kinds` in readers.cpp), byte 1 the options.
 """
 
@@ -24,7 +24,7 @@ MESH, PLY, OBJ, STL, OFF, STL_MENDED, TXT, CSV, JSON, NPZ, NPZ_MENDED, NPY = ran
 GLTF, GLB, GLB_MENDED, WORLD, POSES_TEXT, POSES_NPY, POSES_MENDED = range(12, 19)
 FEATURES_TXT, FEATURES_CSV, FEATURES_JSON, FEATURES_NPZ, FEATURES_MENDED = range(19, 24)
 THREEMF, MODEL, MODEL_AS_MESH, GZIP, GZIP_MENDED, PAIRS_GZIP = range(24, 30)
-CANDIDATES, IMPACTS, NEAR = range(3)  # what a list of features is of
+CANDIDATES, IMPACTS, NEAR = range(3)  # content of a list of features
 FLOAT32, FLOAT64, UNWELDED, WELDED, GROUP, LABEL, FAN, STRICT = 2, 3, 4, 8, 32, 48, 64, 128  # options in readers.cpp
 
 BOM = b"\xef\xbb\xbf"
@@ -264,7 +264,10 @@ def pair_files():
 
 
 def scene(nodes, primitive=(), binary=None, **more):
-    """A description with one mesh, a tetrahedron, and what its buffer holds; `primitive` and `more` add to it."""
+    """Returns a glTF document with one mesh, a tetrahedron, and the bytes of its buffer.
+
+    `primitive` adds to the primitive and `more` to the document.
+    """
     points, faces = TETRAHEDRON
     corners = list(itertools.chain(*faces))
     if binary is None:
@@ -359,7 +362,7 @@ KIND_NAMES = {"vf": "vertex_face", "ee": "edge_edge", "ef": "edge_face", "ff": "
 
 
 def archive_of_arrays(arrays):
-    """Pairs and numbers, by name."""
+    """Returns a zip archive of arrays of pairs and of numbers by name."""
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w") as archive:
         for name, rows in arrays.items():
@@ -373,7 +376,7 @@ def archive_of_arrays(arrays):
 
 
 def feature_files():
-    """(kind of file, what the list is of, file)"""
+    """Yields (kind of file, content of the list, file)."""
     ids = {"vf": "7 1", "ee": "0 7 2 9", "ef": "9 2 3", "ff": "5 4", "ve": "8 0 7", "vv": "3 4"}
     of_files = {"vf": "0:7 1:1", "ee": "1:0 1:7 0:2 0:9", "ef": "0:9 0:2 1:3", "ff": "1:5 0:4", "ve": "1:8 0:0 0:7",
                 "vv": "1:3 1:4"}
@@ -408,7 +411,7 @@ MODEL_TYPE = b"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 
 
 def models():
-    """Children of a model part, and its attributes."""
+    """Yields the children of a 3MF model part and its attributes."""
     points, faces = TETRAHEDRON
     mesh = b"<mesh><vertices>" + b"".join(b'<vertex x="%g" y="%g" z="%g"/>' % p for p in points)
     mesh += b"</vertices><triangles>" + b"".join(b'<triangle v1="%d" v2="%d" v3="%d"/>' % f for f in faces)

@@ -9,7 +9,7 @@
 namespace crumple::fuzz {
 namespace {
 
-// One watch at a time, in one thread: readers start none.
+// Only one watch at a time, in one thread; readers start no threads.
 bool watching = false;
 std::int64_t held = 0, most = 0;
 

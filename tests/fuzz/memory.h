@@ -1,11 +1,12 @@
 #pragma once
 
-// The most memory that a piece of work has held at a time, counted by AddressSanitizer's hooks.
+// Measures the peak memory of a piece of work by the allocation hooks of AddressSanitizer.
 
 #include <cstdint>
 
 namespace crumple::fuzz {
 
+/// Measures from construction to destruction. One instance at a time, in one thread.
 class MemoryWatch {
    public:
     MemoryWatch();
@@ -13,7 +14,7 @@ class MemoryWatch {
     MemoryWatch& operator=(const MemoryWatch&) = delete;
     ~MemoryWatch();
 
-    /// Bytes, above what was held when the watch began.
+    /// Returns the peak in bytes, above the memory in use at construction.
     std::int64_t peak() const;
 };
 

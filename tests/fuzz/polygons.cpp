@@ -12,7 +12,7 @@ namespace crumple::fuzz {
 namespace {
 
 using Corners = std::span<const std::int32_t>;
-/// How often edges are run along, less how often back.
+/// Number of traversals of each edge from the smaller to the larger id, minus those in reverse.
 using Outline = std::map<std::pair<std::int32_t, std::int32_t>, int>;
 
 void add(Outline& outline, Corners ring) {
@@ -33,7 +33,8 @@ Vec3d position(const io::TriangleMesh& mesh, std::int32_t vertex) {
         mesh.vertices);
 }
 
-/// Along some axis none of the triangles is turned another way than the others. True beyond the range of expansions.
+/// True if the triangles have the same orientation as seen along some axis, or if a coordinate is beyond the range of
+/// expansions.
 bool one_way(const io::TriangleMesh& mesh, Corners triangles) {
     for (int axis = 0; axis < 3; ++axis) {
         bool left = false, right = false;

@@ -4,9 +4,9 @@
 
 namespace crumple::fuzz {
 
-/// Whole polygons, each cut into two triangles less than it has corners, which together have its outline; and, unless a
-/// polygon of the file crosses itself, by `ears` all turned the same way as seen along some axis: none overlaps
-/// another.
+/// Requires well-formed polygons. Each polygon of n corners is cut into n - 2 triangles with its outline. With `ears`,
+/// unless a polygon of the file crosses itself, its triangles also have the same orientation as seen along some axis,
+/// so that none overlaps another.
 void require_cut(const io::TriangleMesh& mesh, io::Triangulation triangulation);
 
 }  // namespace crumple::fuzz

@@ -21,7 +21,7 @@ std::string rows(const Rows& values) {
 }
 
 std::string code_of(const IntersectionQuery& query) {
-    constexpr const char* wanted[] = {"both", "between", "within"};
+    constexpr const char* scopes[] = {"both", "between", "within"};
     std::string code = "IntersectionQuery query;\n";
     if (query.neighbours == Neighbours::skip) code += "query.neighbours = Neighbours::skip;\n";
     if (query.kind == IntersectionKind::proper) code += "query.kind = IntersectionKind::proper;\n";
@@ -29,7 +29,7 @@ std::string code_of(const IntersectionQuery& query) {
     if (query.contacts()) code += "query.output = Output::contacts;\n";
     if (query.filter.groups != PairScope::both)
         code +=
-            std::string("query.filter.groups = PairScope::") + wanted[static_cast<int>(query.filter.groups)] + ";\n";
+            std::string("query.filter.groups = PairScope::") + scopes[static_cast<int>(query.filter.groups)] + ";\n";
     if (query.filter.excluded_groups.empty()) return code;
     code += "query.filter.excluded_groups = {";
     for (const GroupPair& pair : query.filter.excluded_groups)

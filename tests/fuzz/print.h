@@ -7,10 +7,10 @@
 namespace crumple::fuzz {
 
 std::string as_code(const Options& options);
-/// `name` follows the names of its arrays.
+/// Appends `name` to the names of the arrays.
 std::string as_code(const Mesh& mesh, const std::string& name);
 
-/// The search as C++ that a test can take over: options, query, and the arrays of each frame, to the last bit.
+/// Returns C++ code that can be pasted into a test: options, query, and the exact arrays of each frame.
 std::string as_code(const Search& search);
 
 }  // namespace crumple::fuzz

@@ -15,8 +15,8 @@ std::string text(double x) {
 }  // namespace
 
 std::string as_code(const Bodies& all) {
-    constexpr const char* wants[] = {"any", "any_by_world", "body_pairs", "count", "first", "pairs", "contacts"};
-    constexpr const char* wanted[] = {"both", "between", "within"};
+    constexpr const char* outputs[] = {"any", "any_by_world", "body_pairs", "count", "first", "pairs", "contacts"};
+    constexpr const char* scopes[] = {"both", "between", "within"};
     std::string code = as_code(all.options);
     if (all.memory_limit >= 0) code += "// memory limit " + std::to_string(all.memory_limit) + "\n";
     for (std::size_t s = 0; s < all.shapes.size(); ++s)
@@ -33,13 +33,13 @@ std::string as_code(const Bodies& all) {
             for (const double x : pose.rows) code += text(x) + ", ";
             code += "}}, ";
         }
-        const IntersectionQuery& q = call.question;
-        code += std::string("};\nquestion = {.output = Output::") + wants[static_cast<int>(q.output)] +
+        const IntersectionQuery& q = call.query;
+        code += std::string("};\nquestion = {.output = Output::") + outputs[static_cast<int>(q.output)] +
                 ", .neighbours = Neighbours::" + (q.neighbours == Neighbours::skip ? "skip" : "geometric") +
                 ", .kind = IntersectionKind::" + (q.kind == IntersectionKind::proper ? "proper" : "all") +
                 ", .weld = " + (q.weld ? "true" : "false") +
-                ", .filter = {.bodies = PairScope::" + wanted[static_cast<int>(q.filter.bodies)] +
-                ", .groups = PairScope::" + wanted[static_cast<int>(q.filter.groups)] + ", .excluded_bodies = {";
+                ", .filter = {.bodies = PairScope::" + scopes[static_cast<int>(q.filter.bodies)] +
+                ", .groups = PairScope::" + scopes[static_cast<int>(q.filter.groups)] + ", .excluded_bodies = {";
         for (const BodyPair& pair : q.filter.excluded_bodies)
             code += "{" + std::to_string(pair.first) + ", " + std::to_string(pair.second) + "}, ";
         code += "}, .excluded_groups = {";

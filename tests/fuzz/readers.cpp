@@ -1,8 +1,8 @@
-// Fuzz target: the readers of meshes, of pair lists, of worlds, of poses and of lists of features. The first byte of an
-// input tells what file it is to be, the second one with which options it is read; the file follows. Broken promises
-// besides what the sanitizers see: another exception than crumple::Error, an error that does not tell its place in a
-// short printable line, a mesh that is not sound, memory out of proportion, and a mesh that a writer and a reader do
-// not keep.
+// Fuzz target: the readers of meshes, pair lists, worlds, poses and lists of features. The first byte of an input
+// chooses the kind of file, the second one the options; the file follows. Broken promises besides what the sanitizers
+// find: an exception other than crumple::Error, an error whose message is not a short printable line with the place in
+// the file, an invalid mesh, memory out of proportion to the file, and a mesh that changes when it is written and read
+// again.
 
 #include <algorithm>
 #include <cstring>
@@ -29,9 +29,9 @@ enum class Content { mesh, pairs, world, poses, features };
 enum class Mended { nothing, stl_count, archive, glb, array_of_poses, archive_of_faces, package, gzip };
 
 struct Kind {
-    const char* name;  ///< of the file; its extension is a reader's second hint
+    const char* name;  ///< file name; readers take its extension as a hint
     Content content;
-    Mended mended = Mended::nothing;  ///< what hides the reader's insides from random bytes
+    Mended mended = Mended::nothing;  ///< part of the file that is made valid, for random bytes to get past it
 };
 
 constexpr Kind kinds[] = {
@@ -95,7 +95,7 @@ io::ReadOptions options_of(std::uint8_t byte) {
     options.group_property = groups[byte >> 4 & 3];
     options.triangulation = byte & 64 ? io::Triangulation::fan : io::Triangulation::ears;
     options.strict = byte & 128;
-    if ((byte & 0x30) == 0x10) options.unit = io::Unit::inch;  // where there are no groups
+    if ((byte & 0x30) == 0x10) options.unit = io::Unit::inch;  // only without groups
     return options;
 }
 
@@ -139,7 +139,7 @@ void check_error(const Error& error, std::string_view file, const Kind& kind, bo
               "an error that does not tell its place");
 }
 
-/// Calls read() and watches; nothing if it throws what it may throw.
+/// Returns the result of read(), or nothing if it throws an allowed error; checks the error and the peak memory.
 template <class Read>
 auto watched(std::string_view file, const Kind& kind, bool names_property, Read&& read) {
     std::optional<decltype(read())> result;
@@ -155,9 +155,9 @@ auto watched(std::string_view file, const Kind& kind, bool names_property, Read&
     } catch (const std::exception& other) {
         fail(std::string("an exception that is not crumple::Error: ") + other.what());
     }
-    // A face of one byte a corner becomes 12 bytes a triangle in a vector that doubles, and ears take lists. Deflated
-    // bytes become a thousand times as many, and a few lines of 3MF name 65,536 bodies. A byte of glTF's binary chunk
-    // may be named by eight triangles.
+    // Faces take one byte per corner in the file but 12 bytes per triangle in a vector that doubles, and ear clipping
+    // needs lists. Deflated bytes expand a thousandfold, and a few lines of 3MF create 65,536 bodies. Eight triangles
+    // may refer to the same byte of the binary chunk of glTF.
     const bool package = std::strcmp(kind.name, "file.3mf") == 0 || is_archive(file);
     const bool scene = kind.content == Content::world || is_scene(file);
     const auto size = static_cast<std::int64_t>(file.size());
@@ -194,7 +194,7 @@ void check_mesh(std::string_view file, const Kind& kind, const io::ReadOptions& 
     require(mesh->groups.empty() || names_property, "groups that nobody asked for");
     require(!names_property || mesh->groups.size() == mesh->triangles.size() / 3, "groups are missing");
     check_precision(*mesh, options);
-    // Of a scene each shape is welded by itself, unless all is.
+    // `automatic` welds the shapes of a scene separately.
     const bool by_shape = options.weld == io::Weld::automatic && (is_scene(file) || is_archive(file));
     if (options.weld != io::Weld::no && !by_shape) {
         io::ReadOptions unwelded = options;
@@ -236,7 +236,7 @@ void check_poses(std::string_view file, const Kind& kind, std::uint8_t byte) {
     if (poses) require_kept(*poses, bodies);
 }
 
-/// `byte`: what the list is of.
+/// `byte` chooses candidates, impacts or near pairs.
 void check_features(std::string_view file, const Kind& kind, std::uint8_t byte) {
     if (byte % 3 == 0) {
         const auto rows = watched(file, kind, false, [&] { return read_candidates(file, kind.name); });

@@ -1,7 +1,6 @@
 #pragma once
 
-// What two backends say of the same question, compared byte by byte: answers by require_same of the target, errors
-// here.
+// Compares the outcomes of one query by two backends byte by byte: results by `same` of the target, errors here.
 
 #include <cstring>
 #include <string>
@@ -14,13 +13,13 @@
 
 namespace crumple::fuzz {
 
-template <class Answer>
-using Outcome = std::variant<Answer, Error>;
+template <class Result>
+using Outcome = std::variant<Result, Error>;
 
-template <class Answer, class Call>
-Outcome<Answer> outcome_of(Call&& call) {
+template <class Result, class Call>
+Outcome<Result> outcome_of(Call&& call) {
     try {
-        return Answer(call());
+        return Result(call());
     } catch (const Error& error) {
         return error;
     }
@@ -34,16 +33,16 @@ void require_same_bytes(const Array<T>& found, const Array<T>& expected, const s
         if (std::memcmp(&found[i], &expected[i], sizeof(T)) != 0) fail(what + " differ at " + std::to_string(i));
 }
 
-/// `same(found, expected, what)` compares answers.
-template <class Answer, class Same>
-void compare(const Outcome<Answer>& found, const Outcome<Answer>& expected, const std::string& what, Same same) {
-    const Error *error = std::get_if<Error>(&found), *wanted = std::get_if<Error>(&expected);
-    if (error && !wanted) fail(what + " throws: " + error->what());
-    if (wanted && !error) fail(what + " does not throw: " + wanted->what());
-    if (!error) return same(std::get<Answer>(found), std::get<Answer>(expected), what);
-    if (error->code != wanted->code || error->element != wanted->element || error->index != wanted->index ||
-        std::strcmp(error->what(), wanted->what()) != 0)
-        fail(what + " throws " + error->what() + " instead of " + wanted->what());
+/// Requires equal results by `same(found, expected, what)`, or equal errors.
+template <class Result, class Same>
+void compare(const Outcome<Result>& found, const Outcome<Result>& expected, const std::string& what, Same same) {
+    const Error *error = std::get_if<Error>(&found), *expected_error = std::get_if<Error>(&expected);
+    if (error && !expected_error) fail(what + " throws: " + error->what());
+    if (expected_error && !error) fail(what + " does not throw: " + expected_error->what());
+    if (!error) return same(std::get<Result>(found), std::get<Result>(expected), what);
+    if (error->code != expected_error->code || error->element != expected_error->element ||
+        error->index != expected_error->index || std::strcmp(error->what(), expected_error->what()) != 0)
+        fail(what + " throws " + error->what() + " instead of " + expected_error->what());
 }
 
 }  // namespace crumple::fuzz

@@ -1,7 +1,8 @@
-// Fuzz target: searches, each decoded from an input (decode.h). Broken promises besides what the sanitizers see: an
-// answer that differs in a byte from brute force in rational arithmetic, in find, any, the union of parts,
-// under a memory limit, with kept detectors and with new ones; a limit that does not suffice though an error named it;
-// a contact that is not the rational one, correctly rounded; an error that the other backend does not give.
+// Fuzz target: searches, each decoded from an input (decode.h). Broken promises besides what the sanitizers find: a
+// result that differs in a byte from brute force in rational arithmetic, in find, any, streamed blocks, the union of
+// parts, or under a memory limit, with reused detectors and with new ones; a memory error although less memory than it
+// names suffices; a contact that is not the correctly rounded rational one; an error that the other backend does not
+// report.
 
 #include <sanitizer/asan_interface.h>
 
@@ -25,7 +26,7 @@ namespace {
 
 using Input = std::vector<std::uint8_t>;
 
-/// The meshes of a frame as the detector is given them.
+/// Views of the meshes of a frame, as passed to the detector.
 class Views {
    public:
     explicit Views(const Frame& frame) : a_(frame[0]) {
@@ -37,12 +38,12 @@ class Views {
     bool any(Detector& by, const IntersectionQuery& query) const {
         return b_ ? by.any({a(), b()}, query) : by.any(a(), query);
     }
-    void stream(Detector& by, FunctionRef<void(const Intersections&)> take, const IntersectionQuery& query,
+    void stream(Detector& by, FunctionRef<void(const Intersections&)> consume, const IntersectionQuery& query,
                 std::int64_t rows) const {
         if (b_)
-            by.stream({a(), b()}, query, take, rows);
+            by.stream({a(), b()}, query, consume, rows);
         else
-            by.stream(a(), query, take, rows);
+            by.stream(a(), query, consume, rows);
     }
     std::vector<Part> partition(Detector& by, int count) const {
         return b_ ? by.partition({a(), b()}, {}, count) : by.partition(a(), {}, count);
@@ -83,7 +84,7 @@ void require_same(const Outcome<Intersections>& found, const Outcome<Intersectio
             [](const Intersections& f, const Intersections& e, const std::string& w) { require_same(f, e, w); });
 }
 
-/// One search, all its questions.
+/// Checks of one search: every query on each frame, and blocks, parts and the memory limit on the last one.
 class Judge {
    public:
     Judge(const Search& search, Detector& reference, Detector& detector)
@@ -94,19 +95,19 @@ class Judge {
             const Views views(frame);
             const Outcome<Intersections> expected = outcome_of<Intersections>(
                 [&]() -> const Intersections& { return views.find(reference_, search_.query); });
-            ask(detector_, views, expected);
-            const auto* answer = std::get_if<Intersections>(&expected);
-            if (!answer) continue;
-            if (search_.query.contacts()) check_contacts(frame, *answer);
+            check_find(detector_, views, expected);
+            const auto* result = std::get_if<Intersections>(&expected);
+            if (!result) continue;
+            if (search_.query.contacts()) check_contacts(frame, *result);
             if (&frame != &search_.frames.back()) continue;
-            if (search_.block_rows > 0) check_blocks(views, *answer);
-            if (search_.parts > 0) check_parts(views, frame, *answer);
-            if (search_.memory_limit >= 0) check_limit(views, *answer);
+            if (search_.block_rows > 0) check_blocks(views, *result);
+            if (search_.parts > 0) check_parts(views, frame, *result);
+            if (search_.memory_limit >= 0) check_limit(views, *result);
         }
     }
 
    private:
-    void ask(Detector& detector, const Views& views, const Outcome<Intersections>& expected) const {
+    void check_find(Detector& detector, const Views& views, const Outcome<Intersections>& expected) const {
         const Outcome<Intersections> found =
             outcome_of<Intersections>([&]() -> const Intersections& { return views.find(detector, search_.query); });
         require_same(found, expected, "find");
@@ -124,21 +125,21 @@ class Judge {
         return result;
     }
 
-    /// No backend rounds contacts by rational arithmetic where less suffices.
-    void check_contacts(const Frame& frame, const Intersections& answer) const {
-        for (std::size_t i = 0; i < answer.pairs.size(); ++i) {
-            const Contact truth = contact(intersect_rationally(triangle(frame.front(), answer.pairs[i].a),
-                                                               triangle(frame.back(), answer.pairs[i].b)));
-            const auto begin = static_cast<std::size_t>(answer.contacts.offsets[i]);
-            const auto count = static_cast<std::size_t>(answer.contacts.offsets[i + 1]) - begin;
-            const auto bytes = count * sizeof answer.contacts.points[0];
-            if (count != static_cast<std::size_t>(truth.count) || answer.contacts.kinds[i] != truth.kind() ||
-                (count > 0 && std::memcmp(&answer.contacts.points[begin], truth.points.data(), bytes) != 0))
+    /// Checks contacts against rational arithmetic, since backends use faster arithmetic where it suffices.
+    void check_contacts(const Frame& frame, const Intersections& result) const {
+        for (std::size_t i = 0; i < result.pairs.size(); ++i) {
+            const Contact truth = contact(intersect_rationally(triangle(frame.front(), result.pairs[i].a),
+                                                               triangle(frame.back(), result.pairs[i].b)));
+            const auto begin = static_cast<std::size_t>(result.contacts.offsets[i]);
+            const auto count = static_cast<std::size_t>(result.contacts.offsets[i + 1]) - begin;
+            const auto bytes = count * sizeof result.contacts.points[0];
+            if (count != static_cast<std::size_t>(truth.count) || result.contacts.kinds[i] != truth.kind() ||
+                (count > 0 && std::memcmp(&result.contacts.points[begin], truth.points.data(), bytes) != 0))
                 fail("the contact of pair " + std::to_string(i));
         }
     }
 
-    /// Contacts are those of the whole answer, byte by byte.
+    /// Requires the contacts of `found` to equal those of the whole result byte by byte.
     static void require_contacts_of(const Intersections& whole, const Intersections& found) {
         const Contacts &theirs = whole.contacts, &ours = found.contacts;
         for (std::size_t i = 0; i < ours.kinds.size(); ++i) {
@@ -152,17 +153,17 @@ class Judge {
         }
     }
 
-    /// Blocks together have the rows of the result.
+    /// Checks that the blocks together have the rows of the result.
     void check_blocks(const Views& views, const Intersections& whole) const {
         Array<Pair> all;
         std::int64_t points = 0;
-        const auto take = [&](const Intersections& block) {
+        const auto consume = [&](const Intersections& block) {
             require(static_cast<std::int64_t>(block.pairs.size()) <= search_.block_rows, "a block's size");
             for (const Pair& pair : block.pairs) all.push_back(pair);
             if (search_.query.contacts()) require_contacts_of(whole, block);
             points += static_cast<std::int64_t>(block.contacts.points.size());
         };
-        views.stream(detector_, take, search_.query, search_.block_rows);
+        views.stream(detector_, consume, search_.query, search_.block_rows);
         std::sort(all.begin(), all.end());
         if (!std::ranges::equal(all, whole.pairs)) fail("the blocks:" + difference(all, whole.pairs));
         require(points == static_cast<std::int64_t>(whole.contacts.points.size()), "the blocks' contacts");
@@ -197,15 +198,15 @@ class Judge {
         Options options = search_.options;
         options.memory_limit = 1 + search_.memory_limit;
         Detector tight(options);
-        for (int call = 0; call < 2; ++call) {  // the second one with what the first one has left
+        for (int call = 0; call < 2; ++call) {  // the second call starts with the caches of the first
             const Outcome<Intersections> found = find(tight);
             if (const auto* error = std::get_if<Error>(&found)) {
                 check_bounds(find, options, *error, expected);
                 break;
             }
-            const Intersections& answer = std::get<Intersections>(found);
-            require_same(answer, expected, "under a limit");
-            require(answer.statistics.peak_memory_bytes <= options.memory_limit, "a limit is exceeded");
+            const Intersections& result = std::get<Intersections>(found);
+            require_same(result, expected, "under a limit");
+            require(result.statistics.peak_memory_bytes <= options.memory_limit, "a limit is exceeded");
         }
         try {
             require(views.any(tight, search_.query) == !expected.pairs.empty(), "has_collision under a limit");
@@ -214,7 +215,7 @@ class Judge {
         }
     }
 
-    /// Checks an error under a limit: what it says is needed is, and limits that are doubled suffice in the end.
+    /// Checks an error under a limit: less than `bytes_needed` fails, and limits doubled from there suffice in the end.
     template <class Find>
     void check_bounds(Find find, Options options, const Error& error, const Intersections& expected) const {
         if (error.code != ErrorCode::memory_limit || error.bytes_needed <= options.memory_limit)
@@ -243,29 +244,30 @@ bool same_options(const Options& a, const Options& b) {
            a.fuzzy_c_means == b.fuzzy_c_means;
 }
 
-/// A detector that several inputs use, and which these were: together they are what a finding needs.
-struct Kept {
+/// A detector that several inputs use, with these inputs: a finding is reproducible only by all of them.
+struct ReusedDetector {
     std::unique_ptr<Detector> detector;
     std::vector<Input> history;
 };
 
-Kept& kept_for(const Options& options) {
+ReusedDetector& reused_for(const Options& options) {
     constexpr std::size_t most_inputs = 32;
-    static Kept slots[64];
+    static ReusedDetector slots[64];
     const auto key =
         static_cast<std::size_t>(options.threads + 2 * static_cast<int>(options.simd) + 7 * options.clusters +
                                  5 * options.leaf_size + 3 * options.fuzzy_c_means.max_iterations);
-    Kept& kept = slots[key % 64];
-    const bool fits = kept.detector && same_options(kept.detector->options(), options);
-    if (!fits || kept.history.size() == most_inputs) kept = {std::make_unique<Detector>(options), {}};
-    return kept;
+    ReusedDetector& reused = slots[key % 64];
+    const bool fits = reused.detector && same_options(reused.detector->options(), options);
+    if (!fits || reused.history.size() == most_inputs) reused = {std::make_unique<Detector>(options), {}};
+    return reused;
 }
 
-/// Tells of the search that runs when the process ends: sanitizers and broken promises alike.
+/// Search under test, and the earlier inputs of its detector. print_input() prints them when a sanitizer report or a
+/// broken promise ends the process.
 const Search* running = nullptr;
 const std::vector<Input>* earlier = nullptr;
 
-void tell() {
+void print_input() {
     if (!running) return;
     std::fprintf(stderr, "\n%s\n", as_code(*running).c_str());
     for (const Input& input : earlier ? *earlier : std::vector<Input>{}) {
@@ -280,11 +282,11 @@ void tell() {
 }  // namespace crumple::fuzz
 
 // Called by UndefinedBehaviorSanitizer before it ends the process.
-extern "C" __attribute__((visibility("default"))) void __ubsan_on_report() { crumple::fuzz::tell(); }
+extern "C" __attribute__((visibility("default"))) void __ubsan_on_report() { crumple::fuzz::print_input(); }
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
-    crumple::fuzz::tell_more = crumple::fuzz::tell;
-    __asan_set_error_report_callback([](const char*) { crumple::fuzz::tell(); });
+    crumple::fuzz::on_failure = crumple::fuzz::print_input;
+    __asan_set_error_report_callback([](const char*) { crumple::fuzz::print_input(); });
     return 0;
 }
 
@@ -300,11 +302,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }();
     running = &search;
     try {
-        if (search.kept) {
-            Kept& kept = kept_for(search.options);
-            earlier = &kept.history;
-            Judge(search, reference, *kept.detector).judge();
-            kept.history.emplace_back(data, data + size);
+        if (search.reused) {
+            ReusedDetector& reused = reused_for(search.options);
+            earlier = &reused.history;
+            Judge(search, reference, *reused.detector).judge();
+            reused.history.emplace_back(data, data + size);
         } else {
             earlier = nullptr;
             Detector fresh(search.options);

@@ -1,18 +1,18 @@
-"""Seeds of the fuzz targets `search`, `features`, `worlds` and `overlaps`: scenes by hand and by chance."""
+"""Seeds of the fuzz targets `search`, `features`, `worlds` and `overlaps`: scenes made by hand and at random."""
 
 import random
 
 
 def search_inputs():
-    """Bytes as decode.cpp reads them: options, query, two layouts, excluded groups, frames, meshes."""
+    """Yields inputs as decode.cpp reads them: options, query, two layouts, excluded groups, frames, meshes."""
     choose = random.Random(7)
 
-    def header(between=False, contacts=True, how=0, size=13, extras=0, options=bytes(6), kept=0, wild=0):
+    def header(between=False, contacts=True, how=0, size=13, extras=0, options=bytes(6), reused=0, wild=0):
         flags = how | (8 if contacts else 0) | (64 if between else 0)
         more = (extras & 1) + (extras & 24 == 24)  # a count of parts, a memory limit
-        rest = bytes([1, 0, 0, 0, 0]) * 2  # float32, int32, contiguous, no groups
-        return (bytes([kept, size, wild]) + options + bytes([flags, 0, extras]) +
-                bytes(choose.randrange(64) for _ in range(more)) + rest + bytes([0, 0]))
+        layouts = bytes([1, 0, 0, 0, 0]) * 2  # float32, int32, contiguous, no groups
+        return (bytes([reused, size, wild]) + options + bytes([flags, 0, extras]) +
+                bytes(choose.randrange(64) for _ in range(more)) + layouts + bytes([0, 0]))
 
     def mesh(vertices, triangles, soup=False, scale=0, shift=0):
         data = bytes([scale, shift, len(triangles), len(vertices), int(soup)])
@@ -42,7 +42,7 @@ def search_inputs():
 
 
 def overlap_inputs():
-    """Bytes as overlaps.cpp reads them; what they mean is left to chance but for the options."""
+    """Yields inputs as overlaps.cpp reads them: random bytes, half of them after default options."""
     choose = random.Random(9)
     for length in (60, 120, 240):
         for number in range(60):
@@ -51,7 +51,7 @@ def overlap_inputs():
 
 
 def feature_inputs():
-    """Bytes as features.cpp reads them; what they mean is left to chance but for the options."""
+    """Yields inputs as features.cpp reads them: random bytes, half of them after default options."""
     choose = random.Random(10)
     for length in (60, 120, 240):
         for number in range(60):
@@ -60,7 +60,7 @@ def feature_inputs():
 
 
 def world_inputs():
-    """Bytes as decode_world.cpp reads them; what they mean is left to chance but for the options."""
+    """Yields inputs as decode_world.cpp reads them: random bytes, half of them after default options."""
     choose = random.Random(8)
     for length in (60, 120, 240, 480):
         for number in range(60):

@@ -1,6 +1,7 @@
 // Fuzz target: worlds of bodies, each decoded from an input (decode_world.h). Broken promises besides what the
-// sanitizers see: an answer that differs in a byte from brute force in rational arithmetic, call after call by one
-// detector that remembers named shapes, and under a memory limit; an error that the other backend does not give.
+// sanitizers find: a result that differs in a byte from brute force in rational arithmetic, in any of several calls of
+// one detector that caches named shapes, with and without a memory limit; an error that the other backend does not
+// report.
 
 #include <sanitizer/asan_interface.h>
 
@@ -32,7 +33,7 @@ void require_same(const Intersections& found, const Intersections& expected, con
     require_same_bytes(found.contacts.points, expected.contacts.points, what + " contact points");
 }
 
-using Answer = Outcome<Intersections>;
+using FindOutcome = Outcome<Intersections>;
 
 class Judge {
    public:
@@ -52,31 +53,33 @@ class Judge {
         std::optional<Detector> tight;
         if (bodies_.memory_limit >= 0) tight.emplace(options);
         for (const Call& call : bodies_.calls) {
-            const Answer expected = ask(reference_, call);
-            require_outcome(ask(detector, call), expected, "find");
+            const FindOutcome expected = run(reference_, call);
+            require_outcome(run(detector, call), expected, "find");
             if (tight) check_limit(*tight, call, expected);
         }
     }
 
    private:
-    Answer ask(Detector& by, const Call& call) const {
+    FindOutcome run(Detector& by, const Call& call) const {
         return outcome_of<Intersections>([&]() -> const Intersections& {
-            return by.find(World{shapes_, bodies_.bodies, call.poses}, call.question);
+            return by.find(World{shapes_, bodies_.bodies, call.poses}, call.query);
         });
     }
-    /// Which of several errors is told is left open, and a search need not look at all bodies (docs/worlds.md).
-    static void require_outcome(const Answer& found, const Answer& expected, const std::string& what) {
-        const Error *error = std::get_if<Error>(&found), *wanted = std::get_if<Error>(&expected);
-        if (error && !wanted) fail(what + " throws: " + error->what());
-        const bool of_call = (wanted && wanted->code == ErrorCode::invalid_argument) ||
+    /// Requires equal results, and an error where the reference reports an invalid argument. A backend may report any
+    /// of several errors, and a search may skip bodies with errors (docs/worlds.md).
+    static void require_outcome(const FindOutcome& found, const FindOutcome& expected, const std::string& what) {
+        const Error *error = std::get_if<Error>(&found), *expected_error = std::get_if<Error>(&expected);
+        if (error && !expected_error) fail(what + " throws: " + error->what());
+        const bool of_call = (expected_error && expected_error->code == ErrorCode::invalid_argument) ||
                              (error && error->code == ErrorCode::invalid_argument);
-        if (of_call && (!error || error->code != wanted->code))
-            fail(what + " throws " + (error ? error->what() : "nothing") + " instead of " + wanted->what());
-        if (!error && !wanted) require_same(std::get<Intersections>(found), std::get<Intersections>(expected), what);
+        if (of_call && (!error || error->code != expected_error->code))
+            fail(what + " throws " + (error ? error->what() : "nothing") + " instead of " + expected_error->what());
+        if (!error && !expected_error)
+            require_same(std::get<Intersections>(found), std::get<Intersections>(expected), what);
     }
 
-    void check_limit(Detector& tight, const Call& call, const Answer& expected) const {
-        const Answer found = ask(tight, call);
+    void check_limit(Detector& tight, const Call& call, const FindOutcome& expected) const {
+        const FindOutcome found = run(tight, call);
         const std::int64_t limit = tight.options().memory_limit;
         const Error* error = std::get_if<Error>(&found);
         if (!error || error->code != ErrorCode::memory_limit) {
@@ -94,10 +97,10 @@ class Judge {
     std::vector<Shape> shapes_;
 };
 
-/// Tells of the worlds that are judged when the process ends: sanitizers and broken promises alike.
+/// Worlds under test. print_input() prints them when a sanitizer report or a broken promise ends the process.
 const Bodies* running = nullptr;
 
-void tell() {
+void print_input() {
     if (running) std::fprintf(stderr, "\n%s\n", as_code(*running).c_str());
     running = nullptr;
 }
@@ -106,11 +109,11 @@ void tell() {
 }  // namespace crumple::fuzz
 
 // Called by UndefinedBehaviorSanitizer before it ends the process.
-extern "C" __attribute__((visibility("default"))) void __ubsan_on_report() { crumple::fuzz::tell(); }
+extern "C" __attribute__((visibility("default"))) void __ubsan_on_report() { crumple::fuzz::print_input(); }
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
-    crumple::fuzz::tell_more = crumple::fuzz::tell;
-    __asan_set_error_report_callback([](const char*) { crumple::fuzz::tell(); });
+    crumple::fuzz::on_failure = crumple::fuzz::print_input;
+    __asan_set_error_report_callback([](const char*) { crumple::fuzz::print_input(); });
     return 0;
 }
 

@@ -52,7 +52,7 @@ std::string written(Write&& write) {
     return std::move(out).str();
 }
 
-/// Three float32 vertices a triangle; whether they are all finite.
+/// Sets `stl` to the mesh with three float32 vertices per triangle. Returns true if they are all finite.
 bool as_stl(const TriangleMesh& mesh, TriangleMesh& stl) {
     std::vector<float> xyz;
     with_coordinates(mesh, [&](const auto& from) {
@@ -82,10 +82,10 @@ void require_kept_by_stl(const TriangleMesh& mesh) {
     require_same(read_again(bytes, "again.stl", Precision::automatic), expected, "written as STL and read");
 }
 
-/// Without groups, which most formats do not hold.
+/// Returns vertices and triangles alone: most formats hold no groups.
 TriangleMesh as_triangles(const TriangleMesh& mesh) { return {mesh.vertices, mesh.triangles}; }
 
-/// As triangles or, if the mesh has them, as polygons, which are cut again.
+/// Writes triangles or, if the mesh has them, polygons, which are cut again.
 void require_kept_by_coloured(const TriangleMesh& mesh, io::Triangulation triangulation) {
     io::ColouredMesh coloured{mesh, std::vector<std::uint8_t>(mesh.triangles.size() / 3)};
     for (std::size_t t = 0; t < coloured.hit.size(); t += 2) coloured.hit[t] = 1;
@@ -164,7 +164,7 @@ void require_kept_by_writers(const TriangleMesh& mesh, io::Triangulation triangu
     const std::string ply = written([&](std::ostream& out) { io::write_ply(out, mesh, false); });
     require_same(read_again(ply, "again.ply", Precision::automatic, mesh.groups.empty() ? "" : "group"), mesh,
                  "written as PLY and read");
-    if (mesh.vertex_count() > 0) {  // none makes an empty file, which is refused
+    if (mesh.vertex_count() > 0) {  // without vertices the file is empty, which is refused
         const std::string obj = written([&](std::ostream& out) { io::write_obj(out, mesh, false); });
         require_same(read_again(obj, "again.obj", precision_of(mesh)), without_groups, "written as OBJ and read");
     }

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a mesh or a list of pairs that was read must be, and become when it is written and read again.
+// Checks of meshes and lists of pairs that were read: they are valid, and survive writing and reading again.
 
 #include <string>
 #include <vector>
@@ -9,23 +9,23 @@
 
 namespace crumple::fuzz {
 
-/// The same precision, bits, triangles and groups.
+/// Requires the same precision, triangles and groups, and bitwise equal coordinates.
 void require_same(const io::TriangleMesh& a, const io::TriangleMesh& b, const char* what);
 
-/// The same precision, and the same corners in the same order, whatever vertices they name.
+/// Requires the same precision, and corners at the same positions in the same order, whatever their vertex ids.
 void require_same_corners(const io::TriangleMesh& a, const io::TriangleMesh& b, const char* what);
 
-/// Whole triangles, indices in range, finite coordinates, no groups or one a triangle.
+/// Requires whole triangles, indices in range, finite coordinates, and no groups or one per triangle.
 void require_sound(const io::TriangleMesh& mesh);
 
-/// No two vertices at one position, and the same corners as the mesh before welding.
+/// Requires no two vertices at one position, and corners at the same positions as before welding.
 void require_welded(const io::TriangleMesh& mesh, const io::TriangleMesh& before);
 
-/// Written by each writer and read again, a mesh is the same as far as the format can hold it. Coloured meshes keep
-/// their polygons, to be cut as they were.
+/// Requires the mesh to survive each writer and reader, as far as the format can hold it. Coloured meshes keep their
+/// polygons, which are cut in the same way again.
 void require_kept_by_writers(const io::TriangleMesh& mesh, io::Triangulation triangulation);
 
-/// The same for pairs, which all formats hold.
+/// Requires the pairs to survive each writer and reader; all formats can hold them.
 void require_kept_by_writers(const std::vector<Pair>& pairs);
 
 }  // namespace crumple::fuzz

@@ -1,4 +1,5 @@
-// The decision as device code. On a device, and on the CPU, it must say what the host says.
+// Runs decisions, contacts, filters and parts as device code, on a device or on the CPU, and compares them with the
+// host.
 
 #include <cstring>
 
@@ -101,13 +102,13 @@ struct Leaf {
     std::int32_t id[6];
     LeafFrame frame;
 };
-struct Answer {
+struct FilterResult {
     Verdict verdict;
     Ball ball;
     bool joins;
 };
 
-CRUMPLE_HD Answer answer(const Leaf& leaf) {
+CRUMPLE_HD FilterResult filter_result(const Leaf& leaf) {
     const PointRows points{leaf.rows, nullptr};
     const auto corners = [&](int t, Vec3d p[3]) {
         for (int k = 0; k < 3; ++k) p[k] = points[leaf.id[3 * t + k]];
@@ -120,16 +121,16 @@ CRUMPLE_HD Answer answer(const Leaf& leaf) {
     const float reach = max(a.counted_reach(), b.counted_reach());
     scale_plane(first, plane_scale(reach));
     scale_plane(second, plane_scale(reach));
-    Answer result{};
+    FilterResult result{};
     result.verdict = filter_pair(first, second, {}, points, reach);
     result.ball = ball_of(to_float(points[leaf.id[0]]), to_float(points[leaf.id[1]]), to_float(points[leaf.id[2]]));
     result.joins = joins(dot(a.low, a.low), 1.0f, result.ball.r, bisector_reach(b.high));
     return result;
 }
 
-__global__ void filter_all(const Leaf* leaves, int count, Answer* answers) {
+__global__ void filter_all(const Leaf* leaves, int count, FilterResult* results) {
     const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-    if (i < count) answers[i] = answer(leaves[i]);
+    if (i < count) results[i] = filter_result(leaves[i]);
 }
 
 TEST_F(Device, filters_as_the_host_does) {
@@ -142,23 +143,23 @@ TEST_F(Device, filters_as_the_host_does) {
             leaf.rows[4 * row + 3] = 0;
             leaf.id[row] = row;
         }
-        leaf.id[3] = random.integer(4);  // now and then a neighbour
+        leaf.id[3] = random.integer(4);  // sometimes an adjacent triangle
         leaf.frame = {{0.25f, 0, 0}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, random.integer(4) ? 2.0f : 0.9f};
     }
     const portable::Array<Leaf> input(leaves);
-    const portable::Array<Answer> output(leaves.size());
+    const portable::Array<FilterResult> output(leaves.size());
     portable::launch(filter_all, static_cast<unsigned>((leaves.size() + 127) / 128), 128, 0, input.data(),
                      static_cast<int>(leaves.size()), output.data());
-    const std::vector<Answer> found = output.values();
+    const std::vector<FilterResult> found = output.values();
     for (std::size_t i = 0; i < leaves.size(); ++i) {
-        const Answer expected = answer(leaves[i]);
+        const FilterResult expected = filter_result(leaves[i]);
         ASSERT_EQ(found[i].verdict, expected.verdict) << i;
         ASSERT_EQ(found[i].ball.r, expected.ball.r) << i;
         ASSERT_EQ(found[i].joins, expected.joins) << i;
     }
 }
 
-// Two levels, of three and of two centres in each.
+// Tree of two levels: three centres, and two below each of them.
 struct Tree {
     std::int32_t first[2][4] = {{0, 3}, {0, 2, 4, 6}};
     PartSiblings centres[2][3];
@@ -187,7 +188,7 @@ struct Tree {
         for (int l = 0; l < 2; ++l) tree.level[l] = {first[l], centres[l], apart[l]};
         return tree;
     }
-    // All parts and masks of a triangle in one number.
+    // Returns all parts and masks of a triangle combined in one number.
     CRUMPLE_HD std::uint64_t digest(const Triangle& triangle) const {
         std::uint64_t digest = 0;
         const PartTree tree = view();
@@ -208,10 +209,10 @@ TEST_F(Device, finds_the_parts_that_the_host_finds) {
     const std::vector<Tree> tree{Tree(random)};
     std::vector<TrianglePair> pairs;
     for (int i = 0; i < rounds; ++i) pairs.push_back(random());
-    const portable::Array<Tree> tree_there(tree);
+    const portable::Array<Tree> device_tree(tree);
     const portable::Array<TrianglePair> input(pairs);
     const portable::Array<std::uint64_t> output(pairs.size());
-    portable::launch(digest_all, static_cast<unsigned>((pairs.size() + 127) / 128), 128, 0, tree_there.data(),
+    portable::launch(digest_all, static_cast<unsigned>((pairs.size() + 127) / 128), 128, 0, device_tree.data(),
                      input.data(), static_cast<int>(pairs.size()), output.data());
     const std::vector<std::uint64_t> found = output.values();
     for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -16,7 +16,7 @@ class Numbers {
         const double magnitude = std::ldexp(mantissa_(engine_), exponent_(engine_));
         return engine_() & 1 ? magnitude : -magnitude;
     }
-    /// Such as cancellation leaves: few bits.
+    /// Returns a number of few bits, as left by cancellation.
     double rounded() { return static_cast<float>((*this)()); }
 
    private:
@@ -37,7 +37,7 @@ void expect_proper(const Expansion<N>& e) {
     }
 }
 
-TEST(Expansion, SumsAndProductsOfTwoNumbersAreExact) {
+TEST(Expansion, sums_and_products_of_two_numbers_are_exact) {
     Numbers number;
     for (int i = 0; i < more_or_less(20'000); ++i) {
         const double a = number(), b = i % 2 ? number() : number.rounded();
@@ -49,7 +49,7 @@ TEST(Expansion, SumsAndProductsOfTwoNumbersAreExact) {
     }
 }
 
-TEST(Expansion, HoldsSumsDifferencesAndProductsExactly) {
+TEST(Expansion, holds_sums_differences_and_products_exactly) {
     Numbers number;
     for (int i = 0; i < more_or_less(5'000); ++i) {
         const auto next = [&] { return i % 2 ? number() : number.rounded(); };
@@ -71,7 +71,7 @@ TEST(Expansion, HoldsSumsDifferencesAndProductsExactly) {
     }
 }
 
-TEST(Expansion, CancelsToZero) {
+TEST(Expansion, cancels_to_zero) {
     const Expansion<2> a = exact_difference(1, 0x1p-60), b = exact_difference(3, 0x1p-70);
     EXPECT_EQ((a * b - b * a).sign(), 0);
     EXPECT_EQ((a - a).size, 0);
@@ -79,7 +79,7 @@ TEST(Expansion, CancelsToZero) {
     EXPECT_EQ((a * (b - b)).size, 0);
 }
 
-TEST(Expansion, SignIsThatOfTheTinyRest) {
+TEST(Expansion, sign_of_a_tiny_difference_is_exact) {
     const auto a = exact_difference(1, 0x1p-300), b = exact_difference(1, 0);
     EXPECT_EQ((a - b).sign(), -1);
     EXPECT_EQ((b - a).sign(), 1);

@@ -36,7 +36,7 @@ class PredicatesOfEachKind : public testing::TestWithParam<Kind> {
     RandomPairs random{GetParam(), 11};
 };
 
-TEST_P(PredicatesOfEachKind, FiltersAreRightOrUndecided) {
+TEST_P(PredicatesOfEachKind, filters_are_right_or_undecided) {
     for (int i = 0; i < rounds(); ++i) {
         const auto [s, t] = random();
         const CallersMode caller(i);
@@ -56,7 +56,7 @@ TEST_P(PredicatesOfEachKind, FiltersAreRightOrUndecided) {
     }
 }
 
-TEST_P(PredicatesOfEachKind, ExpansionsAreExactInTheirRange) {
+TEST_P(PredicatesOfEachKind, expansions_are_exact_in_their_range) {
     int in_range = 0;
     for (int i = 0; i < rounds(); ++i) {
         const auto [s, t] = random();
@@ -82,7 +82,7 @@ TEST_P(PredicatesOfEachKind, ExpansionsAreExactInTheirRange) {
 
 INSTANTIATE_TEST_SUITE_P(All, PredicatesOfEachKind, testing::ValuesIn(all_kinds));
 
-TEST(Predicates, SignsMeanCounterClockwise) {
+TEST(Predicates, positive_sign_means_counterclockwise) {
     const Vec3d o{0, 0, 0}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
     EXPECT_EQ(orient3d(o, x, y, z), 1);
     EXPECT_EQ(orient3d(o, y, x, z), -1);
@@ -93,7 +93,7 @@ TEST(Predicates, SignsMeanCounterClockwise) {
     EXPECT_EQ(FilteredPlane({o, x, y}).side(z), 1);
 }
 
-TEST(Predicates, EveryFiniteFloat32IsInRange) {
+TEST(Predicates, every_finite_float32_is_in_range) {
     EXPECT_TRUE(in_expansion_range(0.0));
     EXPECT_TRUE(in_expansion_range(static_cast<double>(std::numeric_limits<float>::denorm_min())));
     EXPECT_TRUE(in_expansion_range(static_cast<double>(std::numeric_limits<float>::lowest())));
@@ -101,8 +101,8 @@ TEST(Predicates, EveryFiniteFloat32IsInRange) {
     EXPECT_FALSE(in_expansion_range(std::numeric_limits<double>::max()));
 }
 
-// Numbers at both ends of the range, with all bits of the mantissa in use, in determinants that all but cancel.
-TEST(Predicates, ExpansionsAreExactAtTheEdgesOfTheirRange) {
+// Uses numbers at both ends of the range, with full mantissas, in determinants that nearly cancel.
+TEST(Predicates, expansions_are_exact_at_the_edges_of_their_range) {
     std::mt19937_64 engine(5);
     const std::array ends{0x1p-300, 0x1p-299, 0x1p299};
     const auto number = [&](double end) {
@@ -115,7 +115,7 @@ TEST(Predicates, ExpansionsAreExactAtTheEdgesOfTheirRange) {
             return Vec3d{pick(), pick(), pick()};
         };
         const Vec3d a = point(), b = point(), c = point();
-        // Halfway between b and c, but for rounding; or anywhere.
+        // Halfway between b and c up to rounding, or anywhere.
         const Vec3d d = i % 2 ? b + 0.5 * (c - b) : point();
         if (!in_expansion_range(d)) continue;
         ASSERT_EQ(orient3d_exact(a, b, c, d), rational_orient3d(a, b, c, d)) << describe(a, b, c, d);
@@ -127,8 +127,8 @@ TEST(Predicates, ExpansionsAreExactAtTheEdgesOfTheirRange) {
     }
 }
 
-// Whole numbers of up to 44 bits, scaled, and points that all but lie in a plane: decided up to 40 bits.
-TEST(Predicates, WholeNumbersOfOnePowerOfTwoAreDecidedInIntegers) {
+// Uses integers of up to 44 bits times a power of two, and nearly coplanar points: up to 40 bits must be decided.
+TEST(Predicates, scaled_integers_are_decided_in_integers) {
     std::mt19937_64 engine(6);
     for (const int bits : {3, 20, 40, 42, 44})
         for (const int exponent : {-290, -20, 0, 250})
@@ -160,7 +160,7 @@ TEST(Predicates, WholeNumbersOfOnePowerOfTwoAreDecidedInIntegers) {
     EXPECT_EQ(detail::orient3d_whole(o, o, o, o), 0);
 }
 
-TEST(Predicates, FiltersDecideOrdinaryPoints) {
+TEST(Predicates, filters_decide_nearly_all_random_points) {
     RandomPairs random(Kind::random_float, 13);
     int decided = 0;
     for (int i = 0; i < 10'000; ++i) {

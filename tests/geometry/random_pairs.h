@@ -1,6 +1,6 @@
 #pragma once
 
-// Pairs of triangles that are hard to decide, from a seed: what the tests of this folder draw from.
+// Random pairs of triangles that are hard to decide, drawn from a seed.
 
 #include <algorithm>
 #include <array>
@@ -29,25 +29,25 @@ struct TrianglePair {
     friend std::ostream& operator<<(std::ostream& out, const TrianglePair& p) { return out << p.a << " | " << p.b; }
 };
 
-/// A float32 number. Not inlined: where g++ 12 vectorises double to float to double, the rounding is lost.
+/// Rounds to float32. Not inlined: where g++ 12 vectorises double to float to double, the rounding is lost.
 __attribute__((noinline)) inline float rounded(double x) { return static_cast<float>(x); }
 
 enum class Kind {
     random,             ///< uniform in the unit cube
-    random_float,       ///< the same, float32 numbers
+    random_float,       ///< uniform in the unit cube, float32 numbers
     lattice,            ///< corners in {0, 1, 2, 3}^3: touching, coplanar, folded, degenerate
-    flat,               ///< corners on one random plane but for rounding
+    flat,               ///< corners on one random plane up to rounding
     nudged,             ///< the lattice beside the origin, some coordinates moved by one unit in the last place
     huge,               ///< the lattice times 2^1022: differences overflow
     tiny,               ///< the lattice times the smallest subnormal
     mixed,              ///< each coordinate of its own magnitude, over the whole range of float64
-    wide,               ///< the same, within the range of float32
+    wide,               ///< each coordinate of its own magnitude, within the range of float32
     collapsed,          ///< float32 numbers, one or both triangles degenerate: segments and points
-    collapsed_lattice,  ///< the same on the lattice
+    collapsed_lattice,  ///< lattice corners, one or both triangles degenerate
     threaded,           ///< small integers, a degenerate triangle through a point at which it may touch the other
 };
 
-/// How many pairs a test draws: fewer where rational arithmetic, the yardstick, is slow.
+/// Returns the number of pairs that a test draws: fewer where rational arithmetic, the reference, is slow.
 inline int rounds_of(Kind kind, int usual) {
     return more_or_less(kind == Kind::mixed ? 100 : kind == Kind::huge || kind == Kind::tiny ? usual / 4 : usual);
 }
@@ -79,7 +79,7 @@ class RandomPairs {
         return {coordinate(), coordinate(), coordinate()};
     }
 
-    /// Two triangles of which some corners are the same vertex, some at equal positions, some repeated.
+    /// Returns two triangles that may share vertices, have corners at equal positions, or repeat corners.
     TrianglePair operator()() {
         if (kind_ == Kind::threaded) return threaded();
         plane_ = {real(-2, 2), real(-2, 2), real(-1, 1)};
@@ -97,8 +97,8 @@ class RandomPairs {
     }
 
    private:
-    /// Moves a corner onto the line of the others: between them, beyond them, or onto one of them, the same vertex or
-    /// not. Sometimes all corners become one point. Float32 numbers leave room for that to be exact.
+    /// Moves a corner onto the line of the others: between them, beyond them, or onto one of them, as the same vertex
+    /// or not. Sometimes all corners become one point. Exact for float32 numbers.
     void collapse(Triangle& t, std::int32_t fresh_vertex) {
         const auto moved = static_cast<std::size_t>(integer(3)), p = (moved + 1) % 3, q = (moved + 2) % 3;
         if (integer(8) == 0) t.point[q] = t.point[p], t.vertex[q] = integer(2) ? t.vertex[p] : fresh_vertex++;

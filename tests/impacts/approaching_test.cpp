@@ -1,5 +1,5 @@
-// Features that start within the distance, and are asked whether they come nearer than that: by hand, and float64
-// against rational arithmetic.
+// Tests of approaching_only for features that start within the distance: cases by hand, and float64 against rational
+// arithmetic.
 
 #include <gtest/gtest.h>
 
@@ -20,12 +20,12 @@ constexpr Separation within_two{.distance = 2, .approaching_only = true};
 
 MovingPoint still(double x, double y, double z) { return {{x, y, z}, {x, y, z}}; }
 
-/// Against the face with corners (0, 0, 0), (4, 0, 0), (0, 4, 0).
+/// Returns the impact of a vertex on the face with corners (0, 0, 0), (4, 0, 0), (0, 4, 0).
 Impact to_face(Vec3d start, Vec3d end, const Separation& separation = within_two) {
     return vertex_face({start, end}, still(0, 0, 0), still(4, 0, 0), still(0, 4, 0), separation);
 }
 
-TEST(ApproachingOnly, leaves_out_what_parts_or_keeps_its_distance) {
+TEST(ApproachingOnly, leaves_out_features_that_do_not_approach) {
     EXPECT_EQ(to_face({1, 1, 1}, {1, 1, 3}), none);
     EXPECT_EQ(to_face({1, 1, 1}, {1, 1, 1}), none);
     EXPECT_EQ(to_face({1, 1, 1}, {2, 1, 1}), none);
@@ -34,39 +34,40 @@ TEST(ApproachingOnly, leaves_out_what_parts_or_keeps_its_distance) {
     EXPECT_EQ(vertex_vertex(still(0, 0, 0), {{1, 0, 0}, {1, 9, 0}}, within_two), none);  // beside it, and away
 }
 
-TEST(ApproachingOnly, finds_what_comes_nearer_at_once) {
+TEST(ApproachingOnly, finds_features_that_approach_at_once) {
     EXPECT_EQ(to_face({1, 1, 1}, {1, 1, 0.5}), at_once);
     EXPECT_EQ(to_face({1, 1, 1}, {1, 1, std::nextafter(1., 0.)}), at_once);
     EXPECT_EQ(to_face({1, 1, 1}, {1, 1, -9}), at_once);
-    EXPECT_EQ(to_face({1, 1, 2}, {1, 1, 1}), at_once);  // as far as is asked for
+    EXPECT_EQ(to_face({1, 1, 2}, {1, 1, 1}), at_once);  // starts exactly at the distance
     EXPECT_EQ(vertex_vertex(still(0, 0, 0), {{1, 1, 0}, {1, -1, 0}}, within_two), at_once);
 }
 
-TEST(ApproachingOnly, finds_what_returns_when_it_is_as_near_as_it_was) {
-    // The edge's near end goes away; then the rest sweeps through the vertex. At t it is at the height
-    // (1 + 8 t) - (9 t) s over x = (8 - 16 t) s, for s in [0, 1].
+TEST(ApproachingOnly, finds_features_that_return_to_their_initial_distance) {
+    // The near end of the edge moves away; then the rest of the edge sweeps through the vertex. At time t the edge is
+    // at height (1 + 8 t) - (9 t) s over x = (8 - 16 t) s, for s in [0, 1].
     const MovingPoint vertex = still(0, 0, 0), near{{0, 1, 0}, {0, 9, 0}}, far{{8, 1, 0}, {-8, 0, 0}};
     const Impact back = vertex_edge(vertex, near, far, within_two);
     EXPECT_TRUE(back.meets);
     EXPECT_FALSE(back.start);
     EXPECT_GT(back.toi, 0.25);
     EXPECT_LT(back.toi, 0.5);
-    // From beyond the distance the sweep is found where it comes within that.
+    // An edge that starts beyond the distance is found when it comes within the distance.
     const Impact from_beyond = vertex_edge(vertex, near, far, {.distance = 0.5, .approaching_only = true});
     EXPECT_EQ(from_beyond, vertex_edge(vertex, near, far, {.distance = 0.5}));
     EXPECT_LT(back.toi, from_beyond.toi);
     EXPECT_EQ(vertex_edge(vertex, near, far, {.distance = 1, .approaching_only = true}), back);
 }
 
-TEST(ApproachingOnly, comes_back_at_a_time_that_can_be_seen) {
-    // The edge's near end leaves across, and its far end, at x = 16 t - 9, is where that was at t = 1/2.
+TEST(ApproachingOnly, reports_the_exact_time_of_return) {
+    // The near end of the edge leaves sideways. The far end, at x = 16 t - 9, is at the near end's initial place at t =
+    // 1/2.
     const MovingPoint near{{-1, 0, 0}, {-1, 0, 100}}, far{{-9, 0, 0}, {7, 0, 0}};
     EXPECT_EQ(vertex_edge(still(0, 0, 0), near, far, within_two), (Impact{true, 0.5, false}));
     EXPECT_EQ(vertex_edge(still(0, 0, 0), near, {{-9, 0, 0}, {-1, 0, 0}}, within_two), none);
 }
 
 TEST(ApproachingOnly, decides_by_the_second_derivative_where_the_first_is_zero) {
-    // An edge that turns about the point nearest to the vertex, as a line does; and one that only slides.
+    // An edge that turns towards the vertex about its nearest point, and edges that slide or turn without approaching.
     const MovingPoint vertex = still(0, 0, 1);
     EXPECT_EQ(vertex_edge(vertex, {{-4, 0, 0}, {-4, 0, 2}}, {{4, 0, 0}, {4, 0, -2}}, within_two), at_once);
     EXPECT_EQ(vertex_edge(vertex, {{-4, 0, 0}, {-3, 0, 0}}, {{4, 0, 0}, {5, 0, 0}}, within_two), none);
@@ -74,7 +75,7 @@ TEST(ApproachingOnly, decides_by_the_second_derivative_where_the_first_is_zero) 
     EXPECT_EQ(vertex_edge(vertex, {{-4, 0, 0}, {-4, 1, 0}}, {{4, 0, 0}, {4, -1, 0}}, within_two), none);
 }
 
-TEST(ApproachingOnly, leaves_out_what_touches_wherever_it_goes) {
+TEST(ApproachingOnly, leaves_out_features_that_touch_at_the_start) {
     for (const double distance : {0., 1.}) {
         const Separation separation{.distance = distance, .approaching_only = true};
         for (const double height : {-1., 0., 1.}) EXPECT_EQ(to_face({1, 1, 0}, {1, 1, height}, separation), none);
@@ -83,7 +84,7 @@ TEST(ApproachingOnly, leaves_out_what_touches_wherever_it_goes) {
     EXPECT_EQ(to_face({1, 1, 0}, {1, 1, -1}, {.share = 0.5, .approaching_only = true}), none);
 }
 
-TEST(ApproachingOnly, of_parallel_edges_is_decided_by_the_ends_that_come_nearer) {
+TEST(ApproachingOnly, decides_parallel_edges_by_the_ends_that_approach) {
     const MovingPoint a = still(0, 0, 0), b = still(4, 0, 0);
     EXPECT_EQ(edge_edge(a, b, {{0, 0, 1}, {0, 0, 2}}, {{4, 0, 1}, {4, 0, 0.5}}, within_two), at_once);
     EXPECT_EQ(edge_edge(a, b, {{0, 0, 1}, {0, 0, 2}}, {{4, 0, 1}, {4, 0, 1}}, within_two), none);
@@ -104,29 +105,29 @@ QuickImpact quickly(const Move& move) {
     return quick_closing<FeatureKinds::vertex_vertex>(move.point);
 }
 
-/// How many moves were decided, and how.
+/// Numbers of moves by verdict.
 struct Tally {
     int apart = 0, start = 0, unknown = 0;
 };
 
 void check(const Move& move, Tally& tally) {
-    const SeparatedMove asked{move, {.distance = 1e30, .approaching_only = true}};
-    const Impact exact = asked.impact();
+    const SeparatedMove query{move, {.distance = 1e30, .approaching_only = true}};
+    const Impact exact = query.impact();
     const QuickImpact quick = quickly(move);
     ++(quick.verdict == Certainty::unknown ? tally.unknown
        : quick.verdict == Certainty::apart ? tally.apart
                                            : tally.start);
     if (quick.verdict != Certainty::unknown) {
-        ASSERT_EQ((Impact{quick.verdict == Certainty::meets, quick.toi, quick.start}), exact) << asked;
+        ASSERT_EQ((Impact{quick.verdict == Certainty::meets, quick.toi, quick.start}), exact) << query;
     }
     SeparationCounts counts;
-    ASSERT_EQ(decide_separation(static_cast<FeatureKinds>(move.feature), move.point, asked.separation, counts), exact)
-        << asked;
+    ASSERT_EQ(decide_separation(static_cast<FeatureKinds>(move.feature), move.point, query.separation, counts), exact)
+        << query;
 }
 
 class ClosingInFloat64 : public testing::TestWithParam<Feature> {};
 
-TEST_P(ClosingInFloat64, is_what_rational_arithmetic_says) {
+TEST_P(ClosingInFloat64, agrees_with_rational_arithmetic) {
     Tally tally;
     for (const Lattice lattice : all_lattices) {
         RandomMoves random(lattice, 47);
@@ -136,8 +137,8 @@ TEST_P(ClosingInFloat64, is_what_rational_arithmetic_says) {
     EXPECT_GT(tally.start, 20);
 }
 
-/// Moves along the surface at the distance, a few units in the last place nearer or farther.
-TEST_P(ClosingInFloat64, is_certain_of_nothing_that_rounding_may_turn_round) {
+/// Uses moves that change the distance by a few units in the last place at most.
+TEST_P(ClosingInFloat64, is_right_or_uncertain_within_rounding) {
     Tally tally;
     RandomMoves random(Lattice::tiny, 53);
     for (int i = 0; i < 300; ++i) {

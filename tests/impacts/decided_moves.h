@@ -1,6 +1,6 @@
 #pragma once
 
-// The moves of tests, as float64 decides them.
+// Functions that decide the moves of tests in float64.
 
 #include "exact/impact/decide_impact.h"
 #include "exact/impact/quick_impact.h"
@@ -8,7 +8,7 @@
 
 namespace crumple {
 
-/// Of a vertex and a face, or two edges.
+/// Returns the float64 verdict on a vertex and a face, or on two edges.
 inline QuickImpact quickly(const Move& move) {
     return move.feature == Feature::vertex_face ? quick_impact<FeaturePair::vertex_face>(move.point)
                                                 : quick_impact<FeaturePair::edge_edge>(move.point);

@@ -1,4 +1,4 @@
-// Impacts of whole scenes, asked of a detector.
+// Tests of impact queries on whole scenes.
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ class FindImpacts : public testing::TestWithParam<Backend> {
     }()};
 };
 
-TEST_P(FindImpacts, NamesVertexFaceAndTime) {
+TEST_P(FindImpacts, reports_vertex_face_and_time) {
     const Falling scene;
     const Impacts& impacts =
         detector.find((MeshView(scene.start, scene.triangles)).moving_to(view(scene.end)), ImpactQuery());
@@ -46,7 +46,7 @@ TEST_P(FindImpacts, NamesVertexFaceAndTime) {
     EXPECT_EQ(impacts.edges.size(), 6);
 }
 
-TEST_P(FindImpacts, TellsTheFirstAndWhetherTheStepIsFree) {
+TEST_P(FindImpacts, reports_first_impact_and_whether_the_step_is_free) {
     const Falling scene;
     const MeshView mesh(scene.start, scene.triangles);
     const FirstImpact first = detector.find(mesh.moving_to(view(scene.end)), FirstImpactQuery());
@@ -58,7 +58,7 @@ TEST_P(FindImpacts, TellsTheFirstAndWhetherTheStepIsFree) {
     EXPECT_FALSE(detector.find(mesh.moving_to(view(scene.start)), FirstImpactQuery()).found);
 }
 
-TEST_P(FindImpacts, CutsAStepShortOfTheFirstContact) {
+TEST_P(FindImpacts, free_step_ends_before_the_first_contact) {
     const Falling scene;
     const MeshView mesh(scene.start, scene.triangles);
     const FreeStep step = detector.find(mesh.moving_to(view(scene.end)), FreeStepQuery());
@@ -71,7 +71,7 @@ TEST_P(FindImpacts, CutsAStepShortOfTheFirstContact) {
     EXPECT_EQ(whole.positions[3 * 3 + 2], 1);
 }
 
-TEST_P(FindImpacts, StaysWhereTheStartTouches) {
+TEST_P(FindImpacts, free_step_is_zero_if_the_start_touches) {
     Falling scene;
     scene.start[3] = {1, 1, 0};
     const FreeStep step =
@@ -82,7 +82,7 @@ TEST_P(FindImpacts, StaysWhereTheStartTouches) {
         detector.find((MeshView(scene.start, scene.triangles)).moving_to(view(scene.end)), FirstImpactQuery()).start);
 }
 
-TEST_P(FindImpacts, KeepsTheSeparationThatIsAskedFor) {
+TEST_P(FindImpacts, keeps_the_minimum_distance) {
     const Falling scene;
     const MeshView mesh(scene.start, scene.triangles);
     EXPECT_EQ(detector.find(mesh.moving_to(view(scene.end)), FirstImpactQuery{{.min_distance = 0.5}}).toi, 0.25);

@@ -1,5 +1,6 @@
-// The exact decision against one that knows no polynomials: time is halved, and a piece of it is free if a direction
-// separates the two features at both of its ends. As points move on straight lines, it then separates them in between.
+// Compares the exact decision of impacts with bisection of time, which uses no polynomials: an interval is free if one
+// direction separates the two features at both of its ends. As points move on straight lines, that direction then
+// separates them in between.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ namespace {
 
 using Point = Vec3<Integer>;
 
-/// A question in integers: positions at k / 2^depth in units of 2^-depth.
+/// Move in integers: positions at k / 2^depth in units of 2^-depth.
 class Bisection {
    public:
     explicit Bisection(const Move& move) : first_(move.feature == Feature::edge_edge ? 2 : 1) {
@@ -29,7 +30,7 @@ class Bisection {
     static constexpr int depth = 20;
     static constexpr std::int64_t end = std::int64_t{1} << depth;
 
-    /// The first k for which no direction was found that separates from k / 2^depth to (k + 1) / 2^depth.
+    /// Returns the first k for which no direction separates the features from k / 2^depth to (k + 1) / 2^depth.
     std::optional<std::int64_t> first_not_free(std::int64_t from = 0, std::int64_t to = end) const {
         if (free(from, to)) return std::nullopt;
         if (to - from == 1) return from;
@@ -49,8 +50,8 @@ class Bisection {
         return points;
     }
 
-    /// Directions in which the closest points of two disjoint sets may lie from one another: between two vertices, from
-    /// a vertex across to a line, and normal to a plane.
+    /// Calls look(direction), until it returns true, for all directions in which the closest points of two disjoint
+    /// sets may lie from one another: between two vertices, from a vertex across to a line, and normal to a plane.
     static void for_directions(const Points& points, const auto& look) {
         const std::size_t n = points.size();
         for (std::size_t i = 0; i < n; ++i) {
@@ -71,7 +72,7 @@ class Bisection {
         look(cross(points[2] - points[1], points[3] - points[1]));
     }
 
-    /// All of one feature strictly before all of the other.
+    /// True if all of the first feature lies strictly before all of the second along `direction`.
     bool separates(const Point& direction, const Points& points) const {
         std::optional<Integer> low[2], high[2];
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -84,7 +85,7 @@ class Bisection {
     }
 
     bool free(std::int64_t from, std::int64_t to) const {
-        // In units twice as small the middle is an integer, too.
+        // In units of half the size the middle is an integer, too.
         const Points begin = at(from), finish = at(to);
         Points middle = begin;
         for (std::size_t i = 0; i < middle.size(); ++i) middle[i] = begin[i] + finish[i];
@@ -102,7 +103,7 @@ class Bisection {
     Points start_, step_;
 };
 
-/// Whether the features touch at k / q, by the exact intersection of triangles.
+/// True if the features touch at time k / q, by the exact intersection of triangles.
 bool touch_at(const Move& move, int k, int q) {
     const auto position = [&](std::size_t i) {
         const MovingPoint& p = move.point[i];
@@ -114,7 +115,7 @@ bool touch_at(const Move& move, int k, int q) {
     return intersect_rationally(a, b).collides;
 }
 
-/// k / q rounded down.
+/// Returns k / q rounded down.
 double rounded_down(int k, int q) {
     const double quotient = static_cast<double>(k) / q;
     return std::fma(quotient, q, -k) > 0 ? std::nextafter(quotient, 0.0) : quotient;
@@ -122,8 +123,8 @@ double rounded_down(int k, int q) {
 
 class Bisected : public testing::TestWithParam<Feature> {};
 
-TEST_P(Bisected, FindsTheSameImpacts) {
-    // Before a contact that grazes, pieces are too long to be separated for up to the cube root of their length.
+TEST_P(Bisected, finds_the_same_impacts) {
+    // Before a grazing contact, intervals are too long to be separated for up to the cube root of their length.
     constexpr double grazing = 0x1p-6;
     int hits = 0;
     for (const Lattice lattice : all_lattices) {
@@ -143,7 +144,7 @@ TEST_P(Bisected, FindsTheSameImpacts) {
     EXPECT_GT(hits, 10);
 }
 
-TEST_P(Bisected, FractionsAreTheExactTimes) {
+TEST_P(Bisected, times_that_are_fractions_are_exact) {
     // Times k / q with small q: those at which features touch are never missed, and a time that is a fraction rounded
     // down is one at which they touch.
     constexpr int largest = 12;

@@ -1,4 +1,4 @@
-// What must not change an answer, and what must change it in a known way.
+// Checks of changes that must not change an impact, and of changes with a known effect.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ Move with_positions(Move move, Change change) {
     return move;
 }
 
-TEST(Impact, DoesNotDependOnTheOrderOfPoints) {
+TEST(Impact, does_not_depend_on_the_order_of_points) {
     for_moves(3, [](const Move& move, const Impact& impact) {
         const auto& [p, q, r, s] = move.point;
         if (move.feature == Feature::vertex_face) {
@@ -60,11 +60,11 @@ TEST(Impact, DoesNotDependOnTheOrderOfPoints) {
     });
 }
 
-TEST(Impact, DoesNotDependOnTheAxes) {
+TEST(Impact, does_not_depend_on_the_axes) {
     for_moves(5, [](const Move& move, const Impact& impact) {
         ASSERT_EQ(with_positions(move, [](Vec3d p) { return Vec3d{p.y, p.z, p.x}; }).impact(), impact) << move;
         ASSERT_EQ(with_positions(move, [](Vec3d p) { return Vec3d{p.y, p.x, -p.z}; }).impact(), impact) << move;
-        // Any affine map keeps what meets, and when.
+        // An affine map changes neither whether nor when features meet.
         ASSERT_EQ(with_positions(move,
                                  [](Vec3d p) {
                                      return Vec3d{p.x + 3 * p.y, p.y, 2 * p.z - p.x};
@@ -75,7 +75,7 @@ TEST(Impact, DoesNotDependOnTheAxes) {
     });
 }
 
-TEST(Impact, DoesNotDependOnTheUnit) {
+TEST(Impact, does_not_depend_on_the_unit) {
     for_moves(7, [](const Move& move, const Impact& impact) {
         for (const double unit : {0x1p-1074, 0x1p-1022, 0x1p1017})
             ASSERT_EQ(with_positions(move, [&](Vec3d p) { return unit * p; }).impact(), impact)
@@ -83,7 +83,7 @@ TEST(Impact, DoesNotDependOnTheUnit) {
     });
 }
 
-TEST(Impact, DoesNotDependOnTheOrigin) {
+TEST(Impact, does_not_depend_on_the_origin) {
     for_moves(11, [](const Move& move, const Impact& impact) {
         const Vec3d shift{0x1p52, -1e6, 0.25};
         ASSERT_EQ(with_positions(move, [&](Vec3d p) { return p + shift; }).impact(), impact) << move;
@@ -94,19 +94,19 @@ TEST(Impact, DoesNotDependOnTheOrigin) {
     });
 }
 
-TEST(Impact, HappensBackwardsToo) {
+TEST(Impact, happens_if_the_reversed_move_has_one) {
     for_moves(13, [](const Move& move, const Impact& impact) {
         Move back = move;
         for (MovingPoint& p : back.point) std::swap(p.start, p.end);
         const Impact last = back.impact();
         ASSERT_EQ(last.meets, impact.meets) << move;
-        // The first moment of the one is no later than the last, which is the first of the other.
+        // The first contact is no later than the last, which is the first of the reversed move.
         ASSERT_TRUE(!impact.meets || impact.toi <= 1 - last.toi) << move;
     });
 }
 
-TEST(Impact, OfPartOfTheWayIsThatOfTheWhole) {
-    // The first half of the way takes all of the time, so what happens in it happens at twice the time.
+TEST(Impact, of_half_the_move_comes_at_twice_the_time) {
+    // The half move takes all of the time, so an impact comes at twice the time.
     for_moves(17, [](const Move& move, const Impact& impact) {
         Move half = move;
         for (MovingPoint& p : half.point) p.end = 0.5 * (p.start + p.end);
@@ -120,7 +120,7 @@ TEST(Impact, OfPartOfTheWayIsThatOfTheWhole) {
     });
 }
 
-TEST(Impact, WithSmallerFeaturesIsOneWithLargerOnes) {
+TEST(Impact, agrees_with_smaller_and_degenerate_features) {
     for_moves(19, [](const Move& move, const Impact& impact) {
         const auto& [p, q, r, s] = move.point;
         if (move.feature == Feature::vertex_edge) {
@@ -148,7 +148,7 @@ TEST(Impact, WithSmallerFeaturesIsOneWithLargerOnes) {
     });
 }
 
-/// Whether the sets touch at one end of the way, by the exact intersection of triangles, degenerate ones.
+/// True if the features touch at one end of the move, by the exact intersection of degenerate triangles.
 bool touch(const Move& move, Vec3d MovingPoint::*at) {
     const auto& [p, q, r, s] = move.point;
     const auto triangle = [&](const MovingPoint& a, const MovingPoint& b, const MovingPoint& c, std::int32_t first) {
@@ -161,7 +161,7 @@ bool touch(const Move& move, Vec3d MovingPoint::*at) {
     return intersect_rationally(a, b).collides;
 }
 
-TEST(Impact, StartsWhereTheSetsTouch) {
+TEST(Impact, starts_where_the_features_touch) {
     for_moves(23, [](const Move& move, const Impact& impact) {
         ASSERT_EQ(impact.start, touch(move, &MovingPoint::start)) << move;
         ASSERT_TRUE(!impact.start || impact.toi == 0) << move;
@@ -169,7 +169,7 @@ TEST(Impact, StartsWhereTheSetsTouch) {
     });
 }
 
-TEST(Impact, WithoutMotionIsTouching) {
+TEST(Impact, without_motion_equals_touching) {
     for_moves(29, [](const Move& move, const Impact&) {
         Move still = move;
         for (MovingPoint& p : still.point) p.end = p.start;
@@ -178,8 +178,9 @@ TEST(Impact, WithoutMotionIsTouching) {
     });
 }
 
-// Each coordinate with a magnitude of its own, over nearly all of float64. Impacts are not rare, for many are 0.
-TEST(Impact, OfAnyMagnitudesKeepsItsSymmetries) {
+// Gives each coordinate a magnitude of its own, over nearly all of float64. Impacts are not rare, for many coordinates
+// are 0.
+TEST(Impact, keeps_its_symmetries_for_any_magnitudes) {
     for (const Feature feature : {Feature::vertex_face, Feature::edge_edge}) {
         RandomMoves random(Lattice::tiny, 37);
         int hits = 0;

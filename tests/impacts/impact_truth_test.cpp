@@ -1,4 +1,4 @@
-// Impacts between frames of real scenes, against exact answers from outside, bit by bit.
+// Compares impacts between frames of real scenes bit by bit with exact results of external origin.
 
 #include <gtest/gtest.h>
 
@@ -20,8 +20,8 @@ class ImpactTruth : public testing::TestWithParam<SceneStep> {
     std::vector<SceneImpact> impacts_;
 };
 
-TEST_P(ImpactTruth, IsFoundToTheLastBit) {
-    // Rational arithmetic takes its time.
+TEST_P(ImpactTruth, exact_impacts_match_to_the_last_bit) {
+    // Rational arithmetic is slow.
     const std::size_t every = impacts_.size() < 1000 ? 1 : 50;
     for (std::size_t i = 0; i < impacts_.size(); i += every) {
         const auto& [move, impact] = impacts_[i];
@@ -29,7 +29,7 @@ TEST_P(ImpactTruth, IsFoundToTheLastBit) {
     }
 }
 
-TEST_P(ImpactTruth, IsFoundToTheLastBitWhereFloat64Decides) {
+TEST_P(ImpactTruth, float64_impacts_match_to_the_last_bit) {
     ImpactCounts counts;
     for (std::size_t i = 0; i < impacts_.size(); ++i) {
         const auto& [move, impact] = impacts_[i];
@@ -40,10 +40,10 @@ TEST_P(ImpactTruth, IsFoundToTheLastBitWhereFloat64Decides) {
     EXPECT_LE(counts.exact, std::max<std::int64_t>(20, counts.roots / 1000));
 }
 
-/// Impacts are rare, near misses are not: each feature against that of the next line.
-TEST_P(ImpactTruth, IsNotFoundWhereThereIsNone) {
+/// Combines the first feature of each line with the second of the next line: near misses are common, impacts rare.
+TEST_P(ImpactTruth, near_misses_agree_with_the_exact_decision) {
     ImpactCounts counts;
-    std::int64_t asked = 0, hits = 0;
+    std::int64_t queries = 0, hits = 0;
     for (std::size_t i = 0; i + 1 < impacts_.size(); ++i) {
         const Move &one = impacts_[i].move, &other = impacts_[i + 1].move;
         if (one.feature != other.feature) continue;
@@ -51,14 +51,14 @@ TEST_P(ImpactTruth, IsNotFoundWhereThereIsNone) {
         std::copy(other.point.begin() + (one.feature == Feature::vertex_face ? 1 : 2), other.point.end(),
                   move.point.begin() + (one.feature == Feature::vertex_face ? 1 : 2));
         const Impact found = decide(move, counts);
-        ++asked;
+        ++queries;
         hits += found.meets;
-        if (asked % 16 == 0) {
+        if (queries % 16 == 0) {
             ASSERT_EQ(found, move.impact()) << move;
         }
     }
     EXPECT_GT(counts.roots, hits) << "no near misses";
-    EXPECT_LE(counts.exact, std::max<std::int64_t>(20, asked / 1000));
+    EXPECT_LE(counts.exact, std::max<std::int64_t>(20, queries / 1000));
 }
 
 INSTANTIATE_TEST_SUITE_P(GroundTruth, ImpactTruth, testing::ValuesIn(scene_steps),

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the tests of this folder ask: queries of up to four moving points, and how failures print.
+// Moves, the queries of the tests of this folder about up to four moving points, and how they print.
 
 #include <array>
 #include <ostream>
@@ -34,7 +34,7 @@ inline std::size_t points_of(Feature feature) {
     return feature == Feature::vertex_vertex ? 2 : feature == Feature::vertex_edge ? 3 : 4;
 }
 
-/// A question about moving points, of which the first points_of(feature) count.
+/// Query about moving points, of which the first points_of(feature) count.
 struct Move {
     Feature feature;
     std::array<MovingPoint, 4> point;

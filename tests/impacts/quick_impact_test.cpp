@@ -1,4 +1,4 @@
-// What float64 decides, against rational arithmetic, where it is hard: at the edge of its bounds.
+// Compares float64 decisions of impacts with rational arithmetic in hard cases, at the edge of the error bounds.
 
 #include <gtest/gtest.h>
 
@@ -14,13 +14,13 @@ namespace {
 
 constexpr std::array quick_features{Feature::vertex_face, Feature::edge_edge};
 
-/// How many moves were decided, and how.
+/// Numbers of moves by verdict.
 struct Tally {
     int apart = 0, meets = 0, unknown = 0;
     int decided() const { return apart + meets; }
 };
 
-/// Fails where float64 is certain of what is wrong.
+/// Fails if float64 is certain of a wrong verdict.
 void check(const Move& move, Tally& tally) {
     const QuickImpact quick = quickly(move);
     if (quick.verdict == Certainty::unknown) {
@@ -33,7 +33,7 @@ void check(const Move& move, Tally& tally) {
     ASSERT_FALSE(surely_apart(move) && quick.verdict != Certainty::apart) << move;
 }
 
-/// A number up or down to the n-th neighbour.
+/// Returns the n-th float64 number above x, or below x for negative n.
 double nudged(double x, int n) {
     const double to = n < 0 ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
     for (int i = std::abs(n); i > 0; --i) x = std::nextafter(x, to);
@@ -50,7 +50,7 @@ void change_coordinates(Move& move, Change change) {
     }
 }
 
-TEST(QuickImpact, IsRightForDegenerateMoves) {
+TEST(QuickImpact, is_right_for_degenerate_moves) {
     for (const Feature feature : quick_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 23);
@@ -65,7 +65,7 @@ TEST(QuickImpact, IsRightForDegenerateMoves) {
     }
 }
 
-TEST(QuickImpact, IsRightOneUnitBesideContact) {
+TEST(QuickImpact, is_right_within_a_few_ulps_of_contact) {
     // Most of the small integers' moves touch on a border, at the start or the end, twice at once, or nearly.
     for (const Feature feature : quick_features) {
         for (const Lattice lattice : all_lattices) {
@@ -86,7 +86,7 @@ TEST(QuickImpact, IsRightOneUnitBesideContact) {
     }
 }
 
-TEST(QuickImpact, IsRightWhereItUnderOrOverflows) {
+TEST(QuickImpact, is_right_where_it_underflows_or_overflows) {
     for (const Feature feature : quick_features) {
         for (const Lattice lattice : all_lattices) {
             for (const int exponent : {-1074, -1070, -1000, -520, -345, -340, -330, -320, -300, 290, 299, 301, 1015}) {
@@ -103,21 +103,21 @@ TEST(QuickImpact, IsRightWhereItUnderOrOverflows) {
     }
 }
 
-TEST(QuickImpact, IsRightWhereMagnitudesDiffer) {
+TEST(QuickImpact, is_right_for_mixed_magnitudes) {
     for (const Feature feature : quick_features) {
         RandomMoves random(Lattice::wide, 37);
         Tally tally;
         for (int i = 0; i < 400; ++i) {
             Move move = random(feature);
-            const int reach = 1 + random.below(80);
-            change_coordinates(move, [&](double x) { return std::ldexp(x, random.below(2 * reach) - reach); });
+            const int spread = 1 + random.below(80);
+            change_coordinates(move, [&](double x) { return std::ldexp(x, random.below(2 * spread) - spread); });
             check(move, tally);
         }
         EXPECT_GT(tally.apart, 100);
     }
 }
 
-TEST(QuickImpact, IsRightForVolumesThatAreNearlyZeroTwice) {
+TEST(QuickImpact, is_right_for_volumes_with_nearly_double_roots) {
     // A face that is a segment at some time, or nearly: the vertex, which is in its plane then, may be hit before,
     // after, twice, or not at all.
     RandomMoves random(Lattice::wide, 41);
@@ -139,12 +139,12 @@ TEST(QuickImpact, IsRightForVolumesThatAreNearlyZeroTwice) {
     EXPECT_GT(tally.apart, 50);
 }
 
-/// Between -4 and 4, a multiple of 2^-bits.
+/// Returns a multiple of 2^-bits between -4 and 4.
 double with_bits(RandomMoves& random, int bits) {
     return random.below(8) - 4 + std::ldexp(random.below(1 << 15), -15) + std::ldexp(random.below(1 << 15), -bits);
 }
 
-TEST(QuickImpact, IsRightWhereARootIsAFloat64Number) {
+TEST(QuickImpact, is_right_where_a_root_is_a_float64_number) {
     // At 1/2 the vertex is in the face, or on an edge of it. Products of three coordinates exceed double words.
     RandomMoves random(Lattice::tiny, 61);
     Tally tally;
@@ -162,7 +162,7 @@ TEST(QuickImpact, IsRightWhereARootIsAFloat64Number) {
     }
 }
 
-TEST(QuickImpact, RoundsDownRootsNextToFloat64Numbers) {
+TEST(QuickImpact, rounds_down_roots_next_to_float64_numbers) {
     // All of the face goes through the vertex's place at 1/2, but the vertex is a little above or below. The planes are
     // steep, so that the volume is a small difference of large products.
     RandomMoves random(Lattice::tiny, 67);
@@ -190,7 +190,7 @@ TEST(QuickImpact, RoundsDownRootsNextToFloat64Numbers) {
     EXPECT_GT(tally.unknown, 0) << "not at the edge";
 }
 
-TEST(QuickImpact, IsRightWithinRoundingOfABorder) {
+TEST(QuickImpact, is_right_within_rounding_of_a_border) {
     // Contact at any time, at a border, some way from it, or at a corner, as nearly as rounding allows.
     RandomMoves random(Lattice::tiny, 89);
     for (const Feature feature : quick_features) {
@@ -227,8 +227,8 @@ TEST(QuickImpact, IsRightWithinRoundingOfABorder) {
     }
 }
 
-TEST(QuickImpact, IsRightForEdgesThatAreOnOneLine) {
-    // At 5/16 they are, and an end of one is at one of the other.
+TEST(QuickImpact, is_right_for_collinear_edges) {
+    // At t = 5/16 the edges are on one line, and an end of one is at an end of the other.
     RandomMoves random(Lattice::tiny, 71);
     Tally tally;
     for (int i = 0; i < 1000; ++i) {
@@ -239,15 +239,15 @@ TEST(QuickImpact, IsRightForEdgesThatAreOnOneLine) {
         const std::array<int, 4> place{-1 - random.below(3), 0, 0, random.below(7) - 2};
         Move move{Feature::edge_edge, {}};
         for (std::size_t k = 0; k < 4; ++k) {
-            const Vec3d way = position(45), middle = static_cast<double>(place[k]) * along;
-            move.point[k] = {middle - 5. * way, middle + 11. * way};
+            const Vec3d velocity = position(45), middle = static_cast<double>(place[k]) * along;
+            move.point[k] = {middle - 5. * velocity, middle + 11. * velocity};
         }
         check(move, tally);
     }
 }
 
-TEST(QuickImpact, KnowsImpactsOnABorderInAPlaneAcrossAnAxis) {
-    // Three points stay in such a plane, so that they can only meet on one line, or all but do.
+TEST(QuickImpact, decides_border_impacts_in_axis_aligned_planes) {
+    // Three points stay in an axis-aligned plane, exactly or nearly, so that the features can only meet on one line.
     for (const bool exact : {true, false}) {
         for (const Feature feature : quick_features) {
             RandomMoves random(Lattice::wide, 79);
@@ -277,7 +277,7 @@ TEST(QuickImpact, KnowsImpactsOnABorderInAPlaneAcrossAnAxis) {
     }
 }
 
-TEST(QuickImpact, KnowsThatVerticesAreInOnePlaceAtTheStart) {
+TEST(QuickImpact, recognises_coincident_vertices_at_the_start) {
     for (const Feature feature : quick_features) {
         RandomMoves random(Lattice::wide, 43);
         for (int i = 0; i < 12; ++i) {
@@ -293,8 +293,8 @@ TEST(QuickImpact, KnowsThatVerticesAreInOnePlaceAtTheStart) {
     }
 }
 
-TEST(QuickImpact, KnowsThatWhatRestsInOnePlaneIsApart) {
-    // A point on a table, beside a face of it; all of it slides.
+TEST(QuickImpact, separates_features_that_slide_in_one_plane) {
+    // A point beside a face in the same plane; all points slide in the plane.
     const auto slide = [](double x, double y) { return MovingPoint{{x, y, 0.3}, {x + 0.1, y - 0.7, 0.3}}; };
     const Move beside{Feature::vertex_face, {slide(1.1, 1.2), slide(0, 0), slide(2, 0), slide(0.1, 2)}};
     EXPECT_EQ(quickly(beside).verdict, Certainty::apart);
@@ -302,7 +302,7 @@ TEST(QuickImpact, KnowsThatWhatRestsInOnePlaneIsApart) {
     EXPECT_EQ(quickly(edges).verdict, Certainty::apart);
 }
 
-TEST(QuickImpact, DoesNotKnowWhatIsNoNumber) {
+TEST(QuickImpact, is_undecided_for_nan_and_infinity) {
     RandomMoves random(Lattice::wide, 47);
     for (const Feature feature : quick_features) {
         for (const double odd : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
@@ -318,7 +318,7 @@ TEST(QuickImpact, DoesNotKnowWhatIsNoNumber) {
     }
 }
 
-TEST(DecideImpact, TellsContactAtTheStartByPredicates) {
+TEST(DecideImpact, decides_contact_at_the_start_by_predicates) {
     for (const Feature feature : quick_features) {
         RandomMoves random(Lattice::wide, 73);
         ImpactCounts counts;
@@ -339,7 +339,7 @@ TEST(DecideImpact, TellsContactAtTheStartByPredicates) {
     }
 }
 
-TEST(DecideImpact, NeedsNoRationalsForSlidesInAPlaneAcrossAnAxis) {
+TEST(DecideImpact, hardly_needs_rationals_for_slides_in_axis_aligned_planes) {
     for (const Feature feature : quick_features) {
         RandomMoves random(Lattice::level, 79);
         ImpactCounts counts;
@@ -368,7 +368,7 @@ TEST(DecideImpact, NeedsNoRationalsForSlidesInAPlaneAcrossAnAxis) {
     }
 }
 
-TEST(DecideImpact, IsWhatRationalArithmeticSays) {
+TEST(DecideImpact, agrees_with_rational_arithmetic) {
     for (const Feature feature : quick_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 53);

@@ -1,4 +1,5 @@
-// What float64 decides about separations, against rational arithmetic, where it is hard: at the edge of its bounds.
+// Compares float64 decisions about minimum distances with rational arithmetic in hard cases, at the edge of the error
+// bounds.
 
 #include "exact/impact/quick_separation.h"
 
@@ -15,39 +16,39 @@ namespace {
 
 FeatureKinds kinds_of(Feature feature) { return static_cast<FeatureKinds>(feature); }
 
-QuickImpact quickly(const SeparatedMove& asked) {
-    const auto& points = asked.move.point;
-    switch (asked.move.feature) {
+QuickImpact quickly(const SeparatedMove& query) {
+    const auto& points = query.move.point;
+    switch (query.move.feature) {
         case Feature::vertex_face:
-            return quick_separation<FeatureKinds::vertex_face>(points, asked.separation);
+            return quick_separation<FeatureKinds::vertex_face>(points, query.separation);
         case Feature::edge_edge:
-            return quick_separation<FeatureKinds::edge_edge>(points, asked.separation);
+            return quick_separation<FeatureKinds::edge_edge>(points, query.separation);
         case Feature::vertex_edge:
-            return quick_separation<FeatureKinds::vertex_edge>(points, asked.separation);
+            return quick_separation<FeatureKinds::vertex_edge>(points, query.separation);
         case Feature::vertex_vertex:
             break;
     }
-    return quick_separation<FeatureKinds::vertex_vertex>(points, asked.separation);
+    return quick_separation<FeatureKinds::vertex_vertex>(points, query.separation);
 }
 
-/// How many moves were decided, and how.
+/// Numbers of moves by verdict.
 struct Tally {
     int apart = 0, start = 0, later = 0, unknown = 0;
     int decided() const { return apart + start + later; }
 };
 
-/// Fails where float64 is certain of what is wrong.
-void check(const SeparatedMove& asked, Tally& tally) {
-    const QuickImpact quick = quickly(asked);
+/// Fails if float64 is certain of a wrong verdict.
+void check(const SeparatedMove& query, Tally& tally) {
+    const QuickImpact quick = quickly(query);
     if (quick.verdict == Certainty::unknown) {
         ++tally.unknown;
         return;
     }
     ++(quick.verdict == Certainty::apart ? tally.apart : quick.start ? tally.start : tally.later);
-    ASSERT_EQ((Impact{quick.verdict == Certainty::meets, quick.toi, quick.start}), asked.impact()) << asked;
+    ASSERT_EQ((Impact{quick.verdict == Certainty::meets, quick.toi, quick.start}), query.impact()) << query;
 }
 
-/// A number up or down to the n-th neighbour.
+/// Returns the n-th float64 number above x, or below x for negative n.
 double neighbour(double x, int n) {
     const double to = n < 0 ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
     for (int i = std::abs(n); i > 0; --i) x = std::nextafter(x, to);
@@ -55,8 +56,8 @@ double neighbour(double x, int n) {
 }
 
 template <class Change>
-void change_positions(SeparatedMove& asked, Change change) {
-    for (MovingPoint& p : asked.move.point) {
+void change_positions(SeparatedMove& query, Change change) {
+    for (MovingPoint& p : query.move.point) {
         for (int axis = 0; axis < 3; ++axis) {
             p.start[axis] = change(p.start[axis]);
             p.end[axis] = change(p.end[axis]);
@@ -64,7 +65,7 @@ void change_positions(SeparatedMove& asked, Change change) {
     }
 }
 
-/// About their distance at that time.
+/// Returns the approximate distance of the features at time t.
 double distance_at(const Move& move, double t) {
     const auto at = [&](std::size_t i) { return (1 - t) * move.point[i].start + t * move.point[i].end; };
     const Vec3d p = at(0), q = at(1), r = at(2), s = at(3);
@@ -87,7 +88,7 @@ double distance_at(const Move& move, double t) {
     return length.operator()<FeatureKinds::vertex_vertex>();
 }
 
-TEST(QuickSeparation, IsRightForDegenerateMoves) {
+TEST(QuickSeparation, is_right_for_degenerate_moves) {
     for (const Feature feature : all_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 47);
@@ -98,14 +99,14 @@ TEST(QuickSeparation, IsRightForDegenerateMoves) {
     }
 }
 
-TEST(QuickSeparation, DecidesNearlyAllInGeneralPosition) {
+TEST(QuickSeparation, decides_nearly_all_moves_in_general_position) {
     for (const Feature feature : all_features) {
         RandomMoves random(Lattice::wide, 53);
         Tally tally;
         for (int i = 0; i < 800; ++i) {
-            SeparatedMove asked = separated(random, Lattice::wide, feature);
-            change_positions(asked, [&](double x) { return x + 1e-3 * random.below(1000); });
-            check(asked, tally);
+            SeparatedMove query = separated(random, Lattice::wide, feature);
+            change_positions(query, [&](double x) { return x + 1e-3 * random.below(1000); });
+            check(query, tally);
         }
         EXPECT_GT(tally.apart, 50);
         EXPECT_GT(tally.later, 50);
@@ -113,105 +114,105 @@ TEST(QuickSeparation, DecidesNearlyAllInGeneralPosition) {
     }
 }
 
-TEST(QuickSeparation, IsRightOneUnitBesideTheDistance) {
-    // They come within the distance about a float64 number, or at the start, for a moment, or not quite.
+TEST(QuickSeparation, is_right_within_a_few_ulps_of_the_distance) {
+    // The features come within the distance close to a float64 time, or at the start, for an instant, or just not.
     for (const Feature feature : all_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 59);
             Tally tally;
             for (int i = 0; i < 250; ++i) {
-                SeparatedMove asked{random(feature), {}};
-                const double t = random.below(9) / 8.0, distance = distance_at(asked.move, t);
-                asked.separation.distance = neighbour(distance, random.below(7) - 3);
+                SeparatedMove query{random(feature), {}};
+                const double t = random.below(9) / 8.0, distance = distance_at(query.move, t);
+                query.separation.distance = neighbour(distance, random.below(7) - 3);
                 if (random.below(2) == 0 && distance > 0) {
-                    const double start = distance_at(asked.move, 0);
-                    if (start > distance) asked.separation = {0, neighbour(distance / start, random.below(7) - 3)};
+                    const double start = distance_at(query.move, 0);
+                    if (start > distance) query.separation = {0, neighbour(distance / start, random.below(7) - 3)};
                 }
-                // Also at the edge of the range of double words, and beyond it.
+                // Some moves are at the edge of the range of double words, or beyond it.
                 constexpr int exponents[] = {0, 0, -98, 98, -480, -505};
                 const int exponent = exponents[random.below(6)];
-                change_positions(asked, [&](double x) { return std::ldexp(x, exponent); });
-                asked.separation.distance = std::ldexp(asked.separation.distance, exponent);
-                check(asked, tally);
+                change_positions(query, [&](double x) { return std::ldexp(x, exponent); });
+                query.separation.distance = std::ldexp(query.separation.distance, exponent);
+                check(query, tally);
             }
             EXPECT_GT(tally.decided(), 0);
         }
     }
 }
 
-TEST(QuickSeparation, IsRightFarFromTheOrigin) {
+TEST(QuickSeparation, is_right_far_from_the_origin) {
     for (const Feature feature : all_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 61);
             Tally tally;
             for (int i = 0; i < 150; ++i) {
-                SeparatedMove asked = separated(random, lattice, feature);
+                SeparatedMove query = separated(random, lattice, feature);
                 const int share = 1 + random.below(24), far = random.below(3);
-                change_positions(asked, [&](double x) {
+                change_positions(query, [&](double x) {
                     if (far > 0) x += far == 1 ? 0x1p10 : -0x1p40;
                     return x != 0 && random.below(24) < share ? neighbour(x, random.below(5) - 2) : x;
                 });
-                check(asked, tally);
+                check(query, tally);
             }
             EXPECT_GT(tally.decided(), 0);
         }
     }
 }
 
-TEST(QuickSeparation, IsRightWhereItUnderOrOverflows) {
+TEST(QuickSeparation, is_right_where_it_underflows_or_overflows) {
     for (const Feature feature : all_features) {
         for (const int exponent : {-1074, -1070, -1000, -540, -460, -450, -445, -300, -105, -100, -95, 90, 95, 100, 105,
                                    290, 300, 500, 1010}) {
             RandomMoves random(Lattice::small, 67);
             Tally tally;
             for (int i = 0; i < 25; ++i) {
-                SeparatedMove asked = separated(random, Lattice::small, feature);
-                change_positions(asked, [&](double x) { return neighbour(std::ldexp(x, exponent), random.below(2)); });
-                asked.separation.distance = std::ldexp(asked.separation.distance, exponent + random.below(3) - 1);
-                check(asked, tally);
+                SeparatedMove query = separated(random, Lattice::small, feature);
+                change_positions(query, [&](double x) { return neighbour(std::ldexp(x, exponent), random.below(2)); });
+                query.separation.distance = std::ldexp(query.separation.distance, exponent + random.below(3) - 1);
+                check(query, tally);
             }
             EXPECT_TRUE(std::abs(exponent) >= 95 || tally.decided() > tally.unknown);
         }
     }
 }
 
-TEST(QuickSeparation, IsRightWhereMagnitudesDiffer) {
+TEST(QuickSeparation, is_right_for_mixed_magnitudes) {
     for (const Feature feature : all_features) {
         RandomMoves random(Lattice::wide, 71);
         Tally tally;
         for (int i = 0; i < 200; ++i) {
-            SeparatedMove asked = separated(random, Lattice::wide, feature);
-            const int reach = 1 + random.below(60);
-            const auto stretched = [&](double x) { return std::ldexp(x, random.below(2 * reach) - reach); };
-            change_positions(asked, stretched);
-            asked.separation.distance = stretched(asked.separation.distance);
-            check(asked, tally);
+            SeparatedMove query = separated(random, Lattice::wide, feature);
+            const int spread = 1 + random.below(60);
+            const auto stretched = [&](double x) { return std::ldexp(x, random.below(2 * spread) - spread); };
+            change_positions(query, stretched);
+            query.separation.distance = stretched(query.separation.distance);
+            check(query, tally);
         }
         EXPECT_GT(tally.decided(), 100);
     }
 }
 
-TEST(QuickSeparation, ClaimsNothingOfWhatIsNoNumber) {
+TEST(QuickSeparation, is_undecided_for_nan_and_infinity) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     RandomMoves random(Lattice::wide, 73);
     for (const Feature feature : all_features) {
         for (const double x : {infinity, -infinity, std::numeric_limits<double>::quiet_NaN()}) {
-            SeparatedMove asked = separated(random, Lattice::wide, feature);
-            asked.move.point[static_cast<std::size_t>(random.below(2))].end.y = x;
-            EXPECT_EQ(quickly(asked).verdict, Certainty::unknown) << asked;
+            SeparatedMove query = separated(random, Lattice::wide, feature);
+            query.move.point[static_cast<std::size_t>(random.below(2))].end.y = x;
+            EXPECT_EQ(quickly(query).verdict, Certainty::unknown) << query;
         }
     }
 }
 
-TEST(SurelyFarther, IsNeverSaidOfWhatComesClose) {
+TEST(SurelyFarther, is_never_true_of_edges_that_come_close) {
     RandomMoves random(Lattice::wide, 79);
     int farther = 0, none = 0;
     for (int i = 0; i < 1'000; ++i) {
-        const SeparatedMove asked = separated(random, Lattice::wide, Feature::edge_edge);
-        const Impact impact = edge_edge(asked.move.point[0], asked.move.point[1], asked.move.point[2],
-                                        asked.move.point[3], Separation{asked.separation.distance, 0});
-        const bool surely = surely_farther<FeatureKinds::edge_edge>(asked.move.point, asked.separation.distance);
-        ASSERT_FALSE(surely && impact.meets) << asked;
+        const SeparatedMove query = separated(random, Lattice::wide, Feature::edge_edge);
+        const Impact impact = edge_edge(query.move.point[0], query.move.point[1], query.move.point[2],
+                                        query.move.point[3], Separation{query.separation.distance, 0});
+        const bool surely = surely_farther<FeatureKinds::edge_edge>(query.move.point, query.separation.distance);
+        ASSERT_FALSE(surely && impact.meets) << query;
         farther += surely;
         none += !impact.meets;
     }
@@ -219,16 +220,16 @@ TEST(SurelyFarther, IsNeverSaidOfWhatComesClose) {
     EXPECT_GT(farther, none - 10);
 }
 
-TEST(DecideSeparation, IsExact) {
+TEST(DecideSeparation, is_exact) {
     for (const Feature feature : all_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 83);
             SeparationCounts counts;
             for (int i = 0; i < 60; ++i) {
-                const SeparatedMove asked = separated(random, lattice, feature);
-                ASSERT_EQ(decide_separation(kinds_of(feature), asked.move.point, asked.separation, counts),
-                          asked.impact())
-                    << asked;
+                const SeparatedMove query = separated(random, lattice, feature);
+                ASSERT_EQ(decide_separation(kinds_of(feature), query.move.point, query.separation, counts),
+                          query.impact())
+                    << query;
             }
             EXPECT_LT(counts.rational, 30);
         }

@@ -14,9 +14,9 @@ enum class Lattice {
     small,  ///< -3 to 3
     wide,   ///< -50 to 50: mostly in general position
     flat,   ///< -3 to 3, in the plane x + y + z = 0 at all times
-    level,  ///< -3 to 3, in a plane across an axis at all times, which moves along it
+    level,  ///< -3 to 3, at all times in a plane normal to an axis, which moves along the axis
     line,   ///< -4 to 4 on the line of (1, -1, 2) at all times
-    focus,  ///< on that line at 1/2 only, where normals vanish
+    focus,  ///< on that line at time 1/2 only, where normals vanish
 };
 inline constexpr std::array all_lattices{Lattice::tiny,  Lattice::small, Lattice::wide, Lattice::flat,
                                          Lattice::level, Lattice::line,  Lattice::focus};
@@ -30,8 +30,8 @@ class RandomMoves {
         const int axis = lattice_ == Lattice::level ? below(3) : 0;
         for (MovingPoint& p : move.point) {
             if (lattice_ == Lattice::focus) {
-                const Vec3d middle = on_line(), way = position();
-                p = {middle - way, middle + way};
+                const Vec3d middle = on_line(), step = position();
+                p = {middle - step, middle + step};
             } else {
                 p = {position(), position()};
             }
@@ -43,7 +43,7 @@ class RandomMoves {
         return move;
     }
 
-    /// 0 to n - 1, the same on every machine.
+    /// Returns a number from 0 to n - 1, the same on every machine.
     int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
 
    private:
@@ -51,8 +51,8 @@ class RandomMoves {
 
     Vec3d position() {
         if (lattice_ == Lattice::line) return on_line();
-        const int reach = lattice_ == Lattice::tiny ? 1 : lattice_ == Lattice::wide ? 50 : 3;
-        const auto number = [&] { return static_cast<double>(below(2 * reach + 1) - reach); };
+        const int extent = lattice_ == Lattice::tiny ? 1 : lattice_ == Lattice::wide ? 50 : 3;
+        const auto number = [&] { return static_cast<double>(below(2 * extent + 1) - extent); };
         Vec3d p{number(), number(), number()};
         if (lattice_ == Lattice::flat) p.z = -p.x - p.y;
         return p;

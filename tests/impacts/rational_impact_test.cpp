@@ -1,4 +1,4 @@
-// Moves made by hand, with answers that can be seen, for every way in which features can be degenerate.
+// Tests on handmade moves with evident results, for every way in which features can be degenerate.
 
 #include "exact/impact/rational_impact.h"
 
@@ -15,7 +15,7 @@ namespace {
 constexpr Impact none{};
 constexpr Impact at_start{true, 0, true};
 constexpr Impact at(double toi) { return {true, toi, false}; }
-/// 1.0 / 3 is below one third, so it is what one third is rounded down to; 2.0 / 3 likewise.
+/// One third and two thirds rounded down: 1.0 / 3 and 2.0 / 3 are below the exact values.
 constexpr double third = 1.0 / 3, two_thirds = 2.0 / 3;
 
 MovingPoint still(double x, double y, double z) { return {{x, y, z}, {x, y, z}}; }
@@ -23,10 +23,10 @@ MovingPoint move(Vec3d start, Vec3d end) { return {start, end}; }
 
 const MovingPoint origin = still(0, 0, 0), right = still(4, 0, 0), up = still(0, 4, 0);
 
-/// Against the face with corners (0, 0, 0), (4, 0, 0), (0, 4, 0).
+/// Returns the impact of a vertex on the face with corners (0, 0, 0), (4, 0, 0), (0, 4, 0).
 Impact onto_face(Vec3d start, Vec3d end) { return vertex_face({start, end}, origin, right, up); }
 
-TEST(VertexFace, MeetsInside) {
+TEST(VertexFace, meets_inside) {
     EXPECT_EQ(onto_face({1, 1, 1}, {1, 1, -2}), at(third));
     EXPECT_EQ(onto_face({1, 1, 2}, {1, 1, -1}), at(two_thirds));
     EXPECT_EQ(onto_face({1, 1, 1}, {1, 1, -1}), at(0.5));
@@ -36,7 +36,7 @@ TEST(VertexFace, MeetsInside) {
     EXPECT_EQ(onto_face({1, 1, 1}, {1, 1, std::numeric_limits<double>::denorm_min()}), none);
 }
 
-TEST(VertexFace, MeetsOnTheBorder) {
+TEST(VertexFace, meets_on_the_border) {
     EXPECT_EQ(onto_face({2, 2, 1}, {2, 2, -1}), at(0.5));
     EXPECT_EQ(onto_face({0, 0, 1}, {0, 0, -2}), at(third));
     EXPECT_EQ(onto_face({2, 2 + 0x1p-51, 1}, {2, 2 + 0x1p-51, -1}), none);
@@ -45,7 +45,7 @@ TEST(VertexFace, MeetsOnTheBorder) {
     EXPECT_EQ(onto_face({-1, -1, 1}, {1, 1, -1}), at(0.5));  // through a corner
 }
 
-TEST(VertexFace, MeetsAtTheSecondRootIfTheFirstIsOutside) {
+TEST(VertexFace, meets_at_the_second_root_if_the_first_is_outside) {
     // The face turns about the x axis: at y = 4 - 4 t, where the vertex is, its plane is at the height 16 t (1 - t).
     const MovingPoint a = still(-9, 0, 0), b = still(9, 0, 0);
     const MovingPoint rising = move({0, 4, 0}, {0, 4, 16});
@@ -53,7 +53,7 @@ TEST(VertexFace, MeetsAtTheSecondRootIfTheFirstIsOutside) {
     EXPECT_EQ(vertex_face(move({8, 4, 3}, {0, 0, 3}), a, b, rising), at(0.75));
 }
 
-TEST(VertexFace, MeetsAtADoubleRoot) {
+TEST(VertexFace, meets_at_a_double_root) {
     // As above, and 16 t (1 - t) is 4 at its top.
     const MovingPoint a = still(-9, 0, 0), b = still(9, 0, 0), rising = move({0, 4, 0}, {0, 4, 16});
     EXPECT_EQ(vertex_face(move({0, 4, 4}, {0, 0, 4}), a, b, rising), at(0.5));
@@ -64,7 +64,7 @@ TEST(VertexFace, MeetsAtADoubleRoot) {
     EXPECT_EQ(vertex_face(move({0, 4, 2}, {0, -2, 2}), a, b, steep), at(third));
 }
 
-TEST(VertexFace, MeetsAtATripleRoot) {
+TEST(VertexFace, meets_at_a_triple_root) {
     // Four points shrink towards one another and pass through each other at 1/3: the volume is a cube in t.
     const auto through = [](double x, double y, double z) { return move({x, y, z}, {-2 * x, -2 * y, -2 * z}); };
     EXPECT_EQ(vertex_face(through(0, 0, 1), through(1, 0, 0), through(0, 1, 0), through(-1, -1, 0)), at(third));
@@ -75,7 +75,7 @@ TEST(VertexFace, MeetsAtATripleRoot) {
     EXPECT_EQ(vertex_face(move({0, 0, 1}, {0, 0, -2}), a, b, c), at(third));
 }
 
-TEST(VertexFace, MeetsAFaceWithoutANormalAtThatMoment) {
+TEST(VertexFace, meets_a_face_that_collapses_at_contact) {
     // The face shrinks to the segment from 0 to 4 on the x axis, at 1/2, and grows again on the other side.
     const MovingPoint c = move({1, 2, 0}, {1, -2, 0});
     EXPECT_EQ(vertex_face(move({2, 0, 1}, {2, 0, -1}), origin, right, c), at(0.5));
@@ -85,7 +85,7 @@ TEST(VertexFace, MeetsAFaceWithoutANormalAtThatMoment) {
     EXPECT_EQ(vertex_face(move({5, 0, 1}, {5, 0, -1}), origin, right, move({6, 2, 0}, {6, -2, 0})), at(0.5));
 }
 
-TEST(VertexFace, MeetsInOnePlane) {
+TEST(VertexFace, meets_in_one_plane) {
     // All in z = 0 at all times: the vertex enters through a side, a corner, or was inside.
     EXPECT_EQ(onto_face({-1, 1, 0}, {2, 1, 0}), at(third));
     EXPECT_EQ(onto_face({3, 3, 0}, {1, 1, 0}), at(0.5));
@@ -107,7 +107,7 @@ TEST(VertexFace, MeetsInOnePlane) {
     EXPECT_EQ(vertex_face(move({5, -1, 5}, {5, 2, -5}), origin, lower, upper), none);
 }
 
-TEST(VertexFace, MeetsCollapsedFaces) {
+TEST(VertexFace, meets_collapsed_faces) {
     // A segment.
     EXPECT_EQ(vertex_face(move({1, 0, 1}, {1, 0, -2}), origin, right, right), at(third));
     EXPECT_EQ(vertex_face(move({1, 0, 1}, {1, 0, -2}), origin, still(2, 0, 0), right), at(third));
@@ -120,14 +120,14 @@ TEST(VertexFace, MeetsCollapsedFaces) {
     EXPECT_EQ(vertex_face(origin, origin, origin, origin), at_start);
 }
 
-TEST(VertexFace, MeetsWithoutAnyMotion) {
+TEST(VertexFace, meets_without_any_motion) {
     EXPECT_EQ(onto_face({1, 1, 0}, {1, 1, 0}), at_start);
     EXPECT_EQ(onto_face({2, 2, 0}, {2, 2, 0}), at_start);
     EXPECT_EQ(onto_face({3, 2, 0}, {3, 2, 0}), none);
     EXPECT_EQ(onto_face({1, 1, 1}, {1, 1, 1}), none);
 }
 
-TEST(VertexFace, MeetsAtTimesThatAreNoFractions) {
+TEST(VertexFace, meets_at_irrational_times) {
     // As above, 16 t (1 - t) is 2 at t = (1 - sqrt(1/2)) / 2.
     const MovingPoint a = still(-9, 0, 0), b = still(9, 0, 0), rising = move({0, 4, 0}, {0, 4, 16});
     const Impact found = vertex_face(move({0, 4, 2}, {0, 0, 2}), a, b, rising);
@@ -138,7 +138,7 @@ TEST(VertexFace, MeetsAtTimesThatAreNoFractions) {
     EXPECT_EQ(found.toi, 0x1.2bec333018866p-3);
 }
 
-TEST(EdgeEdge, MeetsInside) {
+TEST(EdgeEdge, meets_inside) {
     const MovingPoint left = still(-1, 0, 0), east = still(1, 0, 0);
     EXPECT_EQ(edge_edge(left, east, move({0, -1, 1}, {0, -1, -2}), move({0, 1, 1}, {0, 1, -2})), at(third));
     EXPECT_EQ(edge_edge(left, east, move({1, -1, 1}, {1, -1, -1}), move({1, 1, 1}, {1, 1, -1})), at(0.5));
@@ -148,7 +148,7 @@ TEST(EdgeEdge, MeetsInside) {
     EXPECT_EQ(edge_edge(left, east, move({0, 0, 1}, {0, 0, -1}), move({0, 1, 1}, {0, 1, -1})), at(0.5));
 }
 
-TEST(EdgeEdge, MeetsParallelEdges) {
+TEST(EdgeEdge, meets_parallel_edges) {
     const MovingPoint left = still(-1, 0, 0), east = still(1, 0, 0);
     // They stay parallel: the volume is 0 at all times.
     EXPECT_EQ(edge_edge(left, east, move({0, 0, 1}, {0, 0, -2}), move({5, 0, 1}, {5, 0, -2})), at(third));
@@ -170,7 +170,7 @@ TEST(EdgeEdge, MeetsParallelEdges) {
     EXPECT_EQ(through(3, 2), none);
 }
 
-TEST(EdgeEdge, MeetsInOnePlane) {
+TEST(EdgeEdge, meets_in_one_plane) {
     const MovingPoint left = still(-1, 0, 0), east = still(1, 0, 0);
     EXPECT_EQ(edge_edge(left, east, move({0, 1, 0}, {0, -2, 0}), move({3, 2, 0}, {3, -1, 0})), at(third));
     EXPECT_EQ(edge_edge(left, east, move({0, 1, 0}, {0, 2, 0}), move({4, -2, 0}, {4, 2, 0})), none);
@@ -181,7 +181,7 @@ TEST(EdgeEdge, MeetsInOnePlane) {
     EXPECT_EQ(edge_edge(left, east, move({3, 0, 0}, {2, 0, 0}), move({4, 0, 0}, {3, 0, 0})), none);
 }
 
-TEST(EdgeEdge, MeetsCollapsedEdges) {
+TEST(EdgeEdge, meets_collapsed_edges) {
     const MovingPoint left = still(-1, 0, 0), east = still(1, 0, 0);
     const MovingPoint falling = move({0, 0, 1}, {0, 0, -2}), beside = move({2, 0, 1}, {2, 0, -2});
     EXPECT_EQ(edge_edge(left, east, falling, falling), at(third));
@@ -193,7 +193,7 @@ TEST(EdgeEdge, MeetsCollapsedEdges) {
     EXPECT_EQ(edge_edge(left, east, move({1, 1, 1}, {3, -1, -1}), move({3, -1, 1}, {1, 1, -1})), none);
 }
 
-TEST(EdgeEdge, InterpenetrationIsNoImpact) {
+TEST(EdgeEdge, interpenetration_is_no_impact) {
     // An edge that stays in the middle of a face touches none of its vertices and edges.
     const MovingPoint below = still(1, 1, -1), above = still(1, 1, 1);
     EXPECT_EQ(edge_edge(below, above, origin, right), none);
@@ -201,7 +201,7 @@ TEST(EdgeEdge, InterpenetrationIsNoImpact) {
     EXPECT_EQ(vertex_face(below, origin, right, up), none);
 }
 
-TEST(VertexEdge, MeetsInsideAndAtEnds) {
+TEST(VertexEdge, meets_inside_and_at_ends) {
     EXPECT_EQ(vertex_edge(move({1, 1, 1}, {1, -2, -2}), origin, right), at(third));
     EXPECT_EQ(vertex_edge(move({0, 1, 1}, {0, -2, -2}), origin, right), at(third));
     EXPECT_EQ(vertex_edge(move({5, 1, 1}, {5, -2, -2}), origin, right), none);
@@ -220,7 +220,7 @@ TEST(VertexEdge, MeetsInsideAndAtEnds) {
     EXPECT_EQ(vertex_edge(move({0, 0, 1}, {0, 0, -2}), origin, origin), at(third));
 }
 
-TEST(VertexVertex, MeetsWhereAllCoordinatesDo) {
+TEST(VertexVertex, meets_where_all_coordinates_do) {
     EXPECT_EQ(vertex_vertex(move({1, 2, 3}, {-2, -4, -6}), origin), at(third));
     EXPECT_EQ(vertex_vertex(move({1, 2, 3}, {-2, -4, -5}), origin), none);
     EXPECT_EQ(vertex_vertex(move({1, 0, 0}, {-1, 0, 0}), move({-1, 0, 0}, {1, 0, 0})), at(0.5));
@@ -231,7 +231,7 @@ TEST(VertexVertex, MeetsWhereAllCoordinatesDo) {
     EXPECT_EQ(vertex_vertex(still(0.0, 1, 2), still(-0.0, 1, 2)), at_start);
 }
 
-TEST(RationalImpact, TakesAllOfFloat64) {
+TEST(RationalImpact, handles_the_whole_range_of_float64) {
     constexpr double large = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::denorm_min();
     // From -max to max, which is further than any float64 number.
     EXPECT_EQ(vertex_face(move({0, 0, large}, {0, 0, -large}), still(-large, -large, 0), still(large, -large, 0),

@@ -10,10 +10,10 @@
 namespace crumple {
 namespace {
 
-/// Coefficients from the constant one up.
+/// Returns the polynomial with these coefficients, constant term first.
 Polynomial polynomial(std::initializer_list<Integer> coefficients) { return Polynomial(coefficients); }
 
-/// q t − k: zero at k / q.
+/// Returns q t − k, which is zero at k / q.
 Polynomial zero_at(const Integer& k, const Integer& q) { return polynomial({-k, q}); }
 
 std::vector<double> rounded_roots(const Polynomial& p) {
@@ -24,14 +24,14 @@ std::vector<double> rounded_roots(const Polynomial& p) {
 
 Integer power(unsigned exponent) { return Integer(1) << exponent; }
 
-TEST(Polynomial, DropsLeadingZeros) {
+TEST(Polynomial, drops_leading_zeros) {
     EXPECT_EQ(polynomial({1, 2, 0, 0}).degree(), 1);
     EXPECT_TRUE(polynomial({0, 0}).zero());
     EXPECT_TRUE((polynomial({1, 2}) - polynomial({1, 2})).zero());
     EXPECT_EQ((polynomial({1, 2, 3}) + polynomial({1, 2, -3})).coefficients(), (std::vector<Integer>{2, 4}));
 }
 
-TEST(Polynomial, MultipliesAndIsShifted) {
+TEST(Polynomial, multiplies_differentiates_and_zooms) {
     const Polynomial p = zero_at(1, 3) * zero_at(2, 5) * polynomial({-7});
     EXPECT_EQ(p.coefficients(), (std::vector<Integer>{-14, 77, -105}));
     EXPECT_EQ(p.derivative().coefficients(), (std::vector<Integer>{77, -210}));
@@ -42,7 +42,7 @@ TEST(Polynomial, MultipliesAndIsShifted) {
     EXPECT_EQ(p.zoomed({3, 3}).coefficients(), (std::vector<Integer>{7, -14, -105}));
 }
 
-TEST(GreatestCommonDivisor, IsWhatAllShare) {
+TEST(GreatestCommonDivisor, contains_the_common_factors) {
     const Polynomial a = zero_at(1, 3), b = zero_at(2, 5), c = zero_at(-4, 7), d = polynomial({-2, 0, 1});
     EXPECT_EQ(greatest_common_divisor(std::array{a * b * d, c * d * b}).degree(), 3);
     EXPECT_EQ(greatest_common_divisor(std::array{a * b, b * c, c * a}).degree(), 0);
@@ -52,14 +52,14 @@ TEST(GreatestCommonDivisor, IsWhatAllShare) {
     EXPECT_EQ(square_free(a * a * b * d * d * d).degree(), 4);
 }
 
-TEST(Roots, AreFoundInOrderEachOnce) {
+TEST(Roots, are_found_in_order_and_once) {
     const Polynomial p = zero_at(1, 3) * zero_at(1, 2) * zero_at(1, 1) * zero_at(0, 1);
     EXPECT_EQ(rounded_roots(p), (std::vector<double>{0, 1.0 / 3, 0.5, 1}));
     EXPECT_EQ(rounded_roots(p * p * zero_at(1, 2)), (std::vector<double>{0, 1.0 / 3, 0.5, 1}));
     EXPECT_EQ(rounded_roots(p * zero_at(-1, 3) * zero_at(4, 3) * polynomial({1, 0, 1})), rounded_roots(p));
 }
 
-TEST(Roots, OutsideAreNone) {
+TEST(Roots, outside_the_interval_are_not_found) {
     EXPECT_TRUE(rounded_roots(polynomial({5})).empty());
     EXPECT_TRUE(rounded_roots(zero_at(-1, power(200))).empty());
     EXPECT_TRUE(rounded_roots(zero_at(power(200) + 1, power(200))).empty());
@@ -68,7 +68,7 @@ TEST(Roots, OutsideAreNone) {
     EXPECT_EQ(rounded_roots(zero_at(1, 2) * zero_at(1, 2) * polynomial({power(100)}) - polynomial({1})).size(), 2U);
 }
 
-TEST(Roots, OfWhichManyLieCloseTogetherAreToldApart) {
+TEST(Roots, close_together_are_separated) {
     const Integer q = power(300);
     const Polynomial p = zero_at(q / 3, q) * zero_at(q / 3 + 1, q) * zero_at(q / 3 + 2, q) * zero_at(1, 3);
     std::vector<Root> roots = roots_in_unit_interval(p);
@@ -81,7 +81,7 @@ TEST(Roots, OfWhichManyLieCloseTogetherAreToldApart) {
     }
 }
 
-TEST(Roots, GiveTheSignOfOtherPolynomials) {
+TEST(Roots, give_the_sign_of_other_polynomials) {
     const Polynomial half = polynomial({-1, 0, 2});  // at the square root of 1/2
     Root root = roots_in_unit_interval(half).at(0);
     EXPECT_EQ(root.sign(half), 0);
@@ -96,14 +96,14 @@ TEST(Roots, GiveTheSignOfOtherPolynomials) {
     EXPECT_EQ(Root(Dyadic{1, 1}).sign(zero_at(1, 2)), 0);
 }
 
-TEST(Roots, AreZeroOnlyIfExactlyZero) {
+TEST(Roots, are_zero_only_if_exactly_zero) {
     EXPECT_TRUE(roots_in_unit_interval(zero_at(0, 1)).at(0).is_zero());
     Root tiny = roots_in_unit_interval(zero_at(1, power(1'080))).at(0);
     EXPECT_EQ(tiny.rounded_down(), 0);
     EXPECT_FALSE(tiny.is_zero());
 }
 
-TEST(Roots, AreRoundedDown) {
+TEST(Roots, are_rounded_down) {
     // Ties and what is just above or below a float64 number.
     EXPECT_EQ(rounded_roots(zero_at(power(200) - 1, power(200))), (std::vector<double>{1 - 0x1p-53}));
     EXPECT_EQ(rounded_roots(zero_at(power(199) + 1, power(200))), (std::vector<double>{0.5}));
@@ -117,8 +117,8 @@ TEST(Roots, AreRoundedDown) {
     EXPECT_EQ(rounded_roots(zero_at(1, 3 * power(1'022))), (std::vector<double>{std::ldexp(0x5555555555555, -1'074)}));
 }
 
-// k / q as the processor divides, made the number below where that was rounded up.
-TEST(Roots, OfLinesAreRoundedDownQuotients) {
+// Compares with k / q as the processor divides, corrected where that was rounded up.
+TEST(Roots, of_lines_are_quotients_rounded_down) {
     std::mt19937_64 engine(29);
     for (int i = 0; i < 2'000; ++i) {
         const auto q = static_cast<std::int64_t>(engine() >> (12 + i % 50)) + 2;
@@ -128,7 +128,7 @@ TEST(Roots, OfLinesAreRoundedDownQuotients) {
         const Integer mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(expected, &exponent), 53));
         if ((mantissa * q) > (Integer(k) << (53 - exponent))) expected = std::nextafter(expected, 0.0);
         ASSERT_EQ(rounded_roots(zero_at(k, q)), (std::vector<double>{expected})) << k << " / " << q;
-        // The same among others, and as a double root.
+        // As a double root, with another factor.
         const Polynomial p = zero_at(k, q) * zero_at(k, q) * polynomial({1, 1, 1});
         ASSERT_EQ(rounded_roots(p), (std::vector<double>{expected})) << k << " / " << q;
     }

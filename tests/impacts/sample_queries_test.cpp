@@ -1,5 +1,5 @@
-// Whether features meet, against the sample queries of the CCD benchmark of Wang et al. (2021): hand-made degenerate
-// scenes, whose coordinates are given as fractions.
+// Compares whether features meet with the sample queries of the CCD benchmark of Wang et al. (2021): handmade
+// degenerate scenes, whose coordinates are given as fractions.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A fraction whose denominator is a power of two and whose numerator has 53 bits at most: a float64 number.
+/// Returns a fraction as a float64 number. Its denominator must be a power of two, and its numerator have 53 bits at
+/// most.
 double coordinate(const std::string& numerator, const std::string& denominator) {
     const Integer n(numerator), d(denominator);
     const auto places = [](const Integer& x) { return static_cast<int>(x == 0 ? 0 : lsb(x)); };
@@ -46,7 +47,7 @@ Row read_row(const std::string& line) {
     return {{number(0), number(1), number(2)}, cell[6] == "1"};
 }
 
-TEST(SampleQueries, AreAllAnsweredRight) {
+TEST(SampleQueries, are_all_decided_correctly) {
     const auto folder = io::test::data_folder();
     if (!folder || !fs::exists(*folder / "ccd-sample-queries")) GTEST_SKIP() << "no queries: set CRUMPLE_DATA";
     int queries = 0, hits = 0;

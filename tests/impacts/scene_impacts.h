@@ -1,6 +1,6 @@
 #pragma once
 
-// Impacts between frames of real scenes, found outside, with the moves that lead to them.
+// Impacts between frames of real scenes, of external origin, with the moves that lead to them.
 
 #include <cstdint>
 #include <fstream>
@@ -16,11 +16,11 @@
 
 namespace crumple {
 
-/// Names of files, and how many impacts there are.
+/// Step of a scene: names of its files, and number of impacts.
 struct SceneStep {
-    std::string answer, start, end;
+    std::string result_file, start, end;
     std::size_t impacts;
-    friend std::ostream& operator<<(std::ostream& out, const SceneStep& step) { return out << step.answer; }
+    friend std::ostream& operator<<(std::ostream& out, const SceneStep& step) { return out << step.result_file; }
 };
 
 inline const std::array<SceneStep, 3> scene_steps{
@@ -30,9 +30,9 @@ inline const std::array<SceneStep, 3> scene_steps{
      {"motion_n-body_18_19.txt", "n-body-simulation/frames/balls16_18.ply", "n-body-simulation/frames/balls16_19.ply",
       50'490}}};
 
-/// For names of tests.
+/// Returns the name of a step for names of tests.
 inline std::string name_of(const SceneStep& step) {
-    std::string name = step.answer.substr(0, step.answer.find('.'));
+    std::string name = step.result_file.substr(0, step.result_file.find('.'));
     for (char& c : name) c = c == '-' ? '_' : c;
     return name;
 }
@@ -68,12 +68,12 @@ struct SceneImpact {
     Impact impact;
 };
 
-/// In the order of the file; none without the data.
+/// Returns the impacts in the order of the file, or nothing without the data.
 inline std::optional<std::vector<SceneImpact>> read_impacts(const SceneStep& step) {
     const auto folder = io::test::data_folder();
-    if (!folder || !std::filesystem::exists(*folder / "gt-motion" / step.answer)) return {};
+    if (!folder || !std::filesystem::exists(*folder / "gt-motion" / step.result_file)) return {};
     const Frames frames(*folder / "scalable-ccd" / step.start, *folder / "scalable-ccd" / step.end);
-    std::ifstream file(*folder / "gt-motion" / step.answer);
+    std::ifstream file(*folder / "gt-motion" / step.result_file);
     std::vector<SceneImpact> impacts;
     for (std::string kind; file >> kind;) {
         std::array<std::int32_t, 4> id{};
@@ -81,7 +81,7 @@ inline std::optional<std::vector<SceneImpact>> read_impacts(const SceneStep& ste
         for (std::size_t i = 0; i < (face ? 2U : 4U); ++i) file >> id[i];
         Impact impact{true};
         file >> impact.toi >> impact.start;
-        if (!file) throw std::runtime_error(step.answer + " breaks off");
+        if (!file) throw std::runtime_error(step.result_file + " breaks off");
         const Move move =
             face ? Move{Feature::vertex_face,
                         {frames.vertex(id[0]), frames.corner(id[1], 0), frames.corner(id[1], 1),

@@ -1,6 +1,6 @@
 #pragma once
 
-// Moves together with how far apart their features are to stay.
+// Moves with the minimum distance of their features.
 
 #include <ostream>
 
@@ -36,12 +36,12 @@ struct SeparatedMove {
         return vertex_vertex(p, q, separation);
     }
 
-    friend std::ostream& operator<<(std::ostream& out, const SeparatedMove& asked) {
-        return out << asked.move << ", " << asked.separation;
+    friend std::ostream& operator<<(std::ostream& out, const SeparatedMove& query) {
+        return out << query.move << ", " << query.separation;
     }
 };
 
-/// A random move, and a distance of its size, a share of the start, or both.
+/// Returns a random move with a distance of similar size, a share of the initial distance, or both.
 inline SeparatedMove separated(RandomMoves& random, Lattice lattice, Feature feature) {
     const Move move = random(feature);
     const double unit = lattice == Lattice::wide ? 8 : 1;

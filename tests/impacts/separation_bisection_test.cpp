@@ -1,6 +1,6 @@
-// The exact decision against one that knows no polynomials: time is halved, and a piece of it is free if the features
-// lie further apart than asked for along some direction at both of its ends. As points move on straight lines, they
-// then do so in between.
+// Compares the exact decision about minimum distances with bisection of time, which uses no polynomials: an interval is
+// free if the features are beyond the minimum distance along one direction at both of its ends. As points move on
+// straight lines, they then are in between.
 
 #include <gtest/gtest.h>
 
@@ -25,20 +25,20 @@ struct Fraction {
     friend bool operator==(const Fraction& x, const Fraction& y) { return !(x < y) && !(y < x); }
 };
 
-/// x is a multiple of 2^-200 here.
+/// Returns the square of x, which must be a multiple of 2^-200.
 Fraction squared(double x) {
     const Integer scaled_up = scaled(x, -200);
     return {scaled_up * scaled_up, Integer(1) << 400};
 }
 
-/// Two features at one moment, in integers: the first is of the first points.
-struct Moment {
+/// Two features at one time, in integers: the first `first` points belong to the first feature.
+struct Sample {
     std::vector<Point> points;
     std::size_t first;
     Integer denominator;  ///< of the coordinates
 
-    /// Looks in the directions in which the closest points of two sets may lie from one another: between two vertices,
-    /// from a vertex across to a line, and normal to a plane; until look() has seen enough.
+    /// Calls look(direction), until it returns true, for all directions in which the closest points of two sets may lie
+    /// from one another: between two vertices, from a vertex across to a line, and normal to a plane.
     void for_directions(const auto& look) const {
         const auto both = [&](const Point& direction) { return look(direction) || look(Point{} - direction); };
         const std::size_t n = points.size();
@@ -57,7 +57,7 @@ struct Moment {
         static_cast<void>(both(cross(u, v)) || both(cross(v, w)));
     }
 
-    /// The square of how far the second feature lies beyond the first, if it does.
+    /// Returns the square of how far the second feature lies beyond the first along `direction`, or 0 if it does not.
     Fraction gap(const Point& direction) const {
         std::optional<Integer> high, low;
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -70,7 +70,7 @@ struct Moment {
         return {between * between, denominator * denominator * dot(direction, direction)};
     }
 
-    /// The squared distance: that of the widest gap.
+    /// Returns the squared distance of the features: the widest gap.
     Fraction distance() const {
         Fraction widest;
         for_directions([&](const Point& direction) {
@@ -83,19 +83,20 @@ struct Moment {
 
 class Bisection {
    public:
-    explicit Bisection(const SeparatedMove& asked) : first_(asked.move.feature == Feature::edge_edge ? 2 : 1) {
-        for (std::size_t i = 0; i < points_of(asked.move.feature); ++i) {
-            start_.push_back(scaled(asked.move.point[i].start, 0));
-            step_.push_back(scaled(asked.move.point[i].end, 0) - start_.back());
+    explicit Bisection(const SeparatedMove& query) : first_(query.move.feature == Feature::edge_edge ? 2 : 1) {
+        for (std::size_t i = 0; i < points_of(query.move.feature); ++i) {
+            start_.push_back(scaled(query.move.point[i].start, 0));
+            step_.push_back(scaled(query.move.point[i].end, 0) - start_.back());
         }
-        const Fraction share = squared(asked.separation.share), begin = at(0, 1).distance();
-        limit_ = std::max(squared(asked.separation.distance), {share.over * begin.over, share.under * begin.under});
+        const Fraction share = squared(query.separation.share), begin = at(0, 1).distance();
+        limit_ = std::max(squared(query.separation.distance), {share.over * begin.over, share.under * begin.under});
     }
 
     static constexpr int depth = 20;
     static constexpr std::int64_t end = std::int64_t{1} << depth;
 
-    /// The first k such that no direction was found in which they are far from k / 2^depth to (k + 1) / 2^depth.
+    /// Returns the first k for which no direction keeps the features beyond the distance from k / 2^depth to (k + 1) /
+    /// 2^depth.
     std::optional<std::int64_t> first_not_free(std::int64_t from = 0, std::int64_t to = end) const {
         if (free(from, to)) return std::nullopt;
         if (to - from == 1) return from;
@@ -104,20 +105,20 @@ class Bisection {
         return found ? found : first_not_free(middle, to);
     }
 
-    /// At time k / q.
-    Moment at(std::int64_t k, std::int64_t q) const {
-        Moment moment{{}, first_, q};
+    /// Returns the features at time k / q.
+    Sample at(std::int64_t k, std::int64_t q) const {
+        Sample sample{{}, first_, q};
         for (std::size_t i = 0; i < start_.size(); ++i)
-            moment.points.push_back(Integer(q) * start_[i] + Integer(k) * step_[i]);
-        return moment;
+            sample.points.push_back(Integer(q) * start_[i] + Integer(k) * step_[i]);
+        return sample;
     }
 
-    /// The square of the distance that they are to keep.
+    /// Returns the square of the minimum distance.
     const Fraction& limit() const { return limit_; }
 
    private:
     bool free(std::int64_t from, std::int64_t to) const {
-        const Moment begin = at(from, end), finish = at(to, end);
+        const Sample begin = at(from, end), finish = at(to, end);
         bool found = false;
         at(from + to, 2 * end).for_directions([&](const Point& direction) {
             found = limit_ < begin.gap(direction) && limit_ < finish.gap(direction);
@@ -126,12 +127,12 @@ class Bisection {
         return found;
     }
 
-    std::size_t first_;  ///< how many points the first feature has
+    std::size_t first_;  ///< number of points of the first feature
     std::vector<Point> start_, step_;
     Fraction limit_;
 };
 
-/// k / q rounded down.
+/// Returns k / q rounded down.
 double rounded_down(int k, int q) {
     const double quotient = static_cast<double>(k) / q;
     return std::fma(quotient, q, -k) > 0 ? std::nextafter(quotient, 0.0) : quotient;
@@ -139,53 +140,53 @@ double rounded_down(int k, int q) {
 
 class BisectedSeparation : public testing::TestWithParam<Feature> {};
 
-TEST_P(BisectedSeparation, IsFoundAtTheSameTime) {
-    // Before a closest approach, pieces are too long to be told from it for up to some root of their length.
+TEST_P(BisectedSeparation, is_found_at_the_same_time) {
+    // Before a closest approach, intervals are too long to be separated for up to some root of their length.
     constexpr double grazing = 0x1p-6;
     int hits = 0, later = 0, all = 0;
     for (const Lattice lattice : all_lattices) {
         RandomMoves random(lattice, 41);
         for (int i = 0; i < 40; ++i, ++all) {
-            const SeparatedMove asked = separated(random, lattice, GetParam());
-            const Impact impact = asked.impact();
-            const auto found = Bisection(asked).first_not_free();
-            ASSERT_EQ(impact.meets, found.has_value()) << asked;
+            const SeparatedMove query = separated(random, lattice, GetParam());
+            const Impact impact = query.impact();
+            const auto found = Bisection(query).first_not_free();
+            ASSERT_EQ(impact.meets, found.has_value()) << query;
             if (!found) continue;
             ++hits;
             later += impact.toi > 0;
             const double time = std::ldexp(static_cast<double>(*found), -Bisection::depth);
-            ASSERT_GE(impact.toi, time) << asked;
-            ASSERT_LE(impact.toi, time + grazing) << asked;
+            ASSERT_GE(impact.toi, time) << query;
+            ASSERT_LE(impact.toi, time + grazing) << query;
         }
     }
     EXPECT_GT(later, all / 10);
     EXPECT_LT(hits, all);
 }
 
-TEST_P(BisectedSeparation, AtFractionsIsTheExactDistance) {
-    // Times k / q with small q: those at which the distance is small enough are never missed, and at a time that is a
-    // fraction rounded down, it is what was asked for.
+TEST_P(BisectedSeparation, times_that_are_fractions_are_exact) {
+    // Times k / q with small q: those at which the features are within the minimum distance are never missed. If the
+    // time of impact is such a fraction rounded down, the distance there equals the minimum distance.
     constexpr int largest = 6;
     int exact = 0;
     for (const Lattice lattice : {Lattice::tiny, Lattice::flat, Lattice::line}) {
         RandomMoves random(lattice, 43);
         for (int i = 0; i < 150; ++i) {
-            const SeparatedMove asked = separated(random, lattice, GetParam());
-            const Impact impact = asked.impact();
-            const Bisection bisection(asked);
+            const SeparatedMove query = separated(random, lattice, GetParam());
+            const Impact impact = query.impact();
+            const Bisection bisection(query);
             for (int q = 1; q <= largest; ++q) {
                 for (int k = 0; k <= q; ++k) {
                     const Fraction distance = bisection.at(k, q).distance();
                     const double time = rounded_down(k, q);
                     if (!(bisection.limit() < distance)) {
-                        ASSERT_TRUE(impact.meets) << k << " / " << q << ": " << asked;
-                        ASSERT_LE(impact.toi, time) << k << " / " << q << ": " << asked;
-                        ASSERT_TRUE(k > 0 || impact.start) << asked;
+                        ASSERT_TRUE(impact.meets) << k << " / " << q << ": " << query;
+                        ASSERT_LE(impact.toi, time) << k << " / " << q << ": " << query;
+                        ASSERT_TRUE(k > 0 || impact.start) << query;
                     } else {
-                        ASSERT_TRUE(k > 0 || !impact.start) << asked;
+                        ASSERT_TRUE(k > 0 || !impact.start) << query;
                     }
                     if (!impact.meets || k == 0 || impact.toi != time) continue;
-                    ASSERT_EQ(distance, bisection.limit()) << k << " / " << q << ": " << asked;
+                    ASSERT_EQ(distance, bisection.limit()) << k << " / " << q << ": " << query;
                     ++exact;
                 }
             }
@@ -194,30 +195,30 @@ TEST_P(BisectedSeparation, AtFractionsIsTheExactDistance) {
     EXPECT_GT(exact, 10);
 }
 
-TEST_P(BisectedSeparation, ApproachingOnlyIsWhenTheyAreNearerThanTheyStart) {
+TEST_P(BisectedSeparation, approaching_only_finds_features_nearer_than_at_the_start) {
     constexpr int largest = 8;
     int hits = 0, later = 0, all = 0;
     for (const Lattice lattice : all_lattices) {
         RandomMoves random(lattice, 59);
         for (int i = 0; i < 60; ++i, ++all) {
-            SeparatedMove asked{random(GetParam()), {.distance = 1e6, .approaching_only = true}};
-            const Bisection bisection(asked);
+            SeparatedMove query{random(GetParam()), {.distance = 1e6, .approaching_only = true}};
+            const Bisection bisection(query);
             const Fraction begin = bisection.at(0, 1).distance();
-            const Impact impact = asked.impact();
+            const Impact impact = query.impact();
             hits += impact.meets;
             later += impact.meets && !impact.start;
             for (int q = 1; q <= largest; ++q) {
                 for (int k = 1; k <= q; ++k) {
                     if (!(bisection.at(k, q).distance() < begin)) continue;
-                    ASSERT_TRUE(impact.meets) << k << " / " << q << ": " << asked;
-                    ASSERT_LE(impact.toi, rounded_down(k, q)) << asked;
+                    ASSERT_TRUE(impact.meets) << k << " / " << q << ": " << query;
+                    ASSERT_LE(impact.toi, rounded_down(k, q)) << query;
                 }
             }
             const bool at_once = bisection.at(1, Bisection::end).distance() < begin;
-            ASSERT_TRUE(!at_once || (impact.meets && impact.toi <= std::ldexp(1., -Bisection::depth))) << asked;
+            ASSERT_TRUE(!at_once || (impact.meets && impact.toi <= std::ldexp(1., -Bisection::depth))) << query;
             if (!impact.meets) continue;
             const auto soon = static_cast<std::int64_t>(std::ldexp(impact.toi, Bisection::depth)) + 1;
-            ASSERT_LT(bisection.at(soon, Bisection::end).distance(), begin) << asked;
+            ASSERT_LT(bisection.at(soon, Bisection::end).distance(), begin) << query;
         }
     }
     EXPECT_GT(hits, all / 10);

@@ -1,4 +1,4 @@
-// Moves made by hand, with answers that can be seen, for each kind of sub-features that come within a distance first.
+// Tests on handmade moves with evident results, for each kind of sub-features that come within a distance first.
 
 #include "exact/impact/rational_separation.h"
 
@@ -15,7 +15,7 @@ namespace {
 constexpr Impact none{};
 constexpr Impact at_start{true, 0, true};
 constexpr Impact at(double toi) { return {true, toi, false}; }
-/// 1.0 / 3 is below one third, so it is what one third is rounded down to; 2.0 / 3 likewise.
+/// One third and two thirds rounded down: 1.0 / 3 and 2.0 / 3 are below the exact values.
 constexpr double third = 1.0 / 3, two_thirds = 2.0 / 3;
 constexpr double large = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::denorm_min();
 
@@ -27,12 +27,12 @@ MovingPoint move(Vec3d start, Vec3d end) { return {start, end}; }
 
 const MovingPoint origin = still(0, 0, 0), right = still(4, 0, 0), up = still(0, 4, 0);
 
-/// Against the face with corners (0, 0, 0), (4, 0, 0), (0, 4, 0).
+/// Returns the impact of a vertex on the face with corners (0, 0, 0), (4, 0, 0), (0, 4, 0).
 Impact to_face(Vec3d start, Vec3d end, const Separation& separation) {
     return vertex_face({start, end}, origin, right, up, separation);
 }
 
-TEST(VertexFaceSeparation, IsThatOfThePlaneAboveTheInside) {
+TEST(VertexFaceSeparation, is_that_of_the_plane_above_the_inside) {
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 1}, within(3)), at(third));
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 1}, within(2)), at(two_thirds));
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 1}, within(1)), at(1));
@@ -46,18 +46,18 @@ TEST(VertexFaceSeparation, IsThatOfThePlaneAboveTheInside) {
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 5}, within(4 - 0x1p-51)), none);
 }
 
-TEST(VertexFaceSeparation, IsThatOfSidesAndCornersBesideTheInside) {
+TEST(VertexFaceSeparation, is_that_of_sides_and_corners_beside_the_inside) {
     EXPECT_EQ(to_face({1, -3, 8}, {1, -3, 0}, within(5)), at(0.5));      // 3, 4, 5
     EXPECT_EQ(to_face({4, 4, 4}, {4, 4, -5}, within(3)), at(third));     // 8 + 1 = 9
     EXPECT_EQ(to_face({-1, -2, 8}, {-1, -2, -4}, within(3)), at(0.5));   // 1 + 4 + 4 = 9
-    EXPECT_EQ(to_face({6, -1, 8}, {6, -1, -10}, within(3)), at(third));  // the same
+    EXPECT_EQ(to_face({6, -1, 8}, {6, -1, -10}, within(3)), at(third));  // 4 + 1 + 4 = 9
     EXPECT_EQ(to_face({1, -3, 8}, {1, -3, 0}, within(3)), at(1));
     EXPECT_EQ(to_face({1, -3, 8}, {1, -3, 0}, within(3 - 0x1p-51)), none);
     EXPECT_EQ(to_face({-1, -2, 8}, {-1, -2, -4}, within(2)), none);
 }
 
-TEST(VertexFaceSeparation, IsReachedAlongASurfaceAtThatDistance) {
-    // At all times the distance to the plane, or the line, is what is asked for.
+TEST(VertexFaceSeparation, is_reached_along_a_surface_at_that_distance) {
+    // At all times the distance to the plane, or the line, equals the minimum distance.
     EXPECT_EQ(to_face({-2, 1, 3}, {4, 1, 3}, within(3)), at(third));
     EXPECT_EQ(to_face({-2, -2, 3}, {4, 4, 3}, within(3)), at(third));
     EXPECT_EQ(to_face({3, 3, 3}, {1, 1, 3}, within(3)), at(0.5));
@@ -67,7 +67,7 @@ TEST(VertexFaceSeparation, IsReachedAlongASurfaceAtThatDistance) {
     EXPECT_EQ(to_face({-4, 0, 3}, {-4, 4, 3}, within(5)), at_start);
 }
 
-TEST(VertexFaceSeparation, MayBeReachedForAMomentOnly) {
+TEST(VertexFaceSeparation, can_be_reached_for_an_instant_only) {
     // For x = 2 t - 1 the plane is z = -x y, and the distance (3 + 4 x^2) / sqrt(1 + x^2) is 3 at least, at x = 0.
     const MovingPoint p = move({0, -4, 3}, {0, 4, 3});
     const MovingPoint a = move({-99, -9, -9}, {-99, -9, 9}), b = move({99, -9, -9}, {99, -9, 9});
@@ -83,7 +83,7 @@ TEST(VertexFaceSeparation, MayBeReachedForAMomentOnly) {
     EXPECT_EQ(to_face({-7, -1, 0}, {1, -7, 0}, within(5 - 0x1p-50)), none);
 }
 
-TEST(VertexFaceSeparation, IsDecidedForCollapsedFaces) {
+TEST(VertexFaceSeparation, is_decided_for_collapsed_faces) {
     const auto face = [](Vec3d start, Vec3d end, const MovingPoint& b, const MovingPoint& c, double distance) {
         return vertex_face({start, end}, origin, b, c, within(distance));
     };
@@ -91,14 +91,14 @@ TEST(VertexFaceSeparation, IsDecidedForCollapsedFaces) {
     EXPECT_EQ(face({3, 0, 4}, {3, 0, 1}, still(2, 0, 0), right, 3), at(third));
     EXPECT_EQ(face({8, 0, 4}, {8, 0, 1}, right, still(2, 0, 0), 5), at(third));
     EXPECT_EQ(face({0, 0, 4}, {0, 0, 1}, origin, origin, 3), at(third));
-    // It collapses at 1/2, when its plane stands upright, and the vertex has nothing but that plane near.
+    // The face collapses at t = 1/2, when its plane is upright; the vertex is near that plane, but not near the face.
     const MovingPoint c = move({1, 2, 1}, {1, -2, -1}), far = still(9, 0, 0);
     EXPECT_EQ(vertex_face(far, origin, right, c, within(4)), none);
     EXPECT_EQ(vertex_face(far, origin, right, c, within(5)), at_start);
     EXPECT_EQ(vertex_face(far, origin, right, move({6, 2, 0}, {6, -2, 0}), within(3)), at(0.5));
 }
 
-TEST(EdgeEdgeSeparation, IsThatOfTheLinesWhereTheyCross) {
+TEST(EdgeEdgeSeparation, is_that_of_the_lines_where_they_cross) {
     const auto fall = [](double x, double from, double to, double distance) {
         return edge_edge(origin, right, move({x, -2, from}, {x, -2, to}), move({x, 2, from}, {x, 2, to}),
                          within(distance));
@@ -121,7 +121,7 @@ TEST(EdgeEdgeSeparation, IsThatOfTheLinesWhereTheyCross) {
     EXPECT_EQ(edge_edge(a, b, c, d, within(3 - 0x1p-51)), none);
 }
 
-TEST(EdgeEdgeSeparation, IsThatOfEndsWhereEdgesAreParallelOrCollapsed) {
+TEST(EdgeEdgeSeparation, is_that_of_ends_where_edges_are_parallel_or_collapsed) {
     const auto edge = [](Vec3d c, Vec3d d, Vec3d by, double distance) {
         return edge_edge(origin, right, move(c, c + by), move(d, d + by), within(distance));
     };
@@ -138,7 +138,7 @@ TEST(EdgeEdgeSeparation, IsThatOfEndsWhereEdgesAreParallelOrCollapsed) {
               at(0.5));
 }
 
-TEST(VertexEdgeSeparation, IsThatOfTheLineBetweenTheEnds) {
+TEST(VertexEdgeSeparation, is_that_of_the_line_between_the_ends) {
     const auto edge = [](Vec3d start, Vec3d end, double distance) {
         return vertex_edge({start, end}, origin, right, within(distance));
     };
@@ -153,7 +153,7 @@ TEST(VertexEdgeSeparation, IsThatOfTheLineBetweenTheEnds) {
     EXPECT_EQ(vertex_edge(move({0, 0, 4}, {0, 0, 1}), origin, origin, within(3)), at(third));
 }
 
-TEST(VertexVertexSeparation, IsThatOfThePoints) {
+TEST(VertexVertexSeparation, is_that_of_the_points) {
     EXPECT_EQ(vertex_vertex(move({4, 0, 0}, {1, 0, 0}), origin, within(3)), at(third));
     EXPECT_EQ(vertex_vertex(move({-4, 3, 0}, {4, 3, 0}), origin, within(3)), at(0.5));
     EXPECT_EQ(vertex_vertex(move({-4, 3, 0}, {4, 3, 0}), origin, within(3 - 0x1p-51)), none);
@@ -163,7 +163,7 @@ TEST(VertexVertexSeparation, IsThatOfThePoints) {
     EXPECT_EQ(vertex_vertex(move({1, 2, 3}, {4, 5, 6}), move({1, 2, 5}, {4, 5, 8}), within(1)), none);
 }
 
-TEST(ShareOfTheStart, IsOfEachPairsOwnDistance) {
+TEST(ShareOfTheStart, refers_to_the_distance_of_each_pair) {
     EXPECT_EQ(vertex_vertex(move({8, 0, 0}, {0, 0, 0}), origin, share(0.5)), at(0.5));
     EXPECT_EQ(vertex_vertex(move({8, 0, 0}, {0, 0, 0}), origin, share(0.25)), at(0.75));
     EXPECT_EQ(vertex_vertex(move({8, 0, 0}, {0, 0, 0}), origin, share(0.9)), at(1 - 0.9));
@@ -177,13 +177,13 @@ TEST(ShareOfTheStart, IsOfEachPairsOwnDistance) {
     EXPECT_EQ(vertex_edge(move({6, 0, 7}, {4, 0, 0}), origin, right, share(0.3)), at(1 - 0.3));
 }
 
-TEST(ShareOfTheStart, IsNothingWhereTheyTouch) {
+TEST(ShareOfTheStart, is_zero_where_features_touch) {
     EXPECT_EQ(to_face({1, 1, 0}, {1, 1, 4}, share(0.5)), at_start);
     EXPECT_EQ(to_face({1, 1, 0}, {1, 1, 4}, share(0)), at_start);
     EXPECT_EQ(vertex_vertex(origin, origin, share(0.5)), at_start);
 }
 
-TEST(ShareOfTheStart, OrTheDistanceIfThatIsLarger) {
+TEST(ShareOfTheStart, yields_to_a_larger_distance) {
     const auto both = [](double distance, double share) {
         return vertex_vertex(move({8, 0, 0}, {0, 0, 0}), origin, {.distance = distance, .share = share});
     };
@@ -193,13 +193,13 @@ TEST(ShareOfTheStart, OrTheDistanceIfThatIsLarger) {
     EXPECT_EQ(both(8, 0.5), at_start);
 }
 
-TEST(RationalSeparation, TakesAllOfFloat64) {
+TEST(RationalSeparation, handles_the_whole_range_of_float64) {
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 1}, within(large)), at_start);
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 0}, within(least)), at(1 - 0x1p-53));
     EXPECT_EQ(vertex_vertex(move({large, 0, 0}, {-large, 0, 0}), still(-large, 0, 0), within(large)), at(0.5));
     EXPECT_EQ(vertex_vertex(move({4 * least, 0, 0}, {least, 0, 0}), origin, within(3 * least)), at(third));
     EXPECT_EQ(vertex_vertex(move({large, 0, 0}, {-large, 0, 0}), still(-large, 0, 0), share(0.5)), at(0.5));
-    // The time is no float64 number but 0, and not 0.
+    // The time is above 0, but rounds down to 0.
     EXPECT_EQ(vertex_vertex(move({1, 0, 0}, {-large, 0, 0}), origin, within(1 - 0x1p-53)), at(0));
     EXPECT_EQ(vertex_face(move({0, 0, 1e300}, {0, 0, 1e-300}), still(-1e300, -1e300, 0), still(1e300, -1e300, 0),
                           still(0, 1e300, 0), within(1e-300)),

@@ -1,5 +1,5 @@
-// Separations between frames of real scenes, against exact answers from outside: impacts, which are separations of
-// nothing, and squared distances at the start.
+// Compares minimum distances between frames of real scenes with exact results of external origin: impacts, whose
+// minimum distance is 0, and squared distances at the start.
 
 #include <gtest/gtest.h>
 
@@ -22,12 +22,12 @@ struct NearMove {
     double squared_distance;  ///< rounded
 };
 
-/// Each so many lines of an answer; none without the data.
-std::vector<NearMove> read_near_moves(const SceneStep& step, const std::string& answer, int every) {
+/// Returns one of `every` lines of a file, or nothing without the data.
+std::vector<NearMove> read_near_moves(const SceneStep& step, const std::string& result_file, int every) {
     const auto folder = io::test::data_folder();
-    if (!folder || !fs::exists(*folder / "gt-motion" / answer)) return {};
+    if (!folder || !fs::exists(*folder / "gt-motion" / result_file)) return {};
     const Frames frames(*folder / "scalable-ccd" / step.start, *folder / "scalable-ccd" / step.end);
-    std::ifstream file(*folder / "gt-motion" / answer);
+    std::ifstream file(*folder / "gt-motion" / result_file);
     std::vector<NearMove> moves;
     std::string kind;
     for (int line = 0; file >> kind; ++line) {
@@ -35,7 +35,7 @@ std::vector<NearMove> read_near_moves(const SceneStep& step, const std::string& 
         const bool face = kind == "vf";
         for (std::size_t i = 0; i < (face ? 2U : 4U); ++i) file >> id[i];
         double squared = 0;
-        if (!(file >> squared)) throw std::runtime_error(answer + " breaks off");
+        if (!(file >> squared)) throw std::runtime_error(result_file + " breaks off");
         if (line % every != 0) continue;
         std::array<MovingPoint, 4> point;
         for (std::size_t i = 0; i < 4; ++i)
@@ -65,14 +65,14 @@ class SeparationTruth : public testing::TestWithParam<std::size_t> {
     std::vector<NearMove> near_;
 };
 
-TEST_P(SeparationTruth, OfNothingIsAnImpact) {
+TEST_P(SeparationTruth, of_zero_is_an_impact) {
     const auto impacts = *read_impacts(step());
     const std::size_t every = impacts.size() < 1000 ? 1 : 150;
     for (std::size_t i = 0; i < impacts.size(); i += every)
         EXPECT_EQ((SeparatedMove{impacts[i].move, {}}).impact(), impacts[i].impact) << impacts[i].move;
 }
 
-TEST_P(SeparationTruth, StartsAtTheExactDistance) {
+TEST_P(SeparationTruth, starts_at_the_exact_distance) {
     SeparationCounts within, beyond;
     std::int64_t touching = 0;
     for (std::size_t i = 0; i < near_.size(); ++i) {
@@ -81,32 +81,32 @@ TEST_P(SeparationTruth, StartsAtTheExactDistance) {
         const double distance = std::sqrt(squared);
         EXPECT_TRUE(decide(move, {distance * (1 + 0x1p-51), 0}, within).start) << move;
         touching += distance == 0;
-        // Those that approach do it at a time so small that it takes rational arithmetic.
+        // Pairs that approach come within the distance at so small a time that this takes rational arithmetic.
         if (distance == 0 || i % 10 != 0) continue;
         EXPECT_FALSE(decide(move, {distance * (1 - 0x1p-51), 0}, beyond).start) << move;
     }
     EXPECT_EQ(within.rational, touching);
 }
 
-TEST_P(SeparationTruth, IsFoundToTheLastBitWhereFloat64Decides) {
+TEST_P(SeparationTruth, float64_impacts_match_to_the_last_bit) {
     SeparationCounts counts;
-    std::int64_t asked = 0, later = 0;
+    std::int64_t queries = 0, later = 0;
     for (std::size_t i = 0; i < near_.size(); ++i) {
         const auto& [move, squared] = near_[i];
         if (squared == 0) continue;
         const double distance = std::sqrt(squared);
         for (const Separation& separation : {Separation{0.5 * distance, 0}, {0.9 * distance, 0}, {0, 0.1}}) {
             const Impact impact = decide(move, separation, counts);
-            ++asked;
+            ++queries;
             later += impact.meets;
-            // Rational arithmetic takes its time.
+            // Rational arithmetic is slow.
             if (i % 20 == 0) {
                 EXPECT_EQ(impact, (SeparatedMove{move, separation}).impact()) << move << separation;
             }
         }
     }
-    EXPECT_GT(later, asked / 100);
-    EXPECT_LE(counts.rational, asked / 500);
+    EXPECT_GT(later, queries / 100);
+    EXPECT_LE(counts.rational, queries / 500);
 }
 
 INSTANTIATE_TEST_SUITE_P(GroundTruth, SeparationTruth, testing::Range(std::size_t{0}, scene_steps.size()),

@@ -1,4 +1,4 @@
-// What the filters compute, against the same in rational numbers: nothing is off by more than its bound.
+// Checks by rational arithmetic that the error of all that the filters compute is within its bound.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 using Rational = mp::cpp_rational;
 
-/// u, v and w at a time.
+/// Returns u, v and w at time t.
 template <FeaturePair pair>
 std::array<Vec3<Rational>, 3> exact_vectors(const FourPoints& points, const Rational& t) {
     return vectors<pair>(points, [&](const MovingPoint& to, const MovingPoint& from) {
@@ -33,13 +33,13 @@ Rational exact_volume(const FourPoints& points, const Rational& t) {
     return dot(cross(u, v), w);
 }
 
-/// How far off a number is, as a share of what it may be.
+/// Returns the error of a number as a share of its bound.
 double share(double computed, const Rational& exact, double bound) {
     const Rational off = mp::abs(Rational(Rational(computed) - exact));
     return static_cast<double>(Rational(off / Rational(bound)));
 }
 
-/// Coordinates with all their bits, of similar sizes or not, that nearly cancel in the volume or not.
+/// Returns points with full mantissas, of similar or mixed sizes, whose volume nearly cancels or not.
 FourPoints random_points(RandomMoves& random, int round) {
     FourPoints points = random(Feature::edge_edge).point;
     const double flat = round % 4 == 0 ? 1 : std::ldexp(1, -round % 60);
@@ -66,7 +66,7 @@ void check_volume() {
         const Approach<pair> x(points);
         const Volume volume(x);
         const auto f = [&](const Rational& t) { return exact_volume<pair>(points, t); };
-        // A cubic is known by four of its values.
+        // Four values determine a cubic.
         const Rational f0 = f(0), f1 = f(1), half = f(Rational(1) / 2), twice = f(2);
         const Rational c3 = (twice - 2 * f1 + f0) / 2 - (f1 - 2 * half + f0) * 2, cubic = c3 * 2 / 3;
         const Rational square = (f1 - 2 * half + f0) * 2 - cubic * 3 / 2, linear = f1 - f0 - square - cubic;

@@ -18,7 +18,7 @@ namespace {
 
 std::vector<Vec3d> points_of(const Contact& c) { return {c.points.begin(), c.points.begin() + c.count}; }
 
-/// The same bytes, so that −0 differs from +0.
+/// Expects the bytes of rational arithmetic, so that −0 differs from +0.
 void expect_rational_contact(const TrianglePair& pair) {
     const Contact truth = contact(intersect_rationally(pair.a, pair.b)), fast = contact(pair.a, pair.b);
     const auto bytes = static_cast<std::size_t>(truth.count) * sizeof(Vec3d);
@@ -38,7 +38,7 @@ class ContactOfEachKind : public testing::TestWithParam<Kind> {
     int rounds() const { return rounds_of(GetParam(), 25'000); }
 };
 
-TEST_P(ContactOfEachKind, HasTheBytesOfRationalArithmetic) {
+TEST_P(ContactOfEachKind, has_the_bytes_of_rational_arithmetic) {
     for (int i = 0; i < rounds(); ++i) {
         const TrianglePair pair = random();
         const CallersMode caller(i);
@@ -49,7 +49,7 @@ TEST_P(ContactOfEachKind, HasTheBytesOfRationalArithmetic) {
 
 INSTANTIATE_TEST_SUITE_P(All, ContactOfEachKind, testing::ValuesIn(all_kinds));
 
-TEST(Contact, KeepsTheContract) {
+TEST(Contact, matches_the_contract_for_named_pairs) {
     for (const NamedPair& named : named_pairs()) {
         SCOPED_TRACE(named.claim);
         EXPECT_EQ(points_of(contact(named.pair.a, named.pair.b)), named.points);
@@ -57,7 +57,7 @@ TEST(Contact, KeepsTheContract) {
     }
 }
 
-TEST(Contact, KindFollowsTheNumberOfPoints) {
+TEST(Contact, kind_follows_the_number_of_points) {
     for (const NamedPair& named : named_pairs()) {
         const Contact found = contact(named.pair.a, named.pair.b);
         if (found.count == 0) continue;
@@ -68,7 +68,7 @@ TEST(Contact, KindFollowsTheNumberOfPoints) {
     }
 }
 
-TEST(Contact, TakesRationalsForOnePlaneAndNotForTwo) {
+TEST(Contact, needs_rationals_for_areas_but_not_for_segments) {
     for (const NamedPair& named : named_pairs()) {
         const Contact found = contact(named.pair.a, named.pair.b);
         if (found.kind() == ContactKind::area) {
@@ -88,9 +88,9 @@ TEST(Contact, TakesRationalsForOnePlaneAndNotForTwo) {
     EXPECT_GT(lines, 20);
 }
 
-// Extruded shapes: the common line runs along an axis, so two coordinates of its ends are exactly equal, and only the
-// third one orders them.
-TEST(Contact, OrdersTheEndsOfLinesAlongAnAxis) {
+// Uses extruded shapes: the common line runs along an axis, so two coordinates of its ends are exactly equal, and only
+// the third one orders them.
+TEST(Contact, orders_the_ends_of_lines_along_an_axis) {
     RandomPairs random(Kind::random, 43);
     for (int i = 0; i < 6'000; ++i) {
         const int axis = i % 3;
@@ -106,8 +106,8 @@ TEST(Contact, OrdersTheEndsOfLinesAlongAnAxis) {
     }
 }
 
-// Crossings at the middle between two float64 numbers, and so close to it that twice the precision cannot tell.
-TEST(Contact, RoundsTiesToEven) {
+// Uses crossings at the middle between two float64 numbers, and so close to it that double words cannot decide.
+TEST(Contact, rounds_ties_to_even) {
     for (const double last : {1.0, 3.0, 5.0}) {
         for (const double nudge : {0.0, 0x1p-60, -0x1p-60, 0x1p-120, -0x1p-120}) {
             const double low = 1, high = 1 + last * 0x1p-52;
@@ -121,7 +121,7 @@ TEST(Contact, RoundsTiesToEven) {
     }
 }
 
-TEST(Contact, NegativeZeroIsWrittenPositive) {
+TEST(Contact, negative_zero_becomes_positive) {
     const Triangle upright{{Vec3d{-0.0, -0.0, -1}, {-0.0, -0.0, 1}, {-0.0, 5, 1}}, {0, 1, 2}};
     const Triangle floor{{Vec3d{-4, -4, -0.0}, {4, -4, -0.0}, {0, 4, -0.0}}, {3, 4, 5}};
     const Contact found = contact(upright, floor);
@@ -156,7 +156,7 @@ struct Torus {
     MeshView view() const { return {vertices, triangles}; }
 };
 
-TEST(Contact, SegmentsOfNeighbouringPairsHaveEndsOfTheSameBits) {
+TEST(Contact, segments_of_adjacent_pairs_have_bitwise_equal_ends) {
     for (const double shift : {0.0, 1e-9, 1000.0}) {
         const Torus a(40, 24, {shift, 0, 0}), b(37, 19, {shift + 0.77, 0.13, 0.21});
         Detector detector({.backend = Backend::cpu});

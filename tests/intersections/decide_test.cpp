@@ -18,8 +18,8 @@ namespace {
 constexpr std::array neighbour_policies{Neighbours::geometric, Neighbours::skip};
 constexpr std::array intersection_policies{IntersectionKind::all, IntersectionKind::proper};
 
-/// The decision under all policies, from both sides and with the corners in another order, is the rational one.
-void expect_rational_answer(const TrianglePair& pair, int turn) {
+/// Expects the rational decision under all policies, from both sides and with the corners in another order.
+void expect_rational_decision(const TrianglePair& pair, int turn) {
     const RationalIntersection truth = intersect_rationally(pair.a, pair.b);
     const auto turned = [](const Triangle& t, int by, bool mirror) {
         Triangle result;
@@ -49,19 +49,19 @@ class DecideOfEachKind : public testing::TestWithParam<Kind> {
     int rounds() const { return rounds_of(GetParam(), 15'000); }
 };
 
-TEST_P(DecideOfEachKind, DecidesAsRationalArithmeticDoes) {
+TEST_P(DecideOfEachKind, agrees_with_rational_arithmetic) {
     for (int i = 0; i < rounds(); ++i) {
         const TrianglePair pair = random();
         const CallersMode caller(i);
         const FloatEnvironment ours;
-        ASSERT_NO_FATAL_FAILURE(expect_rational_answer(pair, i));
+        ASSERT_NO_FATAL_FAILURE(expect_rational_decision(pair, i));
     }
 }
 
-/// What expansions cannot hold.
+/// True for kinds with numbers that expansions cannot hold.
 bool is_far(Kind kind) { return kind == Kind::huge || kind == Kind::tiny || kind == Kind::mixed; }
 
-TEST_P(DecideOfEachKind, TakesNoRationalsWithinTheRangeOfExpansions) {
+TEST_P(DecideOfEachKind, needs_no_rationals_within_the_range_of_expansions) {
     if (is_far(GetParam())) GTEST_SKIP();
     for (int i = 0; i < rounds(); ++i) {
         const TrianglePair pair = random();
@@ -72,7 +72,7 @@ TEST_P(DecideOfEachKind, TakesNoRationalsWithinTheRangeOfExpansions) {
     }
 }
 
-TEST_P(DecideOfEachKind, FiltersAloneAreRightOrUndecided) {
+TEST_P(DecideOfEachKind, filters_alone_are_right_or_undecided) {
     int undecided = 0;
     for (int i = 0; i < rounds(); ++i) {
         const TrianglePair pair = random();
@@ -95,19 +95,19 @@ TEST_P(DecideOfEachKind, FiltersAloneAreRightOrUndecided) {
 
 INSTANTIATE_TEST_SUITE_P(All, DecideOfEachKind, testing::ValuesIn(all_kinds));
 
-TEST(Decide, KeepsTheContract) {
+TEST(Decide, matches_the_contract_for_named_pairs) {
     for (const NamedPair& named : named_pairs()) {
         SCOPED_TRACE(named.claim);
         DecisionCounts counts;
         const auto& [a, b] = named.pair;
         EXPECT_EQ(collide(a, b, Neighbours::geometric, IntersectionKind::all, counts), named.collides);
         EXPECT_EQ(collide(a, b, Neighbours::geometric, IntersectionKind::proper, counts), named.proper);
-        for (int turn = 0; turn < 64; ++turn) expect_rational_answer(named.pair, turn);
+        for (int turn = 0; turn < 64; ++turn) expect_rational_decision(named.pair, turn);
     }
 }
 
-// Each corner of b is one of a's or its own, and a may repeat one: every way of naming vertices.
-TEST(Decide, KnowsEveryPatternOfSharedVertices) {
+// Tries every pattern of vertex ids: each corner of b is a corner of a or its own, and a may repeat a corner.
+TEST(Decide, handles_every_pattern_of_shared_vertices) {
     for (const Kind kind : {Kind::lattice, Kind::flat, Kind::random_float}) {
         RandomPairs random(kind, 31);
         for (int round = 0; round < 20; ++round) {
@@ -125,13 +125,13 @@ TEST(Decide, KnowsEveryPatternOfSharedVertices) {
                     pair.b.point[i] = pair.a.point[choice];
                     pair.b.vertex[i] = pair.a.vertex[choice];
                 }
-                ASSERT_NO_FATAL_FAILURE(expect_rational_answer(pair, round + pattern));
+                ASSERT_NO_FATAL_FAILURE(expect_rational_decision(pair, round + pattern));
             }
         }
     }
 }
 
-/// A flat cloth of right-angled triangles, tilted: its neighbours lie in one plane, exactly or but for rounding.
+/// Returns a flat, tilted cloth of right-angled triangles. Adjacent ones lie in one plane, exactly or up to rounding.
 std::vector<Triangle> flat_cloth(double slope_x, double slope_y) {
     constexpr int n = 8;
     const auto corner = [&](int i, int j) {
@@ -150,7 +150,7 @@ std::vector<Triangle> flat_cloth(double slope_x, double slope_y) {
     return cloth;
 }
 
-TEST(Decide, FlatNeighboursTakeNoExactArithmetic) {
+TEST(Decide, flat_adjacent_triangles_need_no_exact_arithmetic) {
     for (const auto& cloth : {flat_cloth(0, 0), flat_cloth(0.37, 0.21), flat_cloth(1, 2)}) {
         for (std::size_t i = 0; i < cloth.size(); ++i) {
             for (std::size_t j = i + 1; j < cloth.size(); ++j) {
@@ -162,7 +162,7 @@ TEST(Decide, FlatNeighboursTakeNoExactArithmetic) {
     }
 }
 
-TEST(Decide, CountsHowFarItHadToGo) {
+TEST(Decide, counts_exact_and_rational_decisions) {
     const auto counts_of = [](const TrianglePair& pair) {
         DecisionCounts counts;
         collide(pair.a, pair.b, Neighbours::geometric, IntersectionKind::all, counts);
@@ -180,7 +180,7 @@ TEST(Decide, CountsHowFarItHadToGo) {
 }
 
 #if defined(__SSE2__)
-TEST(Decide, IsRightUnderTheGuardWhateverTheCallersFloatingPointMode) {
+TEST(Decide, guard_makes_it_right_in_any_floating_point_mode) {
     const unsigned saved = _mm_getcsr();
     RandomPairs random(Kind::tiny, 37);
     for (int i = 0; i < 400; ++i) {
@@ -189,7 +189,7 @@ TEST(Decide, IsRightUnderTheGuardWhateverTheCallersFloatingPointMode) {
             _mm_setcsr(saved | mode);
             {
                 const FloatEnvironment guard;
-                expect_rational_answer(pair, i);
+                expect_rational_decision(pair, i);
             }
             const unsigned after_call = _mm_getcsr();
             _mm_setcsr(saved);

@@ -1,4 +1,4 @@
-// The filters of `narrow` for one pair: what they are certain of is true, and they are certain of most.
+// Tests of the filters of `narrow` for one pair: what they are certain of is true, and they are certain of most pairs.
 
 #include "filters/intersection/pair_filters.h"
 
@@ -16,7 +16,7 @@
 namespace crumple {
 namespace {
 
-/// A pair as the filters see it: vertices divided by a power of two, so that none exceeds 1, in rows by vertex id, and
+/// Pair as input of the filters: vertices divided by a power of two, so that none exceeds 1, in rows by vertex id, and
 /// records in a leaf that holds no other triangle.
 struct FilteredPair {
     std::vector<float> rows32;
@@ -68,7 +68,7 @@ bool expected(const TrianglePair& pair, const NarrowPolicy& policy) {
 struct Case {
     Kind kind;
     bool float32;      ///< the kind's coordinates are float32 numbers, and filtered as such
-    double undecided;  ///< at most this share
+    double undecided;  ///< highest share of undecided pairs
 };
 
 class Filters : public testing::TestWithParam<Case> {
@@ -78,13 +78,13 @@ class Filters : public testing::TestWithParam<Case> {
     static constexpr float everything = std::numeric_limits<float>::max();
 };
 
-TEST_P(Filters, AreRightWhereTheyAreCertain) {
+TEST_P(Filters, are_right_where_they_are_certain) {
     int undecided = 0;
     for (int i = 0; i < rounds; ++i) {
         const TrianglePair pair = random();
         const auto at = [&] { return static_cast<float>(random.real(-1, 1)); };
         const Vec3f origin = i % 2 ? Vec3f{at(), at(), at()} : Vec3f{};
-        // Now and then what reaches far is big.
+        // Sometimes triangles that extend far count as big.
         const float big = i % 8 ? everything : 0.5f;
         const FilteredPair filtered(pair, origin, big, GetParam().float32);
         for (const NarrowPolicy policy : {NarrowPolicy{false, false}, {true, false}, {false, true}}) {
@@ -112,8 +112,8 @@ INSTANTIATE_TEST_SUITE_P(All, Filters,
                                          Case{Kind::collapsed_lattice, true, 0.6}, Case{Kind::collapsed, false, 0.55},
                                          Case{Kind::threaded, true, 0.65}));
 
-/// Triangles in general position that share nothing, or one corner: float32 knows nearly all of them.
-TEST(FiltersInGeneralPosition, DecideNearlyAllPairs) {
+/// Triangles in general position that share nothing, or one corner: float32 decides nearly all of them.
+TEST(FiltersInGeneralPosition, decide_nearly_all_pairs) {
     RandomPairs random(Kind::random_float, 59);
     int undecided = 0;
     constexpr int rounds = 20'000;
@@ -127,8 +127,9 @@ TEST(FiltersInGeneralPosition, DecideNearlyAllPairs) {
     EXPECT_LE(undecided, rounds / 500);
 }
 
-// A corner one unit in the last place above, on and below the other's plane: the sign is certain only if it is right.
-TEST(FiltersAtTheirEdge, KnowNoSideOfAPlaneWithinTheirBound) {
+// A corner a few units in the last place above, on or below the other triangle's plane: the sign is certain only beyond
+// the error bound.
+TEST(FiltersAtTheirEdge, claim_no_side_of_a_plane_within_their_bound) {
     for (int ulps = -64; ulps <= 64; ++ulps) {
         const double height = ulps * 0x1p-24;
         const Triangle floor{{Vec3d{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}, {0, 1, 2}};
@@ -140,7 +141,7 @@ TEST(FiltersAtTheirEdge, KnowNoSideOfAPlaneWithinTheirBound) {
     }
 }
 
-/// r next to the line through p and q.
+/// Checks the turn signs of points r next to the line through p and q.
 template <class T>
 void expect_true_turns(double scale) {
     RandomPairs random(Kind::random, 67);
@@ -160,14 +161,14 @@ void expect_true_turns(double scale) {
     EXPECT_GT(certain, rounds / 4);
 }
 
-TEST(FiltersAtTheirEdge, TurnsAreTrueNextToLines) {
+TEST(FiltersAtTheirEdge, turn_signs_are_right_next_to_lines) {
     for (const double scale : {1.0, 0x1p-20}) {
         expect_true_turns<float>(scale);
         expect_true_turns<double>(scale);
     }
 }
 
-TEST(FiltersAtTheirEdge, PlanesInFloat64AreTrue) {
+TEST(FiltersAtTheirEdge, float64_planes_are_right) {
     RandomPairs random(Kind::flat, 71);
     int certain = 0;
     constexpr int rounds = 20'000;
@@ -185,7 +186,7 @@ TEST(FiltersAtTheirEdge, PlanesInFloat64AreTrue) {
     EXPECT_GT(certain, rounds / 16);
 }
 
-TEST(EdgeOrder, PutsTheLoneCornersFirstAndTurnsPlanesOver) {
+TEST(EdgeOrder, puts_lone_corners_first_and_flips_planes) {
     for (int below_a = 1; below_a < 7; ++below_a) {
         for (int below_b = 1; below_b < 7; ++below_b) {
             const int order = edge_order(below_a, below_b);
@@ -203,7 +204,7 @@ TEST(EdgeOrder, PutsTheLoneCornersFirstAndTurnsPlanesOver) {
     }
 }
 
-TEST(Ball, HoldsItsTriangle) {
+TEST(Ball, encloses_its_triangle) {
     RandomPairs random(Kind::random_float, 61);
     for (int i = 0; i < 10'000; ++i) {
         const Vec3d p[3] = {random.point(), random.point(), random.point()};

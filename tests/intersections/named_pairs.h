@@ -1,6 +1,6 @@
 #pragma once
 
-// Pairs whose answer follows from the contract by looking at them.
+// Pairs of triangles whose result follows from the contract by inspection.
 
 #include <vector>
 

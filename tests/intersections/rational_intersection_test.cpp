@@ -11,7 +11,7 @@ namespace {
 
 std::vector<Vec3d> points_of(const Contact& c) { return {c.points.begin(), c.points.begin() + c.count}; }
 
-TEST(RationalIntersection, KeepsTheContract) {
+TEST(RationalIntersection, matches_the_contract_for_named_pairs) {
     for (const NamedPair& named : named_pairs()) {
         SCOPED_TRACE(testing::Message() << named.claim << ": " << named.pair);
         const RationalIntersection found = intersect_rationally(named.pair.a, named.pair.b);
@@ -25,7 +25,7 @@ TEST(RationalIntersection, KeepsTheContract) {
     }
 }
 
-TEST(RationalIntersection, ScalesByPowersOfTwoWithoutLoss) {
+TEST(RationalIntersection, scales_by_powers_of_two_without_loss) {
     // The named pairs are on a grid of at most 9 units: from the smallest subnormal to the largest powers.
     for (const double unit : {0x1p-1074, 0x1p-1022, 0x1p-300, 0x1p1020}) {
         for (NamedPair named : named_pairs()) {
@@ -40,7 +40,7 @@ TEST(RationalIntersection, ScalesByPowersOfTwoWithoutLoss) {
     }
 }
 
-TEST(RationalIntersection, IsTheSameFromBothSidesAndFromAnyCorner) {
+TEST(RationalIntersection, does_not_depend_on_the_order_of_triangles_and_corners) {
     for (const Kind kind : {Kind::lattice, Kind::flat, Kind::random, Kind::mixed}) {
         RandomPairs random(kind, 17);
         for (int i = 0; i < (kind == Kind::mixed ? 60 : 1'000); ++i) {
@@ -63,8 +63,8 @@ TEST(RationalIntersection, IsTheSameFromBothSidesAndFromAnyCorner) {
     }
 }
 
-// Extreme points lie in both triangles: no plane through an edge and along the normal has them outside.
-TEST(RationalIntersection, PointsLieInBothTriangles) {
+// Extreme points must lie in the planes of both triangles, and on the inner side of each edge.
+TEST(RationalIntersection, points_lie_in_both_triangles) {
     RandomPairs random(Kind::lattice, 19);
     for (int i = 0; i < 2'000; ++i) {
         const auto [a, b] = random();
@@ -89,7 +89,7 @@ TEST(RationalIntersection, PointsLieInBothTriangles) {
     }
 }
 
-TEST(RoundQuotient, RoundsAsTheProcessorDivides) {
+TEST(RoundQuotient, rounds_like_division_in_hardware) {
     std::mt19937_64 engine(23);
     const auto bits = [&](int count) { return static_cast<std::int64_t>(engine() >> (64 - count)) | 1; };
     for (int i = 0; i < 100'000; ++i) {
@@ -106,7 +106,7 @@ TEST(RoundQuotient, RoundsAsTheProcessorDivides) {
     }
 }
 
-TEST(RoundQuotient, TiesGoToEven) {
+TEST(RoundQuotient, ties_go_to_even) {
     const Integer one = 1;
     const Integer large = one << 53;
     EXPECT_EQ(round_quotient(large + 1, 1, 0), 0x1p53);
@@ -119,12 +119,12 @@ TEST(RoundQuotient, TiesGoToEven) {
     EXPECT_EQ(round_quotient((large - 1) * 4 + 1, 4, 971), std::numeric_limits<double>::max());
 }
 
-TEST(RoundQuotient, ZeroIsPositive) {
+TEST(RoundQuotient, zero_is_positive) {
     EXPECT_FALSE(std::signbit(round_quotient(0, 7, 0)));
     EXPECT_FALSE(std::signbit(round_quotient(-1, 7, -1'074)));
 }
 
-TEST(RoundCrossing, IsWhereALineMeetsAPlane) {
+TEST(RoundCrossing, is_where_a_line_meets_a_plane) {
     const std::array<Vec3d, 3> plane{Vec3d{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
     EXPECT_EQ(round_crossing({1, 2, 0}, {1, 2, 3}, plane), (Vec3d{1, 2, 1}));
     EXPECT_EQ(round_crossing({0, 0, 0}, {3, 3, 3}, plane), (Vec3d{1, 1, 1}));

@@ -1,5 +1,5 @@
-// The rational intersection against answers from outside: soups of every kind of contact, degenerate triangles and
-// repeated indices, at ordinary, huge and subnormal scale.
+// Compares the rational intersection with exact results of external origin: soups with every kind of contact,
+// degenerate triangles and repeated indices, at ordinary, huge and subnormal scale.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace crumple {
 namespace {
 
-struct Answer {
+struct ExactResult {
     int shared, degenerate, points, strict;
 };
 
@@ -34,16 +34,17 @@ Triangle triangle_of(const io::TriangleMesh& mesh, std::int32_t t) {
 
 class Soups : public testing::TestWithParam<std::array<const char*, 2>> {};
 
-TEST_P(Soups, MatchTheExactAnswers) {
+TEST_P(Soups, match_the_exact_results) {
     const auto folder = io::test::data_folder();
     if (!folder) GTEST_SKIP() << "no scenes: set CRUMPLE_DATA";
-    const auto [soup, answers] = GetParam();
+    const auto [soup, result_file] = GetParam();
     const io::TriangleMesh mesh = io::read_mesh(*folder / "soups" / soup);
-    std::map<std::array<int, 2>, Answer> expected;
-    std::ifstream lines(*folder / "gt" / answers);
+    std::map<std::array<int, 2>, ExactResult> expected;
+    std::ifstream lines(*folder / "gt" / result_file);
     std::array<int, 2> ids;
-    for (Answer x; lines >> ids[0] >> ids[1] >> x.shared >> x.degenerate >> x.points >> x.strict;) expected[ids] = x;
-    ASSERT_FALSE(expected.empty()) << answers;
+    for (ExactResult x; lines >> ids[0] >> ids[1] >> x.shared >> x.degenerate >> x.points >> x.strict;)
+        expected[ids] = x;
+    ASSERT_FALSE(expected.empty()) << result_file;
 
     std::size_t collisions = 0;
     for (std::int32_t i = 0; i < mesh.triangle_count(); ++i) {
@@ -51,16 +52,16 @@ TEST_P(Soups, MatchTheExactAnswers) {
             const TrianglePair pair{triangle_of(mesh, i), triangle_of(mesh, j)};
             SCOPED_TRACE(testing::Message() << i << ' ' << j << ": " << pair);
             const RationalIntersection found = intersect_rationally(pair.a, pair.b);
-            const auto answer = expected.find({i, j});
-            ASSERT_EQ(found.collides, answer != expected.end());
+            const auto exact = expected.find({i, j});
+            ASSERT_EQ(found.collides, exact != expected.end());
             if (!found.collides) {
                 ASSERT_FALSE(found.proper);
                 continue;
             }
             ++collisions;
-            ASSERT_EQ(found.shared, answer->second.shared);
-            ASSERT_EQ(static_cast<int>(found.points.size()), answer->second.points);
-            ASSERT_EQ(found.proper, answer->second.strict == 1);
+            ASSERT_EQ(found.shared, exact->second.shared);
+            ASSERT_EQ(static_cast<int>(found.points.size()), exact->second.points);
+            ASSERT_EQ(found.proper, exact->second.strict == 1);
         }
     }
     EXPECT_EQ(collisions, expected.size());

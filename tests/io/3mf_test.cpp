@@ -1,4 +1,4 @@
-// 3MF read as worlds of bodies, and as one mesh.
+// Tests of reading 3MF as worlds of bodies and as one mesh.
 
 #include "3mf_file.h"
 
@@ -36,7 +36,7 @@ const std::string assembly = "<resources><object id=\"1\" name=\"part\">" + tetr
 </components></object></resources>
 <build><item objectid="2" transform="0 1 0 -1 0 0 0 0 1 1 2 3"/><item objectid="1"/></build>)";
 
-TEST(ThreeMf, ItemsAndComponentsAreBodiesThatShareShapes) {
+TEST(ThreeMf, items_and_components_are_bodies_that_share_shapes) {
     const WorldMesh world = read_model(assembly);
     EXPECT_EQ(body_names(world), (BodyNames{"part", "part_2", "part_3"}));
     ASSERT_EQ(world.shapes.size(), 1u);
@@ -50,7 +50,7 @@ TEST(ThreeMf, ItemsAndComponentsAreBodiesThatShareShapes) {
     EXPECT_TRUE(world.warnings.empty());
 }
 
-TEST(ThreeMf, AMeshIsAllBodiesWhereTheyAre) {
+TEST(ThreeMf, mesh_holds_all_bodies_as_posed) {
     const TriangleMesh mesh = read_bytes(file_3mf(model_around(assembly)), "a.3mf");
     EXPECT_EQ(mesh.triangle_count(), 12);
     EXPECT_TRUE(mesh.groups.empty());
@@ -59,7 +59,7 @@ TEST(ThreeMf, AMeshIsAllBodiesWhereTheyAre) {
     EXPECT_EQ(std::vector<double>(xyz.begin() + 24, xyz.begin() + 30), (std::vector<double>{0, 0, 0, 1, 0, 0}));
 }
 
-TEST(ThreeMf, ContentTellsIt) {
+TEST(ThreeMf, is_recognised_by_its_content) {
     const std::string bytes = file_3mf(model_around(assembly));
     EXPECT_EQ(read_bytes(bytes, "a.ply").triangle_count(), 12);
     std::istringstream in(bytes), again(bytes);
@@ -67,7 +67,7 @@ TEST(ThreeMf, ContentTellsIt) {
     EXPECT_EQ(read_mesh(again, "standard input").triangle_count(), 12);
 }
 
-TEST(ThreeMf, CoordinatesAreRoundedOnce) {
+TEST(ThreeMf, coordinates_are_rounded_once) {
     const std::string children = R"(<resources><object id="7"><mesh>
 <vertices><vertex x=" 0.1 " y="+1e-400" z="-0"/><vertex x="0.1000000000000000055511151231257827" y="1E2" z=".5"/>
 <vertex x="1" y="2" z="3"/></vertices><triangles><triangle v1="0" v2="1" v3="2" pid="9" p1="0"/></triangles>
@@ -81,7 +81,7 @@ TEST(ThreeMf, CoordinatesAreRoundedOnce) {
     EXPECT_EQ(coordinates(single.shapes[0])[0], double{0.1f});
 }
 
-TEST(ThreeMf, VerticesAreWeldedOnRequestOnly) {
+TEST(ThreeMf, vertices_are_welded_only_on_request) {
     const std::string children = R"(<resources><object id="1"><mesh><vertices><vertex x="0" y="0" z="0"/>
 <vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/><vertex x="0" y="0" z="0"/></vertices>
 <triangles><triangle v1="3" v2="1" v3="2"/></triangles></mesh></object></resources>
@@ -94,7 +94,7 @@ TEST(ThreeMf, VerticesAreWeldedOnRequestOnly) {
     EXPECT_EQ(read_bytes(file_3mf(model_around(twice)), "a.3mf", {.weld = Weld::yes}).vertex_count(), 3);
 }
 
-TEST(ThreeMf, OtherPartsAreReadByTheProductionExtension) {
+TEST(ThreeMf, production_extension_reads_other_parts) {
     const std::string root = model_around(R"(<resources><object id="1" name="both"><components>
  <component p:path="/3D/Objects/a.model" objectid="1"/><component p:path="/3d/objects/A.model" objectid="2"/>
 </components></object></resources><build p:UUID="x"><item objectid="1" p:UUID="y"/></build>)",
@@ -111,7 +111,7 @@ TEST(ThreeMf, OtherPartsAreReadByTheProductionExtension) {
     for (const std::string& warning : world.warnings) EXPECT_TRUE(contains(warning, "a.3mf")) << warning;
 }
 
-TEST(ThreeMf, WhatTheBuildDoesNotNameIsLeftOutWithAWarning) {
+TEST(ThreeMf, objects_outside_the_build_are_skipped_with_a_warning) {
     const std::string children = "<resources><object id=\"1\" type=\"support\">" + tetrahedron +
                                  "</object><object id=\"2\" type=\"other\">" + tetrahedron +
                                  "</object></resources><build><item objectid=\"1\"/></build>";
@@ -123,7 +123,7 @@ TEST(ThreeMf, WhatTheBuildDoesNotNameIsLeftOutWithAWarning) {
     EXPECT_EQ(read_model("<resources/><build/>").warnings.size(), 1u);
 }
 
-TEST(ThreeMf, ExtensionsAreSkippedUnlessRequired) {
+TEST(ThreeMf, extensions_are_skipped_unless_required) {
     const std::string extra = R"(xmlns:b="http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02" )";
     std::string children = assembly;
     children.insert(children.find("</mesh>"),

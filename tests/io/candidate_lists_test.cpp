@@ -1,4 +1,4 @@
-// Lists of candidates as they are written, as they come back, and what is no list.
+// Tests of lists of candidates: writing them, reading them back, and errors in lists.
 
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -9,7 +9,8 @@
 namespace crumple::io::test {
 namespace {
 
-/// One of each kind: of one mesh, or of two bodies. Edges 1 and 2 are 0 7 and 2 9; the last is that of body 1.
+/// Returns one candidate of each kind, of one mesh or of two bodies. Edges 1 and 2 are 0 7 and 2 9; the latter belongs
+/// to body 1.
 Candidates example(bool has_bodies = false) {
     Candidates a;
     const std::int32_t other = has_bodies ? 1 : 0;
@@ -37,7 +38,7 @@ std::string written(const Candidates& candidates, PairFormat format) {
     return out.str();
 }
 
-TEST(CandidateLists, TextHasALineForEach) {
+TEST(CandidateLists, text_has_one_line_per_candidate) {
     const std::string text = "vf 7 1\nee 0 7 2 9\nef 2 9 3\nff 4 5\nve 8 0 7\nvv 3 4\n";
     EXPECT_EQ(written(example(), PairFormat::txt), text);
     EXPECT_EQ(written(example(), PairFormat::automatic), text);
@@ -46,14 +47,14 @@ TEST(CandidateLists, TextHasALineForEach) {
     EXPECT_EQ(written(Candidates(), PairFormat::txt), "");
 }
 
-TEST(CandidateLists, CsvHasNamedColumns) {
+TEST(CandidateLists, csv_has_named_columns) {
     EXPECT_EQ(written(example(), PairFormat::csv),
               "kind,vertex,face,a,b,c,d\nvf,7,1,,,,\nee,,,0,7,2,9\nef,,3,2,9,,\nff,,4,5,,,\n"
               "ve,8,,0,7,,\nvv,3,,4,,,\n");
     EXPECT_TRUE(written(example(true), PairFormat::csv).ends_with("vv,0:3,,1:4,,,\n"));
 }
 
-TEST(CandidateLists, JsonHasAnArrayForEachKindThatIsListed) {
+TEST(CandidateLists, json_has_one_array_per_listed_kind) {
     using nlohmann::json;
     const auto all = json::parse(written(example(true), PairFormat::json));
     EXPECT_EQ(all["edge_faces"], json::parse("[[2,3]]"));
@@ -71,7 +72,7 @@ TEST(CandidateLists, JsonHasAnArrayForEachKindThatIsListed) {
     EXPECT_FALSE(few.contains("vertex_faces"));
 }
 
-TEST(CandidateLists, EveryFormatComesBackAsItWasWritten) {
+TEST(CandidateLists, every_format_reads_back_what_was_written) {
     const Folder folder;
     for (const char* const name : {"a.txt", "a.csv", "a.json", "a.npz", "A.CSV"}) {
         for (const bool has_bodies : {false, true}) {
@@ -87,14 +88,14 @@ TEST(CandidateLists, EveryFormatComesBackAsItWasWritten) {
     }
 }
 
-TEST(CandidateLists, ListedPointsAreNamedByTheirVertices) {
+TEST(CandidateLists, codimensional_points_are_named_by_their_vertices) {
     Candidates a = example();
     a.points = array<std::int32_t>({10, 11, 12, 13, 14, 15, 16, 17, 18});
     a.first_point = array<std::int64_t>({0, 9});
     EXPECT_EQ(written(a, PairFormat::txt), "vf 17 1\nee 0 7 2 9\nef 2 9 3\nff 4 5\nve 18 0 7\nvv 13 14\n");
 }
 
-TEST(CandidateLists, ThatDoNotFitTogetherAreRefused) {
+TEST(CandidateLists, inconsistent_lists_are_refused) {
     const Folder folder;
     const auto refused = [&](auto spoil) {
         Candidates candidates = example(true);
@@ -116,7 +117,7 @@ TEST(CandidateLists, ThatDoNotFitTogetherAreRefused) {
     }
 }
 
-TEST(CandidateLists, OfOthersMayNameFeaturesInAnyOrder) {
+TEST(CandidateLists, features_can_be_named_in_any_order) {
     const Folder folder;
     const auto rows = [&](const std::string& text) { return read_candidates(folder.write("a.txt", text)).rows; };
     const auto expected = rows("ee 0 7 2 9\nef 2 9 3\nff 4 5\nve 8 0 7\nvv 3 4\n");
@@ -136,7 +137,7 @@ void expect_refused(const std::string& name, const std::string& bytes, const std
     EXPECT_TRUE(contains(error.what(), name) && contains(error.what(), what)) << bytes << ": " << error.what();
 }
 
-TEST(CandidateLists, ThatAreNoneAreRefused) {
+TEST(CandidateLists, malformed_lists_are_refused) {
     expect_refused("a.txt", "vf 1 2\nff 1\n", "line 2: `ff` is followed by 2 ids");
     expect_refused("a.txt", "vf 1 2 0.5\n", "line 1: '0.5' is left over");
     expect_refused("a.txt", "fv 1 2\n", "'fv' is none of vf, ee, ef, ff, ve and vv");
@@ -160,7 +161,7 @@ TEST(CandidateLists, ThatAreNoneAreRefused) {
     EXPECT_EQ(error_of([] { read_candidates("/nowhere/a.txt"); }).code, ErrorCode::file);
 }
 
-TEST(CandidateLists, ArraysOfOtherListsAreLetBe) {
+TEST(CandidateLists, unrelated_arrays_are_ignored) {
     const Folder folder;
     const std::string more = R"("vertex_face_":["theirs"],"vertex_face_toi":{},"":1,"face_faces":)";
     EXPECT_EQ(read_candidates(folder.write("a.json", "{" + more + "[[0,1]]}")).rows.size(), 1u);

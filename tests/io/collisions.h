@@ -1,6 +1,6 @@
 #pragma once
 
-// A result made by hand: three pairs, with a contact of each kind.
+// Handmade result of three pairs, with one contact of each kind.
 
 #include <cstdint>
 #include <vector>

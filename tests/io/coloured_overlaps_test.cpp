@@ -1,4 +1,4 @@
-// Pictures of overlaps: what is coloured, by the area of the coloured surface, and what the formats hold.
+// Tests of coloured meshes of overlaps: the area of the coloured surface, and what the formats hold.
 
 #include <tiny_gltf.h>
 
@@ -27,7 +27,7 @@ TriangleMesh box(const std::array<double, 3>& low, const std::array<double, 3>& 
     return {xyz, {box_triangles.begin(), box_triangles.end()}};
 }
 
-/// A world of these bodies, each in place, and its overlaps.
+/// World of these bodies, unposed, and its overlaps.
 struct OverlappingBodies {
     WorldMesh world;
     Overlaps overlaps;
@@ -70,7 +70,7 @@ double area_of(const TriangleMesh& mesh) {
     return area;
 }
 
-TEST(ColouredOverlaps, PlyHoldsTheSurfaceOfTheOverlapAlone) {
+TEST(ColouredOverlaps, ply_holds_only_the_surface_of_the_overlap) {
     const OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2}), box({1, 1.25, 0.5}, {3, 3, 1.5})});
     const TriangleMesh ply = bodies.ply();  // of the box (1, 1.25, 0.5) to (2, 2, 1.5)
     EXPECT_NEAR(area_of(ply), 2 * (1 * 0.75 + 1 * 1 + 0.75 * 1), 1e-12);
@@ -81,17 +81,17 @@ TEST(ColouredOverlaps, PlyHoldsTheSurfaceOfTheOverlapAlone) {
     for (const int body : {0, 1}) EXPECT_GT(std::count(ply.groups.begin(), ply.groups.end(), body), 0) << body;
 }
 
-TEST(ColouredOverlaps, ABodyInsideAnotherIsColouredAsAWhole) {
+TEST(ColouredOverlaps, body_inside_another_is_coloured_entirely) {
     const OverlappingBodies bodies({box({0, 0, 0}, {4, 4, 4}), box({1, 1, 1}, {2, 3, 2})});
     EXPECT_NEAR(area_of(bodies.ply()), 10, 1e-12);
 }
 
-TEST(ColouredOverlaps, FacesThatTouchAreColouredWhereTheyDo) {
+TEST(ColouredOverlaps, touching_faces_are_coloured_where_they_touch) {
     const OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2}), box({0.5, 1, 2}, {1.5, 3, 3})});
     EXPECT_NEAR(area_of(bodies.ply()), 2 * 1, 1e-12) << "of each body";
 }
 
-TEST(ColouredOverlaps, ABodyThatCoversSpaceTwiceIsColouredWhereItDoes) {
+TEST(ColouredOverlaps, body_that_overlaps_itself_is_coloured_there) {
     TriangleMesh both = box({0, 0, 0}, {2, 2, 2});
     const TriangleMesh second = box({1, 1.25, 0.5}, {3, 3, 1.5});
     auto& xyz = std::get<std::vector<double>>(both.vertices);
@@ -102,7 +102,7 @@ TEST(ColouredOverlaps, ABodyThatCoversSpaceTwiceIsColouredWhereItDoes) {
     EXPECT_NEAR(area_of(bodies.ply()), 5, 1e-12);
 }
 
-TEST(ColouredOverlaps, PosesPlaceAndMirrorBodies) {
+TEST(ColouredOverlaps, poses_place_and_mirror_bodies) {
     OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2})});
     bodies.world.bodies.push_back({"mirrored", 0, {}});
     bodies.world.bodies[1].pose.rows = {-1, 0, 0, 3, 0, 1, 0, 0.5, 0, 0, 1, 0.5};  // from (1, 0.5, 0.5)
@@ -110,7 +110,7 @@ TEST(ColouredOverlaps, PosesPlaceAndMirrorBodies) {
     EXPECT_NEAR(area_of(bodies.ply()), 2 * (1 * 1.5 + 1 * 1.5 + 1.5 * 1.5), 1e-12);
 }
 
-TEST(ColouredOverlaps, SurfacesThatAreNotClosedHaveNoInside) {
+TEST(ColouredOverlaps, open_surfaces_have_no_inside) {
     OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2}), box({1, 1.25, 0.5}, {3, 3, 1.5})});
     bodies.world.shapes[1].triangles.resize(33);
     bodies.overlaps.relation[0] = OverlapRelation::undefined;
@@ -119,7 +119,7 @@ TEST(ColouredOverlaps, SurfacesThatAreNotClosedHaveNoInside) {
     EXPECT_EQ(error_of([&] { bodies.ply(false); }).code, ErrorCode::invalid_argument);
 }
 
-TEST(ColouredOverlaps, WithoutRowsNothingIsColoured) {
+TEST(ColouredOverlaps, without_overlaps_nothing_is_coloured) {
     const OverlappingBodies bodies({box({0, 0, 0}, {1, 1, 1}), box({5, 5, 5}, {6, 6, 6})});
     EXPECT_EQ(bodies.ply(false).triangle_count(), 0);
     std::ostringstream out;
@@ -128,7 +128,7 @@ TEST(ColouredOverlaps, WithoutRowsNothingIsColoured) {
     EXPECT_EQ(read_world(in, "a.glb").triangle_count(), 24);
 }
 
-TEST(ColouredOverlaps, GlbKeepsBodiesWithATranslucentAndAnOpaqueMaterial) {
+TEST(ColouredOverlaps, glb_has_bodies_in_translucent_and_opaque_materials) {
     const Folder folder;
     const OverlappingBodies bodies(
         {box({0, 0, 0}, {2, 2, 2}), box({1, 1.25, 0.5}, {3, 3, 1.5}), box({7, 7, 7}, {8, 8, 8})});
@@ -148,7 +148,7 @@ TEST(ColouredOverlaps, GlbKeepsBodiesWithATranslucentAndAnOpaqueMaterial) {
     EXPECT_NEAR(area_of(read_mesh(folder / "a.glb")), 24 + 2 * (2 * 1.75 + 2 + 1.75) + 6, 1e-5) << "nothing is lost";
 }
 
-TEST(ColouredOverlaps, ObjAnd3mfSayWhatIsTranslucent) {
+TEST(ColouredOverlaps, obj_marks_translucency_and_3mf_keeps_bodies) {
     const Folder folder;
     const OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2}), box({1, 1.25, 0.5}, {3, 3, 1.5})});
     write_coloured(folder / "a.obj", bodies.world, bodies.overlaps);
@@ -160,7 +160,7 @@ TEST(ColouredOverlaps, ObjAnd3mfSayWhatIsTranslucent) {
     EXPECT_EQ(again.bodies[0].name, "body 0");
 }
 
-TEST(ColouredOverlaps, HtmlShowsCurvesAndOpaqueTrianglesFirst) {
+TEST(ColouredOverlaps, html_holds_curves_and_opaque_triangles_first) {
     const OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2}), box({1, 1.25, 0.5}, {3, 3, 1.5})});
     std::ostringstream out;
     write_coloured(out, bodies.world, bodies.overlaps, MeshFormat::html);
@@ -172,7 +172,7 @@ TEST(ColouredOverlaps, HtmlShowsCurvesAndOpaqueTrianglesFirst) {
     EXPECT_TRUE(contains(page, "\"opaque\": " + std::to_string(opaque) + ", \"opacity\": 0.2}"));
 }
 
-TEST(ColouredOverlaps, OtherWorldsFormatsAndResultsWithoutRowsAreRefused) {
+TEST(ColouredOverlaps, unsuitable_worlds_formats_and_results_are_refused) {
     const Folder folder;
     OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2}), box({1, 1.25, 0.5}, {3, 3, 1.5})});
     const auto refused = [&](const std::string& name) {
@@ -192,7 +192,7 @@ TEST(ColouredOverlaps, OtherWorldsFormatsAndResultsWithoutRowsAreRefused) {
     EXPECT_TRUE(contains(refused("a.glb"), "without rows"));
 }
 
-TEST(CutTriangle, PiecesCoverTheTriangleAndLieOnOneSideOfEachSegment) {
+TEST(CutTriangle, pieces_cover_the_triangle_and_do_not_cross_segments) {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> share(0, 1);
     for (int round = 0; round < 200; ++round) {
@@ -227,7 +227,7 @@ TEST(CutTriangle, PiecesCoverTheTriangleAndLieOnOneSideOfEachSegment) {
     }
 }
 
-TEST(PictureWindings, CountHowOftenASurfaceGoesAroundAPoint) {
+TEST(PictureWindings, count_how_often_a_surface_encloses_a_point) {
     std::vector<Vec3d> points;
     std::vector<std::int32_t> corners;
     const auto add = [&](double low, double high, bool inside_out) {

@@ -1,4 +1,4 @@
-// The real scenes have the sizes that their README states.
+// Checks that the real scenes can be read and have the sizes that their README states.
 
 #include <algorithm>
 
@@ -21,7 +21,7 @@ class Data : public testing::Test {
     std::optional<fs::path> folder = data_folder();
 };
 
-TEST_F(Data, ScenesHaveTheSizesStated) {
+TEST_F(Data, scenes_have_the_stated_sizes) {
     constexpr ScalarType single = ScalarType::float32, twofold = ScalarType::float64;
     const Scene scenes[] = {
         {"scalable-ccd/cloth-ball/frames/cloth_ball92.ply", 46'598, 92'230, single},
@@ -43,7 +43,7 @@ TEST_F(Data, ScenesHaveTheSizesStated) {
     }
 }
 
-TEST_F(Data, EveryMeshIsReadAndKeepsItsBitsWhenWrittenAsPly) {
+TEST_F(Data, every_mesh_keeps_its_bits_when_written_as_ply) {
     const Folder output;
     int read = 0;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(*folder)) {
@@ -59,7 +59,7 @@ TEST_F(Data, EveryMeshIsReadAndKeepsItsBitsWhenWrittenAsPly) {
     EXPECT_GE(read, 30);
 }
 
-TEST_F(Data, AnswersAreReadAsPairs) {
+TEST_F(Data, exact_results_are_read_as_pairs) {
     const std::vector<Pair> pairs = read_pairs(*folder / "gt/cloth_ball92.txt");
     EXPECT_EQ(pairs.size(), 63'602u);
     EXPECT_TRUE(std::is_sorted(pairs.begin(), pairs.end()));

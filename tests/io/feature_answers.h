@@ -1,6 +1,6 @@
 #pragma once
 
-// Answers made by hand: of one mesh, and of two bodies.
+// Handmade results of feature queries, of one mesh or of two bodies.
 
 #include <cmath>
 
@@ -21,9 +21,9 @@ void add(List& list, Pair pair, BodyPair bodies, bool has_bodies) {
     if (has_bodies) list.bodies.push_back(bodies);
 }
 
-template <class Answer>
-Answer lists(bool has_bodies) {
-    Answer a;
+template <class Result>
+Result lists(bool has_bodies) {
+    Result a;
     auto &faces = a[FeatureKind::vertex_face], &edges = a[FeatureKind::edge_edge];
     add(faces, {7, 1}, {0, 1}, has_bodies);
     add(faces, {9, 0}, {has_bodies ? 1 : 0, 0}, has_bodies);

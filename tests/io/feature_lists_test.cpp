@@ -1,4 +1,4 @@
-// Lists of impacts and of near pairs as they are written, and as they come back.
+// Tests of lists of impacts and of near pairs: writing them, and reading them back.
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -21,14 +21,14 @@ std::string written(const Proximities& nearby, PairFormat format) {
     return out.str();
 }
 
-TEST(FeatureLists, TextHasALineForEach) {
+TEST(FeatureLists, text_has_one_line_per_row) {
     EXPECT_EQ(written(example_impacts(), PairFormat::txt), "vf 7 1 0.1 0\nvf 9 0 1 0\nee 0 7 2 9 0 1\n");
     EXPECT_EQ(written(example_impacts(), PairFormat::automatic), written(example_impacts(), PairFormat::txt));
     EXPECT_EQ(written(example_near(), PairFormat::txt), "vf 7 1 5e-324\nvf 9 0 inf\nee 0 7 2 9 0\n");
     EXPECT_EQ(written(Impacts(), PairFormat::txt), "");
 }
 
-TEST(FeatureLists, OfSeveralBodiesHaveTheirNumbers) {
+TEST(FeatureLists, ids_of_several_bodies_name_the_body) {
     EXPECT_EQ(written(example_impacts(true), PairFormat::txt),
               "vf 0:7 1:1 0.1 0\nvf 1:9 0:0 1 0\nee 0:0 0:7 1:2 1:9 0 1\n");
     EXPECT_EQ(written(example_near(true), PairFormat::csv),
@@ -36,12 +36,12 @@ TEST(FeatureLists, OfSeveralBodiesHaveTheirNumbers) {
               "ee,,,0:0,0:7,1:2,1:9,0,1\n");
 }
 
-TEST(FeatureLists, CsvHasNamedColumns) {
+TEST(FeatureLists, csv_has_named_columns) {
     EXPECT_EQ(written(example_impacts(), PairFormat::csv),
               "kind,vertex,face,a,b,c,d,toi,start\nvf,7,1,,,,,0.1,0\nvf,9,0,,,,,1,0\nee,,,0,7,2,9,0,1\n");
 }
 
-TEST(FeatureLists, InBlocksAreTheSameRows) {
+TEST(FeatureLists, blocks_give_the_same_rows) {
     const auto expect = [](const auto& block, ListKind of) {
         for (const PairFormat format : {PairFormat::txt, PairFormat::csv, PairFormat::automatic}) {
             std::ostringstream twice;
@@ -59,7 +59,7 @@ TEST(FeatureLists, InBlocksAreTheSameRows) {
     }
 }
 
-TEST(FeatureLists, InBlocksAreThereOnceAllAre) {
+TEST(FeatureLists, blocks_appear_in_the_file_on_commit) {
     const Folder folder;
     const auto path = folder / "near.csv";
     std::ofstream(path) << "old";
@@ -78,7 +78,7 @@ TEST(FeatureLists, InBlocksAreThereOnceAllAre) {
     }
 }
 
-TEST(FeatureLists, JsonHasNamedArrays) {
+TEST(FeatureLists, json_has_named_arrays) {
     using nlohmann::json;
     const auto impacts = json::parse(written(example_impacts(), PairFormat::json));
     EXPECT_EQ(impacts["vertex_faces"], json::parse("[[7,1],[9,0]]"));
@@ -102,7 +102,7 @@ TEST(FeatureLists, JsonHasNamedArrays) {
     EXPECT_FALSE(near.contains("earliest"));
 }
 
-TEST(FeatureLists, EveryFormatComesBackAsItWasWritten) {
+TEST(FeatureLists, every_format_reads_back_what_was_written) {
     const Folder folder;
     for (const char* const name : {"a.txt", "a.csv", "a.json", "a.npz", "A.CSV"}) {
         for (const bool has_bodies : {false, true}) {
@@ -118,10 +118,10 @@ TEST(FeatureLists, EveryFormatComesBackAsItWasWritten) {
     }
 }
 
-/// Rods and particles, points as listed: of one body, or of two of which the second has no list of its own.
+/// Returns impacts with codimensional edges and points, of one body, or of two of which the second has no such points.
 Impacts example_rods(bool has_bodies) {
     Impacts a = example_impacts(has_bodies);
-    a.edges[1] = {7, 0};  // as listed
+    a.edges[1] = {7, 0};  // codimensional, in the order of the caller
     a.points = array<std::int32_t>({0, 0, 0, 0, 0, 0, 0, 17, 18, 19});
     a.first_point = array<std::int64_t>({0, 10});
     if (has_bodies) a.first_point.push_back(10);
@@ -135,7 +135,7 @@ Impacts example_rods(bool has_bodies) {
     return a;
 }
 
-TEST(FeatureLists, PairsOfTrianglesComeWithImpactsOrAlone) {
+TEST(FeatureLists, triangle_pairs_are_written_with_impacts_or_alone) {
     const Folder folder;
     for (const bool has_bodies : {false, true}) {
         Impacts impacts = example_rods(has_bodies);
@@ -172,7 +172,7 @@ TEST(FeatureLists, PairsOfTrianglesComeWithImpactsOrAlone) {
     }
 }
 
-TEST(FeatureLists, RodsAndParticlesAreNamedByTheirVertices) {
+TEST(FeatureLists, codimensional_features_are_named_by_their_vertices) {
     const auto text = [](bool has_bodies, PairFormat format) {
         std::ostringstream out;
         write_impacts(out, example_rods(has_bodies), format);
@@ -208,7 +208,7 @@ TEST(FeatureLists, RodsAndParticlesAreNamedByTheirVertices) {
     }
 }
 
-TEST(FeatureLists, ThatDoNotFitTogetherAreRefused) {
+TEST(FeatureLists, inconsistent_lists_are_refused) {
     const Folder folder;
     const auto refused = [&](const Impacts& impacts) {
         EXPECT_EQ(error_of([&] { write_impacts(folder / "a.txt", impacts); }).code, ErrorCode::invalid_argument);
@@ -236,7 +236,7 @@ TEST(FeatureLists, ThatDoNotFitTogetherAreRefused) {
     EXPECT_EQ(error_of([&] { write_near(folder / "a.ply", example_near()); }).code, ErrorCode::invalid_argument);
 }
 
-TEST(FeatureLists, AStreamThatFailsIsAnError) {
+TEST(FeatureLists, failing_stream_is_an_error) {
     for (const PairFormat format : {PairFormat::txt, PairFormat::csv, PairFormat::json, PairFormat::npz}) {
         std::ofstream closed;
         EXPECT_EQ(error_of([&] { write_impacts(closed, example_impacts(), format); }).code, ErrorCode::file);
@@ -244,13 +244,13 @@ TEST(FeatureLists, AStreamThatFailsIsAnError) {
     }
 }
 
-// A square of two triangles, 0 and 1, with a third one, 2, on its own.
+// Returns a square of triangles 0 and 1, and a separate triangle 2.
 TriangleMesh three_triangles() {
     return {std::vector<float>{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 9, 9, 9, 9, 8, 9, 8, 9, 9},
             {0, 1, 2, 0, 2, 3, 4, 5, 6}};
 }
 
-/// Triangles by material, of the one mesh.
+/// Returns the number of triangles of each material in the only mesh.
 std::map<std::string, std::int64_t> triangles_of(const std::string& glb) {
     const auto length = load<std::uint32_t>(glb.data() + 12, std::endian::little);
     const auto description = nlohmann::json::parse(glb.substr(20, length));
@@ -263,7 +263,7 @@ std::map<std::string, std::int64_t> triangles_of(const std::string& glb) {
     return result;
 }
 
-TEST(FeatureLists, ImpactsColourWhatTheyHit) {
+TEST(FeatureLists, impacts_colour_the_triangles_they_hit) {
     Impacts impacts;
     impacts[FeatureKind::vertex_face].pairs = array<Pair>({{3, 2}});  // vertex 3 is of triangle 1
     impacts[FeatureKind::vertex_face].toi = array({0.5});
@@ -288,7 +288,7 @@ TEST(FeatureLists, ImpactsColourWhatTheyHit) {
     EXPECT_EQ(error_of(colours).code, ErrorCode::invalid_argument) << "there is no such face";
 }
 
-TEST(FeatureLists, NearPairsColourTwoMeshes) {
+TEST(FeatureLists, near_pairs_colour_two_meshes) {
     Proximities nearby;
     nearby[FeatureKind::vertex_face].pairs = array<Pair>({{3, 2}, {4, 0}});
     nearby[FeatureKind::vertex_face].bodies = array<BodyPair>({{0, 1}, {1, 0}});

@@ -1,6 +1,6 @@
 #pragma once
 
-// Files for the tests of crumple::io: made of bytes, read back, compared bit by bit.
+// Functions for the tests of crumple::io that make files of bytes, read them back, and compare bit by bit.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace crumple::io::test {
 namespace fs = std::filesystem;
 using crumple::test::error_of;
 
-/// A folder of its own, removed at the end.
+/// Temporary folder, removed at the end.
 class Folder {
    public:
     Folder() {
@@ -53,7 +53,7 @@ inline std::string bytes_of(const fs::path& path) {
 
 inline bool contains(std::string_view text, std::string_view part) { return text.find(part) != text.npos; }
 
-/// What read_mesh makes of these bytes.
+/// Returns the mesh that read_mesh reads from these bytes.
 inline TriangleMesh read_bytes(std::string_view bytes, const std::string& name, const ReadOptions& options = {}) {
     const Folder folder;
     return read_mesh(folder.write(name, bytes), options);
@@ -73,12 +73,12 @@ inline void expect_bad(std::string_view bytes, const std::string& name, Element 
     EXPECT_NE(message.find(what), message.npos) << message;
 }
 
-/// Coordinates as float64, exactly.
+/// Returns the coordinates as float64, which is exact.
 inline std::vector<double> coordinates(const TriangleMesh& mesh) {
     return std::visit([](const auto& xyz) { return std::vector<double>(xyz.begin(), xyz.end()); }, mesh.vertices);
 }
 
-/// Same precision, same bits (so that -0 differs from +0), same triangles and groups.
+/// Expects the same precision, the same bits (so that -0 differs from +0), and the same triangles and groups.
 inline void expect_same(const TriangleMesh& a, const TriangleMesh& b) {
     ASSERT_EQ(a.precision(), b.precision());
     ASSERT_EQ(a.vertex_count(), b.vertex_count());
@@ -91,7 +91,7 @@ inline void expect_same(const TriangleMesh& a, const TriangleMesh& b) {
     EXPECT_EQ(a.groups, b.groups);
 }
 
-/// Bytes of numbers in a given order.
+/// Returns the bytes of numbers in the given byte order.
 template <class... Number>
 std::string packed(std::endian order, Number... values) {
     std::string bytes;
@@ -104,7 +104,7 @@ std::string packed(std::endian order, Number... values) {
     return bytes;
 }
 
-/// The folder of real scenes and exact answers, if it is there.
+/// Returns the folder of real scenes and exact results, if there is one.
 inline std::optional<fs::path> data_folder() {
     const char* const set = std::getenv("CRUMPLE_DATA");
     if (set && *set) return fs::path(set);

@@ -1,4 +1,4 @@
-// glTF scenes read as worlds of bodies.
+// Tests of reading glTF scenes as worlds of bodies.
 
 #include "scenes.h"
 
@@ -16,7 +16,7 @@ std::vector<std::string> names_of(const WorldMesh& world) {
 using Names = std::vector<std::string>;
 using Rows = std::array<double, 12>;
 
-TEST(Gltf, NodesWithMeshesAreBodiesAndShareTheirShape) {
+TEST(Gltf, nodes_with_meshes_are_bodies_that_share_shapes) {
     const WorldMesh world = read_scene(crumple::test::robot_scene());
     EXPECT_EQ(names_of(world), (Names{"base", "arm", "hand", "far away"}));
     ASSERT_EQ(world.shapes.size(), 1u);
@@ -28,7 +28,7 @@ TEST(Gltf, NodesWithMeshesAreBodiesAndShareTheirShape) {
     EXPECT_TRUE(world.warnings.empty());
 }
 
-TEST(Gltf, TheBufferMayBeInTheTextOrBesideIt) {
+TEST(Gltf, buffer_can_be_embedded_or_a_separate_file) {
     const GltfScene scene = crumple::test::robot_scene();
     const WorldMesh expected = read_scene(scene);
     const Folder folder;
@@ -54,7 +54,7 @@ TEST(Gltf, TheBufferMayBeInTheTextOrBesideIt) {
         error_of([&] { read_world(folder.write("a.gltf", scene.gltf(uri))); });
 }
 
-TEST(Gltf, AStreamHoldsAllOfIt) {
+TEST(Gltf, stream_must_hold_the_whole_file) {
     const GltfScene scene = crumple::test::robot_scene();
     std::istringstream glb(scene.glb()), gltf(scene.gltf("a.bin"));
     EXPECT_EQ(read_world(glb, "standard input").bodies.size(), 4u);
@@ -62,7 +62,7 @@ TEST(Gltf, AStreamHoldsAllOfIt) {
     EXPECT_NE(std::string(error.what()).find("a stream has no files beside it"), std::string::npos) << error.what();
 }
 
-TEST(Gltf, ANodesPoseIsThatOfItsParentsAfterItsOwn) {
+TEST(Gltf, poses_compose_along_parent_nodes) {
     GltfScene scene;
     const int shape = scene.add_tetrahedron();
     const int leaf = scene.add_node({{"name", "leaf"}, {"mesh", shape}, {"scale", {2, 4, -1}}}, false);
@@ -77,7 +77,7 @@ TEST(Gltf, ANodesPoseIsThatOfItsParentsAfterItsOwn) {
     EXPECT_EQ(world.bodies[0].pose.rows, (Rows{-2, 0, 0, -19, 0, -4, 0, 12, 0, 0, -1, 33}));
 }
 
-TEST(Gltf, BodiesAreInTheOrderOfTheNodesAndOnlyThoseOfTheScene) {
+TEST(Gltf, bodies_are_the_nodes_of_the_scene_in_order) {
     GltfScene scene;
     const int shape = scene.add_tetrahedron();
     const int child = scene.add_node({{"name", "child"}, {"mesh", shape}}, false);
@@ -101,7 +101,7 @@ TEST(Gltf, BodiesAreInTheOrderOfTheNodesAndOnlyThoseOfTheScene) {
     EXPECT_EQ(error_of([&] { read_scene(scene, {.strict = true}); }).code, ErrorCode::format);
 }
 
-TEST(Gltf, EveryBodyHasANameOfItsOwn) {
+TEST(Gltf, every_body_has_a_unique_name) {
     GltfScene scene;
     const int shape = scene.add_tetrahedron(), named = scene.add_tetrahedron();
     scene.json["meshes"].at(static_cast<std::size_t>(named))["name"] = "wheel";
@@ -117,7 +117,7 @@ TEST(Gltf, EveryBodyHasANameOfItsOwn) {
                                                   "wheel", "wheel_2", "node7"}));
 }
 
-TEST(Gltf, PrimitivesOfAMeshAreOneShape) {
+TEST(Gltf, primitives_of_a_mesh_are_one_shape) {
     GltfScene scene;
     const int square = scene.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}),
               other = scene.add_positions({0, 0, 5, 1, 0, 5, 0, 1, 5});
@@ -140,7 +140,7 @@ TEST(Gltf, PrimitivesOfAMeshAreOneShape) {
     EXPECT_TRUE(contains(world.warnings[0], "meshes[0].primitives[4] holds points or lines, which are skipped"));
 }
 
-TEST(Gltf, AStripsTrianglesThatOnlyJoinItAreNone) {
+TEST(Gltf, joining_triangles_of_a_strip_are_skipped) {
     GltfScene scene;
     const int positions = scene.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 0, 0, 6, 0, 0, 5, 1, 0});
     const int strip = scene.add_indices({0, 1, 2, 2, 3, 3, 4, 5});
@@ -148,14 +148,14 @@ TEST(Gltf, AStripsTrianglesThatOnlyJoinItAreNone) {
     EXPECT_EQ(read_scene(scene).shapes[0].triangles, (std::vector<std::int32_t>{0, 1, 2, 3, 5, 4}));
 }
 
-TEST(Gltf, VerticesAtOnePlaceAreOneUnlessToldOtherwise) {
+TEST(Gltf, vertices_are_welded_by_default) {
     GltfScene scene;
     scene.add_body("a", scene.add_mesh({0, 0, 0, 1, 0, 0, 0, 1, 0, -0.0f, 0, 0, 1, 0, 0, 0, 0, 1}, {0, 1, 2, 3, 4, 5}));
     EXPECT_EQ(read_scene(scene).shapes[0].triangles, (std::vector<std::int32_t>{0, 1, 2, 0, 1, 3}));
     EXPECT_EQ(read_scene(scene, {.weld = Weld::no}).shapes[0].vertex_count(), 6);
 }
 
-TEST(Gltf, MeshesOverTheSameDataAreOneShape) {
+TEST(Gltf, meshes_over_the_same_data_are_one_shape) {
     GltfScene scene;
     const int red = scene.add_tetrahedron();
     scene.json["meshes"].push_back(scene.json["meshes"].at(static_cast<std::size_t>(red)));
@@ -165,7 +165,7 @@ TEST(Gltf, MeshesOverTheSameDataAreOneShape) {
     EXPECT_EQ(read_scene(scene).shapes.size(), 1u);
 }
 
-TEST(Gltf, OfAnAccessorThatManyMeshesShareEachTakesItsOwn) {
+TEST(Gltf, shape_takes_only_its_vertices_of_a_shared_accessor) {
     GltfScene scene;
     std::vector<float> xyz;
     for (int i = 0; i < 900; ++i) xyz.push_back(static_cast<float>(i));
@@ -180,7 +180,7 @@ TEST(Gltf, OfAnAccessorThatManyMeshesShareEachTakesItsOwn) {
     EXPECT_EQ(world.shapes[2].triangles, (std::vector<std::int32_t>{2, 0, 1}));
 }
 
-TEST(Gltf, QuantizedPositionsAreRead) {
+TEST(Gltf, quantized_positions_are_read) {
     GltfScene scene;
     const int shorts = scene.add_accessor<std::int16_t>({32767, -32767, -32768, 3, 0, 0, 0, 5, 0}, 5122, "VEC3");
     scene.add_body("a", scene.add_mesh({{{"attributes", {{"POSITION", shorts}}}}}));
@@ -192,7 +192,7 @@ TEST(Gltf, QuantizedPositionsAreRead) {
     EXPECT_EQ(coordinates(read_scene(scene).shapes[0])[3], static_cast<float>(3.0 / 32767));
 }
 
-TEST(Gltf, VerticesMayBeInterleaved) {
+TEST(Gltf, vertices_can_be_interleaved) {
     GltfScene scene;
     const int positions = scene.add_positions({0, 0, 0, 7, 1, 0, 0, 7, 0, 1, 0, 7});
     scene.json["accessors"].at(static_cast<std::size_t>(positions))["count"] = 3;
@@ -206,7 +206,7 @@ TEST(Gltf, VerticesMayBeInterleaved) {
     expect_refused(scene, "accessors[0] announces 3 elements, and bufferViews[0] holds 2");
 }
 
-TEST(Gltf, WhatIsNotAppliedIsAWarning) {
+TEST(Gltf, unsupported_skins_morphs_and_instances_give_warnings) {
     GltfScene scene;
     const int shape = scene.add_tetrahedron();
     scene.add_body("a", shape);
@@ -223,7 +223,7 @@ TEST(Gltf, WhatIsNotAppliedIsAWarning) {
     EXPECT_TRUE(contains(warnings[2], "nodes[1] has instances"));
 }
 
-TEST(Gltf, ATransformThatIsNoneNamesItsNode) {
+TEST(Gltf, error_in_a_transform_names_its_node) {
     const auto scene_with = [](const Json& transform) {
         GltfScene scene;
         Json node = {{"name", "elbow"}, {"mesh", scene.add_tetrahedron()}};
@@ -247,7 +247,7 @@ TEST(Gltf, ATransformThatIsNoneNamesItsNode) {
     EXPECT_TRUE(contains(error_of([&] { read_scene(text); }).what(), "a number beyond float64"));
 }
 
-TEST(Gltf, AMeshIsAllBodiesWhereTheyAre) {
+TEST(Gltf, mesh_holds_all_bodies_as_posed) {
     const Folder folder;
     const fs::path path = folder.write("a.glb", crumple::test::robot_scene().glb());
     const TriangleMesh mesh = read_mesh(path), posed = posed_mesh(read_world(path));
@@ -258,7 +258,7 @@ TEST(Gltf, AMeshIsAllBodiesWhereTheyAre) {
     EXPECT_EQ(error_of([&] { read_world(path, {.group_property = "part"}); }).code, ErrorCode::invalid_argument);
 }
 
-TEST(Gltf, MirroredBodiesKeepTheirOutside) {
+TEST(Gltf, mirrored_bodies_keep_their_outward_orientation) {
     GltfScene scene;
     scene.add_node({{"name", "left"}, {"mesh", scene.add_tetrahedron()}, {"scale", {-2, 1, 1}}});
     const std::string glb = scene.glb();
@@ -268,7 +268,7 @@ TEST(Gltf, MirroredBodiesKeepTheirOutside) {
     EXPECT_EQ(coordinates(mesh), (std::vector<double>{0, 0, 0, -2, 0, 0, 0, 1, 0, 0, 0, 1}));
 }
 
-TEST(Gltf, BodiesWhereFloat32RoundsThemMuchGiveAWarning) {
+TEST(Gltf, distant_bodies_in_float32_give_a_warning) {
     const auto warnings_at = [](double x, const ReadOptions& options = {}) {
         GltfScene scene;
         scene.add_body("a", scene.add_tetrahedron(), {x, 0, 0});
@@ -281,7 +281,7 @@ TEST(Gltf, BodiesWhereFloat32RoundsThemMuchGiveAWarning) {
     EXPECT_TRUE(warnings_at(1100, {.precision = Precision::float64}).empty());
 }
 
-TEST(Gltf, ScenesWithoutTrianglesGiveAWarning) {
+TEST(Gltf, scenes_without_triangles_give_a_warning) {
     GltfScene scene;
     scene.add_body("a", scene.add_mesh({0, 0, 0, 1, 0, 0}, {}));
     const std::vector<std::string> warnings = read_scene(scene.glb()).warnings;
@@ -289,7 +289,7 @@ TEST(Gltf, ScenesWithoutTrianglesGiveAWarning) {
     EXPECT_TRUE(contains(warnings[0], "it holds no triangles"));
 }
 
-TEST(Gltf, SparseAccessorsReplaceElements) {
+TEST(Gltf, sparse_accessors_replace_elements) {
     GltfScene scene;
     const int shape = scene.add_tetrahedron();
     scene.add_body("a", shape);
@@ -308,7 +308,7 @@ TEST(Gltf, SparseAccessorsReplaceElements) {
               (std::vector<double>{0, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0, 7}));
 }
 
-TEST(Gltf, PrimitivesWithoutPositionsAreSkippedWithAWarning) {
+TEST(Gltf, primitives_without_positions_are_skipped_with_a_warning) {
     GltfScene scene;
     scene.add_body("a", scene.add_tetrahedron());
     scene.json["meshes"][0]["primitives"].push_back({{"attributes", {{"NORMAL", 0}}}});
@@ -318,7 +318,7 @@ TEST(Gltf, PrimitivesWithoutPositionsAreSkippedWithAWarning) {
     EXPECT_TRUE(contains(world.warnings[0], "meshes[0].primitives[1] has no attribute POSITION and is skipped"));
 }
 
-TEST(Gltf, AWorldIsWrittenWithItsBodiesAndSharedShapes) {
+TEST(Gltf, written_world_keeps_bodies_and_shared_shapes) {
     const Folder folder;
     const WorldMesh world = read_scene(crumple::test::robot_scene().glb());
     write_world(folder / "a.glb", world);

@@ -1,4 +1,4 @@
-// Files compressed by gzip, read by their content and written by their name.
+// Tests of gzip: compressed files are recognised by content when read, and by name when written.
 
 #include <zlib.h>
 
@@ -12,7 +12,7 @@
 namespace crumple::io::test {
 namespace {
 
-/// By zlib alone.
+/// Returns the bytes compressed by zlib alone.
 std::string gzipped(std::string_view bytes) {
     z_stream stream{};
     EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY), Z_OK);
@@ -36,7 +36,7 @@ std::string gunzipped(const fs::path& path) {
 
 const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 0.1 0\nf 1 2 3\n";
 
-TEST(Gzip, ContentTellsIt) {
+TEST(Gzip, is_recognised_by_content) {
     const TriangleMesh plain = read_bytes(triangle, "a.obj");
     for (const char* const name : {"a.obj.gz", "a.obj", "a", "a.GZ"})
         expect_same(read_bytes(gzipped(triangle), name), plain);
@@ -55,7 +55,7 @@ TEST(Gzip, ContentTellsIt) {
               1u);
 }
 
-TEST(Gzip, TheNameTellsTheWriter) {
+TEST(Gzip, extension_makes_writers_compress) {
     const Folder folder;
     const TriangleMesh mesh = read_bytes(triangle, "a.obj");
     for (const std::string name : {"a.obj", "a.off", "a.ply", "a.stl", "a.3mf"}) {
@@ -80,8 +80,8 @@ TEST(Gzip, TheNameTellsTheWriter) {
     EXPECT_EQ(error_of([&] { write_mesh(folder / "a.gz", mesh); }).code, ErrorCode::invalid_argument);
 }
 
-/// Many pieces of every buffer, incompressible.
-TEST(Gzip, LargeFilesKeepEveryByte) {
+/// Uses incompressible data many times as large as every buffer.
+TEST(Gzip, large_files_keep_every_byte) {
     const Folder folder;
     std::string bytes(std::size_t{3} << 20, '\0');
     std::uint32_t state = 1;
@@ -92,12 +92,12 @@ TEST(Gzip, LargeFilesKeepEveryByte) {
     }
 }
 
-TEST(Gzip, MembersFollowEachOther) {
+TEST(Gzip, several_members_are_joined) {
     const std::string begin = triangle.substr(0, 10), end = triangle.substr(10);
     expect_same(read_bytes(gzipped(begin) + gzipped("") + gzipped(end), "a.obj.gz"), read_bytes(triangle, "a.obj"));
 }
 
-TEST(Gzip, DamageIsAnError) {
+TEST(Gzip, damage_is_an_error) {
     const std::string whole = gzipped(triangle);
     for (std::size_t size = 2; size < whole.size(); ++size) {
         const Error error = error_of([&] { read_bytes(whole.substr(0, size), "a.obj.gz"); });
@@ -114,13 +114,13 @@ TEST(Gzip, DamageIsAnError) {
     }
 }
 
-TEST(Gzip, BombsAreDefused) {
+TEST(Gzip, expansion_beyond_256_mib_is_an_error) {
     const std::string bomb = gzipped(std::string((std::size_t{256} << 20) + 1, ' '));
     const Error error = error_of([&] { read_bytes(bomb, "a.obj.gz"); });
     EXPECT_TRUE(contains(error.what(), "more than 256 MiB")) << error.what();
 }
 
-TEST(Gzip, SlicesAreLeftToTheWholeReader) {
+TEST(Gzip, compressed_files_are_not_sliced) {
     const Folder folder;
     write_mesh(folder / "a.ply.gz", read_bytes(triangle, "a.obj"));
     EXPECT_FALSE(read_slice(folder / "a.ply.gz", {}, 0, 2));

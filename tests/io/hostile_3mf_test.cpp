@@ -1,4 +1,5 @@
-// 3MF that is cut, damaged or absurd: an error that names the place, never a crash, a hang or a huge allocation.
+// Tests of 3MF that is cut, damaged or absurd: it gives an error that names the place, never a crash, a hang or a huge
+// allocation.
 
 #include <functional>
 
@@ -14,7 +15,7 @@ using crumple::test::PackageParts;
 using crumple::test::relationships;
 using crumple::test::tetrahedron;
 
-/// A model with these children is refused in this line of it.
+/// Expects an error in this line of a model with these children.
 void expect_refused(const std::string& children, std::int64_t line, const std::string& what) {
     SCOPED_TRACE(children.substr(0, 300));
     expect_bad(file_3mf(model_around(children)), "a.3mf", Element::line, line, what);
@@ -32,7 +33,7 @@ std::string one_mesh(const std::string& vertex, const std::string& triangle) {
 const std::string good_vertex = "<vertex x=\"0\" y=\"1\" z=\"0\"/>",
                   good_triangle = "<triangle v1=\"0\" v2=\"1\" v3=\"2\"/>";
 
-TEST(HostileThreeMf, NumbersAndIndicesAreChecked) {
+TEST(HostileThreeMf, numbers_and_indices_are_checked) {
     EXPECT_EQ(read_bytes(file_3mf(model_around(one_mesh(good_vertex, good_triangle))), "a.3mf").triangle_count(), 1);
     expect_refused(one_mesh(R"(<vertex x="nan" y="1" z="0"/>)", good_triangle), 5, "'nan' is not a finite number");
     expect_refused(one_mesh(R"(<vertex x="1e999" y="1" z="0"/>)", good_triangle), 5, "overflows float64");
@@ -47,7 +48,7 @@ TEST(HostileThreeMf, NumbersAndIndicesAreChecked) {
                Element::line, 5, "overflows float32", {.precision = Precision::float32});
 }
 
-TEST(HostileThreeMf, ObjectsAndReferencesAreChecked) {
+TEST(HostileThreeMf, objects_and_references_are_checked) {
     expect_refused(one_object(tetrahedron, "\n<item objectid=\"2\"/>"), 8, "there is no object 2");
     expect_refused(one_object(tetrahedron, "\n<item/>"), 8, "an item lacks objectid");
     expect_refused(one_object(tetrahedron, "\n<item objectid=\"1\" transform=\"1 0 0 0 1 0 0 0 1 0 0\"/>"), 8,
@@ -73,7 +74,7 @@ TEST(HostileThreeMf, ObjectsAndReferencesAreChecked) {
     EXPECT_TRUE(contains(error.what(), "beyond all numbers")) << error.what();
 }
 
-TEST(HostileThreeMf, DeepAndManifoldAssembliesAreRefused) {
+TEST(HostileThreeMf, deep_and_exponential_assemblies_are_refused) {
     const auto chain = [](int length, int copies) {
         std::string children = "<resources><object id=\"0\">" + tetrahedron + "</object>";
         for (int i = 1; i <= length; ++i) {
@@ -89,8 +90,8 @@ TEST(HostileThreeMf, DeepAndManifoldAssembliesAreRefused) {
     expect_bad(file_3mf(chain(40, 2)), "a.3mf", Element::line, 5, "more than 65536 objects");
 }
 
-// 60,000 times 500 triangles: no more than their poses as a world, 700 MB as one mesh.
-TEST(HostileThreeMf, AMeshThatIsNamedBeyondMeasureIsRefusedAsOneMesh) {
+// Refers 60,000 times to 500 triangles: a world stores only the poses, but one mesh would take 700 MB.
+TEST(HostileThreeMf, excessively_repeated_mesh_is_refused_as_one_mesh) {
     std::string mesh =
         "<mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"1\" y=\"0\" z=\"0\"/>"
         "<vertex x=\"0\" y=\"1\" z=\"0\"/></vertices><triangles>";
@@ -106,7 +107,7 @@ TEST(HostileThreeMf, AMeshThatIsNamedBeyondMeasureIsRefusedAsOneMesh) {
     EXPECT_EQ(io::read_world(in, "a.3mf").bodies.size(), 60000u);
 }
 
-TEST(HostileThreeMf, DoctypesAndEntitiesAreRefused) {
+TEST(HostileThreeMf, doctypes_and_entities_are_refused) {
     const std::string laughs =
         "<?xml version=\"1.0\"?>\n<!DOCTYPE model [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;&a;&a;&a;\">]>\n"
         "<model>&b;</model>";
@@ -119,7 +120,7 @@ TEST(HostileThreeMf, DoctypesAndEntitiesAreRefused) {
     expect_refused("<metadata name=\"" + std::string(3 << 20, 'x') + "\"/>", 3, "longer than 1 MiB");
 }
 
-TEST(HostileThreeMf, MissingPartsAreNamed) {
+TEST(HostileThreeMf, missing_parts_are_named) {
     const std::string model = model_around(one_object(tetrahedron));
     const auto expect_error = [](const PackageParts& parts, const std::string& what) {
         const Error error = error_of([&] { read_bytes(parts.bytes(), "a.3mf"); });
@@ -139,7 +140,7 @@ TEST(HostileThreeMf, MissingPartsAreNamed) {
     EXPECT_TRUE(contains(empty.what(), "not a 3MF archive")) << empty.what();
 }
 
-TEST(HostileThreeMf, BombsAreDefused) {
+TEST(HostileThreeMf, expansion_beyond_256_mib_is_an_error) {
     const PackageParts parts{{"_rels/.rels", relationships},
                              {"3D/3dmodel.model", model_around(std::string(std::size_t{300} << 20, ' '))}};
     const std::string bytes = parts.bytes();
@@ -148,8 +149,8 @@ TEST(HostileThreeMf, BombsAreDefused) {
     EXPECT_TRUE(contains(error.what(), "more than 256 MiB")) << error.what();
 }
 
-/// A changed or missing byte of a stored archive: whatever comes of it, checksums tell most.
-TEST(HostileThreeMf, DamageIsAnErrorOrASoundMesh) {
+/// Changes or removes bytes of an archive: checksums detect most of that.
+TEST(HostileThreeMf, damage_is_an_error_or_gives_a_sound_mesh) {
     const PackageParts parts{{"_rels/.rels", relationships},
                              {"3D/3dmodel.model", model_around(one_object(tetrahedron))}};
     for (const ZipWriter::Method method : {ZipWriter::Method::store, ZipWriter::Method::deflate}) {

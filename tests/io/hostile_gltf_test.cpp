@@ -1,4 +1,5 @@
-// glTF that is cut, damaged or absurd: an error or a sound world, never a crash, a hang or a huge allocation.
+// Tests of glTF that is cut, damaged or absurd: it gives an error or a sound world, never a crash, a hang or a huge
+// allocation.
 
 #include <cmath>
 #include <functional>
@@ -10,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// The world if there is one; whatever else than an Error escapes fails the test.
+/// Returns the world, or nothing after an Error. Any other exception fails the test.
 std::optional<WorldMesh> try_read_world(const std::string& bytes) {
     try {
         return read_scene(bytes);
@@ -31,7 +32,7 @@ void expect_sound(const WorldMesh& world) {
     }
 }
 
-/// With everything that a description may hold.
+/// Returns a scene with everything that a description may hold.
 GltfScene full_scene() {
     GltfScene scene = crumple::test::robot_scene();
     const int strip = scene.add_indices({0, 1, 2, 3}),
@@ -46,7 +47,7 @@ GltfScene full_scene() {
     return scene;
 }
 
-TEST(HostileGltf, EveryTruncationIsAnError) {
+TEST(HostileGltf, every_truncation_is_an_error) {
     const std::string whole = full_scene().glb();
     ASSERT_TRUE(try_read_world(whole));
     for (std::size_t size = 0; size < whole.size(); ++size) {
@@ -59,7 +60,7 @@ TEST(HostileGltf, EveryTruncationIsAnError) {
     }
 }
 
-TEST(HostileGltf, EveryDamagedByteIsAnErrorOrGivesASoundWorld) {
+TEST(HostileGltf, every_damaged_byte_is_an_error_or_gives_a_sound_world) {
     const std::string whole = full_scene().glb();
     for (std::size_t i = 0; i < whole.size(); ++i) {
         const unsigned byte = static_cast<unsigned char>(whole[i]);
@@ -72,7 +73,7 @@ TEST(HostileGltf, EveryDamagedByteIsAnErrorOrGivesASoundWorld) {
     }
 }
 
-/// Puts `value` in the place of each value of the description in turn.
+/// Calls visit() with copies of the description in which `value` replaces each value in turn.
 void for_each_replacement(const Json& whole, const Json& value, const std::function<void(const Json&)>& visit) {
     const Json flat = whole.flatten();
     for (const auto& item : flat.items()) {
@@ -84,7 +85,7 @@ void for_each_replacement(const Json& whole, const Json& value, const std::funct
     }
 }
 
-TEST(HostileGltf, EveryValueMayBeAnyOther) {
+TEST(HostileGltf, any_replaced_value_is_an_error_or_gives_a_sound_world) {
     GltfScene scene = full_scene();
     scene.json["buffers"] = {{{"byteLength", scene.bytes.size()}}};
     const std::vector<Json> values{nullptr,
@@ -111,7 +112,7 @@ TEST(HostileGltf, EveryValueMayBeAnyOther) {
         });
 }
 
-TEST(HostileGltf, ACycleOfNodesNamesOneOfThem) {
+TEST(HostileGltf, error_of_a_node_cycle_names_a_node) {
     GltfScene scene = crumple::test::robot_scene();
     scene.json["nodes"][0]["children"] = {1};
     expect_refused(scene, "nodes[1] 'arm' is named twice");
@@ -123,7 +124,7 @@ TEST(HostileGltf, ACycleOfNodesNamesOneOfThem) {
     expect_refused(scene, "nodes[2] 'hand' is named twice");
 }
 
-TEST(HostileGltf, IndicesOutOfRangeNameTheirPlace) {
+TEST(HostileGltf, error_of_an_index_out_of_range_names_its_place) {
     const GltfScene good = crumple::test::robot_scene();
     const auto expect_refused_at = [&](const char* pointer, const Json& value, const std::string& what) {
         GltfScene scene = good;
@@ -162,7 +163,7 @@ TEST(HostileGltf, IndicesOutOfRangeNameTheirPlace) {
     expect_refused_at("/asset/version", "1.0", "asset.version is '1.0'");
 }
 
-TEST(HostileGltf, AbsurdCountsAreErrors) {
+TEST(HostileGltf, absurd_counts_are_errors) {
     const GltfScene good = crumple::test::robot_scene();
     for (const Json& count : std::vector<Json>{5, 1099511627776, 9223372036854775807}) {
         for (const char* pointer : {"/accessors/0/count", "/bufferViews/0/byteLength", "/bufferViews/0/byteOffset",
@@ -178,7 +179,7 @@ TEST(HostileGltf, AbsurdCountsAreErrors) {
     expect_refused(scene, "buffers[0].byteLength is 1099511627776");
 }
 
-TEST(HostileGltf, ManyMeshesOverTheSameDataAreRefused) {
+TEST(HostileGltf, too_many_meshes_over_the_same_data_are_refused) {
     GltfScene scene;
     const int positions = scene.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
     const int indices = scene.add_indices(std::vector<std::uint16_t>(60'000));
@@ -193,7 +194,7 @@ TEST(HostileGltf, ManyMeshesOverTheSameDataAreRefused) {
     expect_refused(scene, "more than 8 triangles a byte");
 }
 
-TEST(HostileGltf, ManyPrimitivesOverTheSameDataAreRefusedBeforeTheyAreRead) {
+TEST(HostileGltf, too_many_primitives_over_the_same_data_are_refused) {
     GltfScene scene;
     const int positions = scene.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
     std::vector<std::uint8_t> turns(100'000);
@@ -205,7 +206,7 @@ TEST(HostileGltf, ManyPrimitivesOverTheSameDataAreRefusedBeforeTheyAreRead) {
     expect_refused(scene, "more than 8 triangles a byte");
 }
 
-TEST(HostileGltf, DeepAndWideTreesTakeLinearTime) {
+TEST(HostileGltf, deep_trees_are_read_and_deep_json_is_refused) {
     GltfScene scene;
     const int shape = scene.add_tetrahedron();
     const int count = 10'000;

@@ -1,4 +1,5 @@
-// Files that are cut, damaged or absurd: an error or a valid mesh, never a crash, a hang or a huge allocation.
+// Tests of files that are cut, damaged or absurd: they give an error or a valid mesh, never a crash, a hang or a huge
+// allocation.
 
 #include <atomic>
 #include <cstdlib>
@@ -35,7 +36,7 @@ void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { rel
 namespace crumple::io::test {
 namespace {
 
-/// The mesh if there is one; whatever else than an Error escapes fails the test.
+/// Returns the mesh, or nothing after an Error. Any other exception fails the test.
 std::optional<TriangleMesh> try_read(const fs::path& path, const ReadOptions& options = {}) {
     try {
         return read_mesh(path, options);
@@ -51,7 +52,7 @@ void expect_valid(const TriangleMesh& mesh) {
     ASSERT_TRUE(mesh.groups.empty() || static_cast<std::int64_t>(mesh.groups.size()) == mesh.triangle_count());
 }
 
-TEST(Hostile, EveryTruncationIsAnErrorWhereTheFormatAnnouncesItsSize) {
+TEST(Hostile, truncation_is_an_error_if_the_format_states_its_size) {
     const Folder folder;
     for (const Sample& sample : samples()) {
         const bool announced = !sample.name.ends_with(".obj");
@@ -78,7 +79,7 @@ TEST(Hostile, EveryTruncationIsAnErrorWhereTheFormatAnnouncesItsSize) {
     }
 }
 
-TEST(Hostile, EveryDamagedByteIsAnErrorOrGivesAValidMesh) {
+TEST(Hostile, every_damaged_byte_is_an_error_or_gives_a_valid_mesh) {
     const Folder folder;
     for (const Sample& sample : samples()) {
         for (std::size_t i = 0; i < sample.bytes.size(); ++i) {
@@ -94,7 +95,7 @@ TEST(Hostile, EveryDamagedByteIsAnErrorOrGivesAValidMesh) {
     }
 }
 
-TEST(Hostile, RandomMutationsAreErrorsOrGiveValidMeshes) {
+TEST(Hostile, random_mutations_are_errors_or_give_valid_meshes) {
     const Folder folder;
     std::mt19937 random(1);
     const auto any = [&](std::size_t size) { return std::uniform_int_distribution<std::size_t>(0, size - 1)(random); };
@@ -125,7 +126,7 @@ TEST(Hostile, RandomMutationsAreErrorsOrGiveValidMeshes) {
     }
 }
 
-TEST(Hostile, AbsurdCountsAreErrorsAndAllocateNothingLarge) {
+TEST(Hostile, absurd_counts_are_errors_without_large_allocations) {
     const Folder folder;
     const std::string ply = "ply\nformat binary_little_endian 1.0\n";
     const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
@@ -162,7 +163,7 @@ TEST(Hostile, AbsurdCountsAreErrorsAndAllocateNothingLarge) {
     }
 }
 
-TEST(Hostile, ManyPropertiesOrElementsTakeLinearTime) {
+TEST(Hostile, header_with_many_properties_and_elements_is_an_error) {
     std::string header = "ply\nformat ascii 1.0\n";
     for (int i = 0; i < 100'000; ++i) header += "element e 0\nproperty int p\n";
     header += "element vertex 0\n";
@@ -170,7 +171,7 @@ TEST(Hostile, ManyPropertiesOrElementsTakeLinearTime) {
     EXPECT_EQ(error_of([&] { read_bytes(header + "end_header\n", "a.ply"); }).code, ErrorCode::format);
 }
 
-TEST(Hostile, ANumberOfAMillionDigitsIsANumber) {
+TEST(Hostile, numbers_of_a_million_digits_are_read) {
     const std::string digits(1'000'000, '3');
     const auto mesh = read_bytes("v 0." + digits + " 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n", "a.obj");
     EXPECT_EQ(coordinates(mesh)[0], 1.0 / 3);

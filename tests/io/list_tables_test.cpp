@@ -1,4 +1,4 @@
-// Tables of rows and of arrays that no list of results has: the codecs know nothing of what they write and read.
+// Tests of the codecs of lists with tables that no list of results has, for the codecs do not depend on what they hold.
 
 #include <cmath>
 #include <limits>
@@ -10,7 +10,7 @@
 namespace crumple::io::test {
 namespace {
 
-/// Birds with a weight, and fish with what they eat.
+/// Returns a table of birds with their weight, and of fish with their food.
 RowTable animals() {
     return {{"animal", "id", "food", "weight", "tame"},
             {{"bird", {{FieldType::id_of_body, 1, "bird"}, {FieldType::number, 3}, {FieldType::flag, 4, {}, false}}},
@@ -37,7 +37,7 @@ TEST(ListTables, rows_have_fields_in_text_and_columns_in_csv) {
     EXPECT_EQ(written(true), "animal,id,food,weight,tame\nbird,1:7,,0.5,1\nfish,4,3,2,0\nfish,5,3,,\n");
 }
 
-/// Rows as words again, or the error.
+/// Returns section and number of values of each row, or the message of the error.
 std::string read(const std::string& bytes, const std::string& name) {
     std::istringstream in(bytes);
     const Source source(in, name);
@@ -54,12 +54,12 @@ std::string read(const std::string& bytes, const std::string& name) {
     return text;
 }
 
-TEST(ListTables, rows_may_lack_their_last_field) {
+TEST(ListTables, rows_can_lack_their_last_field) {
     EXPECT_EQ(read("bird 1:7 0.5\nfish 3 4 2 0\n", "a.txt"), "0/2 1/4 ");
     EXPECT_EQ(read("animal,id,food,weight\nbird,7,,0.5\nfish,4,3,2,0\n", "a.csv"), "0/2 1/4 ");
 }
 
-TEST(ListTables, rows_that_do_not_fit_are_errors_that_name_the_line) {
+TEST(ListTables, error_in_a_row_names_the_line) {
     EXPECT_EQ(read("bird 7\n", "a.txt"), "a.txt, line 1: `bird` is followed by 1 ids and a number");
     EXPECT_EQ(read("\nfish 3 0:4 2 0\n", "a.txt"), "a.txt, line 2: '0:4' names no fish");
     EXPECT_EQ(read("fish 3 9 2\n", "a.txt"), "a.txt, line 1: nine is no fish");
@@ -69,7 +69,7 @@ TEST(ListTables, rows_that_do_not_fit_are_errors_that_name_the_line) {
     EXPECT_EQ(read("bird,7,\n", "a.csv"), "a.csv, line 1: 3 columns in place of 5");
 }
 
-TEST(ListTables, words_of_a_csv_may_stand_in_quotes) {
+TEST(ListTables, csv_words_are_quoted_where_needed) {
     const RowTable table{{"name", "weight"},
                          {{"", {{FieldType::word, 0, "name"}, {FieldType::number, 1, {}, true, true}}}}};
     const std::vector<std::string> names{"a,b", "say \"x\"", " blank ", "two\nlines", "plain", "name"};
@@ -91,7 +91,7 @@ TEST(ListTables, words_of_a_csv_may_stand_in_quotes) {
     EXPECT_EQ(read, names);
 }
 
-TEST(ListTables, quotes_that_do_not_fit_are_errors) {
+TEST(ListTables, misplaced_quotes_are_errors) {
     const RowTable table{{"name"}, {{"", {{FieldType::word, 0, "name"}}}}};
     const auto error = [&](const char* bytes) {
         std::istringstream in(bytes);
@@ -105,7 +105,7 @@ TEST(ListTables, quotes_that_do_not_fit_are_errors) {
 const ListArray points{"points", NumberType::float64, 3}, counts{"counts", NumberType::int64, 1, {"count"}},
     flags{"flags", NumberType::uint8};
 
-TEST(ListTables, arrays_of_every_type_come_back) {
+TEST(ListTables, arrays_of_every_type_read_back) {
     const std::vector<std::array<double, 3>> xyz{{0, 0.5, -1}, {1e300, 2, 3}};
     const std::vector<std::int64_t> three{0, 7, INT32_MAX};
     const std::vector<std::uint8_t> one{1};
@@ -126,7 +126,7 @@ TEST(ListTables, arrays_of_every_type_come_back) {
     }
 }
 
-TEST(ListTables, null_of_json_is_infinity_or_nan) {
+TEST(ListTables, json_null_is_infinity_or_nan) {
     std::istringstream in(R"({"far": [null], "gaps": [null]})");
     const Source source(in, "a.json");
     ListArray gaps{"gaps", NumberType::float64};
@@ -137,7 +137,7 @@ TEST(ListTables, null_of_json_is_infinity_or_nan) {
     EXPECT_TRUE(std::isnan(found["gaps"].numbers.at(0)));
 }
 
-TEST(ListTables, ids_out_of_range_are_errors_that_name_the_row) {
+TEST(ListTables, error_of_an_id_out_of_range_names_the_row) {
     const auto error = [](const char* json) {
         std::istringstream in(json);
         const Source source(in, "a.json");

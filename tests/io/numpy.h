@@ -1,12 +1,12 @@
 #pragma once
 
-// Arrays of NumPy, made by hand.
+// Handmade arrays of NumPy.
 
 #include "files.h"
 
 namespace crumple::io::test {
 
-/// A .npy file.
+/// Returns a .npy file.
 inline std::string npy(const std::string& type, const std::string& shape, const std::string& data,
                        bool by_column = false) {
     const std::string header = "{'descr': '" + type + "', 'fortran_order': " + (by_column ? "True" : "False") +

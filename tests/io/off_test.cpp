@@ -6,7 +6,7 @@ namespace {
 const std::string body = "3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 const TriangleMesh one_triangle{std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}, {}};
 
-TEST(Off, TheHeaderMayBeShortLongOrMissing) {
+TEST(Off, header_can_have_prefixes_or_be_missing) {
     for (const char* const header :
          {"OFF\n", "OFF ", "COFF\n", "NOFF\n", "CNOFF\n", "STOFF\n", "STCNOFF ", "", "# comment\nOFF\n\n# comment\n",
           "OFF # comment\n", "NCOFF\n", "CNSTOFF\n", "OFF", "COFF"}) {
@@ -15,29 +15,29 @@ TEST(Off, TheHeaderMayBeShortLongOrMissing) {
     }
 }
 
-TEST(Off, TheCountOfEdgesMayBeMissing) {
+TEST(Off, count_of_edges_is_optional) {
     expect_same(read_bytes("OFF\n3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "a.off"), one_triangle);
 }
 
-TEST(Off, ColoursNormalsAndTextureCoordinatesAreSkipped) {
+TEST(Off, colours_normals_and_texture_coordinates_are_skipped) {
     expect_same(read_bytes("STCNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255 .5 .5\n1 0 0 0 0 1\n0 1 0 # corner\n"
                            "3 0 1 2 0.5 0.5 0.5 # face\n",
                            "a.off"),
                 one_triangle);
 }
 
-TEST(Off, PolygonsAreFannedFromTheirFirstCorner) {
+TEST(Off, polygons_are_fanned_from_their_first_corner) {
     EXPECT_EQ(read_bytes("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 3 0 1 2\n", "a.off").triangles,
               (std::vector<std::int32_t>{3, 0, 1, 3, 1, 2}));
 }
 
-TEST(Off, AFaceMayTakeSeveralLines) {
+TEST(Off, face_can_span_several_lines) {
     EXPECT_EQ(read_bytes("OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n4 0 1 # half\n\n3 2 255 0 0\n3\n0 1\n2 1\n", "a.off")
                   .triangles,
               (std::vector<std::int32_t>{0, 1, 3, 0, 3, 2, 0, 1, 2}));
 }
 
-TEST(Off, FacesOfLessThanThreeCornersAreLeftOutWithAWarning) {
+TEST(Off, faces_with_fewer_than_three_corners_give_a_warning) {
     const std::string text = "OFF\n3 4 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n2 0 1\n1 0\n0\n";
     const TriangleMesh mesh = read_bytes(text, "a.off");
     EXPECT_EQ(mesh.triangles, one_triangle.triangles);
@@ -48,7 +48,7 @@ TEST(Off, FacesOfLessThanThreeCornersAreLeftOutWithAWarning) {
     expect_bad(text, "a.off", Element::line, 7, "less than three corners", {.strict = true});
 }
 
-TEST(Off, MistakesAreErrorsThatNameTheLine) {
+TEST(Off, error_names_the_line) {
     const auto bad = [](const std::string& text, std::int64_t line, const char* what) {
         SCOPED_TRACE(text);
         expect_bad(text, "a.off", Element::line, line, what);

@@ -17,19 +17,19 @@ std::string written(const Intersections& collisions, PairFormat format) {
     return out.str();
 }
 
-TEST(Pairs, TextIsTwoNumbersALine) {
+TEST(Pairs, text_has_two_numbers_per_line) {
     EXPECT_EQ(written(example(false), PairFormat::txt), "0 2\n0 2147483647\n1 2\n");
     EXPECT_EQ(written(example(false), PairFormat::automatic), "0 2\n0 2147483647\n1 2\n");
     EXPECT_EQ(written({}, PairFormat::txt), "");
 }
 
-TEST(Pairs, TextWithContactsAppendsKindAndPoints) {
+TEST(Pairs, text_with_contacts_appends_kind_and_points) {
     EXPECT_EQ(written(example(true), PairFormat::txt),
               "0 2 point 0.1 0.1 1\n0 2147483647 segment -2 -2 1 1e+300 1e+300 1\n"
               "1 2 area 5e-324 5e-324 1 0.3333333333333333 0.3333333333333333 1 0 0 1\n");
 }
 
-TEST(Pairs, CsvHasAHeaderAndAsManyFieldsInEachLine) {
+TEST(Pairs, csv_has_a_header_and_equally_many_fields_per_line) {
     EXPECT_EQ(written(example(false), PairFormat::csv), "a,b\n0,2\n0,2147483647\n1,2\n");
     std::istringstream lines(written(example(true), PairFormat::csv));
     std::string line;
@@ -43,7 +43,7 @@ TEST(Pairs, CsvHasAHeaderAndAsManyFieldsInEachLine) {
     EXPECT_EQ(line, "0,2147483647,segment,2,-2,-2,1,1e+300,1e+300,1,,,,,,,,,,,,");
 }
 
-TEST(Pairs, BlocksMakeTheSameFile) {
+TEST(Pairs, blocks_give_the_same_file) {
     for (const bool contacts : {false, true})
         for (const PairFormat format : {PairFormat::txt, PairFormat::csv}) {
             const Intersections one = example(contacts);
@@ -58,7 +58,7 @@ TEST(Pairs, BlocksMakeTheSameFile) {
         }
 }
 
-TEST(Pairs, BlocksThatAreNotCommittedLeaveTheOldFile) {
+TEST(Pairs, uncommitted_blocks_keep_the_old_file) {
     const Folder folder;
     const auto path = folder / "pairs.txt";
     std::ofstream(path) << "old";
@@ -76,7 +76,7 @@ TEST(Pairs, BlocksThatAreNotCommittedLeaveTheOldFile) {
     EXPECT_THROW(PairWriter(folder / "pairs.xyz", false), Error);
 }
 
-TEST(Pairs, JsonHoldsPairsContactsAndStatistics) {
+TEST(Pairs, json_holds_pairs_contacts_and_statistics) {
     const auto json = nlohmann::json::parse(written(example(true), PairFormat::json));
     EXPECT_EQ(json["pairs"], nlohmann::json::parse("[[0,2],[0,2147483647],[1,2]]"));
     ASSERT_EQ(json["contacts"].size(), 3u);
@@ -119,7 +119,7 @@ std::string raw(const Array<T>& array) {
     return {reinterpret_cast<const char*>(array.data()), array.size() * sizeof(T)};
 }
 
-TEST(Pairs, NpzHoldsTheArraysByteForByte) {
+TEST(Pairs, npz_holds_the_arrays_byte_for_byte) {
     const Folder folder;
     const Intersections c = example(true);
     write_pairs(folder / "a.npz", c);
@@ -139,11 +139,11 @@ TEST(Pairs, NpzHoldsTheArraysByteForByte) {
     EXPECT_EQ(entry_of(folder / "a.npz", "hit_second").dictionary, "") << "one soup has no second mesh";
 }
 
-TEST(Pairs, EqualResultsGiveEqualNpzFiles) {
+TEST(Pairs, equal_results_give_equal_npz_files) {
     EXPECT_EQ(written(example(true), PairFormat::npz), written(example(true), PairFormat::npz));
 }
 
-TEST(Pairs, NumpyLoadsNpz) {
+TEST(Pairs, numpy_loads_npz) {
     const auto run = [](const std::string& code) { return std::system(("python3 -c \"" + code + "\" 2>&1").c_str()); };
     if (run("import numpy") != 0) GTEST_SKIP() << "python3 has no numpy";
     const Folder folder;
@@ -161,7 +161,7 @@ TEST(Pairs, NumpyLoadsNpz) {
         0);
 }
 
-TEST(Pairs, ContactsOfOtherPairsAreRefused) {
+TEST(Pairs, inconsistent_contacts_are_refused) {
     for (const PairFormat format : {PairFormat::txt, PairFormat::csv, PairFormat::json, PairFormat::npz}) {
         Intersections c = example(true);
         c.pairs.push_back({1, 3});
@@ -174,7 +174,7 @@ TEST(Pairs, ContactsOfOtherPairsAreRefused) {
     }
 }
 
-TEST(Pairs, AStreamThatFailsIsAnError) {
+TEST(Pairs, failing_stream_is_an_error) {
     for (const PairFormat format : {PairFormat::txt, PairFormat::csv, PairFormat::json, PairFormat::npz}) {
         std::ofstream closed;
         EXPECT_EQ(error_of([&] { write_pairs(closed, example(true), format); }).code, ErrorCode::file);

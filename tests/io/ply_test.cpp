@@ -16,7 +16,7 @@ std::string ascii(const std::string& header, const std::string& body) {
 const TriangleMesh corner{std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}, {}};
 const std::string corner_rows = "0 0 0\n1 0 0\n0 1 0\n";
 
-TEST(Ply, PropertyTypesDecideThePrecision) {
+TEST(Ply, property_types_decide_the_precision) {
     const auto precision = [](const char* x, const char* z) {
         const std::string header = std::string("element vertex 3\nproperty ") + x + " x\nproperty " + x +
                                    " y\nproperty " + z + " z\n" + one_face;
@@ -28,7 +28,7 @@ TEST(Ply, PropertyTypesDecideThePrecision) {
     EXPECT_EQ(precision("int", "int"), ScalarType::float64);
 }
 
-TEST(Ply, EveryIntegerTypeOfListsIsRead) {
+TEST(Ply, every_integer_type_of_lists_is_read) {
     const auto check = [](std::endian order, auto count, const char* count_name, auto index, const char* index_name) {
         const std::string encoding = order == std::endian::little ? "little" : "big";
         const std::string header = "ply\nformat binary_" + encoding + "_endian 1.0\n" + three_vertices +
@@ -53,7 +53,7 @@ TEST(Ply, EveryIntegerTypeOfListsIsRead) {
     }
 }
 
-TEST(Ply, FacesMayComeBeforeVerticesAndOtherElementsAnywhere) {
+TEST(Ply, elements_can_come_in_any_order) {
     const std::string header = "element edge 2\nproperty int a\nproperty list int float w\n" + one_face +
                                "element nothing 1000000000000\n" + three_vertices +
                                "element material 1\nproperty list uint uchar name\n";
@@ -61,7 +61,7 @@ TEST(Ply, FacesMayComeBeforeVerticesAndOtherElementsAnywhere) {
                 corner);
 }
 
-TEST(Ply, OtherPropertiesAreSkippedBeforeBetweenAndAfter) {
+TEST(Ply, other_properties_are_skipped_anywhere) {
     const std::string header =
         "element vertex 3\nproperty list uchar int bones\nproperty float x\nproperty uchar red\nproperty float y\n"
         "property float z\nproperty double nx\nproperty list uchar float weights\n"
@@ -73,14 +73,14 @@ TEST(Ply, OtherPropertiesAreSkippedBeforeBetweenAndAfter) {
     expect_same(read_bytes(ascii(header, body), "a.ply"), corner);
 }
 
-TEST(Ply, PolygonsAreFannedFromTheirFirstCorner) {
+TEST(Ply, polygons_are_fanned_from_their_first_corner) {
     const std::string header = "element vertex 5\n" + xyz_float + one_face;
     const std::string body = "0 0 0\n1 0 0\n2 1 0\n1 2 0\n0 1 0\n5 3 4 0 1 2\n";
     EXPECT_EQ(read_bytes(ascii(header, body), "a.ply").triangles,
               (std::vector<std::int32_t>{3, 4, 0, 3, 0, 1, 3, 1, 2}));
 }
 
-TEST(Ply, GroupsOfEveryIntegerTypeAreRead) {
+TEST(Ply, groups_of_every_integer_type_are_read) {
     for (const char* const type : {"char", "uchar", "short", "ushort", "int", "uint", "int64"}) {
         const std::string header =
             three_vertices + "element face 2\nproperty " + type + " object\nproperty list uchar int vertex_indices\n";
@@ -90,7 +90,7 @@ TEST(Ply, GroupsOfEveryIntegerTypeAreRead) {
     }
 }
 
-TEST(Ply, AGroupPropertyMustExistAndFit) {
+TEST(Ply, group_property_must_exist_and_fit) {
     const std::string header = three_vertices +
                                "element face 1\nproperty uint big\nproperty float real\n"
                                "property list uchar int vertex_indices\n";
@@ -103,7 +103,7 @@ TEST(Ply, AGroupPropertyMustExistAndFit) {
     expect_bad(bytes, "a.ply", Element::line, 7, "no scalar", {.group_property = "vertex_indices"});
 }
 
-TEST(Ply, HeadersWithMistakesAreErrorsThatNameTheLine) {
+TEST(Ply, error_in_the_header_names_the_line) {
     const auto bad = [](const std::string& bytes, std::int64_t line, const char* what) {
         SCOPED_TRACE(bytes);
         expect_bad(bytes, "a.ply", Element::line, line, what);
@@ -128,7 +128,7 @@ TEST(Ply, HeadersWithMistakesAreErrorsThatNameTheLine) {
     bad(ascii(three_vertices + "element face 1\nproperty int vertex_indices\n", ""), 7, "no list of integers");
 }
 
-TEST(Ply, BodiesWithMistakesAreErrorsThatNameTheLine) {
+TEST(Ply, error_in_the_body_names_the_line) {
     const auto bad = [](const std::string& body, std::int64_t line, const char* what) {
         SCOPED_TRACE(body);
         expect_bad(ascii(three_vertices + one_face, body), "a.ply", Element::line, line, what);
@@ -144,7 +144,7 @@ TEST(Ply, BodiesWithMistakesAreErrorsThatNameTheLine) {
     bad("0 0 0\n1 1e39 0\n0 1 0\n3 0 1 2\n", 11, "overflows float32");
 }
 
-TEST(Ply, BinaryMistakesNameTheByte) {
+TEST(Ply, error_in_binary_data_names_the_byte) {
     const auto bytes = [](double y, std::uint8_t corners, int last, const std::string& tail = "") {
         return "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty float x\nproperty double y\n"
                "property float z\n" +
@@ -163,7 +163,7 @@ TEST(Ply, BinaryMistakesNameTheByte) {
     expect_bad(bytes(0, 3, 2, "x"), "a.ply", Element::byte, body + 61, "data follows");
 }
 
-TEST(Ply, AnEmptyMeshIsAMesh) {
+TEST(Ply, empty_mesh_is_valid) {
     const TriangleMesh mesh = read_bytes(
         ascii("element vertex 0\n" + xyz_float + "element face 0\nproperty list uchar int vertex_indices\n", ""),
         "a.ply");
@@ -171,7 +171,7 @@ TEST(Ply, AnEmptyMeshIsAMesh) {
     EXPECT_EQ(mesh.triangle_count(), 0);
 }
 
-TEST(Ply, TriangleStripsTurnEveryOtherTriangle) {
+TEST(Ply, triangle_strips_flip_every_other_triangle) {
     const std::string vertices = "element vertex 5\n" + xyz_float, rows = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n",
                       strips = "element tristrips 2\nproperty list int int vertex_indices\n";
     const auto triangles = [&](const std::string& lists) {
@@ -191,7 +191,7 @@ TEST(Ply, TriangleStripsTurnEveryOtherTriangle) {
                "a strip names vertex -2 of 5");
 }
 
-TEST(Ply, AFileWithoutFacesIsACloudOfPoints) {
+TEST(Ply, file_without_faces_is_a_point_cloud) {
     const std::string text = ascii("element vertex 2\n" + xyz_float, "0 0 0\n1 2 3\n");
     const TriangleMesh mesh = read_bytes(text, "a.ply");
     EXPECT_EQ(coordinates(mesh), (std::vector<double>{0, 0, 0, 1, 2, 3}));
@@ -201,7 +201,7 @@ TEST(Ply, AFileWithoutFacesIsACloudOfPoints) {
     EXPECT_EQ(read_bytes(text, "a.ply", {.lines_and_points = true}).points, (std::vector<std::int32_t>{0, 1}));
 }
 
-TEST(Ply, FacesOfLessThanThreeCornersAreLeftOutWithAWarning) {
+TEST(Ply, faces_with_fewer_than_three_corners_give_a_warning) {
     const std::string faces = "element face 3\nproperty int g\nproperty list uchar int vertex_indices\n";
     const TriangleMesh mesh =
         read_bytes(ascii(three_vertices + faces, corner_rows + "7 3 0 1 2\n8 2 0 1\n9 4 0 1 2 0\n"), "a.ply",

@@ -1,4 +1,4 @@
-// Lists of impacts and of near pairs that others have written, and what is no list.
+// Tests of reading lists of impacts and of near pairs by other writers, and of errors in lists.
 
 #include <random>
 #include <sstream>
@@ -23,7 +23,7 @@ void expect_bad_rows(const std::string& bytes, const std::string& name, const st
     EXPECT_TRUE(contains(error.what(), what)) << bytes << ": " << error.what();
 }
 
-TEST(ReadFeatures, TextMayHaveCommentsAndNoFlag) {
+TEST(ReadFeatures, text_can_have_comments_and_lack_flags) {
     const Folder folder;
     const FeatureList list = read_impacts(folder.write(
         "a.txt", "# theirs\r\nvf 3 4 0.50000000000000000 0\r\n\r\n  vf\t5 6 0 # at the start\nvf 1 2 0 0"));
@@ -32,7 +32,7 @@ TEST(ReadFeatures, TextMayHaveCommentsAndNoFlag) {
     EXPECT_TRUE(read_impacts(folder.write("empty.txt", "")).rows.empty());
 }
 
-TEST(ReadFeatures, EdgesMayComeInAnyOrder) {
+TEST(ReadFeatures, edges_can_come_in_any_order) {
     const Folder folder;
     const FeatureRow row{{CandidateKind::edge_edge, {0, 0}, {1, 8, 3, 5}}, 0.5, false};
     for (const char* const text : {"ee 1 8 3 5 0.5 0", "ee 8 1 5 3 0.5", "ee 3 5 1 8 0.5", "ee 5 3 8 1 0.5"})
@@ -45,7 +45,7 @@ TEST(ReadFeatures, EdgesMayComeInAnyOrder) {
     }
 }
 
-TEST(ReadFeatures, MistakesInTextAreErrorsThatNameTheLine) {
+TEST(ReadFeatures, error_in_text_names_the_line) {
     const Folder folder;
     for (const char* const bad : {"v 1 2 0.5",
                                   "1 2 0.5",
@@ -85,7 +85,7 @@ TEST(ReadFeatures, MistakesInTextAreErrorsThatNameTheLine) {
     EXPECT_EQ(error_of([&] { read_impacts(folder / "missing.txt"); }).code, ErrorCode::file);
 }
 
-TEST(ReadFeatures, SquaredDistancesMayBeLarge) {
+TEST(ReadFeatures, squared_distances_can_be_large_or_infinite) {
     const Folder folder;
     const auto near = [&](const char* text) { return read_near(folder.write("a.txt", text)).rows; };
     EXPECT_EQ(near("vf 1 2 1e300\nvf 1 2 inf\nvf 1 2 0\n"),
@@ -94,13 +94,13 @@ TEST(ReadFeatures, SquaredDistancesMayBeLarge) {
         EXPECT_EQ(error_of([&] { near(bad); }).code, ErrorCode::format) << bad;
 }
 
-TEST(ReadFeatures, CsvMayLackItsHeaderAndItsLastColumn) {
+TEST(ReadFeatures, csv_can_lack_its_header_and_last_column) {
     const Folder folder;
     for (const char* const text : {"vf,3,4,,,,,0.5,0\n", "kind,vertex,face,a,b,c,d,toi\r\nvf, 3 ,4,,,,,0.5\r\n\r\n"})
         EXPECT_EQ(read_impacts(folder.write("a.csv", text)).rows, std::vector{face(3, 4, 0.5, false)}) << text;
 }
 
-TEST(ReadFeatures, MistakesInCsvAreErrorsThatNameTheLine) {
+TEST(ReadFeatures, error_in_csv_names_the_line) {
     for (const char* const bad :
          {"vf", "vf,1,2", "vf,1,2,,,,,", "vf,1,2,,,,,0.5,0,0", "vf,1,2,3,,,,0.5", "vf,1,,,,,,0.5", "ee,,,1,2,3,,0.5",
           "ee,1,,1,2,3,4,0.5", "xx,1,2,,,,,0.5", "kind,1,2,,,,,0.5", "vf,1,2,,,,,0.5,yes", "vf 1 2 0.5"})
@@ -108,7 +108,7 @@ TEST(ReadFeatures, MistakesInCsvAreErrorsThatNameTheLine) {
                         "line 3");
 }
 
-/// A list with one impact of each kind; `with` is put in the place of the member of its name.
+/// Returns a list with one impact of each kind, in which `value` replaces the member `name`.
 std::string json_with(const std::string& name, const std::string& value) {
     std::string text = "{\"more\": {\"edges\": [[[1]]]}";
     for (const auto& [member, usual] :
@@ -125,7 +125,7 @@ std::string json_with(const std::string& name, const std::string& value) {
     return text + "}";
 }
 
-TEST(ReadFeatures, JsonMayHoldMore) {
+TEST(ReadFeatures, json_can_hold_other_members) {
     const Folder folder;
     const FeatureRow edges{{CandidateKind::edge_edge, {0, 0}, {0, 1, 2, 3}}, 0, true};
     EXPECT_EQ(read_impacts(folder.write("a.json", json_with("", ""))).rows,
@@ -134,7 +134,7 @@ TEST(ReadFeatures, JsonMayHoldMore) {
         << "a time of 0 is one at the start";
 }
 
-TEST(ReadFeatures, MistakesInJsonAreErrors) {
+TEST(ReadFeatures, malformed_json_is_an_error) {
     const auto bad = [](const char* name, const char* value, const std::string& what) {
         expect_bad_rows(json_with(name, value), "a.json", what);
     };
@@ -158,7 +158,7 @@ TEST(ReadFeatures, MistakesInJsonAreErrors) {
     expect_bad_rows(std::string(100'000, '['), "a.json", "byte ");
 }
 
-TEST(ReadFeatures, BodiesOfArraysAreChecked) {
+TEST(ReadFeatures, bodies_of_arrays_are_checked) {
     const auto list = [](const char* bodies, const char* first_edge) {
         return std::string(
                    R"({"vertex_faces": [], "vertex_face_toi": [], "edges": [[0,1],[2,3]], "edge_edges": [[0,0]],)") +
@@ -174,7 +174,7 @@ TEST(ReadFeatures, BodiesOfArraysAreChecked) {
     expect_bad_rows(list("[[0,1],[0,1]]", "[0,1,2]"), "a.json", "is not as long");
 }
 
-/// A .npz with the list above; `array` is put in the place of that of its name.
+/// Returns a .npz with that list, in which `array` replaces the array `name`.
 std::string npz_with(const std::string& name, const std::string& array) {
     using std::endian;
     std::vector<std::pair<std::string, std::string>> files{
@@ -197,13 +197,13 @@ std::string npz_with(const std::string& name, const std::string& array) {
     return out.str();
 }
 
-TEST(ReadFeatures, NpzMayHoldNumbersOfAnyOrderAndSize) {
+TEST(ReadFeatures, npz_can_hold_numbers_of_any_order_and_size) {
     const Folder folder;
     const FeatureRow edges{{CandidateKind::edge_edge, {0, 0}, {0, 1, 2, 3}}, 0, true};
     EXPECT_EQ(read_impacts(folder.write("a.npz", npz_with("", ""))).rows, (std::vector{face(0, 1, 0.5, false), edges}));
 }
 
-TEST(ReadFeatures, MistakesInNpzAreErrors) {
+TEST(ReadFeatures, malformed_npz_is_an_error) {
     using std::endian;
     const auto bad = [](const char* name, const std::string& array, const std::string& what) {
         expect_bad_rows(npz_with(name, array), "a.npz", what);
@@ -223,7 +223,7 @@ TEST(ReadFeatures, MistakesInNpzAreErrors) {
     bad("vertex_face_toi", npy("<f8", "(2,)", packed(endian::little, 0.5, 0.5)), "is not as long");
 }
 
-/// Bytes changed, doubled, dropped or replaced by what numbers end with.
+/// Returns the bytes with a few changed, doubled, dropped, inserted or cut off.
 std::string mutated(std::string bytes, std::mt19937& random) {
     const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
     constexpr std::string_view pieces[] = {"-",          ":",           ",",     "e",  ".",    "0",   "1",
@@ -251,7 +251,7 @@ std::string mutated(std::string bytes, std::mt19937& random) {
     return bytes;
 }
 
-TEST(ReadFeatures, AnyBytesAreAListOrAnError) {
+TEST(ReadFeatures, any_bytes_are_a_list_or_an_error) {
     const auto name_of = [](const char* extension) { return std::string("list") + extension; };
     for (const auto& [extension, format] : {std::pair(".txt", PairFormat::txt),
                                             {".csv", PairFormat::csv},
@@ -286,7 +286,7 @@ TEST(ReadFeatures, AnyBytesAreAListOrAnError) {
     }
 }
 
-TEST(ReadFeatures, ExactListsAreRead) {
+TEST(ReadFeatures, exact_lists_are_read) {
     const auto data = data_folder();
     if (!data || !fs::exists(*data / "gt-motion")) GTEST_SKIP() << "no exact lists";
     const FeatureList list = read_impacts(*data / "gt-motion/motion_cloth-funnel_227_228.txt");

@@ -1,4 +1,4 @@
-// Poses from text and NumPy, configuration after configuration.
+// Tests of reading poses from text and NumPy, configuration by configuration.
 
 #include <sstream>
 
@@ -27,7 +27,7 @@ Pose counted(double first) {
     return pose;
 }
 
-TEST(ReadPoses, RowsOfTextHaveCommasOrBlanks) {
+TEST(ReadPoses, rows_of_text_have_commas_or_blanks) {
     const std::vector<Pose> expected{counted(0), counted(12)};
     const std::string a = "0,1,2,3,4,5,6,7,8,9,10,11", b = "12 13 14\t15, 16 ,17,18,19,20 21 +22 2.3e1";
     EXPECT_EQ(read_text(a + "\n" + b), expected);
@@ -39,7 +39,7 @@ TEST(ReadPoses, RowsOfTextHaveCommasOrBlanks) {
     EXPECT_EQ(read_text("0.1,1,2,3,4,5,6,7,8,9,10,11", {"a"})[0].rows[0], 0.1);
 }
 
-TEST(ReadPoses, TextThatIsNoneNamesLineRowAndBody) {
+TEST(ReadPoses, error_in_text_names_line_row_and_body) {
     const std::string row = "0,1,2,3,4,5,6,7,8,9,10,11\n";
     expect_refused_text(row + row + row + "1,2\n", "p.csv, line 4: row 3 (configuration 1, body 'arm'): a pose has 12");
     expect_refused_text(row + "0,1,2,3,4,5,6,7,8,9,10,11,12\n", "row 1 (configuration 0, body 'arm'): a pose has 12");
@@ -52,7 +52,7 @@ TEST(ReadPoses, TextThatIsNoneNamesLineRowAndBody) {
     expect_refused_text(row, "1 rows for 2 bodies: the last configuration has 1");
 }
 
-/// An array of NumPy, of numbers that count from 0.
+/// Returns an array of NumPy with the numbers 0, 1, ...
 template <class Scalar>
 std::string npy(const std::string& descr, const std::string& shape, std::size_t items, std::endian order,
                 const char* fortran = "False") {
@@ -64,7 +64,7 @@ std::string npy(const std::string& descr, const std::string& shape, std::size_t 
     return file;
 }
 
-TEST(ReadPoses, ArraysHaveAnyShapeThatEndsWithAPose) {
+TEST(ReadPoses, arrays_can_have_any_shape_that_ends_with_a_pose) {
     const auto little = std::endian::little;
     const std::vector<Pose> expected{counted(0), counted(12)};
     for (const char* const shape : {"(2, 12)", "(1, 2, 12)", "(2, 3, 4)", "(1, 2, 3, 4)"}) {
@@ -77,7 +77,7 @@ TEST(ReadPoses, ArraysHaveAnyShapeThatEndsWithAPose) {
     EXPECT_EQ(read_text(npy<double>("<f8", "(12,)", 12, little), {"a"}, "p.npy").size(), 1u);
 }
 
-TEST(ReadPoses, ArraysThatAreNoneAreRefused) {
+TEST(ReadPoses, malformed_arrays_are_refused) {
     const auto little = std::endian::little;
     const auto refused = [](const std::string& file, const std::string& what) {
         expect_refused_text(file, what, "p.npy");

@@ -1,4 +1,5 @@
-// Written and read again, a mesh has the same bits: random bit patterns of finite numbers, subnormals, the largest.
+// Checks that a mesh written and read again has the same bits: random patterns of finite numbers, subnormals, the
+// largest.
 
 #include <cmath>
 #include <limits>
@@ -40,7 +41,7 @@ class RoundTrip : public testing::Test {
 using Scalars = testing::Types<float, double>;
 TYPED_TEST_SUITE(RoundTrip, Scalars);
 
-TYPED_TEST(RoundTrip, KeepsEveryBit) {
+TYPED_TEST(RoundTrip, keeps_every_bit) {
     for (const char* const name : {"a.ply", "a.obj", "a.off"}) {
         SCOPED_TRACE(name);
         write_mesh(this->folder / name, this->mesh);
@@ -48,7 +49,7 @@ TYPED_TEST(RoundTrip, KeepsEveryBit) {
     }
 }
 
-TYPED_TEST(RoundTrip, OfTextKeepsNumbersAsFloat64) {
+TYPED_TEST(RoundTrip, text_keeps_numbers_read_as_float64) {
     for (const char* const name : {"a.obj", "a.off", "a.3mf"}) {
         SCOPED_TRACE(name);
         write_mesh(this->folder / name, this->mesh);
@@ -57,12 +58,12 @@ TYPED_TEST(RoundTrip, OfTextKeepsNumbersAsFloat64) {
     }
 }
 
-TYPED_TEST(RoundTrip, OfPlyNeedsNoPrecision) {
+TYPED_TEST(RoundTrip, ply_needs_no_precision_option) {
     write_mesh(this->folder / "a.ply", this->mesh);
     expect_same(read_mesh(this->folder / "a.ply"), this->mesh);
 }
 
-TYPED_TEST(RoundTrip, OfPlyKeepsGroups) {
+TYPED_TEST(RoundTrip, ply_keeps_groups) {
     std::mt19937 random(3);
     for (std::int64_t t = 0; t < this->mesh.triangle_count(); ++t) {
         this->mesh.groups.push_back(static_cast<std::int32_t>(random()));
@@ -71,7 +72,7 @@ TYPED_TEST(RoundTrip, OfPlyKeepsGroups) {
     expect_same(read_mesh(this->folder / "a.ply", {.group_property = "group"}), this->mesh);
 }
 
-TYPED_TEST(RoundTrip, OfAnEmptyMesh) {
+TYPED_TEST(RoundTrip, keeps_an_empty_mesh) {
     const TriangleMesh empty{std::vector<TypeParam>{}, {}, {}};
     for (const char* const name : {"a.ply", "a.off", "a.obj", "a.stl"}) {
         SCOPED_TRACE(name);
@@ -80,7 +81,7 @@ TYPED_TEST(RoundTrip, OfAnEmptyMesh) {
     }
 }
 
-TEST(RoundTripStl, KeepsEveryBitOfFloat32) {
+TEST(RoundTripStl, keeps_every_bit_of_float32) {
     const Folder folder;
     const TriangleMesh mesh = random_mesh<float>(9);
     write_mesh(folder / "a.stl", mesh);
@@ -95,7 +96,7 @@ TEST(RoundTripStl, KeepsEveryBitOfFloat32) {
     }
 }
 
-TEST(RoundTripStl, RefusesWhatOverflowsFloat32) {
+TEST(RoundTripStl, refuses_coordinates_that_overflow_float32) {
     const Folder folder;
     TriangleMesh mesh = sample_mesh();
     std::get<std::vector<double>>(mesh.vertices)[7] = 1e300;

@@ -77,7 +77,7 @@ inline std::string off() {
            "4 0 1 2 3 255 0 0\n3 4 1 0\n";
 }
 
-/// All of them hold sample_mesh(), STL with the vertices in this order, too.
+/// Returns sample_mesh() in all formats. STL has the vertices in the same order, too.
 inline std::vector<Sample> samples() {
     return {{"ascii.ply", ascii_ply()},
             {"little.ply", binary_ply(std::endian::little)},

@@ -1,6 +1,6 @@
 #pragma once
 
-// glTF scenes on their way through read_world.
+// Functions that read glTF scenes by read_world.
 
 #include <sstream>
 

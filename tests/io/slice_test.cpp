@@ -1,4 +1,4 @@
-// A file that several readers share: their blocks, one behind the other, are what one reader reads.
+// Tests of files that several readers share: their blocks, in order, give the mesh that one reader reads.
 
 #include "io/bytes/slice.h"
 
@@ -11,7 +11,7 @@
 namespace crumple::io::test {
 namespace {
 
-/// Bytes in an order of choice.
+/// Buffer that stores numbers in a given byte order.
 class Bytes {
    public:
     explicit Bytes(std::endian order) : order_(order) {}
@@ -32,15 +32,15 @@ class Bytes {
 
 constexpr std::int64_t vertex_count = 11, face_count = 7;
 
-/// What may be wrong in a file that is sound otherwise.
+/// Mistake in an otherwise sound file.
 struct Spoiled {
-    std::int64_t vertex = -1, face = -1;  ///< which row
+    std::int64_t vertex = -1, face = -1;  ///< row of the mistake; -1: none
     std::uint8_t corners = 3;
     std::int64_t index = 0;
     float x = 0;
 };
 
-/// Rows that hold more than is read, in an odd order; groups are 100, 101, ...
+/// Returns a binary PLY with more properties than are read, in an odd order; groups are 100, 101, ...
 std::string ply_bytes(std::endian order, const Spoiled& spoiled = {}) {
     Bytes bytes(order);
     bytes.text(
@@ -78,7 +78,7 @@ class Slices : public testing::Test {
         return read_slice(folder.write(name, bytes), options, reader, readers);
     }
 
-    /// The blocks of so many readers as one mesh.
+    /// Returns the blocks of `readers` readers as one mesh.
     TriangleMesh joined(const std::string& bytes, int readers, const ReadOptions& options) const {
         TriangleMesh all;
         for (int r = 0; r < readers; ++r) {
@@ -113,26 +113,26 @@ class Slices : public testing::Test {
     const Folder folder;
 };
 
-TEST_F(Slices, OfPlyAreTheWholeMesh) {
+TEST_F(Slices, of_ply_join_to_the_whole_mesh) {
     for (const std::endian order : {std::endian::little, std::endian::big})
         for (const Precision precision : {Precision::automatic, Precision::float32, Precision::float64})
             for (const char* group : {"", "group"})
                 expect_same(ply_bytes(order), {.precision = precision, .group_property = group});
 }
 
-TEST_F(Slices, OfStlAreTheWholeMesh) {
+TEST_F(Slices, of_stl_join_to_the_whole_mesh) {
     for (const Precision precision : {Precision::automatic, Precision::float64})
         expect_same(stl_bytes(30), {.precision = precision, .weld = Weld::no});
 }
 
-TEST_F(Slices, TellWhatIsToBeWelded) {
+TEST_F(Slices, state_whether_to_weld) {
     EXPECT_TRUE(slice(stl_bytes(3))->weld);
     EXPECT_FALSE(slice(stl_bytes(3), {.weld = Weld::no})->weld);
     EXPECT_FALSE(slice(ply_bytes(std::endian::little))->weld);
     EXPECT_TRUE(slice(ply_bytes(std::endian::little), {.weld = Weld::yes})->weld);
 }
 
-TEST_F(Slices, OfOtherFilesAreNone) {
+TEST_F(Slices, are_not_made_of_unsuitable_files) {
     const std::string ply = ply_bytes(std::endian::little);
     EXPECT_FALSE(slice("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
     EXPECT_FALSE(slice("ply\nformat ascii 1.0\nelement vertex 0\n"));
@@ -148,8 +148,8 @@ TEST_F(Slices, OfOtherFilesAreNone) {
     EXPECT_FALSE(read_slice(folder.path(), {}, 0, 1));
 }
 
-// Whoever reads that face sees it; the others cannot.
-TEST_F(Slices, OfPolygonsAreSeenByTheirReader) {
+// Only the reader of the block with that face can detect it.
+TEST_F(Slices, with_polygons_are_refused_by_their_reader) {
     for (const std::uint8_t corners : {std::uint8_t{2}, std::uint8_t{4}}) {
         const std::string ply = ply_bytes(std::endian::little, {.face = 6, .corners = corners});
         EXPECT_TRUE(slice(ply, {}, 0, 2));
@@ -157,7 +157,7 @@ TEST_F(Slices, OfPolygonsAreSeenByTheirReader) {
     }
 }
 
-TEST_F(Slices, FailAsTheWholeFileDoes) {
+TEST_F(Slices, fail_with_the_error_of_the_whole_file) {
     const float infinite = std::numeric_limits<float>::infinity();
     for (const std::endian order : {std::endian::little, std::endian::big}) {
         for (const Spoiled& spoiled :
@@ -177,7 +177,7 @@ TEST_F(Slices, FailAsTheWholeFileDoes) {
     EXPECT_STREQ(error.what(), error_of([&] { read_mesh(folder / "a.mesh"); }).what());
 }
 
-TEST(Blocks, AreOwnedByTheirReaders) {
+TEST(Blocks, map_rows_to_their_readers) {
     for (const std::int64_t rows : {1, 2, 7, 64, 2147483647}) {
         for (const int readers : {1, 2, 3, 64}) {
             const Blocks blocks{rows, readers};

@@ -6,7 +6,7 @@
 namespace crumple::io::test {
 namespace {
 
-TEST(Stl, IsWeldedByExactPositionUnlessToldOtherwise) {
+TEST(Stl, is_welded_by_exact_position_by_default) {
     for (const std::string& bytes : {binary_stl(), ascii_stl()}) {
         EXPECT_EQ(read_bytes(bytes, "a.stl").vertex_count(), 5);
         const TriangleMesh soup = read_bytes(bytes, "a.stl", {.weld = Weld::no});
@@ -15,26 +15,26 @@ TEST(Stl, IsWeldedByExactPositionUnlessToldOtherwise) {
     }
 }
 
-TEST(Stl, BinaryWhoseHeaderSaysSolidIsBinary) {
+TEST(Stl, binary_file_can_begin_with_solid) {
     const std::string bytes = binary_stl();
     ASSERT_EQ(bytes.substr(0, 5), "solid");
     EXPECT_EQ(read_bytes(bytes, "a.stl").precision(), ScalarType::float32);
 }
 
-TEST(Stl, SeveralSolidsAreOneMesh) { EXPECT_EQ(read_bytes(ascii_stl(), "a.stl").triangle_count(), 3); }
+TEST(Stl, several_solids_are_one_mesh) { EXPECT_EQ(read_bytes(ascii_stl(), "a.stl").triangle_count(), 3); }
 
-TEST(Stl, KeywordsAreOfAnyCase) {
+TEST(Stl, keywords_can_have_any_case) {
     std::string upper = ascii_stl();
     for (char& c : upper) c = static_cast<char>(std::toupper(c));
     expect_same(read_bytes(upper, "a.stl"), read_bytes(ascii_stl(), "a.stl"));
 }
 
-TEST(Stl, AnEmptySolidHasNoTriangles) {
+TEST(Stl, empty_solid_has_no_triangles) {
     EXPECT_EQ(read_bytes("solid nothing at all\nendsolid nothing at all\n", "a.stl").triangle_count(), 0);
     EXPECT_EQ(read_bytes(std::string(84, '\0'), "a.stl").triangle_count(), 0);
 }
 
-TEST(Stl, BytesAfterTheTrianglesAreSkippedWithAWarning) {
+TEST(Stl, bytes_after_the_triangles_are_skipped_with_a_warning) {
     for (std::string bytes : {binary_stl() + "x", binary_stl() + std::string(1000, '\0')}) {
         for (const char* const title : {"solid", "other"}) {
             bytes.replace(0, 5, title);
@@ -49,7 +49,7 @@ TEST(Stl, BytesAfterTheTrianglesAreSkippedWithAWarning) {
     }
 }
 
-TEST(Stl, AFileThatIsShorterThanItsTrianglesIsAnError) {
+TEST(Stl, file_shorter_than_its_triangles_is_an_error) {
     std::string bytes = binary_stl().substr(0, 200);
     expect_bad(bytes, "a.stl", Element::byte, 80, "too short for the triangles announced here");
     bytes.replace(0, 5, "other");
@@ -57,20 +57,20 @@ TEST(Stl, AFileThatIsShorterThanItsTrianglesIsAnError) {
     expect_bad(std::string(20, '\0'), "a.stl", Element::byte, 20, "too short");
 }
 
-TEST(Stl, BinaryCoordinatesThatAreNotFiniteNameTheByte) {
+TEST(Stl, error_of_a_nonfinite_coordinate_names_the_byte) {
     std::string bytes = binary_stl();
     bytes.replace(84 + 50 + 12 + 8, 4, packed(std::endian::little, std::nanf("")));
     expect_bad(bytes, "a.stl", Element::byte, 84 + 50 + 12 + 8, "not finite");
 }
 
-TEST(Stl, NormalsAndAttributesMayHoldAnything) {
+TEST(Stl, normals_and_attributes_can_hold_anything) {
     std::string bytes = binary_stl();
     bytes.replace(84, 4, packed(std::endian::little, std::nanf("")));
     bytes.replace(84 + 48, 2, "ab");
     expect_same(read_bytes(bytes, "a.stl"), read_bytes(binary_stl(), "a.stl"));
 }
 
-TEST(Stl, AMissingEndOfASolidIsToldAsAWarning) {
+TEST(Stl, missing_end_of_a_solid_gives_a_warning) {
     const std::string whole = ascii_stl(), cut = whole.substr(0, whole.rfind("endsolid"));
     const TriangleMesh mesh = read_bytes(cut, "a.stl");
     EXPECT_EQ(coordinates(mesh), coordinates(read_bytes(whole, "a.stl")));
@@ -80,7 +80,7 @@ TEST(Stl, AMissingEndOfASolidIsToldAsAWarning) {
                {.strict = true});
 }
 
-TEST(Stl, KeywordsMayHaveABlankAndWordsAfterThem) {
+TEST(Stl, keywords_can_hold_a_blank_and_precede_words) {
     const std::string text =
         "solid c\ncolor 0.1 0.2 0.3\nfacet normal 0 0 1 # up\n outer loop 1\n  vertex 0 0 0 red\n  vertex 1 0 0\n"
         "  color 1 0 0\n  vertex 0 1 0\n END LOOP of it\nend facet\nend solid c\nfurther\n";
@@ -90,7 +90,7 @@ TEST(Stl, KeywordsMayHaveABlankAndWordsAfterThem) {
     expect_bad(text, "a.stl", Element::line, 12, "'further' instead of solid");
 }
 
-TEST(Stl, AsciiMistakesAreErrorsThatNameTheLine) {
+TEST(Stl, error_in_ascii_names_the_line) {
     const std::string facet =
         "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\n";
     const auto bad = [](const std::string& text, std::int64_t line, const char* what) {

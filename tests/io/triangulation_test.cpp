@@ -1,5 +1,5 @@
-// Polygons become triangles: convex ones as a fan, concave ones without overlaps, those that cross themselves as a fan
-// with a warning.
+// Tests of cutting polygons into triangles: a fan for convex polygons, no overlaps for concave ones, and a fan with a
+// warning for polygons that cross themselves.
 
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@ using Point = std::array<double, 2>;
 using Outline = std::vector<Point>;
 using Indices = std::vector<std::int32_t>;
 
-/// A text in which a polygon names the vertices of an outline once around, or as `corners` say.
+/// Returns an OBJ text with one polygon over the vertices of an outline, in their order or in that of `corners`.
 std::string obj_of(const Outline& outline, Indices corners = {}, const std::array<int, 3>& axes = {0, 1, 2},
                    double scale = 1) {
     std::ostringstream text;
@@ -50,7 +50,7 @@ Vec3d vertex(const TriangleMesh& mesh, std::size_t corner) {
     return {xyz[v], xyz[v + 1], xyz[v + 2]};
 }
 
-/// n - 2 triangles of one orientation that meet in edges and vertices only, with the polygon's edges as their border.
+/// Expects n - 2 triangles of one orientation that meet in edges and vertices only, with the polygon's edges as border.
 void expect_cut(const TriangleMesh& mesh, const Indices& corners, int axis, bool degenerate = false) {
     EXPECT_TRUE(mesh.warnings.empty()) << mesh.warnings[0];
     ASSERT_EQ(mesh.triangle_count(), static_cast<std::int64_t>(corners.size()) - 2);
@@ -73,7 +73,7 @@ void expect_cut(const TriangleMesh& mesh, const Indices& corners, int axis, bool
     EXPECT_TRUE(detector.find(mesh.view(), {.weld = true}).pairs.empty());
 }
 
-/// Every start, both ways round, along every axis.
+/// Calls expect_cut() for every first corner, both directions, and planes normal to every axis.
 void expect_cut_however_it_lies(const Outline& outline, const Indices& given = {}, bool degenerate = false) {
     Indices corners = given;
     for (std::size_t i = 0; given.empty() && i < outline.size(); ++i) corners.push_back(static_cast<std::int32_t>(i));
@@ -98,7 +98,7 @@ void expect_cut_however_it_lies(const Outline& outline, const Indices& given = {
 const Outline chevron{{0, 0}, {4, -2}, {1, 0}, {4, 2}};
 const Outline l_shape{{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}};
 
-TEST(Triangulation, AConvexPolygonIsFannedFromItsFirstCorner) {
+TEST(Triangulation, convex_polygon_is_fanned_from_its_first_corner) {
     for (const int n : {4, 5, 17}) {
         Outline outline;
         for (int i = 0; i < n; ++i) {
@@ -112,26 +112,26 @@ TEST(Triangulation, AConvexPolygonIsFannedFromItsFirstCorner) {
     }
 }
 
-TEST(Triangulation, AConcavePolygonIsCutWithoutOverlaps) {
+TEST(Triangulation, concave_polygon_is_cut_without_overlaps) {
     expect_cut_however_it_lies(chevron);
     expect_cut_however_it_lies(l_shape);
     expect_cut_however_it_lies(
         {{0, 0}, {5, 0}, {5, 3}, {4, 3}, {4, 1}, {3, 1}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}});
 }
 
-TEST(Triangulation, AFanWouldHaveOverlapped) {
+TEST(Triangulation, fan_of_a_concave_polygon_overlaps) {
     const TriangleMesh fan = read(obj_of({chevron[1], chevron[2], chevron[3], chevron[0]}), Triangulation::fan);
     Detector detector({.threads = 1});
     EXPECT_EQ(detector.find(fan.view()).pairs.size(), 1u);
 }
 
-TEST(Triangulation, CornersOnAStraightEdgeMakeNoDegenerateTriangle) {
+TEST(Triangulation, corners_on_a_straight_edge_give_no_degenerate_triangle) {
     expect_cut_however_it_lies({{0, 0}, {1, 0}, {2, 0}, {2, 2}, {0, 2}});
     expect_cut_however_it_lies({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}});
     expect_cut_however_it_lies({{0, 0}, {1, 0}, {2, 0}, {1, 1}});
 }
 
-TEST(Triangulation, ASlitJoinsAHoleToTheOutline) {
+TEST(Triangulation, slit_can_join_a_hole_to_the_outline) {
     const Outline outline{{0, 0}, {4, 0}, {4, 4}, {0, 4}, {1, 1}, {1, 3}, {3, 3}, {3, 1}};
     expect_cut_however_it_lies(outline, {0, 4, 5, 6, 7, 4, 0, 1, 2, 3});
     const Outline two_holes{{0, 0}, {9, 0}, {9, 4}, {0, 4}, {1, 1}, {1, 3},
@@ -139,22 +139,22 @@ TEST(Triangulation, ASlitJoinsAHoleToTheOutline) {
     expect_cut_however_it_lies(two_holes, {0, 4, 5, 6, 7, 8, 9, 10, 11, 8, 7, 4, 0, 1, 2, 3});
 }
 
-TEST(Triangulation, ACornerMayTouchTheOutlineElsewhere) {
+TEST(Triangulation, corner_can_touch_the_outline_elsewhere) {
     expect_cut_however_it_lies({{0, 0}, {4, 0}, {4, 4}, {2, 1}, {0, 4}, {0, 2}, {0, 1}}, {0, 1, 2, 3, 4, 5, 3, 6},
                                true);
 }
 
-TEST(Triangulation, SpikesAreTrianglesWithoutAnArea) {
+TEST(Triangulation, spikes_become_triangles_without_area) {
     expect_cut_however_it_lies({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 2}, {2, 2}}, {0, 1, 2, 3, 4, 5, 4}, true);
     expect_cut_however_it_lies({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {-3, 2}, {0, 2}}, {0, 1, 2, 3, 5, 4, 5}, true);
 }
 
-TEST(Triangulation, APolygonWithoutAnAreaIsFanned) {
+TEST(Triangulation, polygon_without_area_is_fanned) {
     EXPECT_EQ(read(obj_of({{0, 0}, {1, 1}, {3, 3}, {2, 2}})).triangles, (Indices{0, 1, 2, 0, 2, 3}));
     EXPECT_EQ(read(obj_of({{1, 1}, {1, 1}, {1, 1}, {1, 1}})).triangles, (Indices{0, 1, 2, 0, 2, 3}));
 }
 
-TEST(Triangulation, APolygonThatCrossesItselfIsFannedWithAWarning) {
+TEST(Triangulation, self_crossing_polygon_is_fanned_with_a_warning) {
     const Outline bow_tie{{0, 0}, {1, 1}, {1, 0}, {0, 1}};
     const Outline pentagram{{0, 3}, {2, -3}, {-3, 1}, {3, 1}, {-2, -3}};
     for (const Outline& outline : {bow_tie, pentagram}) {
@@ -173,7 +173,7 @@ TEST(Triangulation, APolygonThatCrossesItselfIsFannedWithAWarning) {
     EXPECT_NE(read(twice).warnings.at(0).find("and 2 more like that"), std::string::npos) << read(twice).warnings[0];
 }
 
-TEST(Triangulation, AnOutlineThatCoversAnAreaTwiceCrossesItself) {
+TEST(Triangulation, outline_that_covers_an_area_twice_crosses_itself) {
     const Outline square_and_hole{{0, 0}, {10, 0}, {10, 10}, {0, 10}, {3, 3}, {3, 6}, {6, 6}, {6, 3}};
     const auto warns = [](const Outline& outline, const Indices& corners) {
         const TriangleMesh mesh = read(obj_of(outline, corners));
@@ -187,7 +187,7 @@ TEST(Triangulation, AnOutlineThatCoversAnAreaTwiceCrossesItself) {
     warns({{0, 0}, {1, 2}, {1, 1}, {0, 2}, {2, 2}}, {0, 1, 2, 2, 0, 3, 4});
 }
 
-TEST(Triangulation, ACornerMayBeFarFromAllOthers) {
+TEST(Triangulation, corner_can_be_far_from_all_others) {
     const Outline notched{{1e30, 1e30}, {-1, 5}, {0, 0}, {1, 1.5}, {1.5, 0}, {5, -1}};
     expect_cut_however_it_lies(notched);
     Outline beyond_expansions = notched;
@@ -195,7 +195,7 @@ TEST(Triangulation, ACornerMayBeFarFromAllOthers) {
     expect_cut_however_it_lies(beyond_expansions);
 }
 
-TEST(Triangulation, IsExactInEveryMagnitude) {
+TEST(Triangulation, is_exact_at_every_magnitude) {
     const Outline sliver{{0, 0}, {4, 0}, {2, 0x1p-50}, {2, 0x1p-51}};  // concave by one unit in the last place or so
     for (const double scale : {1.0, 0x1p-900, 0x1p900, 0x1p1020, 0x1p-1020}) {
         SCOPED_TRACE(scale);
@@ -204,7 +204,7 @@ TEST(Triangulation, IsExactInEveryMagnitude) {
     }
 }
 
-/// A star-shaped outline, made concave and no longer star-shaped by moving corners as long as nothing crosses.
+/// Returns a star-shaped outline, made concave and no longer star-shaped by moving corners where nothing crosses.
 Outline random_outline(std::mt19937& random, std::size_t corners) {
     Outline outline;
     std::uniform_real_distribution<double> radius(0.1, 1), step(-1, 1);
@@ -221,7 +221,7 @@ Outline random_outline(std::mt19937& random, std::size_t corners) {
     return outline;
 }
 
-TEST(Triangulation, OfRandomOutlines) {
+TEST(Triangulation, random_outlines_are_cut_without_overlaps) {
     std::mt19937 random(5);
     for (std::size_t round = 0; round < 60; ++round) {
         const Outline outline = random_outline(random, 4 + round % 12);
@@ -232,7 +232,7 @@ TEST(Triangulation, OfRandomOutlines) {
     }
 }
 
-TEST(Triangulation, OfALongComb) {
+TEST(Triangulation, long_comb_is_cut_without_overlaps) {
     constexpr int teeth = sanitized ? 5'000 : 20'000;
     Outline comb{{0, -1}};
     Indices corners{0};
@@ -246,7 +246,7 @@ TEST(Triangulation, OfALongComb) {
     expect_cut(read(obj_of(comb, corners)), corners, 2);
 }
 
-TEST(Triangulation, EveryFormatWithPolygonsHasIt) {
+TEST(Triangulation, polygons_of_ply_and_off_are_cut_as_well) {
     const std::string vertices = "0 0 0\n4 -2 0\n1 0 0\n4 2 0\n";
     const std::string header =
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\n"
@@ -259,7 +259,7 @@ TEST(Triangulation, EveryFormatWithPolygonsHasIt) {
     }
 }
 
-TEST(Polygons, NameTheFaceOfEachTriangle) {
+TEST(Polygons, name_the_face_of_each_triangle) {
     const TriangleMesh mesh =
         read("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 0.5 0\nf 1 2 3\nf 1 2 3 4\nf 2 3 4\nf 1 2 3 4 5\n");
     EXPECT_EQ(mesh.polygons.of_triangle, (Indices{0, 1, 1, 2, 3, 3, 3}));
@@ -268,14 +268,14 @@ TEST(Polygons, NameTheFaceOfEachTriangle) {
     EXPECT_EQ(mesh.polygons.count(), 4);
 }
 
-TEST(Polygons, AreAbsentWhereAllFacesAreTriangles) {
+TEST(Polygons, are_absent_where_all_faces_are_triangles) {
     const TriangleMesh mesh = read("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nf 3 2 1\n");
     EXPECT_TRUE(mesh.polygons.empty());
     EXPECT_EQ(mesh.polygons.count(), 0);
     EXPECT_TRUE(mesh.polygons.offsets.empty() && mesh.polygons.corners.empty());
 }
 
-TEST(Polygons, KeepToVerticesThatAreWelded) {
+TEST(Polygons, name_the_welded_vertices) {
     const std::string text = "v 9 9 9\nv 9 9 9\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 3 4 5 6\n";
     const TriangleMesh mesh = read_bytes(text, "a.obj", {.weld = Weld::yes});
     EXPECT_EQ(mesh.polygons.corners, (Indices{1, 2, 3, 4}));

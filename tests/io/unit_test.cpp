@@ -1,4 +1,4 @@
-// Units of files: what is read, kept, written and converted.
+// Tests of units of files: reading, preserving, writing and converting them.
 
 #include <cmath>
 
@@ -17,7 +17,7 @@ TriangleMesh corner(Unit unit, double size = 1) {
     return mesh;
 }
 
-TEST(Unit, ThreeMfSaysItAndGltfIsInMetres) {
+TEST(Unit, is_stated_by_3mf_and_metres_for_gltf) {
     const Folder folder;
     const auto read = [&](const std::string& attributes) {
         const std::string model =
@@ -40,7 +40,7 @@ TEST(Unit, ThreeMfSaysItAndGltfIsInMetres) {
     EXPECT_EQ(read_bytes("OFF\n0 0 0\n", "a.off").unit, Unit::unknown);
 }
 
-TEST(Unit, IsKeptByThreeMfAndByGltf) {
+TEST(Unit, is_preserved_by_3mf_and_gltf) {
     const Folder folder;
     for (const Unit unit : units) {
         SCOPED_TRACE(name_of(unit));
@@ -70,7 +70,7 @@ TEST(Unit, IsKeptByThreeMfAndByGltf) {
     EXPECT_EQ(coordinates(read_mesh(folder / "none.glb"))[3], 1);
 }
 
-TEST(Unit, IsConvertedByOneRounding) {
+TEST(Unit, conversion_rounds_once) {
     const double exact[] = {1e-6, 1e-3, 1e-2, 0.0254, 0.3048, 1};  // metres, each the nearest float64
     for (std::size_t i = 0; i < std::size(units); ++i) {
         TriangleMesh mesh = corner(units[i]);
@@ -78,7 +78,7 @@ TEST(Unit, IsConvertedByOneRounding) {
         EXPECT_EQ(coordinates(mesh)[3], exact[i]) << name_of(units[i]);
         EXPECT_EQ(mesh.unit, Unit::metre);
     }
-    // 127/5 of a number, as rational arithmetic on its bits rounds it.
+    // Compares with 127/5 of a number in integer arithmetic.
     std::uint64_t random = 1;
     for (int i = 0; i < 10'000; ++i) {
         random = random * 6364136223846793005u + 1442695040888963407u;
@@ -95,14 +95,14 @@ TEST(Unit, IsConvertedByOneRounding) {
     }
 }
 
-TEST(Unit, OfFloat32IsRoundedToFloat32) {
+TEST(Unit, conversion_of_float32_rounds_to_float32) {
     TriangleMesh mesh{std::vector<float>{0, 0, 0, 0.1f, 0, 0, 0, 1, 0}, {0, 1, 2}};
     mesh.unit = Unit::inch;
     convert_unit(mesh, Unit::millimetre);
     EXPECT_EQ(std::get<0>(mesh.vertices)[3], static_cast<float>(double{0.1f} * 127 / 5));
 }
 
-TEST(Unit, OfAWorldScalesShapesAndTranslations) {
+TEST(Unit, conversion_of_a_world_scales_shapes_and_translations) {
     WorldMesh world;
     world.shapes = {corner(Unit::inch)};
     world.bodies = {{"a"}, {"b", 0, {{0, -1, 0, 10, 1, 0, 0, 20, 0, 0, 1, 30}}}};
@@ -118,7 +118,7 @@ TEST(Unit, OfAWorldScalesShapesAndTranslations) {
     EXPECT_EQ(coordinates(posed_mesh(world)), coordinates(converted));
 }
 
-TEST(Unit, IsStatedWithoutAChangeOfCoordinates) {
+TEST(Unit, can_be_stated_without_changing_coordinates) {
     const Folder folder;
     const fs::path path = folder.write("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     const TriangleMesh stated = read_mesh(path, {.unit = Unit::inch});
@@ -127,7 +127,7 @@ TEST(Unit, IsStatedWithoutAChangeOfCoordinates) {
     EXPECT_EQ(read_world(path, {.unit = Unit::inch}).shapes[0].unit, Unit::inch);
 }
 
-TEST(Unit, MistakesLeaveTheMeshAsItWas) {
+TEST(Unit, failed_conversion_changes_nothing) {
     TriangleMesh large = corner(Unit::metre, 1e307);
     const Error error = error_of([&] { convert_unit(large, Unit::micrometre); });
     EXPECT_EQ(error.code, ErrorCode::invalid_argument);
@@ -151,7 +151,7 @@ TEST(Unit, MistakesLeaveTheMeshAsItWas) {
                          "the meshes are in different units, in and m"));
 }
 
-TEST(Unit, HasNames) {
+TEST(Unit, has_names) {
     for (const Unit unit : units) EXPECT_EQ(unit_named(name_of(unit)), unit);
     EXPECT_EQ(unit_named("millimeter"), Unit::millimetre);
     EXPECT_EQ(unit_named("metre"), Unit::metre);

@@ -1,4 +1,4 @@
-// Worlds that own their arrays: from files of one mesh, as views for a detector, as one mesh.
+// Tests of worlds that own their arrays: from files of one mesh, as views for a detector, as one mesh.
 
 #include <cmath>
 
@@ -11,7 +11,7 @@ namespace {
 
 WorldMesh robot() { return read_scene(crumple::test::robot_scene()); }
 
-TEST(WorldMesh, AnyMeshFileIsAWorldOfOneBody) {
+TEST(WorldMesh, mesh_file_is_a_world_of_one_body) {
     const Folder folder;
     for (const Sample& sample : samples()) {
         const fs::path path = folder.write(sample.name, sample.bytes);
@@ -26,22 +26,22 @@ TEST(WorldMesh, AnyMeshFileIsAWorldOfOneBody) {
                 read_mesh(folder / "little.ply", {.group_property = "part"}));
 }
 
-TEST(WorldMesh, ItsViewIsWhatADetectorTakes) {
+TEST(WorldMesh, view_can_be_passed_to_a_detector) {
     const WorldMesh world = robot();
     const WorldView view = world.view(), named = world.view(7);
     EXPECT_EQ(view.shapes[0].name, 0u);
     EXPECT_EQ(named.shapes[0].name, 7u);
     Detector detector;
-    IntersectionQuery question;
-    question.output = Output::body_pairs;
-    question.filter.bodies = PairScope::between;
+    IntersectionQuery query;
+    query.output = Output::body_pairs;
+    query.filter.bodies = PairScope::between;
     for (const WorldView* const v : {&view, &named, &named}) {
-        const Array<BodyPair>& found = detector.find(v->world(), question).bodies;
+        const Array<BodyPair>& found = detector.find(v->world(), query).bodies;
         EXPECT_EQ(std::vector<BodyPair>(found.begin(), found.end()), (std::vector<BodyPair>{{0, 1}, {1, 2}}));
     }
 }
 
-TEST(WorldMesh, PosedMeshHasEveryVertexWhereTheDetectorHasIt) {
+TEST(WorldMesh, posed_mesh_has_the_vertices_of_the_detector) {
     WorldMesh world = robot();
     // Coordinates that float32 must round.
     world.bodies[2].pose.rows = {0.1, 0.7, 0.3, 1.2, 0.9, 0.1, 0.2, 0.1, 0.3, 0.2, 0.8, 0.125};
@@ -68,13 +68,13 @@ TEST(WorldMesh, PosedMeshHasEveryVertexWhereTheDetectorHasIt) {
 }
 
 const Intersections& find_indexed(Detector& detector, const WorldMesh& world) {
-    IntersectionQuery question;
-    question.filter.bodies = PairScope::between;
-    question.index = true;
-    return detector.find(world.view().world(), question);
+    IntersectionQuery query;
+    query.filter.bodies = PairScope::between;
+    query.index = true;
+    return detector.find(world.view().world(), query);
 }
 
-TEST(ColouredWorld, GlbKeepsBodiesAndTheShapeThatTheyShare) {
+TEST(ColouredWorld, glb_keeps_bodies_and_shared_shapes) {
     WorldMesh world = robot();
     world.bodies[3].name = "\xff";
     world.bodies.push_back({"also far", 0, {{0.1, 0.7, 0.3, 99, 0.9, 0.1, 0.2, 99, 0.3, 0.2, 0.8, 99}}});
@@ -98,7 +98,7 @@ TEST(ColouredWorld, GlbKeepsBodiesAndTheShapeThatTheyShare) {
     EXPECT_NE(again.bodies[3].shape, again.bodies[1].shape);
 }
 
-TEST(ColouredWorld, OfFloat64FarFromItsOriginKeepsWhatFloat32Can) {
+TEST(ColouredWorld, float64_far_from_the_origin_loses_little_in_glb) {
     WorldMesh world;
     world.shapes.push_back({std::vector<double>{1e6, 0, 0, 1e6 + 0.1, 0, 0, 1e6, 0.1, 0}, {0, 1, 2}});
     world.bodies.push_back({"a", 0, {{0, 1, 0, 0, -1, 0, 0, 1e6, 0, 0, 1, 0}}});
@@ -111,7 +111,7 @@ TEST(ColouredWorld, OfFloat64FarFromItsOriginKeepsWhatFloat32Can) {
     for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], expected[i], 1e-8);
 }
 
-TEST(ColouredWorld, OtherFormatsHoldThePosedMesh) {
+TEST(ColouredWorld, other_formats_hold_the_posed_mesh) {
     const WorldMesh world = robot();
     Detector detector;
     const Intersections& found = find_indexed(detector, world);
@@ -122,7 +122,7 @@ TEST(ColouredWorld, OtherFormatsHoldThePosedMesh) {
     EXPECT_EQ(error_of([&] { write_coloured(folder / "c.stl", world, found); }).code, ErrorCode::invalid_argument);
 }
 
-TEST(ColouredWorld, CollisionsOfAnotherWorldAreRefused) {
+TEST(ColouredWorld, collisions_of_another_world_are_refused) {
     WorldMesh world = robot();
     Detector detector;
     const Intersections& found = find_indexed(detector, world);

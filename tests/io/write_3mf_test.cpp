@@ -1,4 +1,4 @@
-// 3MF as it is written, read back.
+// Tests of writing 3MF, by reading it back.
 
 #include "3mf_file.h"
 
@@ -11,7 +11,7 @@
 namespace crumple::io::test {
 namespace {
 
-/// The text of the model part.
+/// Returns the text of the model part.
 std::string model_text(const fs::path& path) {
     const Source source(path);
     ZipReader archive(source, "3MF");
@@ -29,7 +29,7 @@ std::size_t count_of(const std::string& part, const std::string& text) {
     return count;
 }
 
-/// Three bodies, two of one shape; one of the two hits the third.
+/// Returns three bodies, two of one shape; one of the two hits the third.
 WorldMesh three_bodies() {
     WorldMesh world;
     world.shapes = {{std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1.1, 1e-300}, {0, 1, 2}},
@@ -40,7 +40,7 @@ WorldMesh three_bodies() {
     return world;
 }
 
-TEST(WriteThreeMf, AMeshKeepsEveryBit) {
+TEST(WriteThreeMf, mesh_keeps_every_bit) {
     const Folder folder;
     const TriangleMesh doubles{std::vector<double>{0.1, -0.0, 1e308, 5e-324, 1.0 / 3, -7, 1e22, 2, 123456789.125},
                                {0, 1, 2, 2, 1, 1}};
@@ -57,7 +57,7 @@ TEST(WriteThreeMf, AMeshKeepsEveryBit) {
     EXPECT_EQ(first.str(), second.str());
 }
 
-TEST(WriteThreeMf, AWorldKeepsBodiesAndSharedShapes) {
+TEST(WriteThreeMf, world_keeps_bodies_and_shared_shapes) {
     const Folder folder;
     const WorldMesh world = three_bodies();
     write_world(folder / "a.3mf", world);
@@ -80,7 +80,7 @@ TEST(WriteThreeMf, AWorldKeepsBodiesAndSharedShapes) {
     EXPECT_FALSE(fs::exists(folder / "a.ply"));
 }
 
-TEST(WriteThreeMf, CollidingTrianglesHaveTheirColour) {
+TEST(WriteThreeMf, colliding_triangles_are_coloured) {
     const Folder folder;
     Detector detector;
     const TriangleMesh crossing{
@@ -95,7 +95,7 @@ TEST(WriteThreeMf, CollidingTrianglesHaveTheirColour) {
     EXPECT_EQ(count_of("p1=\"1\"", text), 2u);
 }
 
-TEST(WriteThreeMf, AColouredWorldSharesWhatIsFree) {
+TEST(WriteThreeMf, coloured_world_shares_shapes_of_free_bodies) {
     const Folder folder;
     WorldMesh world = three_bodies();
     world.bodies.push_back({"far", 0, {{1, 0, 0, 100, 0, 1, 0, 100, 0, 0, 1, 100}}});
@@ -112,7 +112,7 @@ TEST(WriteThreeMf, AColouredWorldSharesWhatIsFree) {
     EXPECT_EQ(count_of("p1=\"1\"", model_text(folder / "a.3mf")), 2u);
 }
 
-TEST(WriteThreeMf, NothingAtAllCanBeWritten) {
+TEST(WriteThreeMf, empty_world_and_mesh_can_be_written) {
     const Folder folder;
     write_world(folder / "a.3mf", {});
     EXPECT_EQ(read_world(folder / "a.3mf").bodies.size(), 0u);

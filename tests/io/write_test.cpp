@@ -1,4 +1,4 @@
-// Files appear whole or not at all.
+// Tests of writing files: they appear whole or not at all.
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -19,7 +19,7 @@ std::size_t files_in(const fs::path& folder) {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
-TEST(Write, WhatCannotBeWrittenIsAnErrorThatNamesThePath) {
+TEST(Write, error_names_the_path) {
     const Folder folder;
     fs::create_directory(folder / "folder.ply");
     const Intersections none;
@@ -40,7 +40,7 @@ TEST(Write, WhatCannotBeWrittenIsAnErrorThatNamesThePath) {
     EXPECT_EQ(files_in(folder.path()), 1u) << "no half file stays";
 }
 
-TEST(Write, AFullDiskLeavesTheOldFile) {
+TEST(Write, full_disk_keeps_the_old_file) {
     // A limit on the size of files stands for the full disk.
     const Folder folder;
     const fs::path path = folder.write("a.ply", "old");
@@ -66,7 +66,7 @@ TEST(Write, AFullDiskLeavesTheOldFile) {
     EXPECT_EQ(files_in(folder.path()), 1u);
 }
 
-TEST(Write, AnExistingFileIsReplacedAndKeepsItsPermissions) {
+TEST(Write, existing_file_is_replaced_and_keeps_its_permissions) {
     const Folder folder;
     const fs::path path = folder.write("a.ply", "old");
     fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
@@ -76,7 +76,7 @@ TEST(Write, AnExistingFileIsReplacedAndKeepsItsPermissions) {
     EXPECT_EQ(files_in(folder.path()), 1u);
 }
 
-TEST(Write, ALinkStaysALink) {
+TEST(Write, link_stays_a_link) {
     const Folder folder;
     folder.write("target.ply", "old");
     fs::create_symlink("target.ply", folder / "link.ply");
@@ -85,7 +85,7 @@ TEST(Write, ALinkStaysALink) {
     expect_same(read_mesh(folder / "target.ply"), sample_mesh());
 }
 
-TEST(Write, AFileThatMustNotBeWrittenStays) {
+TEST(Write, read_only_file_is_not_replaced) {
     const Folder folder;
     const fs::path path = folder.write("a.ply", "old");
     fs::permissions(path, fs::perms::owner_read);
@@ -111,7 +111,7 @@ TEST(Write, AFileThatMustNotBeWrittenStays) {
     EXPECT_EQ(files_in(folder.path()), 1u);
 }
 
-TEST(Write, ALinkMayPointToNothingYetButNotToItself) {
+TEST(Write, link_can_point_to_nothing_but_not_to_itself) {
     const Folder folder;
     fs::create_directory(folder / "sub");
     fs::create_symlink("sub/target.ply", folder / "link.ply");
@@ -125,7 +125,7 @@ TEST(Write, ALinkMayPointToNothingYetButNotToItself) {
     EXPECT_NE(std::string(error.what()).find("loop.ply"), std::string::npos) << error.what();
 }
 
-TEST(Write, ErrorsNameTheFolderThatIsTheCause) {
+TEST(Write, error_names_the_folder_that_is_the_cause) {
     const Folder folder;
     folder.write("file", "x");
     const auto error = [&](const char* name) { return error_of([&] { write_mesh(folder / name, sample_mesh()); }); };
@@ -137,7 +137,7 @@ TEST(Write, ErrorsNameTheFolderThatIsTheCause) {
     EXPECT_NE(std::string(error("file/a.ply").what()).find("file is no folder"), std::string::npos);
 }
 
-TEST(Write, NothingUnfinishedOutlivesTheProcess) {
+TEST(Write, unfinished_files_do_not_outlive_the_process) {
     const Folder folder;
     const auto begin = [&] {
         static AtomicFile* const file = new AtomicFile(folder / "a.txt");  // as in a thread that is still at it
@@ -162,7 +162,7 @@ TEST(Write, NothingUnfinishedOutlivesTheProcess) {
     EXPECT_EQ(files_in(folder.path()), 0u);
 }
 
-TEST(Write, AnUnfinishedFileThatIsGoneIsAnError) {
+TEST(Write, missing_unfinished_file_is_an_error_on_commit) {
     const Folder folder;
     folder.write("a.txt", "old");
     AtomicFile file(folder / "a.txt"), other(folder / "b.txt");
@@ -172,7 +172,7 @@ TEST(Write, AnUnfinishedFileThatIsGoneIsAnError) {
     EXPECT_EQ(bytes_of(folder / "a.txt"), "old");
 }
 
-TEST(Write, ToAStreamIsAsToAFile) {
+TEST(Write, stream_gets_the_bytes_of_a_file) {
     const Folder folder;
     for (const auto& [name, format] : {std::pair("a.ply", MeshFormat::ply),
                                        {"a.obj", MeshFormat::obj},
@@ -191,7 +191,7 @@ TEST(Write, ToAStreamIsAsToAFile) {
     EXPECT_EQ(error_of([&] { write_mesh(out, sample_mesh(), MeshFormat::ply); }).code, ErrorCode::file);
 }
 
-TEST(Write, ADeviceIsWrittenAndNotReplaced) {
+TEST(Write, device_is_written_and_not_replaced) {
     Intersections collisions;
     collisions.pairs.push_back({1, 2});
     write_pairs("/dev/null", collisions, PairFormat::txt);
@@ -201,7 +201,7 @@ TEST(Write, ADeviceIsWrittenAndNotReplaced) {
     EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
-TEST(Write, ANameInTheWorkingFolderNeedsNoFolder) {
+TEST(Write, name_without_a_folder_is_in_the_working_folder) {
     const Folder folder;
     const fs::path before = fs::current_path();
     fs::current_path(folder.path());
@@ -210,7 +210,7 @@ TEST(Write, ANameInTheWorkingFolderNeedsNoFolder) {
     expect_same(read_mesh(folder / "a.OBJ"), sample_mesh());
 }
 
-TEST(Write, MeshesThatMakeNoSenseAreRefused) {
+TEST(Write, invalid_meshes_are_refused) {
     const Folder folder;
     const auto expect_error = [&](ErrorCode code, Element element, std::int64_t index, auto&& change) {
         TriangleMesh mesh = sample_mesh();
@@ -231,7 +231,7 @@ TEST(Write, MeshesThatMakeNoSenseAreRefused) {
     EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
-TEST(Write, StlHoldsUnitNormalsAndZeroForDegenerateTriangles) {
+TEST(Write, stl_holds_unit_normals_and_zero_for_degenerate_triangles) {
     const Folder folder;
     write_mesh(folder / "a.stl", {std::vector<float>{0, 0, 0, 1e-30f, 0, 0, 0, 1e-30f, 0}, {0, 1, 2, 0, 1, 1}, {}});
     const std::string bytes = bytes_of(folder / "a.stl");

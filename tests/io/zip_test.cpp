@@ -1,5 +1,5 @@
-// Zip archives as other programs write them: ZIP64's fields in any mixture, bytes before and after, damage; and zips
-// that hold a mesh.
+// Tests of zip archives as other programs write them: any mixture of ZIP64 fields, bytes before and after, damage; and
+// of zip archives that hold a mesh.
 
 #include <zlib.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr auto little = std::endian::little;
 
-/// Which numbers are all ones in their usual place, and stand in ZIP64's.
+/// Numbers that are all ones in their usual field, and are stored in a field of ZIP64.
 enum Large : unsigned {
     list_size = 1,
     list_compressed = 2,
@@ -30,7 +30,7 @@ struct Archive {
     unsigned large = 0;
     bool deflated = true;
     std::string before = "", after = "";
-    std::uint16_t flags = 0, method = 0;  ///< added to the flags, instead of the method
+    std::uint16_t flags = 0, method = 0;  ///< added to the flags; replaces the method
 
     std::string bytes(const std::vector<std::pair<std::string, std::string>>& entries) const {
         std::string text, list;
@@ -116,7 +116,7 @@ std::vector<std::pair<std::string, std::string>> parts_of_3mf() {
                                               "</object></resources><build><item objectid=\"1\"/></build>")}};
 }
 
-TEST(Zip, NumbersMayStandInZip64InAnyMixture) {
+TEST(Zip, any_mixture_of_numbers_can_be_in_zip64_fields) {
     const Folder folder;
     const std::vector<std::pair<std::string, std::string>> arrays{
         {"pairs.npy", npy_header("<i4", "2, 2") + packed(little, 1, 2, 3, 4)}};
@@ -136,7 +136,7 @@ TEST(Zip, NumbersMayStandInZip64InAnyMixture) {
     }
 }
 
-TEST(Zip, EveryTruncationAndEveryDamagedByteIsAnErrorOrAValidMesh) {
+TEST(Zip, truncation_is_an_error_and_damage_never_changes_the_mesh) {
     for (const unsigned large : {0u, unsigned{all}}) {
         const std::string whole = Archive{.large = large}.bytes(parts_of_3mf());
         const TriangleMesh mesh = read_bytes(whole, "a.3mf");
@@ -146,7 +146,7 @@ TEST(Zip, EveryTruncationAndEveryDamagedByteIsAnErrorOrAValidMesh) {
             std::string damaged = whole;
             damaged[i] = static_cast<char>(damaged[i] ^ 0x81);
             try {
-                expect_same(read_bytes(damaged, "a.3mf"), mesh);  // what nobody needs was damaged
+                expect_same(read_bytes(damaged, "a.3mf"), mesh);  // the damaged byte is not needed
             } catch (const Error& error) {
                 EXPECT_EQ(error.code, ErrorCode::format) << error.what();
             }
@@ -154,7 +154,7 @@ TEST(Zip, EveryTruncationAndEveryDamagedByteIsAnErrorOrAValidMesh) {
     }
 }
 
-TEST(Zip, EntriesThatCannotBeReadAreNamed) {
+TEST(Zip, error_says_why_an_entry_cannot_be_read) {
     const auto expect_error = [](const Archive& archive, const std::string& what) {
         const Error error = error_of([&] { read_bytes(archive.bytes(parts_of_3mf()), "a.3mf"); });
         EXPECT_EQ(error.code, ErrorCode::format);
@@ -166,7 +166,7 @@ TEST(Zip, EntriesThatCannotBeReadAreNamed) {
     EXPECT_TRUE(contains(error.what(), "a.3mf: this is not a 3MF archive")) << error.what();
 }
 
-TEST(Zip, OneMeshInItIsRead) {
+TEST(Zip, archive_with_one_mesh_is_read) {
     const std::string off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     const auto zip = [](const std::vector<std::pair<std::string, std::string>>& entries) {
         return Archive().bytes(entries);
@@ -200,7 +200,7 @@ TEST(Zip, OneMeshInItIsRead) {
     expect_error(damaged, unread);
 }
 
-TEST(Contents, ThatAreNoMeshAreNamed) {
+TEST(Contents, that_are_no_mesh_are_identified_in_the_error) {
     expect_bad("version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 5\n", "a.stl", Element::byte, 0,
                "this is a pointer to a file that Git LFS keeps elsewhere; `git lfs pull` brings the file");
     const std::string off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";

@@ -1,6 +1,6 @@
 #pragma once
 
-// Closed bodies by chance, and where two results about such bodies differ.
+// Random closed bodies, and comparison of two results for such bodies.
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace crumple::test {
 
-/// Closed bodies: each of some tetrahedra and boxes, which may meet, on a grid or not, some of them inside out.
+/// Closed bodies, each of one or two tetrahedra and boxes, which may meet; on a grid or not, some inside out.
 struct ClosedBodies {
     std::vector<Soup<double>> soups;
     std::vector<Shape> shapes;
@@ -88,7 +88,7 @@ inline void put_a_triangle_into_an_edge(Soup<double>& soup) {
     soup.triangles.push_back({a, b, middle});
 }
 
-/// Both as one body.
+/// Returns both soups as one body.
 inline Soup<double> joined(Soup<double> soup, const Soup<double>& other) {
     const auto first = static_cast<std::int32_t>(soup.vertices.size());
     soup.vertices.insert(soup.vertices.end(), other.vertices.begin(), other.vertices.end());
@@ -96,7 +96,7 @@ inline Soup<double> joined(Soup<double> soup, const Soup<double>& other) {
     return soup;
 }
 
-/// The first array in which two results differ, by its bytes; empty if none does.
+/// Returns the name of the first array in which two results differ by a byte, or an empty string.
 inline std::string difference(const Overlaps& x, const Overlaps& y) {
     const auto differ = [](const auto& a, const auto& b) {
         return a.size() != b.size() || (!a.empty() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) != 0);
@@ -133,7 +133,7 @@ inline std::string difference(const Overlaps& x, const Overlaps& y) {
     return {};
 }
 
-/// The first part in which two results with containment differ; empty if none does.
+/// Returns the name of the first part in which two results with containment differ, or an empty string.
 inline std::string difference(const Intersections& x, const Intersections& y) {
     const auto differ = [](const auto& a, const auto& b) {
         return !std::equal(a.begin(), a.end(), b.begin(), b.end());

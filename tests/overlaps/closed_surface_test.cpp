@@ -1,4 +1,4 @@
-// Closed and open surfaces, and the order of vertices in which winding numbers are constant but for few steps.
+// Tests of closed and open surfaces, and of the order of vertices in which winding numbers change in few steps.
 
 #include "scene/closed_surface.h"
 
@@ -34,7 +34,7 @@ std::vector<std::int32_t> tetrahedron(std::int32_t first) {
     return t;
 }
 
-TEST(ClosedSurface, ATetrahedronIsClosedAndWithoutAFaceIsNot) {
+TEST(ClosedSurface, tetrahedron_is_closed_only_with_all_faces) {
     EXPECT_TRUE(Mesh(4, tetrahedron(0)).surface.closed());
     EXPECT_TRUE(Mesh(4, tetrahedron(0)).surface.open_edges().empty());
     std::vector<std::int32_t> open = tetrahedron(0);
@@ -58,7 +58,7 @@ TEST(OpenEdges, are_listed_by_vertices_with_the_lowest_triangle) {
         return std::vector<OpenEdge>(open.begin(), open.end());
     };
     EXPECT_TRUE(list().empty());
-    std::swap(triangles[10], triangles[11]);  // the last triangle runs along its edges as its neighbours do
+    std::swap(triangles[10], triangles[11]);  // the last triangle has the direction of adjacent ones along its edges
     EXPECT_EQ(list(), (std::vector<OpenEdge>{{{0, 2}, 0}, {{0, 3}, 1}, {{2, 3}, 2}}));
     triangles = {0, 1, 2};
     EXPECT_EQ(list(), (std::vector<OpenEdge>{{{0, 1}, 0}, {{0, 2}, 0}, {{1, 2}, 0}}));
@@ -83,7 +83,7 @@ TEST(OpenEdges, welding_closes_seams) {
     EXPECT_EQ(of_three[0], (OpenEdge{{0, 1}, 0})) << "by the lowest of equal vertices";
 }
 
-TEST(ClosedSurface, ClosedIsWhatNamesEachEdgeAsOftenInBothDirections) {
+TEST(ClosedSurface, closed_means_each_edge_balances_in_both_directions) {
     EXPECT_TRUE(Mesh(3, {0, 1, 2, 0, 2, 1}).surface.closed());   // a membrane of two sides
     EXPECT_FALSE(Mesh(3, {0, 1, 2, 0, 1, 2}).surface.closed());  // twice the same side
     EXPECT_TRUE(Mesh(4, {0, 1, 2, 0, 2, 1, 3, 3, 1}).surface.closed() ==
@@ -91,7 +91,7 @@ TEST(ClosedSurface, ClosedIsWhatNamesEachEdgeAsOftenInBothDirections) {
     EXPECT_TRUE(Mesh(0, {}).surface.closed());
 }
 
-TEST(ClosedSurface, AComponentIsAnIntervalOfPlacesAndLooseVerticesHaveNone) {
+TEST(ClosedSurface, components_are_intervals_of_places_without_loose_vertices) {
     std::vector<std::int32_t> triangles = tetrahedron(1);
     for (const std::int32_t v : tetrahedron(6)) triangles.push_back(v);
     const Mesh mesh(10, triangles);  // vertices 0 and 5 are loose
@@ -107,8 +107,8 @@ TEST(ClosedSurface, AComponentIsAnIntervalOfPlacesAndLooseVerticesHaveNone) {
     EXPECT_EQ(mesh.surface.faces(0, 8).size(), 8u);
 }
 
-// Gives vertices random numbers, takes their differences along edges for jumps, and wants the numbers back.
-TEST(ClosedSurface, StepsAlongTheForestGiveWindingNumbersBack) {
+// Gives vertices random winding numbers, uses their differences along edges as jumps, and expects the numbers back.
+TEST(ClosedSurface, steps_along_the_forest_reproduce_winding_numbers) {
     std::mt19937 random(3);
     for (int round = 0; round < 50; ++round) {
         const std::int32_t n = 4 + static_cast<std::int32_t>(random() % 40);

@@ -1,4 +1,5 @@
-// Intersections with containment: against brute force in rational arithmetic, against overlaps, and by name.
+// Tests of intersections with containment: against brute force in rational arithmetic, against overlaps, and in named
+// cases.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +28,7 @@ IntersectionQuery with_containment(Output output = Output::body_pairs, bool weld
 
 using ContainedSoup = test::Soup<double>;
 
-/// A cube of this size around a point.
+/// Returns a cube with edges of length `size` around a point.
 ContainedSoup cube(double x, double y, double z, double size) {
     Dice dice(0);
     ContainedSoup soup;
@@ -42,7 +43,8 @@ ContainedSoup inside_out(ContainedSoup soup) {
     return soup;
 }
 ContainedSoup hollow_cube() { return test::joined(cube(0, 0, 0, 4), inside_out(cube(0, 0, 0, 2))); }
-/// Closed bodies of three sizes, so that some lie inside others, or in their cavities; on a grid or not, some mirrored.
+/// Returns closed bodies of three sizes, so that some lie inside others or in their cavities; on a grid or not, some
+/// mirrored.
 ClosedBodies nested_bodies(unsigned seed, int bodies, bool grid) {
     ClosedBodies all = closed_bodies(seed, bodies, grid, false);
     Dice dice(seed + 1000);
@@ -147,14 +149,14 @@ TEST_P(Containment, lists_the_body_pairs_of_an_overlap_query) {
     }
 }
 
-TEST_P(Containment, changes_nothing_without_the_option) {
+TEST_P(Containment, is_absent_without_the_option) {
     const ClosedBodies bodies = nested_bodies(4, 6, false);
     const Intersections& found = detector_.find(bodies.view(), {.output = Output::body_pairs});
     EXPECT_TRUE(found.inside.empty());
     EXPECT_TRUE(found.skipped.empty());
 }
 
-/// The same with three vertices for each triangle, as in an STL file.
+/// Returns the soup with three vertices of its own for each triangle, as in an STL file.
 ContainedSoup unwelded(const ContainedSoup& soup) {
     ContainedSoup apart;
     for (const auto& t : soup.triangles) {
@@ -167,7 +169,7 @@ ContainedSoup unwelded(const ContainedSoup& soup) {
 
 class ContainmentByName : public testing::Test {
    protected:
-    /// How two bodies are: "apart", "meeting" or "inside".
+    /// Returns how two bodies lie: "apart", "meeting" or "inside".
     std::string relation(const ContainedSoup& a, const ContainedSoup& b, bool weld = false) {
         IntersectionQuery query = with_containment(Output::body_pairs, weld);
         query.open = OpenSurfaces::error;
@@ -185,17 +187,17 @@ class ContainmentByName : public testing::Test {
     Detector reference_{Options{.backend = Backend::reference}};
 };
 
-TEST_F(ContainmentByName, a_body_in_another_is_inside) {
+TEST_F(ContainmentByName, body_in_another_is_inside) {
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(0.5, 0, 0, 1)), "inside");
     EXPECT_EQ(relation(cube(0.5, 0, 0, 1), cube(0, 0, 0, 4)), "inside");
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(9, 0, 0, 1)), "apart");
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(2, 0, 0, 1)), "meeting");
 }
-TEST_F(ContainmentByName, a_body_that_touches_the_other_from_inside_meets_it) {
+TEST_F(ContainmentByName, body_that_touches_another_from_inside_meets_it) {
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(1.5, 0, 0, 1)), "meeting");
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(0, 0, 0, 4)), "meeting");
 }
-TEST_F(ContainmentByName, a_cavity_is_outside) {
+TEST_F(ContainmentByName, cavity_is_outside) {
     EXPECT_EQ(relation(hollow_cube(), cube(0, 0, 0, 1)), "apart");
     EXPECT_EQ(relation(hollow_cube(), cube(1.5, 1.5, 1.5, 0.5)), "inside");
     EXPECT_EQ(relation(hollow_cube(), cube(0, 0, 0, 3)), "inside") << "it fills the cavity and more";
@@ -211,7 +213,7 @@ TEST_F(ContainmentByName, bodies_that_are_inside_out_contain_as_well) {
     EXPECT_EQ(relation(inside_out(cube(0, 0, 0, 4)), cube(0, 0, 0, 1)), "inside");
     EXPECT_EQ(relation(cube(0, 0, 0, 4), inside_out(cube(0, 0, 0, 1))), "inside");
 }
-TEST_F(ContainmentByName, poses_that_mirror_change_nothing) {
+TEST_F(ContainmentByName, mirroring_poses_change_nothing) {
     const ContainedSoup outer = cube(0, 0, 0, 4), inner = cube(0, 0, 0, 1);
     const Shape shapes[] = {Shape(outer.view()), Shape(inner.view())};
     const Body bodies[] = {{.shape = 0}, {.shape = 1}};
@@ -230,7 +232,7 @@ TEST_F(ContainmentByName, welding_closes_seams) {
               std::string::npos)
         << error.what();
 }
-TEST_F(ContainmentByName, welded_vertices_neither_meet_nor_count) {
+TEST_F(ContainmentByName, contact_at_welded_vertices_alone_does_not_count) {
     ContainedSoup corner = cube(0, 0, 0, 1);  // one vertex at that of the cube, the others inside
     corner.vertices[7] = {2, 2, 2};
     EXPECT_EQ(relation(cube(0, 0, 0, 4), corner), "meeting");
@@ -238,7 +240,7 @@ TEST_F(ContainmentByName, welded_vertices_neither_meet_nor_count) {
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(4, 4, 4, 4), true), "apart") << "touches at a corner from outside";
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(0, 0, 0, 4), true), "meeting") << "triangles that are equal";
 }
-TEST_F(ContainmentByName, a_body_that_goes_in_through_welded_vertices_is_inside) {
+TEST_F(ContainmentByName, body_that_enters_through_welded_vertices_is_inside) {
     // Two cones with one tip at a vertex of the cube, one of them inside, one outside, and one component for all.
     ContainedSoup hourglass;
     hourglass.vertices = {{2, 2, 2}, {1, 1, 0}, {0, 1, 1}, {1, 0, 1}, {3, 3, 4}, {4, 3, 3}, {3, 4, 3}};
@@ -247,7 +249,7 @@ TEST_F(ContainmentByName, a_body_that_goes_in_through_welded_vertices_is_inside)
     EXPECT_EQ(relation(cube(0, 0, 0, 4), hourglass, true), "inside");
 }
 
-TEST_F(ContainmentByName, an_open_body_may_lie_inside_but_contains_nothing) {
+TEST_F(ContainmentByName, open_body_can_be_inside_but_contains_nothing) {
     ContainedSoup open_inner = cube(0, 0, 0, 1), open_outer = cube(0, 0, 0, 4);
     open_inner.triangles.pop_back();
     open_outer.triangles.pop_back();
@@ -272,7 +274,7 @@ TEST_F(ContainmentByName, an_open_body_may_lie_inside_but_contains_nothing) {
     }
 }
 
-TEST_F(ContainmentByName, rows_come_in_the_order_of_bodies) {
+TEST_F(ContainmentByName, rows_follow_the_order_of_bodies) {
     const ContainedSoup outer = cube(0, 0, 0, 8), left = cube(-2, 0, 0, 2), right = cube(-1, 0, 0, 2);
     const Shape shapes[] = {Shape(left.view()), Shape(outer.view()), Shape(right.view())};
     const Body bodies[] = {{.shape = 0}, {.shape = 1}, {.shape = 2}};
@@ -285,7 +287,7 @@ TEST_F(ContainmentByName, rows_come_in_the_order_of_bodies) {
     EXPECT_EQ(found.count, 0);
 }
 
-TEST_F(ContainmentByName, refuses_what_has_no_insides) {
+TEST_F(ContainmentByName, refuses_unsuitable_scenes_and_options) {
     const ContainedSoup a = cube(0, 0, 0, 4), b = cube(0, 0, 0, 1);
     const Scene two(a.view(), b.view());
     const auto message = [&](const Scene& scene, IntersectionQuery query) {
@@ -316,13 +318,13 @@ TEST_F(ContainmentByName, refuses_what_has_no_insides) {
     EXPECT_TRUE(cpu_.any(two, with_containment())) << "and goes on";
 }
 
-TEST(ContainmentMemory, is_limited_and_given_back) {
+TEST(ContainmentMemory, peak_stays_within_the_limit_in_every_call) {
     const ClosedBodies bodies = nested_bodies(12, 40, false);
     test::expect_same_under_limit([&](Detector& detector) { return detector.find(bodies.view(), with_containment()); },
                                   [](const Intersections& a, const Intersections& b) { return difference(a, b); });
 }
 
-TEST(ContainmentStops, before_the_call_ends) {
+TEST(ContainmentStops, when_cancelled) {
     const ClosedBodies bodies = nested_bodies(12, 10, false);
     Detector detector(Options{.backend = Backend::cpu});
     std::stop_source source;

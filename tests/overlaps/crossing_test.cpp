@@ -1,4 +1,4 @@
-// Crossings of faces: signs and numbers in double words against rationals.
+// Compares crossings of faces, signs and numbers in double words, with rational arithmetic.
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ class CrossingOfEachKind : public testing::TestWithParam<Kind> {
     int rounds() const { return rounds_of(GetParam(), 4'000); }
 };
 
-TEST_P(CrossingOfEachKind, SignsAreExactAndBoundsHold) {
+TEST_P(CrossingOfEachKind, signs_are_exact_and_bounds_hold) {
     const FloatEnvironment environment;
     int segments = 0;
     for (int round = 0; round < rounds(); ++round) {
@@ -66,7 +66,7 @@ TEST_P(CrossingOfEachKind, SignsAreExactAndBoundsHold) {
     }
 }
 
-TEST_P(CrossingOfEachKind, PairsThatAreNotTiedCrossAlikeUnderBothShifts) {
+TEST_P(CrossingOfEachKind, untied_pairs_cross_alike_under_both_shifts) {
     const FloatEnvironment environment;
     for (int round = 0; round < rounds() / 4; ++round) {
         const TrianglePair pair = random();
@@ -80,8 +80,8 @@ TEST_P(CrossingOfEachKind, PairsThatAreNotTiedCrossAlikeUnderBothShifts) {
     }
 }
 
-// With a and b exchanged, b is the one that is not shifted: that is the opposite shift.
-TEST_P(CrossingOfEachKind, ExchangedFacesCrossAlike) {
+// With a and b exchanged, the other face is shifted, so the shift is reversed.
+TEST_P(CrossingOfEachKind, exchanged_faces_cross_alike) {
     const FloatEnvironment environment;
     for (int round = 0; round < rounds() / 8; ++round) {
         const TrianglePair pair = random();
@@ -95,7 +95,7 @@ TEST_P(CrossingOfEachKind, ExchangedFacesCrossAlike) {
 
 INSTANTIATE_TEST_SUITE_P(All, CrossingOfEachKind, testing::ValuesIn(all_kinds));
 
-TEST(Crossing, AFaceThatCutsTheCornerOffHasTheWeightsOfTheTriangleBeyond) {
+TEST(Crossing, weights_are_those_of_the_corner_that_is_cut_off) {
     // The plane x = 1/2 with its outside towards larger x cuts the corner (1, 0, 0) off: inside is what has x < 1/2.
     const CrossedFace a({Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}}),
         b({Vec3d{0.5, -4, -4}, {0.5, 4, -4}, {0.5, 0, 8}});

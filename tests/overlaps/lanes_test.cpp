@@ -1,4 +1,4 @@
-// Sums in lanes against rationals: what a kernel says of its error holds.
+// Compares sums in lanes with rational arithmetic: the error bounds of each kernel must hold.
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ std::vector<const OverlapKernels*> all_kernels() {
     return found;
 }
 
-/// A body of triangles that share no corners.
+/// Body of triangles that share no corners.
 struct LooseTriangles {
     std::vector<Vec3d> points;
     ClosedSurface closed{nullptr};

@@ -1,4 +1,4 @@
-// Placements that are known to be hard, each with what is right, on the cpu and on the reference backend.
+// Hard placements with known results, on the cpu and on the reference backend.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ Soup box(const Numbers& low, const Numbers& high) {
                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
     return soup;
 }
-/// A cone of triangles from its tip down to a polygon, and its floor.
+/// Returns a cone of triangles from its tip down to a polygon, with its floor.
 Soup cone(const Numbers& tip, const std::vector<Numbers>& rim) {
     Soup soup;
     soup.vertices.push_back(tip);
@@ -32,7 +32,7 @@ Soup cone(const Numbers& tip, const std::vector<Numbers>& rim) {
     for (std::int32_t i = 1; i + 1 < n; ++i) soup.triangles.push_back({1, 2 + i, 1 + i});
     return soup;
 }
-/// A sphere of rings, whose mirror image touches it at its pole.
+/// Returns a sphere of rings, whose mirror image touches it at its pole.
 Soup ball(int rings, double sign) {
     Soup soup;
     const int around = 2 * rings;
@@ -56,7 +56,7 @@ Soup ball(int rings, double sign) {
         for (auto& t : soup.triangles) std::swap(t[1], t[2]);
     return soup;
 }
-/// A roof over a zigzag ridge, upwards or downwards: two of them share the ridge.
+/// Returns a tent over or under a zigzag ridge: two of opposite `sign` share the ridge.
 Soup tent(int vertices, double sign) {
     Soup soup;
     for (int i = 0; i < vertices; ++i) soup.vertices.push_back({0.25 * (i % 2), 1.0 * i, 0.125 * (i % 3)});
@@ -79,7 +79,7 @@ Soup tent(int vertices, double sign) {
 
 class OverlapByName : public testing::Test {
    protected:
-    /// The result of cpu, which is that of the reference.
+    /// Returns the result of the cpu backend, and expects the same of the reference.
     const Overlaps& find(const std::vector<Soup>& soups, const std::vector<Pose>& poses = {}) {
         std::vector<Shape> shapes;
         std::vector<Body> bodies;
@@ -110,7 +110,7 @@ class OverlapByName : public testing::Test {
     Detector reference_{Options{.backend = Backend::reference}};
 };
 
-TEST_F(OverlapByName, an_aligned_stack_touches_with_the_normal_of_its_faces) {
+TEST_F(OverlapByName, aligned_stack_touches_with_the_normal_of_its_faces) {
     const Overlaps& found = find({box({0, 0, 0}, {1, 1, 1}), box({0, 0, 1}, {1, 1, 2}), box({0, 0, 2}, {1, 1, 3})});
     ASSERT_EQ(found.count, 2);
     for (std::size_t row = 0; row < 2; ++row) {
@@ -120,7 +120,7 @@ TEST_F(OverlapByName, an_aligned_stack_touches_with_the_normal_of_its_faces) {
     }
 }
 
-TEST_F(OverlapByName, faces_in_a_tilted_plane_have_a_contact_area_that_is_a_root) {
+TEST_F(OverlapByName, contact_area_in_a_tilted_plane_is_a_rounded_root) {
     std::vector<Soup> soups{box({0, 0, 0}, {1, 1, 1}), box({0.25, 0, 1}, {1.25, 1, 2})};
     for (Soup& soup : soups)
         for (auto& [x, y, z] : soup.vertices) {
@@ -165,7 +165,7 @@ TEST_F(OverlapByName, boxes_that_touch_in_an_edge_are_cut_in_two_curves) {
     EXPECT_EQ(found.curve_area_vector[1], (Numbers{0, 0, 1}));
 }
 
-TEST_F(OverlapByName, a_sheet_through_a_box_has_an_open_curve) {
+TEST_F(OverlapByName, sheet_through_a_box_has_an_open_curve) {
     Soup sheet;
     sheet.vertices = {{0.5, 0.5, 0.5}, {3, 0.5, 0.5}, {3, 3, 0.75}, {0.5, 3, 0.5}};
     sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -189,7 +189,7 @@ TEST_F(OverlapByName, three_equal_boxes_fill_the_same_space) {
     for (std::size_t row = 0; row < 3; ++row) expect_row(found, row, OverlapRelation::equal, 2, {0, 0, 0});
 }
 
-TEST_F(OverlapByName, a_saddle_vertex_on_a_plane) {
+TEST_F(OverlapByName, saddle_with_its_vertex_on_a_plane_overlaps) {
     // The rim goes up and down twice around the tip, which lies on the face of a box.
     const Soup saddle = cone(
         {0, 0, 0}, {{2, 0, 1}, {1, 1, -1}, {0, 2, 1}, {-1, 1, -1}, {-2, 0, 1}, {-1, -1, -1}, {0, -2, 1}, {1, -1, -1}});
@@ -198,7 +198,7 @@ TEST_F(OverlapByName, a_saddle_vertex_on_a_plane) {
     EXPECT_EQ(found.relation[0], OverlapRelation::overlapping);
 }
 
-TEST_F(OverlapByName, a_membrane_of_two_sides_has_no_volume) {
+TEST_F(OverlapByName, membrane_of_two_sides_has_no_volume) {
     Soup membrane;
     membrane.vertices = {{-1, -1, 0.5}, {2, -1, 0.5}, {0.5, 3, 0.5}};
     membrane.triangles = {{0, 1, 2}, {0, 2, 1}};
@@ -207,7 +207,7 @@ TEST_F(OverlapByName, a_membrane_of_two_sides_has_no_volume) {
     expect_row(found, 0, OverlapRelation::touching, 0, {0, 0, 0});
 }
 
-TEST_F(OverlapByName, a_body_of_two_copies_counts_twice) {
+TEST_F(OverlapByName, body_of_two_copies_counts_twice) {
     const Soup slab = box({0, 0, 0}, {4, 4, 1}), twice = joined(slab, slab);
     const Overlaps& found = find({twice, box({1, 1, 0.5}, {2, 2, 2})});
     expect_row(found, 0, OverlapRelation::overlapping, 1, {0, 0, 2});
@@ -218,13 +218,13 @@ TEST_F(OverlapByName, a_body_of_two_copies_counts_twice) {
     EXPECT_EQ(alone.is_solid[0], 0);
 }
 
-TEST_F(OverlapByName, a_box_that_touches_another_from_inside) {
+TEST_F(OverlapByName, box_that_touches_another_from_inside_is_inside) {
     const Overlaps& found = find({box({0, 0, 0}, {1, 1, 1}), box({0, 0, 0}, {4, 4, 4})});
     expect_row(found, 0, OverlapRelation::first_inside, 1, {0.5, 0.5, 0.5});
     EXPECT_EQ(found.statistics.triangles, 24);
 }
 
-TEST_F(OverlapByName, a_body_of_vertices_alone_is_a_solid_of_volume_0) {
+TEST_F(OverlapByName, body_without_triangles_is_a_solid_of_volume_0) {
     Soup vertices = box({0, 0, 0}, {1, 1, 1});
     vertices.triangles.clear();
     EXPECT_EQ(find({vertices, box({0, 0, 0}, {1, 1, 1})}).count, 0);
@@ -233,21 +233,21 @@ TEST_F(OverlapByName, a_body_of_vertices_alone_is_a_solid_of_volume_0) {
     EXPECT_EQ(alone.is_solid[0], 1);
 }
 
-TEST_F(OverlapByName, two_tents_that_share_a_ridge) {
+TEST_F(OverlapByName, two_tents_that_share_a_ridge_touch) {
     const Overlaps& found = find({tent(12, -1), tent(12, 1)});
     ASSERT_EQ(found.count, 1);
     EXPECT_EQ(found.relation[0], OverlapRelation::touching);
     EXPECT_EQ(found.volume[0], 0);
 }
 
-TEST_F(OverlapByName, spheres_that_are_mirrored_touch_at_a_pole) {
+TEST_F(OverlapByName, mirrored_spheres_touch_at_a_pole) {
     const Overlaps& found = find({ball(6, -1), ball(6, 1)});
     ASSERT_EQ(found.count, 1);
     EXPECT_EQ(found.relation[0], OverlapRelation::touching);
     EXPECT_EQ(found.volume[0], 0);
 }
 
-TEST_F(OverlapByName, boxes_of_any_size) {
+TEST_F(OverlapByName, boxes_of_any_size_have_normal_and_mean_depth) {
     for (const double size : {1e-120, 1e-40, 1e40, 1e120}) {
         SCOPED_TRACE(size);
         const Overlaps& found =
@@ -259,7 +259,7 @@ TEST_F(OverlapByName, boxes_of_any_size) {
     }
 }
 
-TEST_F(OverlapByName, poses_that_mirror_keep_the_outside_outside) {
+TEST_F(OverlapByName, mirroring_poses_keep_the_outside_outside) {
     Pose mirrored, still;
     mirrored.rows[0] = -1;
     const Overlaps& found = find({box({-1, 0, 0}, {0, 1, 1}), box({0.5, 0, 0}, {2, 1, 1})}, {mirrored, still});

@@ -1,5 +1,5 @@
 // Invariants of overlaps when bodies are exchanged, turned, mirrored, scaled, moved, reversed, joined or subdivided,
-// and what derivatives of volumes add up to.
+// and sums of derivatives of volumes.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using Soup = test::Soup<double>;
 using Numbers = std::array<double, 3>;
 using test::joined;
 
-/// The overlap of two bodies, as a row.
+/// Row of the overlap of two bodies.
 struct Row {
     bool exists = false;
     OverlapRelation relation = OverlapRelation::touching;
@@ -49,13 +49,13 @@ Soup reversed(Soup soup) {
     for (auto& t : soup.triangles) std::swap(t[1], t[2]);
     return soup;
 }
-/// On a fine grid, where sums and halves are exact.
+/// Returns the soup on a fine grid, where sums and halves are exact.
 Soup with_few_bits(const Soup& soup) {
     return changed(soup, [](auto& p) {
         for (double& x : p) x = std::ldexp(std::round(std::ldexp(x, 24)), -24);
     });
 }
-/// With a vertex in the middle of each face, where it is exact: corners have few bits.
+/// Returns the soup with a vertex inside each face, which is exact as corners have few bits.
 Soup subdivided(const Soup& soup) {
     Soup fine;
     fine.vertices = soup.vertices;
@@ -72,7 +72,7 @@ Soup subdivided(const Soup& soup) {
 void expect_near(const Numbers& found, const Numbers& expected, double scale) {
     for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(found[k], expected[k], 1e-15 * scale);
 }
-/// Equal but for the sign of 0; torques are about centroids, which are rounded.
+/// Expects equal rows up to the sign of 0. Torques are only near, as they are about centroids, which are rounded.
 void expect_same(const Row& found, const Row& expected) {
     ASSERT_EQ(found.exists, expected.exists);
     if (!found.exists) return;
@@ -90,7 +90,7 @@ OverlapRelation exchanged(OverlapRelation relation) {
                                                         : relation;
 }
 Numbers operator-(const Numbers& v) { return {-v[0], -v[1], -v[2]}; }
-/// Numbers + 0, so that −0 is 0.
+/// Returns the row of the bodies in the opposite order.
 Row exchanged(Row row) {
     row.relation = exchanged(row.relation);
     row.area_vector = -row.area_vector;
@@ -111,11 +111,11 @@ class OverlapProperties : public testing::TestWithParam<bool> {
     }
 };
 
-TEST_P(OverlapProperties, ExchangedBodiesHaveOppositeAreaVectors) {
+TEST_P(OverlapProperties, exchanged_bodies_have_opposite_area_vectors) {
     for_pairs(40, [](const Soup& a, const Soup& b) { expect_same(overlap_of(b, a), exchanged(overlap_of(a, b))); });
 }
 
-TEST_P(OverlapProperties, PermutedAndMirroredAxesTurnTheAnswer) {
+TEST_P(OverlapProperties, permuted_and_mirrored_axes_transform_the_result) {
     std::array<std::size_t, 3> axes{0, 1, 2};
     const auto check = [&](const Soup& a, const Soup& b, int mirrored) {
         const auto change = [&](std::array<double, 3>& p) {
@@ -126,8 +126,8 @@ TEST_P(OverlapProperties, PermutedAndMirroredAxesTurnTheAnswer) {
         const bool odd_axes = (axes[1] == (axes[0] + 1) % 3) == false;
         const bool turns_inside_out = odd_axes != ((mirrored ^ mirrored >> 1 ^ mirrored >> 2) & 1);
         const auto moved = [&](const Soup& soup) {
-            const Soup there = changed(soup, change);
-            return turns_inside_out ? reversed(there) : there;
+            const Soup transformed = changed(soup, change);
+            return turns_inside_out ? reversed(transformed) : transformed;
         };
         Row expected = overlap_of(a, b);
         change(expected.centroid);
@@ -143,7 +143,7 @@ TEST_P(OverlapProperties, PermutedAndMirroredAxesTurnTheAnswer) {
     });
 }
 
-TEST_P(OverlapProperties, PowersOfTwoScaleTheAnswer) {
+TEST_P(OverlapProperties, powers_of_two_scale_the_result) {
     for (const int power : {-40, 3, 100}) {
         const auto scaled = [&](const Soup& soup) {
             return changed(soup, [&](auto& p) {
@@ -165,7 +165,7 @@ TEST_P(OverlapProperties, PowersOfTwoScaleTheAnswer) {
     }
 }
 
-TEST_P(OverlapProperties, ExactTranslationsMoveNothingButTheCentroid) {
+TEST_P(OverlapProperties, exact_translations_move_only_the_centroid) {
     const Numbers by{1024, -3, 0.5};
     const auto moved = [&](const Soup& soup) {
         return changed(soup, [&](auto& p) {
@@ -183,7 +183,7 @@ TEST_P(OverlapProperties, ExactTranslationsMoveNothingButTheCentroid) {
     });
 }
 
-TEST_P(OverlapProperties, ABodyThatIsReversedHasTheOppositeOverlap) {
+TEST_P(OverlapProperties, reversed_body_has_the_opposite_overlap) {
     for_pairs(40, [](const Soup& a, const Soup& b) {
         const Row plain = overlap_of(a, b);
         Row found = overlap_of(reversed(a), b);
@@ -194,7 +194,7 @@ TEST_P(OverlapProperties, ABodyThatIsReversedHasTheOppositeOverlap) {
     });
 }
 
-TEST_P(OverlapProperties, SubdividedFacesChangeNothing) {
+TEST_P(OverlapProperties, subdivided_faces_change_nothing) {
     for_pairs(40, [](const Soup& one, const Soup& other) {
         const Soup a = with_few_bits(one), b = with_few_bits(other);
         const Row plain = overlap_of(a, b);
@@ -203,7 +203,7 @@ TEST_P(OverlapProperties, SubdividedFacesChangeNothing) {
     });
 }
 
-TEST_P(OverlapProperties, PartsThatAreApartAddUp) {
+TEST_P(OverlapProperties, separate_parts_add_up) {
     for_pairs(20, [](const Soup& a, const Soup& b) {
         const Soup away = changed(b, [](auto& p) { p[0] += 64; });
         const Soup both = joined(a, changed(a, [](auto& p) { p[0] += 64; }));
@@ -213,7 +213,7 @@ TEST_P(OverlapProperties, PartsThatAreApartAddUp) {
     });
 }
 
-/// Numbers of curves from one side: the sums of their area vectors and torques.
+/// Sums of the area vectors and torques of all curves, as seen from the first body.
 struct CurveSums {
     Numbers area{}, torque{};
     bool all_closed = true;
@@ -232,7 +232,7 @@ CurveSums curves_of(const Soup& a, const Soup& b) {
     return sums;
 }
 
-TEST_P(OverlapProperties, CurvesOfBothOrdersAddUpToTwiceTheAreaVector) {
+TEST_P(OverlapProperties, curves_of_both_orders_add_up_to_twice_the_area_vector) {
     for_pairs(60, [](const Soup& a, const Soup& b) {
         const Row row = overlap_of(a, b);
         const CurveSums one = curves_of(a, b), other = curves_of(b, a);
@@ -245,7 +245,7 @@ TEST_P(OverlapProperties, CurvesOfBothOrdersAddUpToTwiceTheAreaVector) {
     });
 }
 
-TEST_P(OverlapProperties, DerivativesAddUpToTheAreaVectorAndToTheVolume) {
+TEST_P(OverlapProperties, derivatives_add_up_to_area_vector_and_volume) {
     for_pairs(20, [](const Soup& a, const Soup& b) {
         Detector detector(Options{.backend = Backend::cpu, .threads = 1});
         const Overlaps& found = detector.find({a.view(), b.view()}, OverlapQuery{.gradient = true});
@@ -268,7 +268,7 @@ TEST_P(OverlapProperties, DerivativesAddUpToTheAreaVectorAndToTheVolume) {
     });
 }
 
-TEST_P(OverlapProperties, ABodyFillsTheSameSpaceAsItself) {
+TEST_P(OverlapProperties, body_fills_the_same_space_as_itself) {
     for_pairs(20, [](const Soup& a, const Soup&) {
         Detector detector(Options{.backend = Backend::cpu, .threads = 1});
         const double own = detector.find(Scene(a.view()), OverlapQuery()).body_volume[0];

@@ -1,4 +1,4 @@
-// Many small bodies on grids, where most signs are ties, against brute force in rational arithmetic: all numbers,
+// Compares many small bodies on grids, where most signs are ties, with brute force in rational arithmetic: all numbers,
 // derivatives, curves and winding numbers, bit by bit.
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ void add_bipyramid(Dice& dice, int grid, Soup& soup) {
     }
 }
 
-/// A body of one or two such parts; some are inside out, some lie on two levels of a grid alone.
+/// Returns a body of one or two such parts. Some are inside out; some lie on only two levels of a grid.
 Soup small_body(Dice& dice) {
     const int grid = 2 + dice.below(3);
     Soup soup;

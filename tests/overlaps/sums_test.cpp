@@ -1,4 +1,4 @@
-// Sums without rounding, and what they round to.
+// Tests of exact sums, and of their rounding.
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ double rounded(const Rational& x) {
     return sum.rounded_quotient(1, none).value;
 }
 
-TEST(FixedSum, SumsAreExactWhateverTheirMagnitudes) {
+TEST(FixedSum, sums_are_exact_at_every_magnitude) {
     std::mt19937_64 random(7);
     for (int round = 0; round < 300; ++round) {
         FixedSum sum;
@@ -40,14 +40,14 @@ TEST(FixedSum, SumsAreExactWhateverTheirMagnitudes) {
         }
         for (const int divisor : {1, 3, 6, 18, 72}) {
             const Rational quotient = exact / divisor;
-            const auto known = sum.rounded_quotient(divisor);
-            ASSERT_TRUE(known);
-            EXPECT_EQ(known->value, rounded(quotient)) << divisor;
+            const auto rounded_sum = sum.rounded_quotient(divisor);
+            ASSERT_TRUE(rounded_sum);
+            EXPECT_EQ(rounded_sum->value, rounded(quotient)) << divisor;
         }
     }
 }
 
-TEST(FixedSum, PartsAddUpToTheWhole) {
+TEST(FixedSum, parts_add_up_to_the_whole) {
     std::mt19937_64 random(8);
     FixedSum whole, first, second;
     for (int i = 0; i < 100; ++i) {
@@ -59,7 +59,7 @@ TEST(FixedSum, PartsAddUpToTheWhole) {
     EXPECT_EQ(first.rounded_quotient(7)->value, whole.rounded_quotient(7)->value);
 }
 
-TEST(FixedSum, ProductsOfNegativeAndPositiveSumsAreExact) {
+TEST(FixedSum, products_of_negative_and_positive_sums_are_exact) {
     std::mt19937_64 random(9);
     for (int round = 0; round < 200; ++round) {
         FixedSum sum, product;
@@ -77,7 +77,7 @@ TEST(FixedSum, ProductsOfNegativeAndPositiveSumsAreExact) {
     }
 }
 
-TEST(FixedSum, WhatTheBoundLeavesOpenIsNotRounded) {
+TEST(FixedSum, sums_that_the_bound_cannot_decide_are_not_rounded) {
     FixedSum sum;
     sum.add(Enclosed({1, 0}, 0x1p-60));
     ASSERT_TRUE(sum.rounded_quotient(1));
@@ -89,13 +89,13 @@ TEST(FixedSum, WhatTheBoundLeavesOpenIsNotRounded) {
     EXPECT_FALSE(nothing.rounded_quotient(1));
 }
 
-TEST(RationalSum, TiesAndZeroAreDecidedByAddingUp) {
+TEST(RationalSum, ties_and_zero_are_decided_exactly) {
     Cancellation none;
     RationalSum zero;
     for (int i = 2; i < 40; ++i) zero.add(Rational(1, i)), zero.add(Rational(-1, i + 40));
-    Rational rest = 0;
-    for (int i = 2; i < 40; ++i) rest += Rational(1, i) - Rational(1, i + 40);
-    zero.add(-rest);
+    Rational total = 0;
+    for (int i = 2; i < 40; ++i) total += Rational(1, i) - Rational(1, i + 40);
+    zero.add(-total);
     EXPECT_EQ(zero.rounded_quotient(5, none).value, 0);
     RationalSum tie;
     tie.add(Rational(1, 3));
@@ -106,7 +106,7 @@ TEST(RationalSum, TiesAndZeroAreDecidedByAddingUp) {
     EXPECT_EQ(tie.rounded_quotient(1, none).value, 1 + 0x1p-52);
 }
 
-TEST(RootSum, RootsAreRoundedOnceAndRationalOnesAreExact) {
+TEST(RootSum, roots_are_rounded_once_and_rational_roots_are_exact) {
     Cancellation none;
     RootSum sum;
     EXPECT_EQ(sum.rounded_quotient(1, none).value, 0);
@@ -124,7 +124,7 @@ TEST(RootSum, RootsAreRoundedOnceAndRationalOnesAreExact) {
     EXPECT_EQ(two.rounded_quotient(1, none).value, 2 * std::sqrt(2.0));
 }
 
-TEST(RationalSum, NumbersBeyondFloat64HaveAnExponentApart) {
+TEST(RationalSum, numbers_beyond_float64_have_a_separate_exponent) {
     Cancellation none;
     RationalSum small, large;
     small.add(Rational(3, mp::cpp_int(1) << 2000));

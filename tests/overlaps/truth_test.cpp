@@ -1,4 +1,4 @@
-// The overlap of two surfaces against exact results from outside, bit by bit.
+// Compares the overlap of two surfaces bit by bit with exact results of external origin.
 
 #include <gtest/gtest.h>
 
@@ -77,12 +77,12 @@ void load(const Json& mesh, Surface& surface) {
     for (std::size_t i = 0; i < surface.xyz.size(); ++i) surface.xyz[i] = surface.xyz[i] * scale + shift[i % 3];
 }
 
-/// Numbers of the only row; without a row the overlap is empty.
+/// Numbers of the only row, or of an empty overlap if there is no row.
 struct Found {
     double volume = 0, mean_depth = std::nan("");
     std::array<double, 3> centroid{}, area_vector{}, normal{}, torque{}, torque_point{};
     bool in_rationals = false;
-    std::array<std::map<std::int32_t, std::array<double, 3>>, 2> gradient;  ///< by vertex; of those that are not 0
+    std::array<std::map<std::int32_t, std::array<double, 3>>, 2> gradient;  ///< by vertex, if not 0
     std::array<std::map<std::int32_t, std::int32_t>, 2> windings;
 };
 
@@ -134,7 +134,7 @@ void expect_near(double found, const Rational& exact, const std::string& what) {
     EXPECT_LE(std::abs(found - expected), 2 * unit) << what;
 }
 
-TEST(OverlapTruth, SmallCasesHaveTheExactNumbersRoundedOnce) {
+TEST(OverlapTruth, small_cases_have_exact_numbers_rounded_once) {
     const Json cases = cases_of("small.json");
     if (cases.is_null()) GTEST_SKIP() << "no exact results";
     std::int64_t rational = 0;
@@ -189,7 +189,7 @@ TEST(OverlapTruth, SmallCasesHaveTheExactNumbersRoundedOnce) {
     EXPECT_LT(rational, 2 * compared / 3) << "words decide all sums of many cases";
 }
 
-TEST(OverlapTruth, FacesCrossAsTheExactSignsOfTheShiftSay) {
+TEST(OverlapTruth, faces_cross_where_the_exact_signs_say) {
     const Json cases = cases_of("small.json");
     if (cases.is_null()) GTEST_SKIP() << "the shared data is not here";
     int compared = 0;
@@ -211,7 +211,7 @@ TEST(OverlapTruth, FacesCrossAsTheExactSignsOfTheShiftSay) {
     EXPECT_GE(compared, 40);
 }
 
-/// Compares curves with the number of curves and of pairs that cross.
+/// Expects the exact number of curves, and as many segments as pairs that cross.
 void expect_curves(const Surface& a, const Surface& b, const Json& c) {
     const std::string name = c.at("name");
     Detector detector;
@@ -228,7 +228,7 @@ void expect_curves(const Surface& a, const Surface& b, const Json& c) {
     EXPECT_EQ(segments, pairs.is_array() ? std::ssize(pairs) : pairs.get<std::int64_t>()) << name;
 }
 
-TEST(OverlapTruth, CurvesAreAsManyAsTheExactSignsSay) {
+TEST(OverlapTruth, curves_and_segments_have_the_exact_counts) {
     int compared = 0;
     for (const char* const file : {"small.json", "large.json"}) {
         const Json cases = cases_of(file);
@@ -245,7 +245,7 @@ TEST(OverlapTruth, CurvesAreAsManyAsTheExactSignsSay) {
     EXPECT_GE(compared, 11);
 }
 
-TEST(OverlapTruth, BallsOfASceneOverlapByTheExactVolumesRoundedOnce) {
+TEST(OverlapTruth, balls_of_a_scene_have_exact_volumes_rounded_once) {
     const Json truth = truth_of("balls16_18.json");
     if (truth.is_null()) GTEST_SKIP() << "no exact results";
     const std::filesystem::path file = *io::test::data_folder() / truth.at("file").get<std::string>();
@@ -273,7 +273,7 @@ TEST(OverlapTruth, BallsOfASceneOverlapByTheExactVolumesRoundedOnce) {
     EXPECT_EQ(truth.at("rows").size(), 37u);
 }
 
-TEST(OverlapTruth, SurfacesOverlapThemselvesByTheExactVolume) {
+TEST(OverlapTruth, self_overlaps_have_exact_volumes) {
     const Json cases = cases_of("small.json");
     if (cases.is_null()) GTEST_SKIP() << "no exact results";
     int compared = 0;
@@ -297,7 +297,7 @@ TEST(OverlapTruth, SurfacesOverlapThemselvesByTheExactVolume) {
     EXPECT_GE(compared, 3);
 }
 
-TEST(OverlapTruth, RealMeshesHaveTheExactVolumeRoundedOnce) {
+TEST(OverlapTruth, real_meshes_have_exact_volumes_rounded_once) {
     const Json cases = cases_of("large.json");
     if (cases.is_null()) GTEST_SKIP() << "no exact results";
     int compared = 0;
@@ -313,7 +313,7 @@ TEST(OverlapTruth, RealMeshesHaveTheExactVolumeRoundedOnce) {
     EXPECT_GT(compared, 4);
 }
 
-TEST(OverlapTruth, ExchangedSurfacesHaveTheSameVolumeAndOppositeAreaVectors) {
+TEST(OverlapTruth, exchanged_surfaces_have_opposite_area_vectors) {
     const Json cases = cases_of("small.json");
     if (cases.is_null()) GTEST_SKIP() << "no exact results";
     for (const Json& c : cases) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the tests of this folder ask about, and how failures print.
+// Pairs of features for the tests of this folder, and how they print in failures.
 
 #include <ostream>
 

@@ -1,4 +1,5 @@
-// What must not change a distance, what must change it in a known way, and what else it must agree with.
+// Checks of changes that must not change a distance, of changes with a known effect, and of agreement with other
+// computations.
 
 #include <gtest/gtest.h>
 
@@ -18,22 +19,22 @@ namespace {
 
 constexpr int rounds = 150;
 
-/// All that does not depend on how points are numbered.
-struct Answer {
+/// Results that do not depend on how points are numbered.
+struct Results {
     double squared, rounded_down;
     bool touching;
-    friend bool operator==(const Answer&, const Answer&) = default;
-    friend std::ostream& operator<<(std::ostream& out, const Answer& answer) {
-        return out << answer.squared << ", " << answer.rounded_down << (answer.touching ? ", touching" : "");
+    friend bool operator==(const Results&, const Results&) = default;
+    friend std::ostream& operator<<(std::ostream& out, const Results& results) {
+        return out << results.squared << ", " << results.rounded_down << (results.touching ? ", touching" : "");
     }
 };
 
-Answer answer(const Features& features) {
+Results results_of(const Features& features) {
     const RationalDistance distance(features);
     return {distance.squared(), distance.rounded_down(), distance.touching()};
 }
 
-/// The features with their points in other orders.
+/// Returns the features with their points in other orders.
 std::vector<Features> reordered(const Features& features) {
     const auto& [p, q, r, s] = features.point;
     switch (features.kinds) {
@@ -49,17 +50,18 @@ std::vector<Features> reordered(const Features& features) {
     return {vertex_vertex(q, p), vertex_edge(p, q, q), vertex_face(p, q, q, q), edge_edge(p, p, q, q)};
 }
 
-TEST(Distance, DoesNotDependOnTheOrderOfPoints) {
+TEST(Distance, does_not_depend_on_the_order_of_points) {
     for_features(3, rounds, [](const Features& features, auto&) {
-        for (const Features& other : reordered(features)) ASSERT_EQ(answer(other), answer(features)) << features;
+        for (const Features& other : reordered(features))
+            ASSERT_EQ(results_of(other), results_of(features)) << features;
     });
 }
 
-TEST(Distance, DoesNotDependOnTheAxesOrTheOrigin) {
+TEST(Distance, does_not_depend_on_the_axes_or_the_origin) {
     for_features(5, rounds, [](const Features& features, auto&) {
         const auto changed = [&](auto change) {
             const RationalDistance one(features), other(with_points(features, change));
-            return std::pair(answer(with_points(features, change)) == answer(features),
+            return std::pair(results_of(with_points(features, change)) == results_of(features),
                              other.closest() == one.closest());
         };
         const std::pair same(true, true);
@@ -69,7 +71,7 @@ TEST(Distance, DoesNotDependOnTheAxesOrTheOrigin) {
     });
 }
 
-TEST(Distance, FollowsTheUnit) {
+TEST(Distance, scales_with_the_unit) {
     for_features(7, rounds, [](const Features& features, auto&) {
         const RationalDistance distance(features);
         for (const int power : {-1074, -1022, -540, -500, 500, 508, 1017}) {
@@ -89,12 +91,12 @@ TEST(Distance, FollowsTheUnit) {
     });
 }
 
-// Agreement with a search over all pairs of vertex sets: of the points of their affine hulls that are closest, the
-// closest that are in the features. By Lagrange's multipliers, without products of vectors.
+// Search over all pairs of vertex sets, for comparison: finds the closest points of their affine hulls, and the closest
+// of these that are in the features. Uses Lagrange multipliers, and no cross products.
 
 using Matrix = std::vector<std::vector<Rational>>;
 
-/// The solution of a system with its right hand side as last column; none if there is not one alone.
+/// Returns the solution of a system whose last column is the right-hand side, or nothing if it is not unique.
 std::optional<std::vector<Rational>> solve(Matrix rows) {
     const std::size_t n = rows.size();
     for (std::size_t i = 0; i < n; ++i) {
@@ -113,10 +115,10 @@ std::optional<std::vector<Rational>> solve(Matrix rows) {
     return solution;
 }
 
-/// Some points of one feature and some of the other, with the weights that bring their hulls closest.
+/// Chosen points of both features, with the weights of the closest points of their hulls.
 struct Nearest {
     Rational squared;
-    unsigned chosen = 0;           ///< a bit a point
+    unsigned chosen = 0;           ///< one bit per point
     std::vector<Rational> weight;  ///< one for each point of both features
 };
 
@@ -155,7 +157,7 @@ std::optional<Nearest> nearest_of_hulls(const Features& features, std::size_t sp
 
 std::size_t split_of(const Features& features) { return features.kinds == FeatureKinds::edge_edge ? 2 : 1; }
 
-/// The vertex sets of the parts that a type names: points of the first feature are the lower bits.
+/// Returns the vertex sets of the parts, in the order of types. Points of the first feature are the lower bits.
 std::vector<unsigned> parts(FeatureKinds kinds) {
     switch (kinds) {
         case FeatureKinds::vertex_face:
@@ -170,7 +172,7 @@ std::vector<unsigned> parts(FeatureKinds kinds) {
     return {0b11};
 }
 
-/// The first of the closest parts, in the order of their type.
+/// Returns the closest parts, and their type. Of equally close parts, the first type counts.
 std::pair<Nearest, std::uint8_t> search(const Features& features) {
     std::optional<Nearest> best;
     std::uint8_t type = 0, best_type = 0;
@@ -187,7 +189,7 @@ std::pair<Nearest, std::uint8_t> search(const Features& features) {
 
 Rational exactly(double x) { return Rational(x); }
 
-TEST(Distance, IsTheLeastThatASearchOfAllPartsFinds) {
+TEST(Distance, is_the_least_that_a_search_of_all_parts_finds) {
     std::map<std::pair<FeatureKinds, int>, int> found;
     for_features(11, 60, [&](const Features& features, RandomFeatures& random) {
         const RationalDistance distance(features);
@@ -197,7 +199,7 @@ TEST(Distance, IsTheLeastThatASearchOfAllPartsFinds) {
         ASSERT_EQ(closest.type, type) << features;
         ASSERT_EQ(distance.touching(), nearest.squared == 0) << features;
         ASSERT_EQ(distance.squared(), static_cast<double>(nearest.squared)) << features;
-        // Of two such numbers the square of one is below, and that of the other is above.
+        // The square of `down` is at most the squared distance, that of the next number is above it.
         const double down = distance.rounded_down();
         ASSERT_LE(exactly(down) * exactly(down), nearest.squared) << features;
         const Rational up = exactly(std::nextafter(down, 1e9));
@@ -217,7 +219,7 @@ TEST(Distance, IsTheLeastThatASearchOfAllPartsFinds) {
             ASSERT_EQ(distance.within({a, b, false}), nearest.squared <= sum * sum) << features;
             ASSERT_EQ(distance.within({a, b, true}), nearest.squared < sum * sum) << features;
         }
-        // Beside the distance itself.
+        // Radii next to the distance itself.
         const Reach reach{down, 0, false};
         ASSERT_EQ(distance.within(reach), exactly(down) * exactly(down) == nearest.squared) << features;
         ASSERT_TRUE(distance.within({down, std::max(down * 0x1p-52, 0x1p-1074), true})) << features;
@@ -225,7 +227,7 @@ TEST(Distance, IsTheLeastThatASearchOfAllPartsFinds) {
     EXPECT_EQ(found.size(), 7U + 9U + 3U + 1U) << "some type was never found";
 }
 
-TEST(Distance, IsZeroIffTheSetsIntersect) {
+TEST(Distance, is_zero_iff_the_features_intersect) {
     int touching = 0;
     for_features(13, rounds, [&](const Features& features, auto&) {
         const auto& [p, q, r, s] = features.point;
@@ -241,8 +243,8 @@ TEST(Distance, IsZeroIffTheSetsIntersect) {
     EXPECT_GT(touching, 100);
 }
 
-// Each coordinate with a magnitude of its own, over nearly all of float64.
-TEST(Distance, OfAnyMagnitudesKeepsItsSymmetries) {
+// Gives each coordinate a magnitude of its own, over nearly all of float64.
+TEST(Distance, keeps_its_symmetries_for_any_magnitudes) {
     for (const FeatureKinds kinds : all_kinds) {
         RandomFeatures random(Points::tiny, 17);
         for (int i = 0; i < 20; ++i) {
@@ -250,23 +252,24 @@ TEST(Distance, OfAnyMagnitudesKeepsItsSymmetries) {
                 for (int axis = 0; axis < 3; ++axis) p[axis] = std::ldexp(p[axis], random.below(2'000) - 1'000);
                 return p;
             });
-            for (const Features& other : reordered(features)) ASSERT_EQ(answer(other), answer(features)) << features;
+            for (const Features& other : reordered(features))
+                ASSERT_EQ(results_of(other), results_of(features)) << features;
             const RationalDistance distance(features);
             const double down = distance.rounded_down();
             ASSERT_TRUE(distance.within({std::nextafter(down, INFINITY), 0, true})) << features;
             ASSERT_FALSE(distance.within({down, 0, true})) << features;
-            ASSERT_EQ(answer(with_points(features,
-                                         [](Vec3d p) {
-                                             return Vec3d{p.z, -p.x, p.y};
-                                         })),
-                      answer(features))
+            ASSERT_EQ(results_of(with_points(features,
+                                             [](Vec3d p) {
+                                                 return Vec3d{p.z, -p.x, p.y};
+                                             })),
+                      results_of(features))
                 << features;
         }
     }
 }
 
-// The distance is no more than that of any points, and the smaller a part the greater its distance.
-TEST(Distance, IsAtMostThatOfParts) {
+// The distance is at most that of any parts, and the smaller a part, the greater its distance.
+TEST(Distance, is_at_most_that_of_parts) {
     for_features(19, rounds, [](const Features& features, auto&) {
         const auto& [p, q, r, s] = features.point;
         std::vector<Features> smaller;
@@ -276,8 +279,8 @@ TEST(Distance, IsAtMostThatOfParts) {
             smaller = {vertex_edge(p, r, s), vertex_edge(q, r, s), vertex_edge(r, p, q), vertex_edge(s, p, q)};
         if (features.kinds == FeatureKinds::vertex_edge) smaller = {vertex_vertex(p, q), vertex_vertex(p, r)};
         for (const Features& part : smaller) {
-            ASSERT_LE(answer(features).squared, answer(part).squared) << features;
-            ASSERT_LE(answer(features).rounded_down, answer(part).rounded_down) << features;
+            ASSERT_LE(results_of(features).squared, results_of(part).squared) << features;
+            ASSERT_LE(results_of(features).rounded_down, results_of(part).rounded_down) << features;
         }
     });
 }

@@ -1,4 +1,4 @@
-// Features near each other in frames of real scenes, against exact answers from outside, bit by bit.
+// Compares distances of features in frames of real scenes bit by bit with exact results of external origin.
 
 #include <gtest/gtest.h>
 
@@ -23,11 +23,11 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Frame {
-    std::string answer, mesh;  ///< names of files
+    std::string result_file, mesh;  ///< names of files
     double radius;
-    std::size_t every;  ///< how many lines of the answer stand for one that rational arithmetic alone is asked
+    std::size_t every;  ///< rational arithmetic checks one of so many lines
     std::size_t lines, touching;
-    friend std::ostream& operator<<(std::ostream& out, const Frame& frame) { return out << frame.answer; }
+    friend std::ostream& operator<<(std::ostream& out, const Frame& frame) { return out << frame.result_file; }
 };
 
 class Mesh {
@@ -58,7 +58,7 @@ class Mesh {
     io::TriangleMesh mesh_;
 };
 
-/// A line of an answer.
+/// Line of a file of results.
 struct Line {
     bool face;
     std::array<std::int32_t, 4> id{};  ///< a vertex and a face, or two edges by their ends
@@ -87,17 +87,17 @@ class DistanceTruth : public testing::TestWithParam<Frame> {
     void SetUp() override {
         const auto folder = io::test::data_folder();
         if (!folder) GTEST_SKIP() << "no scenes: set CRUMPLE_DATA";
-        const fs::path answer = *folder / "gt-motion" / GetParam().answer;
-        if (!fs::exists(answer)) GTEST_SKIP() << "no answers for features that are near";
+        const fs::path result_file = *folder / "gt-motion" / GetParam().result_file;
+        if (!fs::exists(result_file)) GTEST_SKIP() << "no answers for features that are near";
         mesh_.emplace(*folder / "scalable-ccd" / GetParam().mesh);
-        lines_ = read_lines(answer);
+        lines_ = read_lines(result_file);
     }
 
     std::optional<Mesh> mesh_;
     std::vector<Line> lines_;
 };
 
-TEST_P(DistanceTruth, IsFoundToTheLastBit) {
+TEST_P(DistanceTruth, matches_to_the_last_bit) {
     const Frame& frame = GetParam();
     const double radius = frame.radius;
     DistanceCounts counts;
@@ -130,12 +130,13 @@ TEST_P(DistanceTruth, IsFoundToTheLastBit) {
     EXPECT_LE(counts.rational, static_cast<std::int64_t>(lines_.size() / 100 + touching)) << "of " << lines_.size();
 }
 
-/// Items whose intervals along an axis come closer than a gap, each two once.
+/// Interval of an item along an axis.
 struct Interval {
     double low, high;
     std::int32_t item;
 };
 
+/// Calls visit(x, y) once for each two items of `a` and `b` whose intervals come closer than `gap`.
 template <class Visit>
 void for_close_intervals(std::vector<Interval> a, std::vector<Interval> b, double gap, Visit visit) {
     const auto by_low = [](const Interval& x, const Interval& y) { return x.low < y.low; };
@@ -154,8 +155,8 @@ void for_close_intervals(std::vector<Interval> a, std::vector<Interval> b, doubl
 
 class NearPairs : public DistanceTruth {};
 
-// Of all pairs of features, as many are near as the list has, which are.
-TEST_P(NearPairs, AreThoseOfTheList) {
+// Counts the near pairs of all features: the pairs in the list are near, so equal numbers mean equal sets.
+TEST_P(NearPairs, are_as_many_as_in_the_list) {
     const Mesh& mesh = *mesh_;
     const Reach reach{GetParam().radius, 0, false};
     const auto interval = [&](std::int32_t item, std::initializer_list<std::int32_t> ids) {
@@ -205,7 +206,7 @@ const Frame balls{
     "prox_n-body_18.txt", "n-body-simulation/frames/balls16_18.ply", 0.020874753594398499, 1, 98'012, 3'520};
 
 std::string test_name(const testing::TestParamInfo<Frame>& info) {
-    std::string name = info.param.answer.substr(0, info.param.answer.find('.'));
+    std::string name = info.param.result_file.substr(0, info.param.result_file.find('.'));
     for (char& c : name) c = c == '-' ? '_' : c;
     return name;
 }

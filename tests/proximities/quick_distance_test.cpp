@@ -1,5 +1,5 @@
-// What floating-point arithmetic says of a distance is what rational arithmetic says, wherever it says anything; and it
-// nearly always does.
+// Checks that floating-point decisions about distances agree with rational arithmetic, and that floating-point
+// arithmetic nearly always decides.
 
 #include "exact/proximity/quick_distance.h"
 
@@ -19,18 +19,18 @@
 namespace crumple {
 namespace {
 
-/// How often something was asked, and how often there was no answer.
+/// Counts of attempts, and of those that left the result undecided.
 struct Share {
-    int asked = 0, open = 0;
-    void count(bool answered) { ++asked, open += !answered; }
-    double value() const { return static_cast<double>(open) / asked; }
+    int attempts = 0, undecided = 0;
+    void count(bool is_decided) { ++attempts, undecided += !is_decided; }
+    double value() const { return static_cast<double>(undecided) / attempts; }
 };
 
 struct Shares {
     Share within, squared, down, closest;
 };
 
-/// Squared distances by lanes of a table, a batch full of each.
+/// Returns the squared distances that a table computes in lanes for a batch full of the same features.
 std::array<double, cpu::GuessBatch::most> squared_in_lanes(const cpu::FeatureTables& table, const Features& features) {
     cpu::GuessBatch batch;
     const detail::Guess guess = detail::guess_closest(detail::Differences(features));
@@ -56,7 +56,7 @@ void expect_no_contradiction(Proximity proximity, const RationalDistance& exact,
         << features << " at " << reach.a << " + " << reach.b << (reach.strict ? ", strict" : "");
 }
 
-/// Radii at the distance and beside it, by units in the last place and less, and by more.
+/// Calls `check` for radii at the distance and next to it, by units in the last place and less, and by more.
 template <class Check>
 void for_reaches(double distance, Check check) {
     for (const bool strict : {false, true}) {
@@ -70,7 +70,7 @@ void for_reaches(double distance, Check check) {
     }
 }
 
-void expect_same_answers(const Features& features, Shares& shares) {
+void expect_exact_results(const Features& features, Shares& shares) {
     const RationalDistance exact(features);
     const double down = exact.rounded_down();
     const QuickDistance quick(features);
@@ -99,9 +99,9 @@ void expect_same_answers(const Features& features, Shares& shares) {
     if (squared) {
         ASSERT_EQ(rounded, exact.squared()) << features;
     }
-    const bool known_down = enclosure.rounded_down(rounded);
-    shares.down.count(known_down);
-    if (known_down) {
+    const bool is_down_decided = enclosure.rounded_down(rounded);
+    shares.down.count(is_down_decided);
+    if (is_down_decided) {
         ASSERT_EQ(rounded, down) << features;
     }
     ClosestPoints points;
@@ -142,11 +142,11 @@ void expect_same_answers(const Features& features, Shares& shares) {
     ASSERT_LE(counts.rational, 1) << features;
 }
 
-/// Points that are as hard as possible, and how: a change of a lattice's.
+/// Change of lattice points that makes them as hard as possible.
 struct Disturbance {
     std::string name;
     std::function<Vec3d(Vec3d, RandomFeatures&)> change;
-    double most_open;  ///< share of each answer that may be left to rationals
+    double most_undecided;  ///< highest share of each result that may be left to rationals
     friend std::ostream& operator<<(std::ostream& out, const Disturbance& disturbance) {
         return out << disturbance.name;
     }
@@ -205,28 +205,28 @@ const Disturbance disturbances[] = {
      0.9},
 };
 
-class QuickAnswers : public testing::TestWithParam<Disturbance> {};
+class QuickResults : public testing::TestWithParam<Disturbance> {};
 
-TEST_P(QuickAnswers, AreTheExactOnes) {
+TEST_P(QuickResults, equal_exact_results) {
     Shares shares;
     for_features(23, 60, [&](Features features, RandomFeatures& random) {
         for (Vec3d& p : features.point) p = GetParam().change(p, random);
-        expect_same_answers(features, shares);
+        expect_exact_results(features, shares);
     });
-    EXPECT_LE(shares.within.value(), GetParam().most_open);
-    EXPECT_LE(shares.squared.value(), GetParam().most_open);
-    EXPECT_LE(shares.down.value(), GetParam().most_open);
-    EXPECT_LE(shares.closest.value(), GetParam().most_open);
+    EXPECT_LE(shares.within.value(), GetParam().most_undecided);
+    EXPECT_LE(shares.squared.value(), GetParam().most_undecided);
+    EXPECT_LE(shares.down.value(), GetParam().most_undecided);
+    EXPECT_LE(shares.closest.value(), GetParam().most_undecided);
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, QuickAnswers, testing::ValuesIn(disturbances), [](const auto& info) {
+INSTANTIATE_TEST_SUITE_P(Of, QuickResults, testing::ValuesIn(disturbances), [](const auto& info) {
     std::string name = info.param.name;
     for (char& c : name) c = c == '-' ? '_' : c;
     return name;
 });
 
-// Lanes that measure anything measure nearly all in general position.
-TEST(QuickDistance, IsToldByLanes) {
+// Kernels that decide anything decide nearly all features in general position.
+TEST(QuickDistance, is_nearly_always_decided_in_lanes) {
     const auto tables = cpu::all_feature_kernels();
     std::vector<Share> shares(tables.size());
     for_features(31, 60, [&](Features features, RandomFeatures& random) {
@@ -235,12 +235,13 @@ TEST(QuickDistance, IsToldByLanes) {
         for (std::size_t i = 0; i < tables.size(); ++i)
             shares[i].count(!std::isnan(squared_in_lanes(*tables[i], features)[0]));
     });
-    for (const Share& share : shares) EXPECT_TRUE(share.open == share.asked || share.value() < 0.02) << share.value();
-    EXPECT_EQ(shares.front().open, shares.front().asked);  // the plain table leaves all to the enclosure
+    for (const Share& share : shares)
+        EXPECT_TRUE(share.undecided == share.attempts || share.value() < 0.02) << share.value();
+    EXPECT_EQ(shares.front().undecided, shares.front().attempts);  // the plain table leaves all to the enclosure
 }
 
-// A batch has features of all kinds, and any number of them.
-TEST(QuickDistance, IsToldByLanesOfAnyBatch) {
+// A batch can hold any number of features of all kinds.
+TEST(QuickDistance, in_lanes_does_not_depend_on_the_batch) {
     for (const auto* table : cpu::all_feature_kernels())
         for (std::size_t count = 0; count <= cpu::GuessBatch::most; ++count) {
             RandomFeatures random(Points::wide, 37);
@@ -259,7 +260,7 @@ TEST(QuickDistance, IsToldByLanesOfAnyBatch) {
 }
 
 // On a lattice nothing is rounded, so ties are no reason for rationals.
-TEST(QuickDistance, DecidesTiesOfLattices) {
+TEST(QuickDistance, decides_ties_of_lattices_without_rationals) {
     const Vec3d o{0, 0, 0}, x{4, 0, 0}, y{0, 4, 0};
     const struct {
         Features features;
@@ -309,8 +310,8 @@ TEST(QuickDistance, DecidesTiesOfLattices) {
     }
 }
 
-// Bounds that are right may still be useless.
-TEST(QuickDistance, IsEnclosedTightly) {
+// Correct bounds could still be too wide.
+TEST(QuickDistance, is_enclosed_tightly) {
     double closest_to_bound = 0;
     for_features(29, 60, [&](Features features, RandomFeatures& random) {
         features = with_points(

@@ -28,14 +28,14 @@ class RandomFeatures {
         return with_points({kinds, {}}, [&](const Vec3d&) { return position(); });
     }
 
-    /// 0 to n - 1, the same on every machine.
+    /// Returns a number from 0 to n - 1, the same on every machine.
     int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
 
    private:
     Vec3d position() {
         if (points_ == Points::line) return static_cast<double>(below(9) - 4) * Vec3d{1, -1, 2};
-        const int reach = points_ == Points::tiny ? 1 : points_ == Points::wide ? 50 : 3;
-        const auto number = [&] { return static_cast<double>(below(2 * reach + 1) - reach); };
+        const int extent = points_ == Points::tiny ? 1 : points_ == Points::wide ? 50 : 3;
+        const auto number = [&] { return static_cast<double>(below(2 * extent + 1) - extent); };
         Vec3d p{number(), number(), number()};
         if (points_ == Points::plane) p.z = -p.x - p.y;
         return p;

@@ -1,5 +1,5 @@
-// Features placed by hand, with distances that can be seen, for every way in which they can be degenerate; and the
-// borders of rounding.
+// Tests on handmade features with evident distances, for every way in which they can be degenerate, and at the borders
+// of rounding.
 
 #include "exact/proximity/rational_distance.h"
 
@@ -29,10 +29,10 @@ void expect(const Features& features, double squared, Type type, double first, d
     EXPECT_EQ(distance.closest(), closest(type, first, second)) << features;
 }
 
-// Against the face with corners (0, 0, 0), (4, 0, 0), (0, 4, 0).
+// Returns a vertex and the face with corners (0, 0, 0), (4, 0, 0), (0, 4, 0).
 Features to_face(const Vec3d& p) { return vertex_face(p, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}); }
 
-TEST(VertexFaceDistance, IsToTheInside) {
+TEST(VertexFaceDistance, is_measured_to_the_inside) {
     using enum VertexFaceType;
     expect(to_face({1, 2, 3}), 9, P_T, 0.25, 0.5);
     expect(to_face({1, 2, -3}), 9, P_T, 0.25, 0.5);
@@ -40,7 +40,7 @@ TEST(VertexFaceDistance, IsToTheInside) {
     expect(to_face({least_float, 1, 0}), 0, P_T, 0, 0.25);  // its u rounds to 0, and yet it is inside
 }
 
-TEST(VertexFaceDistance, IsToTheEdges) {
+TEST(VertexFaceDistance, is_measured_to_the_edges) {
     using enum VertexFaceType;
     expect(to_face({1, -2, 3}), 13, P_E0, 0.25, 0);
     expect(to_face({-2, 3, 3}), 13, P_E2, 0, 0.75);
@@ -50,7 +50,7 @@ TEST(VertexFaceDistance, IsToTheEdges) {
     expect(to_face({1, 3, 0}), 0, P_E1, 0.25, 0.75);
 }
 
-TEST(VertexFaceDistance, IsToTheCorners) {
+TEST(VertexFaceDistance, is_measured_to_the_corners) {
     using enum VertexFaceType;
     expect(to_face({-1, -2, 2}), 9, P_T0, 0, 0);
     expect(to_face({6, -1, 0}), 5, P_T1, 1, 0);
@@ -59,7 +59,7 @@ TEST(VertexFaceDistance, IsToTheCorners) {
     expect(to_face({4, 0, 2}), 4, P_T1, 1, 0);
 }
 
-TEST(VertexFaceDistance, IsToCollapsedFaces) {
+TEST(VertexFaceDistance, is_measured_to_collapsed_faces) {
     using enum VertexFaceType;
     const Vec3d o{0, 0, 0}, x{4, 0, 0}, half{2, 0, 0};
     // On one line, with each corner in the middle: the first edge that holds the closest point.
@@ -79,13 +79,13 @@ TEST(VertexFaceDistance, IsToCollapsedFaces) {
     expect(vertex_face(x, x, x, x), 0, P_T0, 0, 0);
 }
 
-TEST(EdgeEdgeDistance, IsBetweenTheInsides) {
+TEST(EdgeEdgeDistance, is_measured_between_the_insides) {
     using enum EdgeEdgeType;
     expect(edge_edge({0, 0, 0}, {4, 0, 0}, {1, -1, 3}, {1, 7, 3}), 9, EA_EB, 0.25, 0.125);
     expect(edge_edge({0, 0, 0}, {4, 0, 0}, {1, -1, 0}, {1, 7, 0}), 0, EA_EB, 0.25, 0.125);
 }
 
-TEST(EdgeEdgeDistance, IsFromAnEndToTheInside) {
+TEST(EdgeEdgeDistance, is_measured_from_an_end_to_the_inside) {
     using enum EdgeEdgeType;
     const Vec3d o{0, 0, 0}, x{4, 0, 0};
     expect(edge_edge(o, x, {1, 1, 2}, {2, 5, 9}), 5, EA_EB0, 0.25, 0);
@@ -96,7 +96,7 @@ TEST(EdgeEdgeDistance, IsFromAnEndToTheInside) {
     expect(edge_edge(o, x, {1, 0, 2}, {1, 5, 2}), 4, EA_EB0, 0.25, 0);
 }
 
-TEST(EdgeEdgeDistance, IsBetweenEnds) {
+TEST(EdgeEdgeDistance, is_measured_between_ends) {
     using enum EdgeEdgeType;
     const Vec3d o{0, 0, 0}, x{4, 0, 0}, near{5, 1, 1}, far{9, 2, 3};
     expect(edge_edge(x, o, near, far), 3, EA0_EB0, 0, 0);
@@ -105,7 +105,7 @@ TEST(EdgeEdgeDistance, IsBetweenEnds) {
     expect(edge_edge(o, x, far, near), 3, EA1_EB1, 1, 1);
 }
 
-TEST(EdgeEdgeDistance, OfParallelsIsTakenAtTheFirstPartsOfLowestDimension) {
+TEST(EdgeEdgeDistance, of_parallel_edges_is_at_the_first_smallest_parts) {
     using enum EdgeEdgeType;
     const auto at = [](double from, double to, double y) { return std::array{Vec3d{from, y, 0}, Vec3d{to, y, 0}}; };
     const auto expect_pair = [&](std::array<Vec3d, 2> first, std::array<Vec3d, 2> second, EdgeEdgeType type, double s,
@@ -126,7 +126,7 @@ TEST(EdgeEdgeDistance, OfParallelsIsTakenAtTheFirstPartsOfLowestDimension) {
     expect(edge_edge({0, 0, 0}, {4, 0, 0}, {9, 0, 0}, {1, 0, 0}), 0, EA_EB1, 0.25, 1);
 }
 
-TEST(EdgeEdgeDistance, IsToCollapsedEdges) {
+TEST(EdgeEdgeDistance, is_measured_to_collapsed_edges) {
     using enum EdgeEdgeType;
     const Vec3d o{0, 0, 0}, x{4, 0, 0}, p{1, 2, 0}, q{5, 0, 0};
     expect(edge_edge(o, x, p, p), 4, EA_EB0, 0.25, 0);
@@ -137,7 +137,7 @@ TEST(EdgeEdgeDistance, IsToCollapsedEdges) {
     expect(edge_edge(p, p, p, p), 0, EA0_EB0, 0, 0);
 }
 
-TEST(VertexEdgeDistance, IsToTheInsideAndToTheEnds) {
+TEST(VertexEdgeDistance, is_measured_to_the_inside_and_to_the_ends) {
     using enum VertexEdgeType;
     const Vec3d o{0, 0, 0}, x{4, 0, 0};
     expect(vertex_edge({1, 2, 2}, o, x), 8, P_E, 0.25, 0);
@@ -150,13 +150,13 @@ TEST(VertexEdgeDistance, IsToTheInsideAndToTheEnds) {
     expect(vertex_edge({1, 0, 1}, o, {3, 0, 0}), 1, P_E, 1.0 / 3, 0);
 }
 
-TEST(VertexVertexDistance, IsTheLengthOfTheDifference) {
+TEST(VertexVertexDistance, is_the_length_of_the_difference) {
     expect(vertex_vertex({1, 2, 3}, {2, 4, 5}), 9, 0, 0, 0);
     expect(vertex_vertex({1, 2, 3}, {1, 2, 3}), 0, 0, 0, 0);
     expect(vertex_vertex({0, 0, 0}, {-0.0, 0, -0.0}), 0, 0, 0, 0);
 }
 
-TEST(Distance, IsComparedWithAnExactSumOfRadii) {
+TEST(Distance, is_compared_with_an_exact_sum_of_radii) {
     const RationalDistance five(vertex_vertex({0, 0, 0}, {3, 4, 0}));
     EXPECT_TRUE(five.within({5, 0, false}));
     EXPECT_FALSE(five.within({5, 0, true}));
@@ -173,13 +173,13 @@ TEST(Distance, IsComparedWithAnExactSumOfRadii) {
 
     // The square root of 2 is in no sum of two float64 numbers, but between two of them.
     const RationalDistance root(vertex_vertex({0, 0, 0}, {1, 1, 0}));
-    const double below = 0x1.6a09e667f3bccp+0, rest = 0x1.21165f626cdd5p-53;  // the rest is rounded down
-    EXPECT_FALSE(root.within({below, rest, false}));
-    EXPECT_TRUE(root.within({below, std::nextafter(rest, 1), true}));
+    const double below = 0x1.6a09e667f3bccp+0, remainder = 0x1.21165f626cdd5p-53;  // the remainder is rounded down
+    EXPECT_FALSE(root.within({below, remainder, false}));
+    EXPECT_TRUE(root.within({below, std::nextafter(remainder, 1), true}));
     EXPECT_EQ(root.rounded_down(), below);
 }
 
-TEST(Distance, OfFloatsBeyondEachOther) {
+TEST(Distance, is_right_at_the_limits_of_float64) {
     const RationalDistance widest(vertex_vertex({-largest_float, 0, 0}, {largest_float, 0, 0}));
     EXPECT_EQ(widest.squared(), infinity);
     EXPECT_EQ(widest.rounded_down(), largest_float);
@@ -202,7 +202,7 @@ TEST(Distance, OfFloatsBeyondEachOther) {
     EXPECT_EQ(nearer.closest(), closest(VertexEdgeType::P_E, 0x1p-52, 0));
 }
 
-TEST(Distance, SquaredIsRoundedToNearestEven) {
+TEST(Distance, squared_is_rounded_to_nearest_even) {
     // 2^-53 beside 1: half a unit in the last place; what is next to it decides.
     const double half = 0x1p-53;
     const auto squared = [](double y, double z) {
@@ -226,7 +226,7 @@ TEST(Distance, SquaredIsRoundedToNearestEven) {
     EXPECT_EQ(limit(x, 0x1.8p485, 0x1p485), infinity);
 }
 
-TEST(Distance, SquaredMayBeSubnormal) {
+TEST(Distance, squared_can_be_subnormal) {
     EXPECT_EQ(RationalDistance(vertex_vertex({0, 0, 0}, {0x1p-537, 0, 0})).squared(), least_float);
     EXPECT_EQ(RationalDistance(vertex_vertex({0, 0, 0}, {0x1p-538, 0x1p-538, 0})).squared(), 0);  // a tie
     EXPECT_EQ(RationalDistance(vertex_vertex({0, 0, 0}, {0x1p-538, 0x1p-538, least_float})).squared(), least_float);

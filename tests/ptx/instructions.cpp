@@ -1,6 +1,6 @@
-// Functions of PTX's instructions, by name: only those that the kernels have, each for all of its types.
+// Implementations of PTX instructions, by name: only those that the kernels use, each for all of its types.
 //
-// Compiled with -frounding-math, since some set the rounding mode.
+// Compiled with -frounding-math, since some of them set the rounding mode.
 
 #include <bit>
 #include <cfenv>
@@ -60,7 +60,7 @@ void select(Thread& t, const Instruction& i) {
     put(t, i.slot[0], get<T>(t, i.slot[get<bool>(t, i.slot[3]) ? 1 : 2]));
 }
 
-// Memory. On a device an address that is not a multiple of what is read or written is an error.
+// Memory accesses. An address that is not a multiple of the size of the access is an error on a device.
 std::byte* place(Thread& t, std::uint32_t slot, std::int64_t offset, std::size_t alignment) {
     const std::uint64_t address = t.slots[slot] + static_cast<std::uint64_t>(offset);
     if (address < 4096) throw Failure("PTX reads or writes through a null pointer");
@@ -107,13 +107,13 @@ Run reduce(F) {
     return [](Thread& t, const Instruction& i) { update<T, F>(t, i.slot[0], i.slot[1], i.number); };
 }
 
-// Arithmetic that rounds as the instruction says.
+// Runs arithmetic in the rounding mode of the instruction.
 template <int mode, class Work>
 auto rounded(Work work) {
     if constexpr (mode == FE_TONEAREST) return work();
     std::fesetround(mode);
     auto result = work();
-    // So that the mode is not set back before.
+    // Keeps the compiler from restoring the mode before the operation.
     if constexpr (std::is_same_v<decltype(result), double> || std::is_same_v<decltype(result), float>)
         asm volatile("" : "+x"(result));
     std::fesetround(FE_TONEAREST);
@@ -131,7 +131,7 @@ void add_rounded(Table& table, const std::string& suffix) {
     table["rcp" + suffix] = one<T>([](T a) { return rounded<mode>([&] { return T{1} / a; }); });
 }
 
-// The smaller one: a number rather than NaN, and -0 before +0.
+// Returns the smaller operand: a number rather than NaN, and -0 before +0.
 template <class T>
 T smaller(T a, T b) {
     if (std::isnan(a) || std::isnan(b)) return std::isnan(a) ? b : a;
@@ -247,7 +247,8 @@ void add_memory(Table& table, const std::string& type) {
     table["st.v4." + type] = store<T, 4>;
 }
 
-// Conversions. Those of integers take the low bits, or extend by the sign of the source; to integers they saturate.
+// Conversions. Integers to integers take the low bits, or extend by the sign of the source; conversions to integers
+// saturate.
 template <class To, class From>
 void convert(Thread& t, const Instruction& i) {
     if constexpr (std::is_signed_v<To>) {  // up to the width of the register
@@ -312,7 +313,7 @@ void leave(Thread& t, const Instruction&) { t.next = nullptr; }
 void call(Thread& t, const Instruction& i) { t.call(t.function->calls[static_cast<std::size_t>(i.number)]); }
 void nothing(Thread&, const Instruction&) {}
 
-// A warp of one lane: it sees itself.
+// A warp has one lane, which sees only itself.
 void add_warp(Table& table) {
     table["vote.sync.ballot.b32"] = [](Thread& t, const Instruction& i) {
         put(t, i.slot[0], static_cast<uint32_t>(get<bool>(t, i.slot[1])));

@@ -1,4 +1,4 @@
-// The interpreter of PTX by itself, on small programs.
+// Tests of the PTX interpreter on small programs.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace crumple::ptx {
 namespace {
 
-/// Runs a kernel's body, which stores its result where %rd0 points.
+/// Runs a kernel's body, which stores its result at the address in %rd0.
 template <class Result, class... Values>
 Result run(const std::string& body, Values... values) {
     std::string parameters = ".param .u64 out";
@@ -44,7 +44,7 @@ std::string failure_of(Work work) {
     return "no failure";
 }
 
-TEST(Ptx, rounds_as_the_instruction_says) {
+TEST(Ptx, arithmetic_rounds_as_the_instruction_says) {
     const auto sum = [](const std::string& rounding) {
         return run<double>("ld.param.f64 %fd1, [in0];\nld.param.f64 %fd2, [in1];\nadd." + rounding +
                                ".f64 %fd3, %fd1, %fd2;\nst.global.f64 [%rd0], %fd3;",
@@ -63,7 +63,7 @@ TEST(Ptx, rounds_as_the_instruction_says) {
               std::nextafter(0.1f, 1.f) > 0.1 && 0.1f < 0.1 ? std::nextafter(0.1f, 1.f) : 0.1f);
 }
 
-TEST(Ptx, treats_nan_and_zeros_as_a_device_does) {
+TEST(Ptx, nan_and_zeros_behave_as_on_a_device) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::string load = "ld.param.f64 %fd1, [in0];\nld.param.f64 %fd2, [in1];\n";
     const auto compare = [&](const std::string& how, double a, double b) {
@@ -83,7 +83,7 @@ TEST(Ptx, treats_nan_and_zeros_as_a_device_does) {
     EXPECT_TRUE(std::signbit(least(0., -0.)));
 }
 
-TEST(Ptx, handles_integers_of_every_width) {
+TEST(Ptx, integers_of_every_width_work) {
     EXPECT_EQ(run<std::uint32_t>("ld.param.s8 %r1, [in0];\nst.global.u32 [%rd0], %r1;", std::int8_t{-3}), 0xfffffffdu);
     EXPECT_EQ(run<std::uint64_t>("ld.param.u32 %r1, [in0];\nmul.wide.s32 %rd1, %r1, -2;\nst.global.u64 [%rd0], %rd1;",
                                  std::uint32_t{5}),
@@ -101,7 +101,7 @@ TEST(Ptx, handles_integers_of_every_width) {
               0x5566778811228844u);
 }
 
-TEST(Ptx, extracts_fields_of_bits) {
+TEST(Ptx, bit_fields_are_extracted) {
     const auto field = [](const std::string& type, std::uint32_t value, int begin, int length) {
         return run<std::uint32_t>("ld.param.u32 %r1, [in0];\nbfe." + type + " %r2, %r1, " + std::to_string(begin) +
                                       ", " + std::to_string(length) + ";\nst.global.u32 [%rd0], %r2;",
@@ -113,13 +113,13 @@ TEST(Ptx, extracts_fields_of_bits) {
     EXPECT_EQ(field("u32", 0x80c01234, 32, 8), 0u);
 }
 
-TEST(Ptx, takes_minus_one_for_true) {
+TEST(Ptx, minus_one_is_true) {
     EXPECT_EQ(run<std::uint32_t>("mov.pred %p1, -1;\nsetp.eq.u32 %p2, 7, 7;\nxor.pred %p3, %p1, %p2;\n"
                                  "selp.u32 %r1, 1, 0, %p3;\nst.global.u32 [%rd0], %r1;"),
               0u);
 }
 
-TEST(Ptx, calls_functions_and_follows_branches) {
+TEST(Ptx, calls_and_branches_work) {
     Program program(R"(.version 9.0
 .target sm_90
 .address_size 64
@@ -185,7 +185,7 @@ $loop:
     EXPECT_EQ(out.one, 1);
 }
 
-TEST(Ptx, refuses_what_it_does_not_know_and_what_a_device_would) {
+TEST(Ptx, unknown_instructions_and_invalid_accesses_are_rejected) {
     EXPECT_EQ(failure_of([] { run<float>("ex2.approx.f32 %f1, %f2;"); }),
               "unknown PTX instruction: ex2.approx.f32 %f1, %f2 (ex2.approx.f32)");
     EXPECT_EQ(failure_of([] { run<double>("ld.global.f32 %f1, [%rd0+2];"); }),
@@ -195,7 +195,7 @@ TEST(Ptx, refuses_what_it_does_not_know_and_what_a_device_would) {
     EXPECT_EQ(failure_of([] { run<double>("bra $nowhere;"); }), "no label $nowhere");
 }
 
-TEST(Ptx, names_kernels_as_the_hosts_compiler_does) {
+TEST(Ptx, kernel_names_match_those_of_the_host_compiler) {
     EXPECT_EQ(without_file("_ZN7crumple4cuda41_GLOBAL__N__aa120d3c_9_narrow_cu_08f00e5112exact_kernelENS_5SceneE"),
               "_ZN7crumple4cuda12_GLOBAL__N_112exact_kernelENS_5SceneE");
     EXPECT_EQ(without_file("_ZN7crumple4cuda12_GLOBAL__N_112exact_kernelENS_5SceneE"),

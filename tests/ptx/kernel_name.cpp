@@ -14,7 +14,7 @@
 namespace crumple::ptx {
 namespace {
 
-// Functions by their addresses in the file. Kernels are local symbols, so dladdr() does not know them.
+// Returns names of functions by their addresses in the file. Kernels are local symbols, which dladdr() does not find.
 std::map<std::uintptr_t, std::string> read_symbols() {
     std::ifstream file("/proc/self/exe", std::ios::binary);
     const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
@@ -61,7 +61,7 @@ std::string symbol_at(const void* address) {
     return found == symbols.end() ? std::string() : found->second;
 }
 
-// A name within a namespace is its length and its letters: "12_GLOBAL__N_1".
+// A name within a namespace is mangled as its length and its letters: "12_GLOBAL__N_1".
 std::string without_file(std::string name) {
     const std::size_t begin = name.find("_GLOBAL__N_");
     if (begin == name.npos) return name;

@@ -1,5 +1,5 @@
-// The kernels that decide, as nvcc compiles them, against the cpu backend, bit for bit. All else of the cuda backend is
-// run by its C++, as in the other tests, and brings the kernels their cases.
+// Compares the kernels that decide, as compiled by nvcc to PTX, with the cpu backend, bit by bit. The C++ of the other
+// kernels runs as in other tests and provides the cases.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,8 @@ namespace {
 
 using cuda_on_cpu::settings;
 
-/// Fat binaries or texts, from the variable CRUMPLE_PTX, else those that the tests of the kernels' budgets have left.
+/// Returns the fat binaries or PTX texts in the variable CRUMPLE_PTX, otherwise those that the tests of kernels'
+/// budgets have written.
 std::vector<std::string> ptx_files() {
     const char* chosen = std::getenv("CRUMPLE_PTX");
     std::istringstream list(chosen ? chosen : CRUMPLE_PTX_FILES);
@@ -32,8 +33,8 @@ std::vector<std::string> ptx_files() {
     return files;
 }
 
-/// True if a kernel decides about edges and points that are listed, by a template's argument.
-bool is_of_lists(const std::string& kernel) { return kernel.find("ELb1E") != kernel.npos; }
+/// True if a kernel decides about codimensional edges and points, according to a template argument in its name.
+bool is_codimensional(const std::string& kernel) { return kernel.find("ELb1E") != kernel.npos; }
 
 class KernelsByTheirPtx : public testing::Test {
    protected:
@@ -52,13 +53,13 @@ class KernelsByTheirPtx : public testing::Test {
     }
     template <class Scalar>
     void expect_same(const MovingSoup<Scalar>& soup, double unit) {
-        for (const double separation : {0., 0.75 * unit}) {
-            const ImpactQuery query{.min_distance = separation};
+        for (const double min_distance : {0., 0.75 * unit}) {
+            const ImpactQuery query{.min_distance = min_distance};
             const Impacts& found = cuda_.find(soup.view().moving_to(soup.end_view()), query);
             EXPECT_TRUE(same_features(found, cpu_.find(soup.view().moving_to(soup.end_view()), query)));
             impacts_ += found.count;
         }
-        for (const double radius : {unit, 1.5 * unit}) {  // on a grid many distances are the first one
+        for (const double radius : {unit, 1.5 * unit}) {  // on a grid many distances equal the first one
             const ProximityQuery query{.radius = radius};
             const Proximities& found = cuda_.find(soup.view(), query);
             EXPECT_TRUE(same_features(found, cpu_.find(soup.view(), query)));
@@ -68,20 +69,20 @@ class KernelsByTheirPtx : public testing::Test {
 
     ptx::Kernels kernels_{ptx_files(), {"exact_kernel", "contact_kernel", "decide_kernel", "close_kernel"}};
     Detector cpu_{{.backend = Backend::cpu}};
-    Detector cuda_{{.backend = Backend::cuda}};  // made before kernels are run by their PTX
+    Detector cuda_{{.backend = Backend::cuda}};  // created before kernels run from their PTX
     std::int64_t exact_tests_ = 0, contacts_ = 0, impacts_ = 0, near_ = 0;
 };
 
-TEST_F(KernelsByTheirPtx, know_the_known_answers) {
+TEST_F(KernelsByTheirPtx, known_answers_are_right) {
     cuda::reset_known_answers();
-    Detector({.backend = Backend::cuda});  // else it throws
-    // Kernels of listed edges and points are launched for nothing, but for their stacks.
+    Detector({.backend = Backend::cuda});  // throws if a known answer is wrong
+    // Kernels of codimensional features are launched only to reserve their stacks.
     for (const auto& [name, launches] : kernels_.launches) {
-        EXPECT_GT(launches, is_of_lists(name) ? 0 : 1) << name;
+        EXPECT_GT(launches, is_codimensional(name) ? 0 : 1) << name;
     }
 }
 
-TEST_F(KernelsByTheirPtx, decide_hard_soups) {
+TEST_F(KernelsByTheirPtx, hard_soups_match_the_cpu) {
     for (const NamedMesh& scene : hard_soups()) {
         SCOPED_TRACE(scene.name);
         expect_same(scene.mesh.view());
@@ -95,7 +96,7 @@ TEST_F(KernelsByTheirPtx, decide_hard_soups) {
     EXPECT_GE(contacts_, 10'000);
 }
 
-TEST_F(KernelsByTheirPtx, decide_hard_motions_and_distances) {
+TEST_F(KernelsByTheirPtx, hard_motions_and_distances_match_the_cpu) {
     for (const auto& move : moving_soups<double>(0.1)) {
         SCOPED_TRACE(move.name);
         if (move.unit < 1e300) expect_same(move.soup, move.unit);
@@ -110,8 +111,8 @@ TEST_F(KernelsByTheirPtx, decide_hard_motions_and_distances) {
     EXPECT_GE(near_, 10'000);
 }
 
-// Edges and points that are no triangle's have kernels of their own.
-TEST_F(KernelsByTheirPtx, decide_listed_edges_and_points) {
+// Edges and points of no triangle have kernels of their own.
+TEST_F(KernelsByTheirPtx, codimensional_features_match_the_cpu) {
     for (unsigned seed = 1; seed <= static_cast<unsigned>(more_or_less(3)); ++seed) {
         SCOPED_TRACE(seed);
         MovingSoup<> soup = moving_grid(4, 60, 20, seed);
@@ -124,7 +125,7 @@ TEST_F(KernelsByTheirPtx, decide_listed_edges_and_points) {
         expect_same(soup, 1);
     }
     for (const auto& [name, launches] : kernels_.launches) {
-        if (is_of_lists(name)) {
+        if (is_codimensional(name)) {
             EXPECT_GT(launches, 1) << name;
         }
     }

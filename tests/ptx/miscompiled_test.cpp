@@ -1,4 +1,4 @@
-// A program that nvcc 13.0 compiles wrongly: the interpreter has to show it (docs/nvcc_13_0.md).
+// Tests that the interpreter shows the wrong results of a program that nvcc 13.0 miscompiles (docs/nvcc_13_0.md).
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace crumple::ptx {
 namespace {
 
-TEST(Ptx, shows_what_nvcc_13_0_miscompiles) {
+TEST(Ptx, miscompilation_by_nvcc_13_0_is_detected) {
     Program program(read_ptx(CRUMPLE_EXPANSION_COPY));
     const Function& kernel = program.function("opposite_signs");
     Thread thread;

@@ -43,7 +43,7 @@ std::vector<std::string_view> words(std::string_view text) {
     return found;
 }
 
-// Without comments, and without the lines that tell debuggers where they are.
+// Returns the text without comments and without line information for debuggers.
 std::string without_remarks(const std::string& text) {
     std::string kept;
     for (std::size_t begin = 0; begin < text.size();) {
@@ -115,7 +115,7 @@ class Decoder {
     void decode() {
         declare_parameters();
         decode_body();
-        // Only now is the number of constants known, which come first.
+        // Registers follow the constants, whose number is known only now.
         const auto constants = static_cast<std::uint32_t>(f_.constants.size());
         const auto shift = [&](std::uint32_t& slot) {
             slot = slot >= first_register ? slot - first_register + constants : slot;
@@ -186,7 +186,7 @@ class Decoder {
         for (;;) {
             rest = trimmed(rest);
             if (rest.empty()) return;
-            if (rest.front() == '{' || rest.front() == '}') {  // scopes, whose names are declared anew
+            if (rest.front() == '{' || rest.front() == '}') {  // scopes; their names are declared again
                 rest.remove_prefix(1);
                 continue;
             }
@@ -268,7 +268,7 @@ class Decoder {
         else if (has_vectors)
             name += shape;
     }
-    // All memory is the host's, and one thread sees it in its own order.
+    // Removes state spaces and memory orders: all memory is on the host, and only one thread uses it.
     static std::string without_places(const std::string& name) {
         std::string kept;
         for (const std::string_view part : split(name, '.')) {
@@ -359,7 +359,7 @@ Program::Program(std::string text) : text_(without_remarks(text)) {
     }
 }
 
-// Arrays with their values; what a declaration of a function says, its definition says again.
+// Adds arrays with their initial values. Skips declarations of functions, which their definitions repeat.
 void Program::add_global(std::string_view declaration) {
     const std::size_t equals = declaration.find('=');
     const std::string_view head = declaration.substr(0, equals);

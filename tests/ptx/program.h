@@ -41,7 +41,7 @@ struct Instruction {
     std::uint32_t guard = always;  ///< slot of the predicate
     bool guard_is_negated = false;
     unsigned register_bytes = 8;  ///< width of the first operand's register, to which loads extend
-    std::int64_t number = 0;      ///< offset of an address; of a branch its target, of a call its place in `calls`
+    std::int64_t number = 0;      ///< offset of an address, target of a branch, or index in `calls` of a call
 };
 
 /// A piece of a frame's memory.

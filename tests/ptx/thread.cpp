@@ -7,12 +7,12 @@
 namespace crumple::ptx {
 namespace {
 
-// Nothing may count on memory that it has not written.
+// Fill pattern of new frames, since no program may rely on memory that it has not written.
 constexpr std::uint64_t rubbish = 0xa5a5'f00d'a5a5'f00d;
 
 }  // namespace
 
-// Makes the callee's frame, and returns its memory.
+// Creates the callee's frame and returns its memory.
 std::byte* Thread::enter(const Function& callee) {
     const std::size_t words = (callee.memory_bytes + 15) / 16 * 2;
     if (slots_used_ + callee.slots > slot_stack_.size() || memory_used_ + words + 2 > memory_stack_.size())

@@ -1,4 +1,4 @@
-// What the scenes were made for: how much collides in them.
+// Checks how much collides in the scenes, which is what they were made for.
 
 #include <gtest/gtest.h>
 
@@ -13,28 +13,28 @@ namespace crumple {
 namespace {
 
 double pairs_per_triangle(std::string_view scene, const scenes::Parameters& parameters,
-                          PairScope wanted = PairScope::both) {
+                          PairScope scope = PairScope::both) {
     const io::TriangleMesh mesh = scenes::make(scene, parameters);
     Detector detector;
     IntersectionQuery query;
-    query.filter.groups = wanted;
+    query.filter.groups = scope;
     return static_cast<double>(detector.find(mesh.view(), query).pairs.size()) /
            static_cast<double>(mesh.triangle_count());
 }
 
-TEST(SceneAnswers, FlatClothCollidesNowhere) { EXPECT_EQ(pairs_per_triangle("cloth", {.triangles = 20'000}), 0); }
+TEST(SceneCollisions, flat_cloth_has_none) { EXPECT_EQ(pairs_per_triangle("cloth", {.triangles = 20'000}), 0); }
 
-TEST(SceneAnswers, FoldedClothCollidesAsMuchAsClothOnBall) {
+TEST(SceneCollisions, folded_cloth_has_as_many_as_cloth_on_ball) {
     EXPECT_NEAR(pairs_per_triangle("cloth", {.frame = 93}), 63'602.0 / 92'230, 0.15);
 }
 
-TEST(SceneAnswers, ClothNeverTouchesItsBall) {
+TEST(SceneCollisions, cloth_never_touches_its_ball) {
     for (int frame = 0; frame < 94; frame += 31) {
         EXPECT_EQ(pairs_per_triangle("cloth", {.triangles = 30'000, .frame = frame}, PairScope::between), 0) << frame;
     }
 }
 
-TEST(SceneAnswers, ClothCollidesMoreAndMore) {
+TEST(SceneCollisions, cloth_collides_more_from_frame_to_frame) {
     double last = 0;
     for (int frame = 43; frame < 94; frame += 10) {
         const double now = pairs_per_triangle("cloth", {.triangles = 30'000, .frame = frame});
@@ -43,7 +43,7 @@ TEST(SceneAnswers, ClothCollidesMoreAndMore) {
     }
 }
 
-TEST(SceneAnswers, PairsPerTriangleDoNotDependOnTheResolution) {
+TEST(SceneCollisions, pairs_per_triangle_do_not_depend_on_the_resolution) {
     if (sanitized) GTEST_SKIP() << "what a scene is like is no matter of memory";
     for (const char* name : {"cloth", "soup", "five_decades", "bodies", "lattice"}) {
         const int frame = std::string_view(name) == "cloth" ? 93 : 0;
@@ -54,7 +54,7 @@ TEST(SceneAnswers, PairsPerTriangleDoNotDependOnTheResolution) {
     }
 }
 
-TEST(SceneAnswers, BodiesMeetOthersAndKnotsThemselvesAsWell) {
+TEST(SceneCollisions, bodies_meet_others_and_knots_also_themselves) {
     EXPECT_EQ(pairs_per_triangle("bodies", {}, PairScope::within), 0);
     EXPECT_GT(pairs_per_triangle("bodies", {}, PairScope::between), 0.05);
     EXPECT_GT(pairs_per_triangle("knots", {}, PairScope::within), 0.02);
@@ -64,9 +64,9 @@ TEST(SceneAnswers, BodiesMeetOthersAndKnotsThemselvesAsWell) {
     EXPECT_LT(model, 0.1);
 }
 
-TEST(SceneAnswers, ShellsAreClean) { EXPECT_EQ(pairs_per_triangle("shells", {.triangles = 10'000}), 0); }
+TEST(SceneCollisions, shells_have_none) { EXPECT_EQ(pairs_per_triangle("shells", {.triangles = 10'000}), 0); }
 
-TEST(SceneAnswers, GroundCutsTheHem) {
+TEST(SceneCollisions, ground_cuts_the_hem) {
     const io::TriangleMesh mesh = scenes::make("ground", {.triangles = 30'000, .frame = 93});
     Detector detector;
     IntersectionQuery query;

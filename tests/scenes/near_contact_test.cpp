@@ -1,4 +1,4 @@
-// Cloth that passes through nothing: contacts from nearness, and steps that end where motion finds their way free.
+// Tests of cloth that passes through nothing: contacts from proximity queries, and steps shortened by motion queries.
 
 #include "scenes/simulation/near_contact.h"
 
@@ -27,13 +27,13 @@ MeshView view(const std::vector<Vec3d>& points, const Triangles& triangles) {
             static_cast<std::int64_t>(triangles.size())};
 }
 
-/// A large triangle in the plane z = 0 and one above it, whose lowest corner is point 3, over (0.2, 0.3).
+/// A large triangle in the plane z = 0, and one above it, whose lowest corner is point 3, above (0.2, 0.3).
 const Triangles two{{0, 1, 2}, {3, 4, 5}};
 std::vector<Vec3d> one_above(double height) {
     return {{-1, -1, 0}, {2, -1, 0}, {-1, 2, 0}, {0.2, 0.3, height}, {0.2, 0.3, height + 1}, {0.4, 0.3, height + 1}};
 }
 
-TEST(NearContact, TellsTheShortestWayFromTheFaceToTheVertex) {
+TEST(NearContact, gives_the_shortest_vector_from_face_to_vertex) {
     const std::vector<Vec3d> points = one_above(0.05);
     NearContactFinder finder(two, {});
     const auto found = finder.find(points, 0.1);
@@ -47,7 +47,7 @@ TEST(NearContact, TellsTheShortestWayFromTheFaceToTheVertex) {
     EXPECT_LT(length(found[0].way(moved) - Vec3d{0, 0, 0.3}), 1e-15);
 }
 
-TEST(NearContact, TellsTheShortestWayBetweenTwoEdges) {
+TEST(NearContact, gives_the_shortest_vector_between_two_edges) {
     // Two triangles that stand on edge, crosswise, 0.05 apart.
     const std::vector<Vec3d> points{{-1, 0, 0}, {1, 0, 0}, {0, 0, -1}, {0.5, -1, 0.05}, {0.5, 1, 0.05}, {0.5, 0, 1}};
     NearContactFinder finder(two, {});
@@ -59,13 +59,13 @@ TEST(NearContact, TellsTheShortestWayBetweenTwoEdges) {
     EXPECT_DOUBLE_EQ(found[0].distance, 0.05);
 }
 
-TEST(NearContact, IsNotAskedForBetweenObstacles) {
+TEST(NearContact, is_not_found_between_obstacles) {
     const std::vector<Vec3d> points = one_above(0.05);
     EXPECT_EQ(NearContactFinder(Triangles{two[0]}, Triangles{two[1]}).find(points, 0.1).size(), 1u);
     EXPECT_TRUE(NearContactFinder({}, two).find(points, 0.1).empty());
 }
 
-TEST(NearContact, WithoutADirectionIsAnError) {
+TEST(NearContact, without_a_direction_is_an_error) {
     NearContactFinder finder(two, {});
     try {
         finder.find(one_above(0), 0.1);
@@ -77,7 +77,7 @@ TEST(NearContact, WithoutADirectionIsAnError) {
     EXPECT_EQ(finder.find(one_above(0.05), 0.1).size(), 1u);
 }
 
-TEST(FreeWay, IsAllTheWayWhereNothingIsMet) {
+TEST(FreeWay, is_the_whole_step_if_nothing_is_met) {
     const std::vector<Vec3d> start = one_above(0.5), end = one_above(0.25);
     std::vector<Vec3d> reached = end;
     const auto way = NearContactFinder(two, {}).shorten(start, reached, none_held(start));
@@ -86,7 +86,7 @@ TEST(FreeWay, IsAllTheWayWhereNothingIsMet) {
     EXPECT_EQ(reached, end);
 }
 
-TEST(FreeWay, EndsBeforeWhatWouldBeMetAndLeavesTheRestAlone) {
+TEST(FreeWay, ends_before_an_impact_and_spares_other_points) {
     // The upper triangle falls through the lower one; a third one falls beside them.
     Triangles triangles = two;
     triangles.push_back({6, 7, 8});
@@ -108,7 +108,7 @@ TEST(FreeWay, EndsBeforeWhatWouldBeMetAndLeavesTheRestAlone) {
     for (std::size_t i = 6; i < 9; ++i) EXPECT_EQ(reached[i], end[i]) << i;
 }
 
-TEST(FreeWay, IsShortForAllWhereWhatIsDrivenWouldMeet) {
+TEST(FreeWay, is_shortened_for_all_if_driven_points_would_meet) {
     const std::vector<Vec3d> start = one_above(0.5);
     std::vector<Vec3d> reached = one_above(-0.5);
     const std::vector<std::uint8_t> held(start.size(), 1);
@@ -120,7 +120,7 @@ TEST(FreeWay, IsShortForAllWhereWhatIsDrivenWouldMeet) {
     EXPECT_GE(reached[3].z, 0.05);
 }
 
-TEST(FreeWay, IsShortWhereAPairIsMetAtItsVeryEnd) {
+TEST(FreeWay, is_shortened_if_a_pair_meets_at_its_very_end) {
     const std::vector<Vec3d> start = one_above(0.5), end = one_above(0.05);  // a tenth of the distance, exactly
     std::vector<Vec3d> reached = end;
     const auto way = NearContactFinder(two, {}).shorten(start, reached, none_held(start));
@@ -129,7 +129,7 @@ TEST(FreeWay, IsShortWhereAPairIsMetAtItsVeryEnd) {
     EXPECT_GT(reached[3].z, 0.05);
 }
 
-TEST(FreeWay, HoldsBackAFaceThatFliesIntoAVertex) {
+TEST(FreeWay, holds_back_a_face_that_hits_a_vertex) {
     const std::vector<Vec3d> start = one_above(0.5);
     std::vector<Vec3d> reached = start;
     for (std::size_t i = 0; i < 3; ++i) reached[i].z = 1;
@@ -140,7 +140,7 @@ TEST(FreeWay, HoldsBackAFaceThatFliesIntoAVertex) {
     EXPECT_EQ(reached[3], start[3]);
 }
 
-TEST(FreeWay, EndsBeforeWhatWasHeldBackItself) {
+TEST(FreeWay, ends_before_points_that_are_held_back) {
     // The second of three falls on the first; the third, which would have been free, falls on the second.
     const Triangles three{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
     const auto stack = [](double second, double third) {
@@ -161,10 +161,10 @@ TEST(FreeWay, EndsBeforeWhatWasHeldBackItself) {
     EXPECT_GT(reached[3].z, 0);
 }
 
-/// A sheet that falls on a pyramid on a floor and folds about it.
+/// Simulation of a sheet that falls on a pyramid on a floor and folds about it.
 class Fall {
    public:
-    /// `springs` scales those that give way; without them only height and motion hold energy.
+    /// `springs`: scale of the elastic springs; at 0, energy is only potential and kinetic.
     explicit Fall(int cells, double speed = 0, double springs = 1)
         : fabric_(weave(cells)), springs_(springs), solver_(fabric_, properties()) {
         for (std::size_t i = 0; i < fabric_.flat.size(); ++i) {
@@ -186,7 +186,7 @@ class Fall {
     MeshView mesh() const { return view(solver_.points, triangles_); }
     const std::vector<Vec3d>& points() const { return solver_.points; }
 
-    /// Of height and motion, a point's mean.
+    /// Returns the mean potential and kinetic energy of a point of the cloth.
     double energy() const {
         double sum = 0;
         for (std::size_t i = 0; i < cloth_; ++i) {
@@ -222,7 +222,7 @@ class Fall {
     Triangles triangles_;
 };
 
-TEST(FreeCloth, PassesThroughNothing) {
+TEST(FreeCloth, passes_through_nothing) {
     Fall fall(40);
     Detector detector;
     std::vector<Vec3d> last = fall.points();
@@ -246,7 +246,7 @@ TEST(FreeCloth, PassesThroughNothing) {
     EXPECT_TRUE(Detector({.backend = Backend::reference}).find(fall.mesh()).pairs.empty());
 }
 
-TEST(FreeCloth, StopsAtWhatItFliesIntoAtAnySpeed) {
+TEST(FreeCloth, stops_at_obstacles_at_any_speed) {
     Fall fall(8, 300);  // ten units a frame, three times what is below it
     Detector detector;
     double first = 1;
@@ -258,7 +258,7 @@ TEST(FreeCloth, StopsAtWhatItFliesIntoAtAnySpeed) {
     EXPECT_LT(first, 0.1);
 }
 
-TEST(FreeCloth, GainsNoEnergy) {
+TEST(FreeCloth, gains_no_energy) {
     for (const double springs : {0.0, 1.0}) {
         Fall fall(16, 0, springs);
         const double start = fall.energy();
@@ -283,9 +283,9 @@ std::uint64_t bits_after(int frames) {
     return hash;
 }
 
-TEST(FreeCloth, IsTheSameBitsEachTime) { EXPECT_EQ(bits_after(20), bits_after(20)); }
+TEST(FreeCloth, has_the_same_bits_in_each_run) { EXPECT_EQ(bits_after(20), bits_after(20)); }
 
-TEST(FreeCloth, IsCarriedByWhatMovesUnderIt) {
+TEST(FreeCloth, is_carried_by_a_moving_obstacle) {
     // A sheet on a plate that rises to twice its height and goes on to the side.
     Random random(2);
     const Fabric fabric = weave(6, 6, 0.1, random);
@@ -312,7 +312,7 @@ TEST(FreeCloth, IsCarriedByWhatMovesUnderIt) {
     EXPECT_NEAR(middle.x, 0.5, 0.1);
 }
 
-TEST(FreeCloth, LetsGoSlowlyOfWhatItIsTooNearTo) {
+TEST(FreeCloth, separates_slowly_if_too_near) {
     Random random(2);
     const Fabric fabric = weave(6, 6, 0.1, random);
     ClothSolver solver(fabric, {.gravity = 0, .drag = 0, .thickness = 0.04, .separation_speed = 0.3});
@@ -325,7 +325,7 @@ TEST(FreeCloth, LetsGoSlowlyOfWhatItIsTooNearTo) {
     for (std::size_t i = 0; i < fabric.flat.size(); ++i) EXPECT_NEAR(solver.points[i].z, 0.01 + 0.003, 1e-9) << i;
 }
 
-TEST(FreeCloth, OfAnotherFabricHasNoObstacles) {
+TEST(FreeCloth, has_no_obstacles_after_a_change_of_fabric) {
     Random random(2);
     const Fabric large = weave(4, 4, 0.1, random), small = weave(2, 2, 0.1, random);
     ClothSolver solver(large, {.thickness = 0.04, .separation_speed = 0.3});
@@ -340,7 +340,7 @@ TEST(FreeCloth, OfAnotherFabricHasNoObstacles) {
     for (const Vec3d& p : solver.points) EXPECT_LT(p.z, 0);
 }
 
-TEST(FreeCloth, KeepsTheSpeedThatIsLeftToIt) {
+TEST(FreeCloth, keeps_the_speed_of_the_shortened_step) {
     // One triangle flies into another that is held, ten times its distance in a step; then it goes no further.
     Fabric fabric{1, {{-1, -1}, {1, -1}, {0, 1}, {-1, -1}, {1, -1}, {0, 1}}, two};
     ClothSolver solver(fabric, {.gravity = 0, .drag = 0, .thickness = 0.001});
@@ -360,7 +360,7 @@ TEST(FreeCloth, KeepsTheSpeedThatIsLeftToIt) {
     }
 }
 
-TEST(FreeCloth, IsNotCutByWhatDrivesThroughIt) {
+TEST(FreeCloth, is_not_pierced_by_a_driven_spike) {
     // A spike goes through a sheet that is held all round: as far as it can, which is not through.
     Random random(2);
     const Fabric fabric = weave(6, 6, 0.1, random);

@@ -1,4 +1,4 @@
-// What every scene promises: the number asked for, sound arrays, the same bits on every machine.
+// Checks the promises of every scene: the requested number of triangles, sound arrays, the same bits on every machine.
 
 #include "scenes/scenes.h"
 
@@ -24,7 +24,7 @@ std::vector<double> coordinates(const io::TriangleMesh& mesh) {
     return std::visit([](const auto& v) { return std::vector<double>(v.begin(), v.end()); }, mesh.vertices);
 }
 
-/// A hash of everything in the mesh, coordinates by their bits.
+/// Returns a hash of everything in the mesh, coordinates by their bits.
 std::uint64_t fingerprint(const io::TriangleMesh& mesh) {
     std::uint64_t hash = 0xcbf29ce484222325u;
     const auto add = [&](std::uint64_t value) { hash = std::rotl((hash ^ value) * 0x100000001b3u, 29); };
@@ -60,7 +60,7 @@ class OwnCache : public testing::Environment {
 };
 const testing::Environment* const own_cache = testing::AddGlobalTestEnvironment(new OwnCache);
 
-/// A late frame, but one that a test has time for.
+/// Returns a late frame that a test has time for.
 int late_frame(const Description& scene, std::int64_t triangles) {
     if (!scene.simulated) return scene.frames - 1;
     return triangles > 1000 ? 2 : scene.frames / 3;
@@ -72,15 +72,15 @@ INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene,
                          testing::ValuesIn(scenes::descriptions().begin(), scenes::descriptions().end()),
                          [](const auto& scene) { return std::string(scene.param.name); });
 
-TEST_P(EveryScene, HasAboutAsManyTrianglesAsAskedFor) {
-    for (const std::int64_t wanted : {std::int64_t{0}, std::int64_t{10'000}, std::int64_t{31'415}}) {
-        const std::int64_t expected = wanted ? wanted : GetParam().triangles;
-        const std::int64_t count = make(GetParam().name, {.triangles = wanted}).triangle_count();
+TEST_P(EveryScene, has_about_the_requested_number_of_triangles) {
+    for (const std::int64_t requested : {std::int64_t{0}, std::int64_t{10'000}, std::int64_t{31'415}}) {
+        const std::int64_t expected = requested ? requested : GetParam().triangles;
+        const std::int64_t count = make(GetParam().name, {.triangles = requested}).triangle_count();
         EXPECT_NEAR(static_cast<double>(count), static_cast<double>(expected), 0.1 * static_cast<double>(expected));
     }
 }
 
-TEST_P(EveryScene, IsSoundAtEverySize) {
+TEST_P(EveryScene, is_sound_at_every_size) {
     for (const std::int64_t triangles : {1, 2, 100, 12'345}) {
         const io::TriangleMesh mesh =
             make(GetParam().name, {.triangles = triangles, .frame = late_frame(GetParam(), triangles)});
@@ -94,7 +94,7 @@ TEST_P(EveryScene, IsSoundAtEverySize) {
     }
 }
 
-TEST_P(EveryScene, ComesFromItsParametersAlone) {
+TEST_P(EveryScene, depends_only_on_its_parameters) {
     const scenes::Parameters parameters{.triangles = 3000};
     EXPECT_EQ(fingerprint(make(GetParam().name, parameters)), fingerprint(make(GetParam().name, parameters)));
     const bool random = GetParam().name != "shells";
@@ -102,13 +102,13 @@ TEST_P(EveryScene, ComesFromItsParametersAlone) {
     EXPECT_EQ(fingerprint(make(GetParam().name, parameters)) != other, random);
 }
 
-TEST_P(EveryScene, MovesFromFrameToFrame) {
+TEST_P(EveryScene, moves_from_frame_to_frame) {
     if (GetParam().frames == 1) return;
     EXPECT_NE(fingerprint(make(GetParam().name, {.triangles = 3000, .frame = 0})),
               fingerprint(make(GetParam().name, {.triangles = 3000, .frame = 1})));
 }
 
-TEST(Scenes, AreTheSameBitsOnEveryMachine) {
+TEST(Scenes, have_the_same_bits_on_every_machine) {
     const std::map<std::string_view, std::uint64_t> expected{
         {"cloth", 0x3a08e3aa1842f07c},         {"ground", 0x2f122dae4f6adf5d},      {"soup", 0x58bdec4a22349908},
         {"needles", 0xeab57c77bc95661f},       {"five_decades", 0x354662ce35d91b5}, {"bodies", 0x9c95738cf745f8d8},
@@ -125,7 +125,7 @@ TEST(Scenes, AreTheSameBitsOnEveryMachine) {
     }
 }
 
-TEST(ClothBlock, FollowEachOther) {
+TEST(ClothBlock, joins_with_others_to_the_whole_cloth) {
     const scenes::Parameters parameters{.triangles = 3000, .frame = 93};
     const io::TriangleMesh whole = make("cloth", parameters);
     const std::vector<double> xyz = coordinates(whole);
@@ -144,20 +144,20 @@ TEST(ClothBlock, FollowEachOther) {
     }
 }
 
-TEST(Scenes, OfAnUnknownNameNameTheKnownOnes) {
+TEST(Scenes, error_for_an_unknown_name_lists_all_scenes) {
     const std::string text = message("clot", {});
     EXPECT_NE(text.find("no scene clot"), std::string::npos) << text;
     for (const Description& scene : scenes::descriptions()) EXPECT_NE(text.find(scene.name), std::string::npos) << text;
 }
 
-TEST(Scenes, RefuseFramesAndNumbersThatDoNotExist) {
+TEST(Scenes, refuse_wrong_frames_and_numbers) {
     EXPECT_NE(message("cloth", {.frame = 94}).find("0 to 93"), std::string::npos);
     EXPECT_NE(message("cloth", {.frame = -1}).find("no frame -1"), std::string::npos);
     EXPECT_NE(message("soup", {.triangles = -5}).find("-5"), std::string::npos);
     EXPECT_NE(message("soup", {.triangles = 1'000'000'000}).find("500000000"), std::string::npos);
 }
 
-/// Every directed edge once, and its opposite once: closed and consistently oriented.
+/// Expects every directed edge once, and its opposite once: a closed and consistently oriented surface.
 void expect_closed(std::string_view name) {
     const io::TriangleMesh mesh = make(name, {.triangles = 5000});
     std::map<std::pair<std::int32_t, std::int32_t>, int> edges;
@@ -171,11 +171,11 @@ void expect_closed(std::string_view name) {
     }
 }
 
-TEST(Scenes, OfBodiesAreClosed) {
+TEST(Scenes, of_bodies_are_closed) {
     for (const char* name : {"bodies", "shells", "fans", "knots"}) expect_closed(name);
 }
 
-TEST(Scenes, OfBodiesLookOutwards) {
+TEST(Scenes, of_bodies_face_outwards) {
     for (const char* name : {"bodies", "shells", "fans", "knots"}) {
         const io::TriangleMesh mesh = make(name, {.triangles = 5000});
         const auto xyz = coordinates(mesh);
@@ -191,7 +191,7 @@ TEST(Scenes, OfBodiesLookOutwards) {
     }
 }
 
-TEST(Scenes, LatticeNeedsFloat64) {
+TEST(Scenes, lattice_needs_float64) {
     for (const double x : coordinates(make("lattice"))) {
         ASSERT_EQ(x, std::floor(x));
         ASSERT_GE(x, 0x1p28);

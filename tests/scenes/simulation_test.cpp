@@ -1,4 +1,4 @@
-// The cloth simulation: what the solver, the cut, the contacts and the cache promise.
+// Checks the promises of the cloth simulation: of the solver, the cut, the contacts and the cache.
 
 #include <gtest/gtest.h>
 
@@ -66,7 +66,7 @@ int components(const Fabric& fabric) {
 
 double wave(double u) { return 0.37 + 0.8 * sine(u / 7); }
 
-TEST(Cut, KeepsTheAreaAndOrientation) {
+TEST(Cut, keeps_the_area_and_orientation) {
     const Fabric whole = square(12);
     for (const double tip : {-5.0, -0.3, 4.1, 7.0}) {
         const Cut one{wave, -7, tip};
@@ -74,7 +74,7 @@ TEST(Cut, KeepsTheAreaAndOrientation) {
     }
 }
 
-TEST(Cut, LeavesTheSheetInOnePieceUntilItIsThrough) {
+TEST(Cut, leaves_the_sheet_in_one_piece_until_it_is_through) {
     const Fabric whole = square(12);
     std::size_t last = whole.triangles.size();
     for (const double tip : {-5.0, -2.0, 0.0, 5.0}) {
@@ -88,7 +88,7 @@ TEST(Cut, LeavesTheSheetInOnePieceUntilItIsThrough) {
     EXPECT_EQ(components(cut(whole, std::span(&through, 1)).fabric), 2);
 }
 
-TEST(Cut, LeavesNoPointUnusedAndNoEdgeWithThreeTriangles) {
+TEST(Cut, leaves_no_point_unused_and_no_edge_with_three_triangles) {
     const Cut one{wave, -7, 2.6};
     const Fabric fabric = cut(square(12), std::span(&one, 1)).fabric;
     std::set<std::int32_t> used;
@@ -102,7 +102,7 @@ TEST(Cut, LeavesNoPointUnusedAndNoEdgeWithThreeTriangles) {
     EXPECT_EQ(used.size(), fabric.flat.size());
 }
 
-TEST(Cut, NewPointsBeginWhereTheirEdgeIs) {
+TEST(Cut, new_points_begin_on_their_edge) {
     const Fabric whole = square(8);
     ClothSolver solver(whole, {});
     solver.points = level(whole, 2);
@@ -118,7 +118,7 @@ TEST(Cut, NewPointsBeginWhereTheirEdgeIs) {
     }
 }
 
-TEST(SelfContact, IsFoundOnTheSideWhereThePointIs) {
+TEST(SelfContact, is_found_on_the_side_of_the_point) {
     // A sheet, and above it a triangle one of whose corners comes close.
     Fabric fabric = square(4);
     std::vector<Vec3d> points = level(fabric, 0);
@@ -150,7 +150,7 @@ TEST(SelfContact, IsFoundOnTheSideWhereThePointIs) {
     EXPECT_TRUE(SelfContactFinder().find(level(square(4), 0), square(4).triangles, 0.3).empty());
 }
 
-TEST(ClothSolver, FallsAsItShould) {
+TEST(ClothSolver, falls_freely_under_gravity) {
     const Fabric fabric = square(5);
     ClothProperties properties{.gravity = 10, .drag = 0, .thickness = 0.1};
     ClothSolver solver(fabric, properties);
@@ -159,7 +159,7 @@ TEST(ClothSolver, FallsAsItShould) {
     for (const Vec3d p : solver.points) EXPECT_NEAR(p.z, -1.25, 0.01);
 }
 
-TEST(ClothSolver, HoldsWhatIsHeldAndDoesNotStretch) {
+TEST(ClothSolver, keeps_held_points_and_does_not_stretch) {
     const Fabric fabric = square(10, 0.1);
     ClothSolver solver(fabric, {.shear_speed = 3, .bend_speed = 1, .thickness = 0.04});
     solver.points = level(fabric, 0);
@@ -175,7 +175,7 @@ TEST(ClothSolver, HoldsWhatIsHeldAndDoesNotStretch) {
     }
 }
 
-TEST(ClothSolver, KeepsOffBodies) {
+TEST(ClothSolver, stays_outside_bodies) {
     const auto farther = [](std::string_view scene, int frame, const Collider& body) {
         const io::TriangleMesh mesh = make(scene, {.triangles = 1500, .frame = frame});
         const auto& xyz = std::get<std::vector<float>>(mesh.vertices);
@@ -198,7 +198,7 @@ TEST(ClothSolver, KeepsOffBodies) {
     for (const int frame : {20, 60}) EXPECT_GT(farther("cloth_on_ball", frame, Floor(0)), -1e-6) << frame;
 }
 
-TEST(Funnel, KnowsItsInside) {
+TEST(Funnel, gives_distance_and_normal_inside_and_outside) {
     const Funnel funnel({{1, 0.5}, {0.2, 0}, {0.2, -1}}, 0.3);
     EXPECT_NEAR(funnel.nearest({0, 0, -0.5}).distance, 0.2, 1e-12);
     EXPECT_NEAR(funnel.nearest({0.15, 0, -0.5}).distance, 0.05, 1e-12);
@@ -210,7 +210,7 @@ TEST(Funnel, KnowsItsInside) {
     EXPECT_GT(funnel.nearest({0.1, 0, -1.2}).distance, 0.2);           // below the spout
 }
 
-TEST(ClothOnBall, CollidesMoreAndMoreFromFrame60On) {
+TEST(ClothOnBall, collides_more_and_more_from_frame_60_on) {
     if (sanitized) GTEST_SKIP() << "what a scene is like is no matter of memory";
     SimulatedFrames frames(simulate_cloth_on_ball({.triangles = 24'000}), "");
     Detector detector;
@@ -221,7 +221,7 @@ TEST(ClothOnBall, CollidesMoreAndMoreFromFrame60On) {
     EXPECT_GT(pairs[93], 2 * pairs[60]);
 }
 
-TEST(Cutting, IsAnsweredByAWarmDetectorThoughTopologyChanges) {
+TEST(Cutting, is_detected_by_a_warm_detector_as_topology_changes) {
     Animation animation("cutting", {.triangles = 400});
     Detector warm({.backend = Backend::cpu}), reference({.backend = Backend::reference});
     std::set<std::int64_t> counts;
@@ -240,7 +240,7 @@ TEST(Cutting, IsAnsweredByAWarmDetectorThoughTopologyChanges) {
     EXPECT_GT(counts.size(), 15u);
 }
 
-/// A cache of its own.
+/// Fixture with a cache of its own.
 class Cached : public testing::Test {
    protected:
     Cached() {
@@ -259,44 +259,44 @@ class Cached : public testing::Test {
     }
     static std::vector<float> expected(int frame) { return points(SimulatedFrames(frames("")).frame(frame, {})); }
 
-    /// The frame, and how many had to be simulated.
-    std::pair<std::vector<float>, int> ask(int frame) const {
+    /// Returns a frame, and how many had to be simulated for it.
+    std::pair<std::vector<float>, int> request(int frame) const {
         int simulated = 0;
-        SimulatedFrames asked = frames("sheet");
-        return {points(asked.frame(frame, [&](int) { ++simulated; })), simulated};
+        SimulatedFrames cached_frames = frames("sheet");
+        return {points(cached_frames.frame(frame, [&](int) { ++simulated; })), simulated};
     }
 
     fs::path folder_;
 };
 
-TEST_F(Cached, FramesAreSimulatedOnce) {
-    EXPECT_EQ(ask(30), std::pair(expected(30), 30));
-    EXPECT_EQ(ask(30), std::pair(expected(30), 0));
-    EXPECT_EQ(ask(12), std::pair(expected(12), 0));
+TEST_F(Cached, frames_are_simulated_once) {
+    EXPECT_EQ(request(30), std::pair(expected(30), 30));
+    EXPECT_EQ(request(30), std::pair(expected(30), 0));
+    EXPECT_EQ(request(12), std::pair(expected(12), 0));
 }
 
-TEST_F(Cached, SimulationGoesOnFromTheLastFrameWithTheSameBits) {
-    ask(30);
-    EXPECT_EQ(ask(45), std::pair(expected(45), 15));
+TEST_F(Cached, simulation_resumes_from_the_last_frame_bit_by_bit) {
+    request(30);
+    EXPECT_EQ(request(45), std::pair(expected(45), 15));
 }
 
-TEST_F(Cached, WhatIsDamagedIsSimulatedAgain) {
-    ask(20);
+TEST_F(Cached, damaged_frames_are_simulated_again) {
+    request(20);
     for (const char* name : {"frame20", "state"}) {
         std::fstream damaged(file(name), std::ios::binary | std::ios::in | std::ios::out);
         damaged.seekp(100);
         damaged.put('x');
     }
-    EXPECT_EQ(ask(20), std::pair(expected(20), 20));
+    EXPECT_EQ(request(20), std::pair(expected(20), 20));
     fs::resize_file(file("frame20"), 50);
-    EXPECT_EQ(ask(20), std::pair(expected(20), 0 /* from the state */));
+    EXPECT_EQ(request(20), std::pair(expected(20), 0 /* from the state */));
     fs::remove(file("frame7"));
-    EXPECT_EQ(ask(7), std::pair(expected(7), 7));
+    EXPECT_EQ(request(7), std::pair(expected(7), 7));
 }
 
-TEST_F(Cached, NothingIsNeeded) {
+TEST_F(Cached, frames_do_not_need_a_writable_cache) {
     setenv("XDG_CACHE_HOME", "/dev/null", 1);
-    EXPECT_EQ(ask(5), std::pair(expected(5), 5));
+    EXPECT_EQ(request(5), std::pair(expected(5), 5));
 }
 
 }  // namespace

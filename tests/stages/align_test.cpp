@@ -1,4 +1,4 @@
-// Stage `align`: boxes with their margin hold their triangles, big members too.
+// Test of stage `align`: boxes with their margin hold their triangles, including big members.
 
 #include "stages/cases.h"
 

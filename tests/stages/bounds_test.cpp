@@ -1,4 +1,4 @@
-// Stage `bounds`: vertices keep their exact place, and the ball holds the triangle all along its way.
+// Tests of stage `bounds`: vertices are mapped exactly, and the ball holds the triangle throughout its motion.
 
 #include "geometry/normaliser.h"
 #include "stages/cases.h"
@@ -9,7 +9,7 @@ namespace {
 using Bounds = Stages;
 INSTANTIATE_TEST_SUITE_P(, Bounds, testing::ValuesIn(stage_backends()), [](const auto& b) { return b.param.name; });
 
-TEST_P(Bounds, moves_no_vertex_but_by_its_exact_map) {
+TEST_P(Bounds, vertices_are_mapped_exactly) {
     run([](const StageCase& the, const StageState& state) {
         const Normaliser map(the.scene.low, the.scene.high);
         const std::int64_t n = the.scene.vertex_count(), rows = the.scene.moving ? 2 * n : n;
@@ -27,7 +27,7 @@ TEST_P(Bounds, moves_no_vertex_but_by_its_exact_map) {
     });
 }
 
-TEST_P(Bounds, the_ball_holds_the_triangle) {
+TEST_P(Bounds, ball_holds_the_triangle) {
     run([](const StageCase& the, const StageState& state) {
         ASSERT_EQ(state.ball.size(), static_cast<std::size_t>(the.scene.triangle_count()));
         for (std::size_t t = 0; t < state.ball.size(); ++t) {

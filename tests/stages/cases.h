@@ -1,6 +1,6 @@
 #pragma once
 
-// Scenes for the tests of the stages, the exact truth about them, and the fixture.
+// Scenes for the tests of the stages, exact results for them, and the fixture.
 
 #include <gtest/gtest.h>
 
@@ -17,8 +17,8 @@
 
 namespace crumple::test {
 
-/// A scene, and which of its pairs have a point in common; of one that moves, which have features that come within the
-/// distance that is asked for.
+/// A scene and its pairs of triangles with a common point; for a moving scene, the pairs with features that come within
+/// query_distance.
 class StageCase {
    public:
     std::string name;
@@ -41,7 +41,7 @@ class StageCase {
             }
     }
 
-    /// A mesh that moves.
+    /// Returns a case of a moving mesh.
     template <class Scalar>
     static StageCase moving(std::string what, Soup<Scalar> start, Soup<Scalar> end) {
         StageCase the(std::move(what), std::move(start));
@@ -56,15 +56,15 @@ class StageCase {
         return the;
     }
 
-    /// Those that a search must not lose, sorted.
+    /// Returns the pairs that a search must find, sorted.
     const std::vector<Pair>& meeting() const { return meeting_; }
-    /// The answer in joint numbering, sorted.
+    /// Returns the colliding pairs in joint numbering, sorted.
     const std::vector<Pair>& colliding() const { return colliding_; }
 
    private:
     bool come_close(std::int32_t i, std::int32_t j) const {
         const std::int32_t *a = scene.corners + 3 * i, *b = scene.corners + 3 * j;
-        const Separation within{asked_distance, 0};
+        const Separation within{query_distance, 0};
         const auto at = [&](std::int32_t v) { return moving_point(scene, v); };
         for (int axis = 0; axis < 3; ++axis) {
             const auto extent = [&](const std::int32_t* c) {
@@ -74,7 +74,7 @@ class StageCase {
             };
             const auto [low_a, high_a] = extent(a);
             const auto [low_b, high_b] = extent(b);
-            if (low_a > high_b + 2 * asked_distance || low_b > high_a + 2 * asked_distance) return false;
+            if (low_a > high_b + 2 * query_distance || low_b > high_a + 2 * query_distance) return false;
         }
         for (int k = 0; k < 3; ++k) {
             if (vertex_face(at(a[k]), at(b[0]), at(b[1]), at(b[2]), within).meets ||
@@ -93,7 +93,7 @@ class StageCase {
 
 inline const std::vector<StageCase>& stage_cases() {
     static const std::vector<StageCase> cases = [] {
-        // Far from 0, where float32 has few digits left; and a triangle far larger than its leaf.
+        // A scene far from 0, where float32 has few digits left, and a triangle far larger than its leaf.
         Soup<float> far = wavy_sheet(7);
         for (auto& p : far.vertices) p = {p[0] + 3000, p[1] - 500, p[2] + 20};
         Soup<float> ground = random_soup(120, 0.05, 12);
@@ -107,7 +107,7 @@ inline const std::vector<StageCase>& stage_cases() {
         all.emplace_back("sheet far from 0", far);
         all.emplace_back("ground", ground);
         all.emplace_back("two soups", random_soup(80, 0.35, 3), random_soup(70, 0.35, 4));
-        // Each vertex on a way of its own, some short and some across the scene; and a sheet that folds.
+        // Each vertex with a trajectory of its own, some short and some across the scene; and a sheet that folds.
         Soup<float> start = random_soup(70, 0.2, 5), end = start;
         for (std::size_t v = 0; v < end.vertices.size(); ++v)
             for (std::size_t axis = 0; axis < 3; ++axis)
@@ -121,8 +121,8 @@ inline const std::vector<StageCase>& stage_cases() {
     return cases;
 }
 
-/// Each backend; run() tries each scene with one leaf, with one level of clusters and with two. Scenes that
-/// move, if the backend does that.
+/// Fixture for each backend; run() tries each scene with one leaf, with one level of clusters and with two. It includes
+/// moving scenes if the backend supports them.
 class Stages : public testing::TestWithParam<StageBackend> {
    protected:
     template <class Check>
@@ -130,7 +130,7 @@ class Stages : public testing::TestWithParam<StageBackend> {
         run(check, GetParam().moves);
     }
     template <class Check>
-    void run_at_rest(Check check) {
+    void run_static(Check check) {
         run(check, false);
     }
 
@@ -142,14 +142,14 @@ class Stages : public testing::TestWithParam<StageBackend> {
             for (const auto& [clusters, leaf_size] : {std::pair{1, 3000}, {7, 3000}, {3, 10}, {20, 4}}) {
                 SCOPED_TRACE(the.name + ", " + std::to_string(clusters) + " clusters, leaves of " +
                              std::to_string(leaf_size));
-                check(the, left_behind(the, {.clusters = clusters, .leaf_size = leaf_size}));
+                check(the, state_of(the, {.clusters = clusters, .leaf_size = leaf_size}));
                 if (HasFatalFailure()) return;
             }
         }
     }
 
-    /// What the backend leaves behind, which is the same for all tests: it runs once in a process.
-    static const StageState& left_behind(const StageCase& the, const Options& options) {
+    /// Returns the state of the stages, which the backend computes once in a process for all tests.
+    static const StageState& state_of(const StageCase& the, const Options& options) {
         static std::map<std::tuple<std::string, std::string, int, int>, StageState> states;
         const StageBackend& backend = GetParam();
         const auto [state, fresh] = states.try_emplace({backend.name, the.name, options.clusters, options.leaf_size});
@@ -158,7 +158,7 @@ class Stages : public testing::TestWithParam<StageBackend> {
     }
 };
 
-/// The exact extent of a triangle, all along its way, along the axes of a leaf's frame, whose numbers are taken for
+/// Exact extent of a triangle, throughout its motion, along the axes of a leaf's frame, whose numbers are taken as
 /// exact.
 class ExactBox {
    public:

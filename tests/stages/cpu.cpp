@@ -1,4 +1,4 @@
-// The stages of the cpu backend, by each table of kernels that the machine runs.
+// Runs the stages of the cpu backend, by each table of kernels that the machine supports.
 
 #include <limits>
 
@@ -31,7 +31,7 @@ struct Run {
     const Inflation inflation;
     Points points{nullptr};
     Array<Ball> balls{nullptr};
-    Array<std::uint8_t> included{nullptr};  ///< empty: all are
+    Array<std::uint8_t> included{nullptr};  ///< empty: all triangles
     Subdivision subdivision{nullptr};
 
     PointRows rows() const {
@@ -46,7 +46,7 @@ struct Run {
         if (members.size() < 2) return state;
         Ownership ownership(scene, Levels(), subdivision, leaf);
         ownership.bits(members.triangle.data(), members.member.data(), members.size(), false, members.lower.data());
-        state.sweep_asks_all = ownership.complete();
+        state.sweep_checks_owners = ownership.complete();
         for (std::int64_t i = 0; i < members.size(); ++i)
             for (std::int64_t j = i + 1; j < members.size(); ++j) {
                 const std::int32_t a = members.triangle[i], b = members.triangle[j];
@@ -125,7 +125,7 @@ StageState run_stages(const Tables& tables, const PreparedScene& scene, const Op
         if (scene.moving) {
             ParallelFor serial;
             features.prepare(scene, false, serial);
-            inflation = inflation_of(scene, {.distance = asked_distance, .features = features, .rule = rule});
+            inflation = inflation_of(scene, {.distance = query_distance, .features = features, .rule = rule});
         }
         Run run{tables, scene, options, features, inflation};
         compute_bounds(scene, inflation, tables.stages, workers, run.points, run.balls);
@@ -138,7 +138,7 @@ StageState run_stages(const Tables& tables, const PreparedScene& scene, const Op
                        tables.stages, workers, warm, run.subdivision);
         gather_leaves(run.balls, scene.triangle_count(), 0, run.subdivision.clusters, options, tables.stages, workers,
                       warm, run.subdivision);
-        std::vector<Array<Pair>> lists;  // as if each leaf had been another worker's
+        std::vector<Array<Pair>> lists;  // one list per leaf, as if each leaf had had a worker of its own
         for (const Leaf& leaf : run.subdivision.leaves) {
             state.leaves.push_back(run.leaf(leaf, cancellation));
             for (Array<Pair>& list = lists.emplace_back(); const Pair& pair : state.leaves.back().found)
@@ -147,7 +147,7 @@ StageState run_stages(const Tables& tables, const PreparedScene& scene, const Op
         std::vector<const Array<Pair>*> found;
         for (const Array<Pair>& list : lists) found.push_back(&list);
         OutputScratch scratch(nullptr);
-        write_output(scene, workers, found, scratch, state.answer);
+        write_output(scene, workers, found, scratch, state.result);
     });
     return state;
 }

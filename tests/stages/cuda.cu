@@ -1,5 +1,5 @@
-// The stages of the cuda backend, with blocks of either size; the CPU plays the device, or one is there. The question
-// here keeps nothing of a member and every candidate: sort and sweep need no more than that.
+// Runs the stages of the cuda backend, with blocks of either size, on a device or on one that the CPU plays. The query
+// here has no records and keeps every candidate, which is all that sort and sweep need.
 
 #include <limits>
 #include <stdexcept>
@@ -28,7 +28,7 @@ using test::to_host;
 
 Pair ordered(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// A copy of the arrays that a host scene shows, on the device.
+/// Copy of a host scene's arrays on the device.
 class DeviceScene {
    public:
     explicit DeviceScene(const PreparedScene& host)
@@ -61,8 +61,8 @@ class DeviceScene {
 
 class StagesOfPass : public IntersectionPass {
    public:
-    StagesOfPass(const Geometry& geometry, const Options& options, bool guided)
-        : IntersectionPass(geometry, nullptr, options), guided_(guided) {}
+    StagesOfPass(const Geometry& geometry, const Options& options, bool warm)
+        : IntersectionPass(geometry, nullptr, options), warm_(warm) {}
 
     test::StageState run(const PreparedScene& host) {
         const DeviceScene on_device(host);
@@ -77,13 +77,13 @@ class StagesOfPass : public IntersectionPass {
         lay_out(kept, [&](Cutter& c) { guides.cut(c, plan); });
         lay_out(work, [&](Cutter& c) { cut(c); });
         pass_once();
-        if (guided_) {
+        if (warm_) {
             beside = &branch_;
             plan.cold = false;
             plan.guided = true;
             pass_once();
         }
-        test::StageState state = look(host);
+        test::StageState state = download_state(host);
         search(state);
         return state;
     }
@@ -107,13 +107,13 @@ class StagesOfPass : public IntersectionPass {
         if (counted.unplaced[0] + counted.unplaced[1] > 0) throw std::runtime_error("a member has no place");
     }
 
-    // From `sort` on once more, by the question's own records and filters.
+    // Repeats the stages from `sort` on, with the records and filters of intersection queries.
     void search(test::StageState& state) {
         policy = policy_of(Neighbours::geometric, IntersectionKind::all);
         MemoryMeter meter;
         Answer answer(geometry_, stream_, meter);
-        Block room(meter);
-        lay_out(room, [&](Cutter& c) { answer.cut(c, scene, plan.hits); });
+        Block storage(meter);
+        lay_out(storage, [&](Cutter& c) { answer.cut(c, scene, plan.hits); });
         Clearing clearing;
         clearing.add(counters->members, sizeof *counters - offsetof(Counters, members));
         clearing.add(&counters->units, sizeof counters->units);
@@ -127,17 +127,17 @@ class StagesOfPass : public IntersectionPass {
         const Counters counted = to_host(counters, 1)[0];
         if (counted.beyond > 0) throw std::runtime_error("these scenes leave nothing to the host");
         std::vector<test::LeafState>& leaves = state.leaves;
-        leaves.front().found.reserve(counted.hits);  // the list does not say which leaf a pair comes from
+        leaves.front().found.reserve(counted.hits);  // the list does not have the leaf of a pair
         for (const Hit& hit : to_host(hits_, static_cast<std::int64_t>(counted.hits)))
             leaves.front().found.push_back({hit.a, hit.b});
         answer.total = counted.hits;
         answer.write(scene, hits(), counters, nullptr);
         CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
-        answer.copy_to(scene, false, state.answer);
+        answer.copy_to(scene, false, state.result);
     }
 
-    // Rows are leaf after leaf, as members are.
-    test::StageState look(const PreparedScene& host) const {
+    // Rows are sorted by leaf, as members are.
+    test::StageState download_state(const PreparedScene& host) const {
         test::StageState state;
         if (points_.f)
             for (const auto& p : to_host(points_.f, host.vertex_count())) state.point.push_back({p.x, p.y, p.z});
@@ -181,7 +181,7 @@ class StagesOfPass : public IntersectionPass {
         return state;
     }
 
-    bool guided_;
+    bool warm_;
     Branch branch_{Device(0)};
 };
 
@@ -192,7 +192,7 @@ namespace crumple::test {
 
 std::vector<StageBackend> stage_backends() {
     std::vector<StageBackend> backends;
-    // The second of two passes has found its members by what the first one left.
+    // The second of two passes is warm-started from the first one.
     for (const unsigned threads : {64u, 256u})
         backends.push_back({"blocks_of_" + std::to_string(threads) + (threads == 256 ? "_guided" : ""),
                             [=](const PreparedScene& scene, const Options& options) {

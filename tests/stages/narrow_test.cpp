@@ -1,4 +1,4 @@
-// Stage `narrow`: exactly the pairs that collide, each once, whichever leaf it belongs to.
+// Test of stage `narrow`: exactly the colliding pairs remain, each once, whichever leaf owns it.
 
 #include "stages/cases.h"
 
@@ -8,9 +8,9 @@ namespace {
 using Narrow = Stages;
 INSTANTIATE_TEST_SUITE_P(, Narrow, testing::ValuesIn(stage_backends()), [](const auto& b) { return b.param.name; });
 
-TEST_P(Narrow, keeps_exactly_the_pairs_that_collide) {
+TEST_P(Narrow, exactly_the_colliding_pairs_remain) {
     std::size_t all = 0;
-    run_at_rest([&](const StageCase& the, const StageState& state) {
+    run_static([&](const StageCase& the, const StageState& state) {
         std::vector<Pair> found;
         for (const LeafState& leaf : state.leaves) found.insert(found.end(), leaf.found.begin(), leaf.found.end());
         std::sort(found.begin(), found.end());

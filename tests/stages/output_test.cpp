@@ -1,5 +1,5 @@
-// Stage `output`: pairs in lexicographic order, with the second mesh's own numbering, and offsets and hit flags that
-// follow from them.
+// Test of stage `output`: pairs in lexicographic order, with the second mesh's own numbering, and offsets and hit flags
+// that match them.
 
 #include "stages/cases.h"
 
@@ -10,8 +10,8 @@ using OutputStage = Stages;
 INSTANTIATE_TEST_SUITE_P(, OutputStage, testing::ValuesIn(stage_backends()),
                          [](const auto& b) { return b.param.name; });
 
-TEST_P(OutputStage, sorts_pairs_and_tells_what_follows_from_them) {
-    run_at_rest([](const StageCase& the, const StageState& state) {
+TEST_P(OutputStage, pairs_are_sorted_and_offsets_and_flags_match_them) {
+    run_static([](const StageCase& the, const StageState& state) {
         const PreparedScene& scene = the.scene;
         const auto first = static_cast<std::int32_t>(scene.triangles[0]);
         std::vector<Pair> pairs;
@@ -25,10 +25,10 @@ TEST_P(OutputStage, sorts_pairs_and_tells_what_follows_from_them) {
             hit[static_cast<std::size_t>(pair.a)] = 1;
             (scene.between ? hit_second : hit)[static_cast<std::size_t>(b)] = 1;
         }
-        ASSERT_EQ(pairs_of(state.answer), pairs);
-        ASSERT_TRUE(std::ranges::equal(state.answer.offsets, offsets));
-        ASSERT_TRUE(std::ranges::equal(state.answer.hit, hit));
-        ASSERT_TRUE(std::ranges::equal(state.answer.hit_second, hit_second));
+        ASSERT_EQ(pairs_of(state.result), pairs);
+        ASSERT_TRUE(std::ranges::equal(state.result.offsets, offsets));
+        ASSERT_TRUE(std::ranges::equal(state.result.hit, hit));
+        ASSERT_TRUE(std::ranges::equal(state.result.hit_second, hit_second));
     });
 }
 

@@ -1,4 +1,4 @@
-// Stage `sort`: rows before `end` include every overlap along the sweep direction, once.
+// Test of stage `sort`: rows before `end` include every overlap along the sweep direction once.
 
 #include "stages/cases.h"
 
@@ -8,7 +8,7 @@ namespace {
 using Sort = Stages;
 INSTANTIATE_TEST_SUITE_P(, Sort, testing::ValuesIn(stage_backends()), [](const auto& b) { return b.param.name; });
 
-TEST_P(Sort, rows_bring_every_overlap_together_once) {
+TEST_P(Sort, each_overlap_is_in_the_rows_once) {
     run([](const StageCase& the, const StageState& state) {
         for (const LeafState& leaf : state.leaves) {
             std::vector<Pair> met = leaf.met;

@@ -1,5 +1,5 @@
-// Stage `subdivide`: triangles with a common point, or that come close on their way, share a leaf, and one leaf owns
-// the pair.
+// Tests of stage `subdivide`: triangles with a common point, or that come near in motion, share a leaf, and exactly one
+// leaf owns the pair.
 
 #include <map>
 
@@ -11,7 +11,7 @@ namespace {
 using Subdivide = Stages;
 INSTANTIATE_TEST_SUITE_P(, Subdivide, testing::ValuesIn(stage_backends()), [](const auto& b) { return b.param.name; });
 
-TEST_P(Subdivide, one_leaf_owns_each_pair_with_a_common_point_and_at_most_one_any_pair) {
+TEST_P(Subdivide, exactly_one_leaf_owns_each_pair_with_a_common_point) {
     run([](const StageCase& the, const StageState& state) {
         std::map<Pair, int> owners;
         for (const LeafState& leaf : state.leaves)

@@ -1,5 +1,5 @@
-// Stage `sweep`: every overlap of boxes that is the leaf's, once, and none that another leaf has; so every pair with a
-// common point, or that comes close on its way, is a candidate of one leaf.
+// Tests of stage `sweep`: every overlap of boxes that the leaf owns is listed once, and none that another leaf owns. So
+// every pair with a common point, or that comes near in motion, is a candidate of one leaf.
 
 #include "stages/cases.h"
 
@@ -14,12 +14,12 @@ std::vector<Pair> sorted(std::vector<Pair> pairs) {
     return pairs;
 }
 
-TEST_P(Sweep, lists_every_overlap_of_boxes_that_is_ours_once) {
+TEST_P(Sweep, each_overlap_that_the_leaf_owns_is_listed_once) {
     run([](const StageCase& the, const StageState& state) {
         for (const LeafState& leaf : state.leaves) {
             const std::vector<Pair> found = sorted(leaf.candidates), owned = sorted(leaf.owned);
             ASSERT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "a pair twice";
-            if (leaf.sweep_asks_all) {
+            if (leaf.sweep_checks_owners) {
                 ASSERT_TRUE(std::includes(owned.begin(), owned.end(), found.begin(), found.end())) << "another's pair";
             }
             const std::vector<ExactBox> exact = exact_boxes(state, the.scene, leaf);
@@ -37,7 +37,7 @@ TEST_P(Sweep, lists_every_overlap_of_boxes_that_is_ours_once) {
     });
 }
 
-TEST_P(Sweep, lists_every_pair_with_a_common_point_in_the_leaf_that_owns_it) {
+TEST_P(Sweep, owner_leaf_lists_each_pair_with_a_common_point) {
     run([](const StageCase& the, const StageState& state) {
         std::vector<Pair> listed;
         for (const LeafState& leaf : state.leaves) {
@@ -53,7 +53,7 @@ TEST_P(Sweep, lists_every_pair_with_a_common_point_in_the_leaf_that_owns_it) {
     });
 }
 
-TEST_P(Sweep, lists_few_pairs_whose_boxes_are_apart) {
+TEST_P(Sweep, few_pairs_of_disjoint_boxes_are_listed) {
     run([](const StageCase&, const StageState& state) {
         std::size_t members = 0, candidates = 0, apart = 0;
         for (const LeafState& leaf : state.leaves) {
@@ -65,7 +65,7 @@ TEST_P(Sweep, lists_few_pairs_whose_boxes_are_apart) {
                                                              leaf.member.begin())];
                 };
                 const Box a = box(pair.a), b = box(pair.b);
-                // Coarse bins let pairs through along the sweep direction; across, only the rounding to 16 bits does.
+                // Coarse bins let pairs pass along the sweep direction; across it, only rounding to 16 bits does.
                 apart += a.low.y > b.high.y || b.low.y > a.high.y || a.low.z > b.high.z || b.low.z > a.high.z;
             }
         }

@@ -1,4 +1,4 @@
-// Worlds against brute force in rational arithmetic.
+// Compares worlds with brute force in rational arithmetic.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace crumple {
 namespace {
 
-using test::random_question;
+using test::random_query;
 using test::random_world;
 using test::same_world_answer;
 
@@ -30,36 +30,36 @@ class Worlds : public testing::TestWithParam<Backend> {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         const auto world = random_world(seed, kind);
         for (unsigned i = 0; i < 3; ++i) {
-            const IntersectionQuery question = random_question(7 * seed + i, kind.bodies);
-            SCOPED_TRACE(testing::Message() << "question " << i << ", wants " << static_cast<int>(question.output));
-            // Under other names each time, for a detector holds on to what it knows.
+            const IntersectionQuery query = random_query(7 * seed + i, kind.bodies);
+            SCOPED_TRACE(testing::Message() << "question " << i << ", wants " << static_cast<int>(query.output));
+            // Uses new names each time, since a detector caches named shapes.
             auto shapes = world->shapes;
             for (Shape& shape : shapes)
                 if (shape.name != 0) shape.name += 1000 * (seed + 1);
             const World view{shapes, world->bodies, world->poses};
-            ASSERT_TRUE(same_world_answer(detector.find(view, question), reference_.find(view, question)));
+            ASSERT_TRUE(same_world_answer(detector.find(view, query), reference_.find(view, query)));
         }
     }
 };
 
-TEST_P(Worlds, of_some_bodies) {
+TEST_P(Worlds, some_bodies_match_brute_force) {
     for (unsigned seed = 0; seed < seeds; ++seed) compare(seed, {});
 }
-TEST_P(Worlds, of_named_bodies_only) {
+TEST_P(Worlds, named_bodies_match_brute_force) {
     for (unsigned seed = 100; seed < 100 + seeds; ++seed) compare(seed, {.named = 1});
 }
-TEST_P(Worlds, of_unnamed_bodies_only) {
+TEST_P(Worlds, unnamed_bodies_match_brute_force) {
     for (unsigned seed = 200; seed < 200 + seeds; ++seed) compare(seed, {.named = 0});
 }
-TEST_P(Worlds, at_one_place) {
+TEST_P(Worlds, worlds_at_one_place_match_brute_force) {
     for (unsigned seed = 300; seed < 300 + seeds; ++seed) compare(seed, {.bodies = 12, .worlds = 5});
 }
-TEST_P(Worlds, of_many_bodies_each) {
+TEST_P(Worlds, worlds_of_many_bodies_match_brute_force) {
     for (unsigned seed = 400; seed < 400 + seeds / 4; ++seed)
         compare(seed, {.bodies = 90, .worlds = 2, .triangles = 5, .everywhere = 0.5, .reach = 2});
 }
-/// Of every size, some of them empty: a leaf each, or leaves of one level or of two.
-TEST_P(Worlds, of_every_number_at_one_place) {
+/// Worlds of every size, some of them empty: with one leaf each, or with leaves on one or two levels.
+TEST_P(Worlds, any_number_of_worlds_matches_brute_force) {
     const auto compare_many = [&](int worlds, const Options& options) {
         SCOPED_TRACE(testing::Message() << worlds << " worlds, leaves of " << options.leaf_size);
         Detector detector(options);
@@ -72,10 +72,10 @@ TEST_P(Worlds, of_every_number_at_one_place) {
         compare_many(worlds, {.backend = GetParam(), .threads = 2, .clusters = 3, .leaf_size = 8});
     }
 }
-TEST_P(Worlds, of_no_bodies) { compare(500, {.bodies = 0}); }
+TEST_P(Worlds, worlds_without_bodies_match_brute_force) { compare(500, {.bodies = 0}); }
 
-/// Beside each other and across each other, as they are and scaled down to a size with small numbers.
-TEST_P(Worlds, of_shapes_that_reach_to_the_largest_numbers) {
+/// Bodies beside each other and across each other, unscaled and scaled down to small numbers.
+TEST_P(Worlds, shapes_up_to_the_largest_numbers_match_brute_force) {
     const double most = std::numeric_limits<double>::max();
     for (const double size : {0x1p1021, 0x1p1022, 0x1p1023, most}) {
         const std::vector<std::array<double, 3>> vertices{{-size, -size, 0}, {size, -size, 0}, {0, size, 0},
@@ -94,11 +94,11 @@ TEST_P(Worlds, of_shapes_that_reach_to_the_largest_numbers) {
                     return pose;
                 };
                 const Pose poses[] = {at(0), at(1e6), at(-3e7)};
-                for (const Output wants : {Output::any, Output::body_pairs, Output::contacts}) {
+                for (const Output output : {Output::any, Output::body_pairs, Output::contacts}) {
                     SCOPED_TRACE(testing::Message() << size << " named " << name << " scaled by " << scale);
                     const World world{shapes, bodies, poses};
-                    const IntersectionQuery question{.output = wants};
-                    ASSERT_TRUE(same_world_answer(detector_.find(world, question), reference_.find(world, question)));
+                    const IntersectionQuery query{.output = output};
+                    ASSERT_TRUE(same_world_answer(detector_.find(world, query), reference_.find(world, query)));
                 }
             }
         }

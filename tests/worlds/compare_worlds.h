@@ -19,7 +19,7 @@ inline std::set<Row> rows_of(const Intersections& c) {
     return rows;
 }
 
-/// Pairs as sets, so that a failure names them; everything else byte for byte.
+/// Compares complete results of worlds: pairs as sets, so that a failure lists them, everything else byte by byte.
 inline testing::AssertionResult same_world_answer(const Intersections& found, const Intersections& expected) {
     const std::set<Row> ours = rows_of(found), theirs = rows_of(expected);
     std::ostringstream text;

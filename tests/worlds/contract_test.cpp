@@ -1,4 +1,4 @@
-// What docs/worlds.md promises, one claim a test.
+// Tests of the claims of docs/worlds.md, one each.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ std::vector<std::array<std::int32_t, 4>> rows(const Intersections& c) {
     return rows;
 }
 
-TEST(World, of_one_body_in_place_has_the_bytes_of_find_self) {
+TEST(World, one_unposed_body_gives_the_bytes_of_one_mesh) {
     for (const std::uint64_t name : {0u, 1u}) {
         const auto soup = random_soup(300, 0.3);
         Detector detector, other;
@@ -45,15 +45,15 @@ TEST(World, of_one_body_in_place_has_the_bytes_of_find_self) {
     }
 }
 
-TEST(World, of_two_bodies_in_place_has_the_bytes_of_find_between) {
+TEST(World, two_unposed_bodies_give_the_bytes_of_two_meshes) {
     const auto a = random_soup(200, 0.3), b = random_soup(250, 0.3, 5);
     for (const std::uint64_t name : {0u, 1u}) {
         Detector detector, other;
         const std::vector<Shape> shapes{Shape(a.view(), name), Shape(b.view(), 2 * name)};
         const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
-        IntersectionQuery question{.output = Output::contacts};
-        question.filter.bodies = PairScope::between;
-        const Intersections& found = detector.find(World{shapes, bodies, {}}, question);
+        IntersectionQuery query{.output = Output::contacts};
+        query.filter.bodies = PairScope::between;
+        const Intersections& found = detector.find(World{shapes, bodies, {}}, query);
         const Intersections& expected = other.find({a.view(), b.view()}, {.output = Output::contacts});
         ASSERT_GT(expected.pairs.size(), 50u);
         EXPECT_TRUE(test::same_pairs(found.pairs.span(), expected.pairs.span()));
@@ -62,7 +62,7 @@ TEST(World, of_two_bodies_in_place_has_the_bytes_of_find_between) {
     }
 }
 
-TEST(World, counts_in_bodies_and_lists_worlds_one_after_the_other) {
+TEST(World, rows_are_sorted_by_world_and_numbered_within_bodies) {
     const auto soup = random_soup(40, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view())};
     const std::vector<Body> bodies{{.world = 0, .self = true},
@@ -70,9 +70,9 @@ TEST(World, counts_in_bodies_and_lists_worlds_one_after_the_other) {
                                    {.world = 2, .self = true},
                                    {.world = -1, .self = true}};
     Detector detector;
-    IntersectionQuery question{.index = true};
-    question.filter.bodies = PairScope::between;
-    const Intersections& found = detector.find(World{shapes, bodies, {}}, question);
+    IntersectionQuery query{.index = true};
+    query.filter.bodies = PairScope::between;
+    const Intersections& found = detector.find(World{shapes, bodies, {}}, query);
     ASSERT_EQ(found.world_hit.size(), 3u);
     EXPECT_EQ(found.world_hit[1], 0);
     EXPECT_EQ(found.world_counts[1], 0);
@@ -89,7 +89,7 @@ TEST(World, counts_in_bodies_and_lists_worlds_one_after_the_other) {
     EXPECT_TRUE(std::is_sorted(listed.begin(), listed.end()));
 }
 
-TEST(World, pairs_among_bodies_that_are_in_all_worlds_come_once_and_count_for_none) {
+TEST(World, pairs_of_bodies_in_all_worlds_count_for_no_world) {
     const auto soup = random_soup(40, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view(), 1)};
     const std::vector<Body> bodies{
@@ -105,7 +105,7 @@ TEST(World, pairs_among_bodies_that_are_in_all_worlds_come_once_and_count_for_no
 }
 
 TEST(World, poses_round_once_to_the_precision_of_the_shape) {
-    // Rounded to float32, 1/4 + 2/3 is a little more, and touches a plane there.
+    // 1/4 + 2/3 rounded to float32 is slightly larger, and touches a plane there.
     const std::vector<std::array<float, 3>> corner{{0.25f, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
     const double step = 2.0 / 3;
     const auto touched = static_cast<double>(static_cast<float>(0.25 + step));
@@ -119,7 +119,7 @@ TEST(World, poses_round_once_to_the_precision_of_the_shape) {
     EXPECT_TRUE(detector.find(World{shapes, bodies, poses}, {.output = Output::any}).any);
 }
 
-TEST(World, is_remembered_by_name) {
+TEST(World, named_shapes_are_cached) {
     auto soup = random_soup(500, 0.2);
     const auto probe = random_soup(20, 0.3, 9);
     const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
@@ -142,8 +142,8 @@ TEST(World, is_remembered_by_name) {
     EXPECT_EQ(detector.find(World{named, bodies, {}}).count, 0) << "after an error nothing is remembered";
 }
 
-// Shapes that a tree cannot cut evenly: equal triangles, sizes from tiny to huge, a line, extents beyond float64.
-TEST(World, odd_shapes_lose_nothing_by_their_names) {
+// Shapes that a tree cannot split evenly: equal triangles, sizes from tiny to huge, a line, extents beyond float64.
+TEST(World, named_odd_shapes_match_brute_force) {
     constexpr int triangles = 60;
     std::vector<test::Soup<double>> soups(4);
     const auto add = [](test::Soup<double>& soup, const std::array<std::array<double, 3>, 3>& corners) {
@@ -167,29 +167,29 @@ TEST(World, odd_shapes_lose_nothing_by_their_names) {
         poses.push_back(b % 2 == 0 ? Pose{} : moved(0.25));
     }
     Detector detector, reference(Options{.backend = Backend::reference});
-    for (const Output wants : {Output::body_pairs, Output::pairs}) {
-        const Intersections& expected = reference.find(World{shapes, bodies, poses}, {.output = wants});
+    for (const Output output : {Output::body_pairs, Output::pairs}) {
+        const Intersections& expected = reference.find(World{shapes, bodies, poses}, {.output = output});
         ASSERT_EQ(expected.world_hit.size(), 4u);
         EXPECT_TRUE(expected.world_hit[0] && expected.world_hit[1] && expected.world_hit[2]);
-        EXPECT_TRUE(test::same_world_answer(detector.find(World{shapes, bodies, poses}, {.output = wants}), expected));
+        EXPECT_TRUE(test::same_world_answer(detector.find(World{shapes, bodies, poses}, {.output = output}), expected));
     }
 }
 
-TEST(World, sequences_of_named_and_unnamed_shapes_equal_fresh_detectors) {
+TEST(World, named_and_unnamed_shapes_match_a_fresh_detector) {
     Detector lasting({.threads = 2});
     for (unsigned seed = 0; seed < 30; ++seed) {
         const auto world = test::random_world(seed % 5, {.named = 1, .mixed_precision = false});
         auto shapes = world->shapes;
         test::Dice dice(seed);
         for (Shape& shape : shapes) shape.name = dice.chance(0.3) ? 0 : shape.name + 100 * (seed % 5);
-        const IntersectionQuery question = test::random_question(seed, 6);
+        const IntersectionQuery query = test::random_query(seed, 6);
         const World view{shapes, world->bodies, world->poses};
         Detector fresh({.threads = 1});
-        ASSERT_TRUE(test::same_world_answer(lasting.find(view, question), fresh.find(view, question))) << seed;
+        ASSERT_TRUE(test::same_world_answer(lasting.find(view, query), fresh.find(view, query))) << seed;
     }
 }
 
-TEST(World, fits_a_memory_limit_or_names_one) {
+TEST(World, sufficient_memory_limit_is_respected) {
     const auto soup = random_soup(3000, 0.1), other = random_soup(3000, 0.1, 2);
     const std::vector<Shape> shapes{Shape(soup.view(), 1), Shape(other.view(), 2)};
     const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
@@ -205,7 +205,7 @@ TEST(World, fits_a_memory_limit_or_names_one) {
     EXPECT_LE(found.statistics.peak_memory_bytes, limit);
 }
 
-TEST(World, long_answers_of_many_worlds_are_the_same_under_a_limit) {
+TEST(World, many_worlds_give_the_same_result_under_a_limit) {
     const auto soup = random_soup(40, 0.4), other = random_soup(40, 0.4, 2);
     const std::vector<Shape> shapes{Shape(soup.view()), Shape(other.view(), 1)};
     std::vector<Body> bodies;
@@ -213,23 +213,23 @@ TEST(World, long_answers_of_many_worlds_are_the_same_under_a_limit) {
         for (std::int32_t shape = 0; shape < 2; ++shape)
             bodies.push_back({.shape = shape, .world = world, .self = true});
     const World world{shapes, bodies, {}};
-    const IntersectionQuery question{.output = Output::contacts, .index = true};
+    const IntersectionQuery query{.output = Output::contacts, .index = true};
     Detector free, limited({.memory_limit = 1 << 28});
-    const Intersections& found = limited.find(world, question);
+    const Intersections& found = limited.find(world, query);
     EXPECT_GE(found.count, 20'000);
     EXPECT_LE(found.statistics.peak_memory_bytes, 1 << 28);
-    EXPECT_TRUE(test::same_world_answer(found, free.find(world, question)));
+    EXPECT_TRUE(test::same_world_answer(found, free.find(world, query)));
 }
 
-TEST(World, comes_in_blocks) {
+TEST(World, blocks_hold_all_rows) {
     for (unsigned seed = 0; seed < 60; ++seed) {
         const auto world =
             test::random_world(seed, {.bodies = 8, .worlds = static_cast<int>(seed % 4), .triangles = 60});
-        IntersectionQuery question = test::random_question(seed, 8);
-        question.output = seed % 3 == 0 ? Output::pairs : Output::contacts;
-        question.index = false;
+        IntersectionQuery query = test::random_query(seed, 8);
+        query.output = seed % 3 == 0 ? Output::pairs : Output::contacts;
+        query.index = false;
         Detector detector({.backend = seed % 5 == 0 ? Backend::reference : Backend::cpu, .threads = 2});
-        Intersections expected = detector.find(world->view(), question);
+        Intersections expected = detector.find(world->view(), query);
         std::vector<BodyPair> bodies;
         std::vector<Pair> pairs;
         std::vector<ContactKind> kinds;
@@ -244,7 +244,7 @@ TEST(World, comes_in_blocks) {
             points.insert(points.end(), block.contacts.points.begin(), block.contacts.points.end());
             last = block.count;
         };
-        const Statistics statistics = detector.stream(world->view(), question, take, 7);
+        const Statistics statistics = detector.stream(world->view(), query, take, 7);
         ASSERT_EQ(statistics.pairs, expected.count) << seed;
         ASSERT_EQ(last, expected.count) << seed;
         ASSERT_EQ(points.size(), expected.contacts.points.size()) << seed;
@@ -256,21 +256,21 @@ TEST(World, comes_in_blocks) {
     }
 }
 
-TEST(World, has_blocks_of_pairs_only) {
+TEST(World, blocks_need_an_output_of_pairs) {
     const auto soup = random_soup(10, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view())};
     const std::vector<Body> bodies{{.self = true}};
     const auto never = [](const Intersections&) { FAIL(); };
-    for (const Output wants : {Output::any, Output::any_by_world, Output::body_pairs, Output::count}) {
+    for (const Output output : {Output::any, Output::any_by_world, Output::body_pairs, Output::count}) {
         Detector detector;
         EXPECT_EQ(error_of([&] {
-                      detector.stream(World{shapes, bodies, {}}, {.output = wants}, never);
+                      detector.stream(World{shapes, bodies, {}}, {.output = output}, never);
                   }).code,
                   ErrorCode::invalid_argument);
     }
 }
 
-TEST(World, ends_at_a_stop_that_was_requested_before) {
+TEST(World, earlier_stop_request_ends_the_call) {
     const auto soup = random_soup(10, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view())};
     const std::vector<Body> bodies{{.self = true}};
@@ -284,8 +284,8 @@ TEST(World, ends_at_a_stop_that_was_requested_before) {
     EXPECT_GE(detector.find(World{shapes, bodies, {}}).count, 0);
 }
 
-TEST(World, polls_between_two_bodies) {
-    // Saddles a little above each other, in one world: groups of triangles overlap, and nothing collides.
+TEST(World, calls_poll_between_two_bodies) {
+    // Saddles slightly above each other, in one world: groups of triangles overlap, and nothing collides.
     constexpr std::int32_t n = 20;
     std::vector<std::array<double, 3>> vertices;
     std::vector<std::array<std::int32_t, 3>> faces;
@@ -304,7 +304,7 @@ TEST(World, polls_between_two_bodies) {
     Detector detector({.threads = 1});
     int polls = 0;
     detector.set_poll([&] { ++polls; });
-    // A machine that stands still meanwhile polls less. Between worlds alone there would be two polls a call.
+    // A machine that stalls meanwhile polls less. Polls between worlds alone would be two per call.
     for (int call = 0; call < 20 && polls < 4; ++call) {
         polls = 0;
         EXPECT_FALSE(detector.find(World{shapes, bodies, poses}, {.output = Output::any_by_world}).any);
@@ -316,19 +316,19 @@ TEST(World, polls_between_two_bodies) {
     EXPECT_EQ(error_of(call).code, ErrorCode::cancelled);
 }
 
-TEST(World, answers_that_are_handed_over_outlive_the_detector) {
+TEST(World, swapped_results_outlive_the_detector) {
     const auto soup = random_soup(300, 0.3), other = random_soup(300, 0.3, 2);
     const std::vector<Shape> shapes{Shape(soup.view()), Shape(other.view(), 1)};
     const std::vector<Body> bodies{
         {.shape = 0, .self = true}, {.shape = 1, .world = 1, .self = true}, {.shape = 1, .world = -1, .self = true}};
-    const IntersectionQuery question{.output = Output::contacts, .index = true};
+    const IntersectionQuery query{.output = Output::contacts, .index = true};
     Detector fresh;
-    const Intersections& expected = fresh.find(World{shapes, bodies, {}}, question);
+    const Intersections& expected = fresh.find(World{shapes, bodies, {}}, query);
     ASSERT_GT(expected.count, 50);
     Intersections taken, spare;
     {
         Detector detector;
-        const Intersections& found = detector.find(World{shapes, bodies, {}}, question);
+        const Intersections& found = detector.find(World{shapes, bodies, {}}, query);
         const Pair* const storage = found.pairs.data();
         detector.swap_result(taken);
         EXPECT_EQ(taken.pairs.data(), storage) << "nothing is copied";
@@ -337,7 +337,7 @@ TEST(World, answers_that_are_handed_over_outlive_the_detector) {
         detector.find(World{shapes, bodies, {}}, {.output = Output::any});
         detector.swap_result(spare);
         detector.swap_result(spare);
-        detector.find(World{shapes, bodies, {}}, question);
+        detector.find(World{shapes, bodies, {}}, query);
     }
     EXPECT_TRUE(test::same_world_answer(taken, expected));
     EXPECT_TRUE(same_bytes(taken.world_offsets, expected.world_offsets, "offsets of worlds"));
@@ -345,29 +345,29 @@ TEST(World, answers_that_are_handed_over_outlive_the_detector) {
     EXPECT_TRUE(same_bytes(taken.hit, expected.hit, "hit flags"));
 
     Detector limited({.memory_limit = 10'000'000});
-    limited.find(World{shapes, bodies, {}}, question);
+    limited.find(World{shapes, bodies, {}}, query);
     limited.swap_result(taken);
-    const std::int64_t peak = limited.find(World{shapes, bodies, {}}, question).statistics.peak_memory_bytes;
+    const std::int64_t peak = limited.find(World{shapes, bodies, {}}, query).statistics.peak_memory_bytes;
     std::vector<Intersections> held(5);
-    for (Intersections& answer : held) {
-        limited.swap_result(answer);
-        EXPECT_LE(limited.find(World{shapes, bodies, {}}, question).statistics.peak_memory_bytes, peak)
+    for (Intersections& result : held) {
+        limited.swap_result(result);
+        EXPECT_LE(limited.find(World{shapes, bodies, {}}, query).statistics.peak_memory_bytes, peak)
             << "answers taken over do not count";
     }
 }
 
 class WrongWorld : public testing::TestWithParam<Backend> {
    protected:
-    Error error(const World& world, const IntersectionQuery& question = {}) {
+    Error error(const World& world, const IntersectionQuery& query = {}) {
         Detector detector({.backend = GetParam()});
-        return error_of([&] { detector.find(world, question); });
+        return error_of([&] { detector.find(world, query); });
     }
     test::Soup<float> soup = random_soup(5, 0.5);
     std::vector<Shape> shapes{Shape(soup.view())};
     std::vector<Body> bodies{{.self = true}, {.self = true}};
 };
 
-TEST_P(WrongWorld, names_the_body) {
+TEST_P(WrongWorld, error_names_the_body) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     std::vector<Pose> poses{{}, moved(nan)};
     Error e = error({shapes, bodies, poses});
@@ -386,12 +386,12 @@ TEST_P(WrongWorld, names_the_body) {
     bodies = {{.world = -1}, {.world = 0}};
     EXPECT_STREQ(error({shapes, bodies, {}}).what(), "body 1: bodies that are in all worlds (-1) come last");
     bodies = {{}, {}};
-    IntersectionQuery question;
-    question.filter.excluded_bodies = {{0, 2}};
-    EXPECT_STREQ(error({shapes, bodies, {}}, question).what(), "excluded_bodies names body 2 of 2");
+    IntersectionQuery query;
+    query.filter.excluded_bodies = {{0, 2}};
+    EXPECT_STREQ(error({shapes, bodies, {}}, query).what(), "excluded_bodies names body 2 of 2");
 }
 
-TEST_P(WrongWorld, names_the_vertex_and_the_triangle) {
+TEST_P(WrongWorld, error_names_the_vertex_or_triangle) {
     soup.vertices[7][1] = std::numeric_limits<float>::infinity();
     Error e = error({shapes, bodies, {}});
     EXPECT_STREQ(e.what(), "body 0: vertex 7 is not finite");
@@ -406,7 +406,7 @@ TEST_P(WrongWorld, names_the_vertex_and_the_triangle) {
     EXPECT_EQ(e.code, ErrorCode::index_out_of_range);
 }
 
-TEST_P(WrongWorld, names_the_shape) {
+TEST_P(WrongWorld, error_names_the_shape) {
     shapes[0].triangles.rows = -1;
     EXPECT_STREQ(error({shapes, bodies, {}}).what(), "shape 0 has -1 triangles; 0 to 2147483647 are possible");
 }
@@ -414,7 +414,7 @@ TEST_P(WrongWorld, names_the_shape) {
 INSTANTIATE_TEST_SUITE_P(, WrongWorld, testing::Values(Backend::reference, Backend::cpu),
                          [](const auto& info) { return std::string(test::backend_name(info.param)); });
 
-TEST(World, bodies_are_not_tested_against_themselves_unless_that_is_wanted) {
+TEST(World, bodies_are_tested_against_themselves_on_request_only) {
     const auto soup = random_soup(300, 0.3);
     const std::vector<Shape> shapes{Shape(soup.view())};
     std::vector<Body> bodies{{}};
@@ -425,17 +425,17 @@ TEST(World, bodies_are_not_tested_against_themselves_unless_that_is_wanted) {
 }
 
 PairFilter without(std::int32_t a, std::int32_t b) {
-    PairFilter rules;
-    rules.excluded_bodies.push_back({a, b});
-    return rules;
+    PairFilter filter;
+    filter.excluded_bodies.push_back({a, b});
+    return filter;
 }
 PairFilter between_groups() {
-    PairFilter rules;
-    rules.groups = PairScope::between;
-    return rules;
+    PairFilter filter;
+    filter.groups = PairScope::between;
+    return filter;
 }
 
-TEST(World, bodies_without_triangles_are_refused_where_a_pair_with_them_is_wanted) {
+TEST(World, pairs_with_bodies_without_triangles_are_rejected) {
     const auto soup = random_soup(20, 0.3);
     const std::vector<std::int32_t> some{1, 2};
     const std::vector<Edge> edge{{0, 1}};
@@ -443,15 +443,15 @@ TEST(World, bodies_without_triangles_are_refused_where_a_pair_with_them_is_wante
     shapes[1].triangles = shapes[2].triangles = {};
     shapes[1].points = some;
     shapes[2].edges = edge;
-    const auto refused = [&](const std::vector<Body>& bodies, const PairFilter& rules, std::int64_t body) {
+    const auto refused = [&](const std::vector<Body>& bodies, const PairFilter& filter, std::int64_t body) {
         for (const Backend backend : {Backend::reference, Backend::cpu}) {
             Detector detector({.backend = backend});
-            IntersectionQuery question;
-            question.filter = rules;
+            IntersectionQuery query;
+            query.filter = filter;
             DistanceQuery nearest;
-            nearest.filter = rules;
+            nearest.filter = filter;
             for (const Error& error : {error_of([&] {
-                                           detector.find(World{shapes, bodies, {}}, question);
+                                           detector.find(World{shapes, bodies, {}}, query);
                                        }),
                                        error_of([&] {
                                            detector.find(World{shapes, bodies, {}}, nearest);
@@ -467,21 +467,21 @@ TEST(World, bodies_without_triangles_are_refused_where_a_pair_with_them_is_wante
     refused({{.shape = 2}, {.shape = 0}}, {}, 0);
     refused({{.shape = 0, .world = 0}, {.shape = 2, .world = -1}}, {}, 1);
     refused({{.shape = 0}, {.shape = 1, .group = 1}}, between_groups(), 1);
-    const auto answered = [&](const std::vector<Body>& bodies, const PairFilter& rules) {
+    const auto accepted = [&](const std::vector<Body>& bodies, const PairFilter& filter) {
         Detector detector({.backend = Backend::cpu});
-        IntersectionQuery question;
-        question.filter = rules;
+        IntersectionQuery query;
+        query.filter = filter;
         DistanceQuery nearest;
-        nearest.filter = rules;
-        EXPECT_NO_THROW(detector.find(World{shapes, bodies, {}}, question));
+        nearest.filter = filter;
+        EXPECT_NO_THROW(detector.find(World{shapes, bodies, {}}, query));
         EXPECT_NO_THROW(detector.find(World{shapes, bodies, {}}, nearest));
     };
-    answered({{.shape = 1}}, {});
-    answered({{.shape = 0, .world = 0}, {.shape = 1, .world = 1}}, {});
-    answered({{.shape = 0}, {.shape = 1}}, without(1, 0));
-    answered({{.shape = 0}, {.shape = 1}}, between_groups());
-    shapes[1].points = std::span<const std::int32_t>();  // then the body has nothing at all
-    answered({{.shape = 0}, {.shape = 1}}, {});
+    accepted({{.shape = 1}}, {});
+    accepted({{.shape = 0, .world = 0}, {.shape = 1, .world = 1}}, {});
+    accepted({{.shape = 0}, {.shape = 1}}, without(1, 0));
+    accepted({{.shape = 0}, {.shape = 1}}, between_groups());
+    shapes[1].points = std::span<const std::int32_t>();  // the body then has no features at all
+    accepted({{.shape = 0}, {.shape = 1}}, {});
     EXPECT_TRUE(Detector()
                     .find(World{shapes, std::vector<Body>{{.shape = 0}, {.shape = 2}}, {}}, ProximityQuery{.radius = 9})
                     .any);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Random worlds of a few small bodies: every kind of pose, rule and precision, shapes with and without names.
+// Random worlds of a few small bodies: every kind of pose, pair filter and precision, shapes with and without names.
 
 #include <array>
 #include <cmath>
@@ -24,20 +24,21 @@ class Dice {
     std::mt19937 engine_;
 };
 
-/// Rotation by a random quaternion, then translation.
-inline Pose random_motion(Dice& dice, double reach) {
+/// Returns a rotation by a random quaternion, then a translation of at most `extent` along each axis.
+inline Pose random_motion(Dice& dice, double extent) {
     double q[4], length = 0;
     for (double& c : q) c = dice.between(-1, 1), length += c * c;
     length = std::sqrt(length) + 1e-9;
     const double w = q[0] / length, x = q[1] / length, y = q[2] / length, z = q[3] / length;
-    return {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), dice.between(-reach, reach),
-             2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), dice.between(-reach, reach),
-             2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), dice.between(-reach, reach)}};
+    return {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), dice.between(-extent, extent),
+             2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), dice.between(-extent, extent),
+             2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), dice.between(-extent, extent)}};
 }
 
-/// Mostly motions near each other; also nothing at all, reflections, scales, maps that flatten, steps of one.
-inline Pose random_pose(Dice& dice, double reach) {
-    Pose pose = random_motion(dice, reach);
+/// Returns a random pose: mostly a rigid motion; also the identity, reflections, scales, flattening maps, and steps of
+/// one.
+inline Pose random_pose(Dice& dice, double extent) {
+    Pose pose = random_motion(dice, extent);
     switch (dice.below(10)) {
         case 0:
             return {};
@@ -49,7 +50,7 @@ inline Pose random_pose(Dice& dice, double reach) {
             for (std::size_t k = 0; k < (dice.chance(0.3) ? 3u : 1u); ++k)
                 for (std::size_t i = 0; i < 12; i += 4) pose.rows[i + k] = 0;
             return pose;
-        case 3:  // moved by a grid's step: vertices meet vertices
+        case 3:  // moved by steps of 1, so that vertices coincide
             pose = {};
             for (std::size_t i = 3; i < 12; i += 4) pose.rows[i] = dice.below(3) - 1;
             return pose;
@@ -58,7 +59,7 @@ inline Pose random_pose(Dice& dice, double reach) {
     }
 }
 
-/// Owns what a World names.
+/// Owner of the arrays of a World.
 struct RandomWorld {
     std::vector<Soup<float>> floats;
     std::vector<Soup<double>> doubles;
@@ -73,7 +74,7 @@ struct WorldKind {
     int shapes = 3, bodies = 6, worlds = 1;
     int triangles = 40;
     double named = 0.5, everywhere = 0.2, reach = 0.6;
-    double gaps = 0;  ///< worlds without a body of their own
+    double gaps = 0;  ///< share of worlds without bodies
     bool mixed_precision = true;
 };
 
@@ -88,7 +89,7 @@ inline std::unique_ptr<RandomWorld> random_world(unsigned seed, const WorldKind&
         const auto add = [&](auto& soups, auto soup) {
             if (dice.chance(0.3))
                 for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(dice.below(3));
-            // Some degenerate ones, and some that share vertices.
+            // Makes some triangles degenerate, and lets some share vertices.
             for (auto& t : soup.triangles) {
                 if (dice.chance(0.1)) t[1] = t[0];
                 if (dice.chance(0.2)) t[2] = dice.below(static_cast<int>(soup.vertices.size()));
@@ -114,23 +115,23 @@ inline std::unique_ptr<RandomWorld> random_world(unsigned seed, const WorldKind&
     return world;
 }
 
-inline IntersectionQuery random_question(unsigned seed, int bodies) {
+inline IntersectionQuery random_query(unsigned seed, int bodies) {
     Dice dice(seed);
-    const auto wanted = [&] { return static_cast<PairScope>(dice.chance(0.5) ? 0 : dice.below(3)); };
-    IntersectionQuery question;
+    const auto scope = [&] { return static_cast<PairScope>(dice.chance(0.5) ? 0 : dice.below(3)); };
+    IntersectionQuery query;
     constexpr Output outputs[] = {Output::any,   Output::any_by_world, Output::body_pairs,
                                   Output::count, Output::pairs,        Output::contacts};
-    question.output = outputs[dice.below(6)];
-    question.neighbours = dice.chance(0.2) ? Neighbours::skip : Neighbours::geometric;
-    question.kind = dice.chance(0.2) ? IntersectionKind::proper : IntersectionKind::all;
-    question.weld = dice.chance(0.3);
-    question.index = dice.chance(0.5);
-    question.filter.bodies = wanted();
-    question.filter.groups = wanted();
+    query.output = outputs[dice.below(6)];
+    query.neighbours = dice.chance(0.2) ? Neighbours::skip : Neighbours::geometric;
+    query.kind = dice.chance(0.2) ? IntersectionKind::proper : IntersectionKind::all;
+    query.weld = dice.chance(0.3);
+    query.index = dice.chance(0.5);
+    query.filter.bodies = scope();
+    query.filter.groups = scope();
     for (int i = dice.below(3); i > 0 && bodies > 0; --i)
-        question.filter.excluded_bodies.push_back({dice.below(bodies), dice.below(bodies)});
-    for (int i = dice.below(3); i > 0; --i) question.filter.excluded_groups.push_back({dice.below(3), dice.below(3)});
-    return question;
+        query.filter.excluded_bodies.push_back({dice.below(bodies), dice.below(bodies)});
+    for (int i = dice.below(3); i > 0; --i) query.filter.excluded_groups.push_back({dice.below(3), dice.below(3)});
+    return query;
 }
 
 }  // namespace crumple::test

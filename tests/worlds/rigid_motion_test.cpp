@@ -1,4 +1,5 @@
-// Rigid motions in pieces: how far vertices are from where the pieces have them, and a contact that one piece misses.
+// Tests of rigid motions cut into pieces: distance of vertices from the straight pieces, and a contact that one piece
+// misses.
 
 #include <gtest/gtest.h>
 
@@ -41,8 +42,8 @@ Pose random_rigid(Dice& dice) {
              2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), dice.between(-2, 2)}};
 }
 
-/// A motion of many more pieces is the true one.
-TEST(RigidMotions, keep_vertices_as_near_to_their_pieces_as_is_promised) {
+/// A motion with many more pieces stands for the true one.
+TEST(RigidMotions, vertices_stay_within_the_promised_distance_of_pieces) {
     Dice dice(5);
     double worst = 0;
     for (int i = 0; i < 60; ++i) {
@@ -58,11 +59,10 @@ TEST(RigidMotions, keep_vertices_as_near_to_their_pieces_as_is_promised) {
              finer /= 1.1)
             fine = cut_rigid_motion(start, end, radii, finer);
         const Point p{1.5 * std::cos(i), 1.5 * std::sin(i), 0};
-        const std::int64_t moments = fine.pieces / coarse.pieces;
+        const std::int64_t steps = fine.pieces / coarse.pieces;
         for (std::int64_t k = 0; k < fine.pieces; ++k) {
-            const double t = static_cast<double>(k % moments) / static_cast<double>(moments);
-            const Point straight =
-                between(posed(coarse.at(k / moments)[0], p), posed(coarse.at(k / moments + 1)[0], p), t);
+            const double t = static_cast<double>(k % steps) / static_cast<double>(steps);
+            const Point straight = between(posed(coarse.at(k / steps)[0], p), posed(coarse.at(k / steps + 1)[0], p), t);
             const double off = distance(posed(fine.at(k)[0], p), straight);
             EXPECT_LE(off, coarse.min_distance / 2);
             worst = std::max(worst, off / (coarse.min_distance / 2));
@@ -71,8 +71,8 @@ TEST(RigidMotions, keep_vertices_as_near_to_their_pieces_as_is_promised) {
     EXPECT_GT(worst, 0.9) << "the bound is far too large";
 }
 
-/// A bar that makes half a turn passes a pole at its side; straight ways lead through its middle instead.
-TEST(RigidMotions, find_contacts_that_straight_ways_miss) {
+/// A bar that makes half a turn passes a pole with its side; straight trajectories lead through its centre instead.
+TEST(RigidMotions, pieces_find_contacts_that_straight_motion_misses) {
     const std::vector<Point> bar{{-2, 0, -0.1}, {2, 0, -0.1}, {2, 0, 0.1}},
         pole{{0, 1.5, -1}, {0, 1.5, 1}, {0.01, 1.6, 1}};
     const std::vector<std::array<std::int32_t, 3>> one{{0, 1, 2}};
@@ -95,14 +95,14 @@ TEST(RigidMotions, find_contacts_that_straight_ways_miss) {
     }
 }
 
-TEST(RigidMotions, need_no_pieces_without_a_turn) {
+TEST(RigidMotions, motion_without_rotation_is_one_piece) {
     const std::vector<Pose> start{turned_about_z(1), turned_about_z(0)}, end{turned_about_z(1, 5), turned_about_z(0)};
     const RigidMotion motion = cut_rigid_motion(start, end, std::vector<double>{100, 0}, 1e-9);
     EXPECT_EQ(motion.pieces, 1);
     EXPECT_EQ(motion.poses.size(), 4u);
     EXPECT_LT(motion.min_distance, 1e-9);
     EXPECT_EQ(cut_rigid_motion({}, {}, {}, 1).pieces, 1);
-    // Half a turn, about each axis.
+    // Half a turn about each axis.
     for (std::size_t axis = 0; axis < 3; ++axis) {
         Pose half;
         for (std::size_t i = 0; i < 3; ++i) half.rows[5 * i] = i == axis ? 1 : -1;
@@ -112,7 +112,7 @@ TEST(RigidMotions, need_no_pieces_without_a_turn) {
     }
 }
 
-TEST(RigidMotions, refuse_what_is_no_rigid_motion) {
+TEST(RigidMotions, motions_that_are_not_rigid_are_rejected) {
     const auto message = [](Pose start, Pose end, double radius, double tolerance) {
         return std::string(error_of([&] {
                                cut_rigid_motion(std::vector{start}, std::vector{end}, std::vector{radius}, tolerance);

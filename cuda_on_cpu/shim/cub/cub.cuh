@@ -1,6 +1,6 @@
 #pragma once
 
-// Twins of those of CUB's primitives that Crumple may use: same names, same signatures, same promises and no more.
+// Counterparts of the CUB primitives that Crumple may use: same names, same signatures, same guarantees and no more.
 
 #include <cub/block/block_radix_sort.cuh>
 #include <cub/block/block_reduce.cuh>

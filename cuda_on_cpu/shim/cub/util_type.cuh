@@ -6,7 +6,7 @@ namespace cub {
 
 struct NullType {};
 
-/// Two buffers of one size, one of which holds the data. A sort may swap them.
+/// Two buffers of the same size, one of which holds the data. A sort may swap them.
 template <class T>
 struct DoubleBuffer {
     T* d_buffers[2] = {nullptr, nullptr};

@@ -1,7 +1,7 @@
 #pragma once
 
-// Floating point intrinsics. Those that name a rounding are exact in it. The fast ones are what the host computes: a
-// device differs in the last bits, so nothing may depend on them.
+// Floating-point intrinsics. Those that name a rounding mode give the same bits as a device. The fast ones are computed
+// as the host does it: a device differs in the last bits, so nothing may depend on these.
 
 #include <cfenv>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace cuda_on_cpu {
 
-/// f(a, b, c) rounded as `mode` says. Volatile keeps the arithmetic between the two changes of mode.
+/// Returns f(a, b, c) in rounding mode `mode`. Volatile keeps the arithmetic between the two changes of mode.
 template <class T, class F>
 __attribute__((noinline)) auto rounded(int mode, F f, T a, T b = 0, T c = 0) {
     volatile T x = a, y = b, z = c;
@@ -99,7 +99,7 @@ CUDA_ON_CPU_ROUNDED(rd, FE_DOWNWARD)
 CUDA_ON_CPU_ROUNDED(rz, FE_TOWARDZERO)
 #undef CUDA_ON_CPU_ROUNDED
 
-// To nearest is how a kernel runs anyway, and what is called most.
+// Kernels run in round-to-nearest mode already, so these need no change of mode. They are called most.
 inline float __fadd_rn(float a, float b) { return a + b; }
 inline float __fsub_rn(float a, float b) { return a - b; }
 inline float __fmul_rn(float a, float b) { return a * b; }
@@ -121,7 +121,7 @@ inline double __int2double_rn(int a) { return a; }
 
 namespace cuda_on_cpu {
 
-/// Conversion to an integer saturates on a device, and NaN becomes 0.
+/// Converts to an integer as a device does: values out of range saturate, and NaN becomes 0.
 template <class Integer, class T>
 Integer saturate(T x) {
     using Limits = std::numeric_limits<Integer>;
@@ -162,7 +162,7 @@ CUDA_ON_CPU_MIN_MAX(unsigned long)
 CUDA_ON_CPU_MIN_MAX(long long)
 CUDA_ON_CPU_MIN_MAX(unsigned long long)
 #undef CUDA_ON_CPU_MIN_MAX
-// Of a number and NaN, the number.
+// The minimum and the maximum of a number and NaN are the number.
 inline float min(float a, float b) { return std::fmin(a, b); }
 inline float max(float a, float b) { return std::fmax(a, b); }
 inline double min(double a, double b) { return std::fmin(a, b); }

@@ -81,7 +81,7 @@ inline unsigned atomicInc(unsigned* address, unsigned limit) {
 inline unsigned atomicDec(unsigned* address, unsigned limit) {
     return cuda_on_cpu::update(address, [=](unsigned old) { return old == 0 || old > limit ? limit : old - 1; });
 }
-// A block's atomics are the device's here.
+// Atomics of block scope have device scope here.
 template <class T>
 T atomicAdd_block(T* address, std::type_identity_t<T> value) {
     return atomicAdd(address, value);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Integer intrinsics, and the same bits read as another type.
+// Integer intrinsics, reinterpretation of bits, and loads and stores with cache hints.
 
 #include <bit>
 #include <cstdint>
@@ -9,7 +9,7 @@ inline int __popc(unsigned x) { return std::popcount(x); }
 inline int __popcll(unsigned long long x) { return std::popcount(x); }
 inline int __clz(int x) { return std::countl_zero(static_cast<unsigned>(x)); }
 inline int __clzll(long long x) { return std::countl_zero(static_cast<unsigned long long>(x)); }
-/// One more than the index of the lowest set bit; 0 for 0.
+/// Returns one more than the index of the lowest set bit; 0 for 0.
 inline int __ffs(int x) { return x ? std::countr_zero(static_cast<unsigned>(x)) + 1 : 0; }
 inline int __ffsll(long long x) { return x ? std::countr_zero(static_cast<unsigned long long>(x)) + 1 : 0; }
 
@@ -22,15 +22,15 @@ inline unsigned long long __brevll(unsigned long long x) {
     return static_cast<unsigned long long>(__brev(static_cast<unsigned>(x))) << 32 |
            __brev(static_cast<unsigned>(x >> 32));
 }
-/// Four of the eight bytes of y:x, chosen by the low three bits of each nibble of the selector. PTX's `prmt`, which
-/// repeats the chosen byte's sign if bit 3 is set, is another function.
+/// Returns four of the eight bytes of y:x, chosen by the low three bits of each nibble of the selector. PTX's `prmt`
+/// differs: it repeats the chosen byte's sign if bit 3 is set.
 inline unsigned __byte_perm(unsigned x, unsigned y, unsigned selector) {
     const std::uint64_t bytes = std::uint64_t{y} << 32 | x;
     unsigned result = 0;
     for (int i = 0; i < 4; ++i) result |= static_cast<unsigned>(bytes >> 8 * (selector >> 4 * i & 7) & 0xff) << 8 * i;
     return result;
 }
-/// The upper, or lower, word of high:low shifted left, or right, by shift modulo 32.
+/// Return the upper word of high:low shifted left (l), or its lower word shifted right (r), by shift modulo 32.
 inline unsigned __funnelshift_l(unsigned low, unsigned high, unsigned shift) {
     return static_cast<unsigned>(((std::uint64_t{high} << 32 | low) << (shift & 31)) >> 32);
 }
@@ -58,7 +58,7 @@ inline double __hiloint2double(int high, int low) {
     return std::bit_cast<double>(std::uint64_t{static_cast<unsigned>(high)} << 32 | static_cast<unsigned>(low));
 }
 
-// Loads and stores with a hint for the caches.
+// Loads and stores with cache hints, which are ignored.
 template <class T>
 T __ldg(const T* address) {
     return *address;

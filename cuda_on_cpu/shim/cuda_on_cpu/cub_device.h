@@ -1,7 +1,7 @@
 #pragma once
 
-// What the twins of CUB's device-wide primitives share: two phases, and temporary storage that is used to the full.
-// Their work is done by the host's thread, in the order of the stream, or as a node of a graph.
+// Common part of the counterparts of CUB's device-wide primitives: two phases, and temporary storage all of which is
+// overwritten. The host's thread does their work, in the order of the stream or as a node of a graph.
 
 #include <cstddef>
 #include <iterator>
@@ -18,9 +18,8 @@ namespace cuda_on_cpu {
 template <class F>
 inline constexpr char function_of = 0;
 
-/// First phase (`storage` null): `bytes` becomes what is needed. Second phase: checks the storage, fills all of it with
-/// rubbish and calls run(). Some storage is asked for even
-/// where nothing is stored.
+/// First phase (`storage` null): sets `bytes` to the size needed, which is never 0. Second phase: checks the storage,
+/// and enqueues work that fills all of it with rubbish and calls run().
 template <class F>
 cudaError_t device_primitive(const char* name, void* storage, std::size_t& bytes, std::size_t data_bytes,
                              cudaStream_t stream, F run) {

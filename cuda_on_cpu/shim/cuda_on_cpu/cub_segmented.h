@@ -4,7 +4,7 @@
 
 namespace cuda_on_cpu {
 
-/// Sorts each segment [begin_offsets[s], end_offsets[s]); items of no segment are left alone.
+/// Sorts each segment [begin_offsets[s], end_offsets[s]). Output outside all segments is left unchanged.
 template <class Key, class Value, class N, class M, class Begin, class End>
 cudaError_t segmented_sort(const char* name, void* storage, std::size_t& bytes, const Key* keys, Key* keys_out,
                            const Value* values, Value* values_out, N n, M segments, Begin begin_offsets,

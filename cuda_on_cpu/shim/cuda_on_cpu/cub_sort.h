@@ -1,6 +1,6 @@
 #pragma once
 
-// The one sort behind CUB's device-wide sorts.
+// Sort that all counterparts of CUB's device-wide sorts use.
 
 #include <algorithm>
 #include <cstddef>
@@ -19,11 +19,11 @@ enum class Ties { keep_order, reverse };
 struct SortOrder {
     int begin_bit = 0, end_bit = 64;
     bool descending = false;
-    /// What an unstable sort does to equal keys: the opposite of what one might count on.
+    /// Order of equal keys. Unstable sorts reverse it, so that code that relies on stability fails.
     Ties ties = Ties::keep_order;
 };
 
-/// Sorts items [first, last) from in to out, which do not overlap. Values may be absent (null).
+/// Sorts items [first, last) from the input to the output, which must not overlap. Values may be null.
 template <class Key, class Value>
 void sort_range(const Key* keys, Key* keys_out, const Value* values, Value* values_out, std::size_t first,
                 std::size_t last, SortOrder order) {
@@ -42,7 +42,7 @@ void sort_range(const Key* keys, Key* keys_out, const Value* values, Value* valu
     }
 }
 
-/// Bytes a sort asks for beside its buffers: with plain pointers, room for a second copy.
+/// Returns the bytes of temporary storage of a sort; with plain pointers, enough for a second copy of the data.
 template <class Key, class Value>
 std::size_t sort_bytes(std::size_t n, bool own_alternate) {
     return n / 64 + (own_alternate ? 0 : n * (sizeof(Key) + sizeof(Value)));

@@ -1,9 +1,9 @@
 #pragma once
 
-// What the twins of CUB's block and warp primitives share. Each use meets all its threads at the call site, which is
-// where the primitive's object is made. It promises no barrier behind it, as CUB does not; so that storage that is used
-// again too early is found, each thread writes a byte that another thread wrote in the last use (a race to
-// ThreadSanitizer), and in the end all of it is rubbish, with whatever a union shares with it.
+// Common part of the counterparts of CUB's block and warp primitives. In each use all threads meet at the call site,
+// which is where the primitive's object is made. Like CUB, it promises no barrier afterwards. To find storage that is
+// reused too early, each thread writes a byte that another thread wrote in the last use (a race to ThreadSanitizer),
+// and in the end all of it, with whatever shares a union with it, is filled with rubbish.
 
 #include <cstddef>
 #include <cstdint>
@@ -39,7 +39,7 @@ struct CubUse {
     Storage* storage;
 };
 
-/// All threads of a block of `Threads` meet; combine(all), with all[i] of thread i, is called once.
+/// Waits for all threads of a block of `Threads`. The last one to arrive calls combine(all), with all[i] of thread i.
 template <unsigned Threads, class Storage, class T, class F>
 void block_primitive(const Site& site, Storage& storage, T& mine, F combine) {
     Block& block = Block::current();
@@ -61,7 +61,8 @@ void block_primitive(const Site& site, Storage& storage, T& mine, F combine) {
     });
 }
 
-/// The same for a logical warp: `Lanes` lanes, a power of two, beginning at a multiple of it.
+/// Waits for all lanes of a logical warp: `Lanes` lanes, a power of two, beginning at a multiple of it. The last one to
+/// arrive calls combine(all), with all[i] of its lane i.
 template <unsigned Lanes, class Storage, class T, class F>
 void warp_primitive(const Site& site, Storage& storage, T& mine, F combine) {
     static_assert(Lanes >= 1 && Lanes <= 32 && (Lanes & (Lanes - 1)) == 0);
@@ -83,14 +84,15 @@ void warp_primitive(const Site& site, Storage& storage, T& mine, F combine) {
     });
 }
 
-/// For results that CUB leaves undefined. What has values that are none (bool, pointers to objects) stays as it is.
+/// Fills a result that CUB leaves undefined with rubbish. Types other than numbers, for which arbitrary bits may be
+/// invalid (bool, pointers), stay unchanged.
 template <class T>
 void spoil(T& value) {
     if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>)
         Block::current().random().fill(&value, sizeof value);
 }
 
-// Scans over `Count` threads, each with some items of its own in a row.
+// Scans over `count` threads, each of which has `items` consecutive items.
 
 template <class T>
 struct Scan {
@@ -133,7 +135,7 @@ void exclusive_scan(Scan<T>* const* all, unsigned count, const T* initial, Opera
     for (unsigned t = 0; t < count; ++t) all[t]->aggregate = aggregate;
 }
 
-/// The sum of CUB, and of the device: unsigned inside, so that it wraps round.
+/// Sum as in CUB and on a device: integers are added as unsigned numbers, so that they wrap round.
 struct Plus {
     template <class T>
     T operator()(const T& a, const T& b) const {

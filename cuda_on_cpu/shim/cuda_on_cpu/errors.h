@@ -1,6 +1,6 @@
 #pragma once
 
-// Error codes with CUDA's names and values; those that this machine or its users have a use for.
+// Error codes with CUDA's names and values: those that the machine or its users need.
 
 #define CUDA_ON_CPU_ERRORS(X)                                                                  \
     X(cudaSuccess, 0, "no error")                                                              \

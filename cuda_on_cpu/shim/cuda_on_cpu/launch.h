@@ -1,6 +1,6 @@
 #pragma once
 
-// Launches, and what is asked and set of kernels.
+// Launches, attributes and occupancy of kernels.
 
 #include <memory>
 #include <tuple>

@@ -1,6 +1,6 @@
 #pragma once
 
-// CUDA's words that mean nothing to a host compiler, or something of its own.
+// CUDA's qualifiers, which mean nothing to a host compiler, or something else.
 
 #define __global__
 #define __device__
@@ -10,6 +10,6 @@
 #define __forceinline__ inline __attribute__((always_inline))
 #define __align__(n) __attribute__((aligned(n)))
 
-// A variable of this kind would have no place of its own for each block, no rubbish in it and no guard behind it.
+// A __shared__ variable would exist once, not once per block, without rubbish in it and without a guard page behind it.
 #define __shared__ \
     static_assert(false, "put shared variables into one struct, and ask dynamic_shared<Struct>() for it");

@@ -1,6 +1,6 @@
 #pragma once
 
-// The order in which CUB's radix sorts put keys: of some bits of a number whose order is that of the keys.
+// Order of keys in CUB's radix sorts: by a range of bits of an unsigned number that is ordered like the keys.
 
 #include <bit>
 #include <cstddef>
@@ -14,7 +14,7 @@ using UnsignedOf = std::conditional_t<
     Bytes == 1, std::uint8_t,
     std::conditional_t<Bytes == 2, std::uint16_t, std::conditional_t<Bytes == 4, std::uint32_t, std::uint64_t>>>;
 
-/// A number whose order is that of the keys; -0 equals +0.
+/// Returns a number that is ordered like the keys; -0 equals +0.
 template <class Key>
 std::uint64_t ordered_bits(Key key) {
     static_assert(std::is_arithmetic_v<Key> && sizeof(Key) <= 8);
@@ -31,7 +31,7 @@ std::uint64_t ordered_bits(Key key) {
     }
 }
 
-/// Bits [begin, end) of it.
+/// Returns bits [begin, end) of ordered_bits(key).
 template <class Key>
 std::uint64_t digit(Key key, int begin, int end) {
     const int width = end - begin;

@@ -87,7 +87,7 @@ cudaError_t cudaGraphExecUpdate(cudaGraphExec_t executable, cudaGraph_t graph, c
 cudaError_t cudaGraphExecDestroy(cudaGraphExec_t executable);
 cudaError_t cudaGraphDestroy(cudaGraph_t graph);
 
-// As in CUDA, allocation takes pointers to any type.
+// Overloads that allocate through a pointer to any type, as in CUDA.
 template <class T>
 cudaError_t cudaMalloc(T** memory, std::size_t bytes) {
     return cudaMalloc(reinterpret_cast<void**>(memory), bytes);

@@ -7,7 +7,7 @@
 
 namespace cuda_on_cpu {
 
-/// The block's dynamic shared memory, as a T. An error if the launch gave less than that.
+/// Returns the block's dynamic shared memory as a T. An error if the launch has fewer bytes of it.
 template <class T>
 T& dynamic_shared() {
     static_assert(alignof(T) <= 16, "dynamic shared memory is aligned to 16 bytes, not more");

@@ -1,6 +1,6 @@
 #pragma once
 
-// Barriers, fences, and what else concerns a thread among others of its block. Call sites come in as default arguments.
+// Barriers, fences, and other functions for the threads of a block. Call sites are passed as default arguments.
 
 #include <ctime>
 
@@ -17,7 +17,7 @@ struct Vote {
     int predicate, result;
 };
 
-/// A barrier at which all threads learn for how many the predicate holds.
+/// Waits for all threads of the block at a barrier and returns for how many of them the predicate holds.
 inline int count_in_block(const Site& site, int predicate) {
     Vote mine{predicate, 0};
     const unsigned n = Block::current().size();
@@ -46,12 +46,13 @@ inline void __threadfence_block() { cuda_on_cpu::Block::current().fence(); }
 inline void __threadfence() { cuda_on_cpu::device_fence(); }
 inline void __threadfence_system() { cuda_on_cpu::device_fence(); }
 
-/// Others go first, whatever the time. A loop that waits for another thread must call it: nothing else interrupts it.
+/// Lets other threads run first, whatever the time. A loop that waits for another thread must call it: nothing else
+/// interrupts the loop.
 inline void __nanosleep(unsigned) { cuda_on_cpu::Block::current().yield(); }
 
 [[noreturn]] inline void __trap() { cuda_on_cpu::fail_in_kernel("calls __trap"); }
 
-/// Nanoseconds of the host's clock.
+/// Returns nanoseconds of the host's clock.
 inline long long clock64() {
     std::timespec now{};
     std::timespec_get(&now, TIME_UTC);

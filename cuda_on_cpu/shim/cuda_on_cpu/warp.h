@@ -1,7 +1,7 @@
 #pragma once
 
-// Votes, shuffles, matches and reductions among the lanes of a warp that a mask names. None of them orders memory but
-// __syncwarp. What comes from a lane outside of the mask is rubbish, as CUDA warns.
+// Votes, shuffles, matches and reductions among the lanes of a warp that a mask names. Only __syncwarp orders memory.
+// Values from lanes outside the mask are rubbish, as CUDA warns.
 
 #include <bit>
 #include <climits>
@@ -17,7 +17,7 @@ inline void __syncwarp(unsigned mask = 0xffffffffu, const char* file = __builtin
     cuda_on_cpu::Block::current().meet_in_warp({"__syncwarp", file, line}, mask, true, nullptr, nullptr, nullptr);
 }
 
-/// The caller alone. CUDA promises no more: which lanes happen to run together is nobody's business.
+/// Returns the caller's lane alone. CUDA promises no more: which lanes run together is unspecified.
 inline unsigned __activemask() { return 1u << cuda_on_cpu::Block::current().rank() % cuda_on_cpu::warp_size; }
 
 namespace cuda_on_cpu {
@@ -40,7 +40,7 @@ inline std::uint32_t ballot(const Site& site, std::uint32_t mask, bool predicate
     return mine.result;
 }
 
-/// Each lane gets the value of the lane it names; its own if it names none of its segment (negative).
+/// Returns the value of lane `source`; the caller's own if `source` is negative, which means outside its segment.
 template <class T>
 T shuffle(const Site& site, std::uint32_t mask, const T& value, int source) {
     static_assert(std::is_arithmetic_v<T> && sizeof(T) >= 4 && sizeof(T) <= 8, "CUDA shuffles 4 or 8 bytes");
@@ -62,7 +62,7 @@ T shuffle(const Site& site, std::uint32_t mask, const T& value, int source) {
     return mine.result;
 }
 
-/// The caller's lane, and the first of its segment of `width` lanes.
+/// Position of the caller: its lane, and the first lane of its segment of `width` lanes.
 struct Segment {
     int lane, first, width;
     Segment(const Site& site, int width_) : width(width_) {
@@ -86,7 +86,7 @@ T reduce(const Site& site, std::uint32_t mask, T value, Operation operation) {
     return value;
 }
 
-/// For each lane the lanes whose values have the same bits.
+/// Returns the lanes of the mask whose values have the same bits as the caller's.
 template <class T>
 std::uint32_t match(const Site& site, std::uint32_t mask, const T& value) {
     static_assert(std::is_arithmetic_v<T> && sizeof(T) >= 4 && sizeof(T) <= 8, "CUDA matches 4 or 8 bytes");

@@ -1,2 +1,2 @@
-// Only so that nvcc compiles the kernels.
+// Source through which nvcc compiles the planted kernels.
 #include "cuda_on_cpu/tests/planted/kernels.cuh"

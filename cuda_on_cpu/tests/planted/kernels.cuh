@@ -1,6 +1,6 @@
 #pragma once
 
-// Kernels with a bug that `planted` switches on. Plain CUDA: nvcc compiles them, too, and finds nothing wrong.
+// Kernels with a bug that `planted` switches on, in plain CUDA: nvcc compiles them, too, and finds nothing wrong.
 
 #include <cub/block/block_reduce.cuh>
 #include <cub/block/block_scan.cuh>
@@ -16,7 +16,7 @@ struct Items {
     int items[threads];
 };
 
-/// out[i] = the value of the mirrored thread. Planted: no barrier between write and read.
+/// Sets out[i] to the value of the mirrored thread. Planted: no barrier between write and read.
 __global__ void mirror(int* out, bool planted) {
     Items& s = portable::dynamic_shared<Items>();
     const int i = static_cast<int>(threadIdx.x);
@@ -25,7 +25,7 @@ __global__ void mirror(int* out, bool planted) {
     out[i] = s.items[threads - 1 - i];
 }
 
-/// The same, three times. Planted: no barrier between a read and the next write.
+/// Sums the values of the mirrored thread over three rounds. Planted: no barrier between a read and the next write.
 __global__ void mirror_in_a_loop(int* out, bool planted) {
     Items& s = portable::dynamic_shared<Items>();
     const int i = static_cast<int>(threadIdx.x);
@@ -39,7 +39,7 @@ __global__ void mirror_in_a_loop(int* out, bool planted) {
     out[i] = sum;
 }
 
-/// Neighbours within a warp. Planted: a ballot where a fence is needed.
+/// Reads the value of the neighbouring lane. Planted: a ballot where a fence is needed.
 __global__ void neighbour(int* out, bool planted) {
     Items& s = portable::dynamic_shared<Items>();
     const int i = static_cast<int>(threadIdx.x);
@@ -60,7 +60,7 @@ __global__ void count_blocks(int* count, bool planted) {
         atomicAdd(count, 1);
 }
 
-/// The last block to come sums what all have left. Planted: no fence around the counter.
+/// Lets the last block that arrives sum the parts of all blocks. Planted: no fence around the counter.
 __global__ void last_block_sums(int* parts, unsigned* arrived, int* total, bool planted) {
     if (threadIdx.x != 0) return;
     parts[blockIdx.x] = static_cast<int>(blockIdx.x) + 1;
@@ -74,8 +74,8 @@ __global__ void last_block_sums(int* parts, unsigned* arrived, int* total, bool 
 
 enum class FenceBug { none, missing, too_early };
 
-/// Warps count a list's elements, and the one that brings the last ones goes on with what all have counted. Planted: no
-/// fence around the list's counter, or one before the warp has met, which does not cover what the other lanes count.
+/// Counts the elements of a list; the warp that counts the last ones sums the counts of all warps. Planted: no fence
+/// around the list's counter, or one before the warp has met, which does not cover the counts of the other lanes.
 __global__ void last_warp_of_a_list_sums(unsigned* count, unsigned* arrived, unsigned* total, FenceBug bug) {
     const unsigned lane = threadIdx.x % 32;
     atomicAdd(&count[lane], 1u);
@@ -95,8 +95,8 @@ __global__ void last_warp_of_a_list_sums(unsigned* count, unsigned* arrived, uns
     if (lane == 0) *total = sum;
 }
 
-/// Each lane's bits, one a turn, in a queue that a warp empties 32 at a time. Planted: the queue is read without a
-/// fence.
+/// Queues each lane's bits, one per turn; the warp empties the queue by 32 at a time. Planted: the queue is read
+/// without a fence.
 __global__ void queue_of_bits(unsigned* out, bool planted) {
     Items& s = portable::dynamic_shared<Items>();
     const unsigned lane = threadIdx.x % 32;
@@ -122,17 +122,17 @@ struct QueuesOfTests {
     unsigned waiting[2][63];  // up to 31 are left when 32 come
 };
 
-/// Which tests of a kind a lane's pair expands to, a bit a test. The second queue waits while the first one is filled
-/// to the brim, goes on where others have read, and both are left with some at the end.
+/// Returns the tests of one kind to which a lane's pair expands, one bit per test. These numbers fill the first queue
+/// exactly while the second one waits, continue the second one where others have read, and leave both partly full.
 __host__ __device__ inline unsigned tests_of_a_pair(unsigned pair, unsigned kind, unsigned lane) {
     if (kind == 0) return pair == 1 ? 3 : pair == 2 && lane < 7 ? 1 : 0;
     return pair == 0 ? lane < 5 : pair == 2 ? 3 * (lane % 2) : pair == 3 ? lane >= 27 : 0;
 }
 __host__ __device__ inline unsigned worth(unsigned kind, unsigned lane) { return 100 * (kind + 1) + lane; }
 
-/// Pairs, one a lane, expand to tests of two kinds, which wait until a warp has 32 of a kind; out = what all tests are
-/// worth. Planted: those left at the end are forgotten; a queue is emptied when it is more than full; lanes that add
-/// nothing do not count what others add; or the next tests are written where lanes may still read.
+/// Expands pairs, one per lane, to tests of two kinds, which wait until a warp has 32 of a kind; `out` is the sum of
+/// worth() of all tests. Planted: tests left at the end are forgotten; a queue is emptied when it is more than full;
+/// lanes that add nothing do not count tests that others add; or the next tests are written where lanes may still read.
 template <QueueBug bug>
 __global__ void queues_of_tests(unsigned* out, bool planted) {
     QueuesOfTests& s = portable::dynamic_shared<QueuesOfTests>();
@@ -173,8 +173,8 @@ struct Earliest {
     unsigned pair;
 };
 
-/// The earliest time of all hits, then the first pair at that time. Planted by the launch: both in one, where a barrier
-/// is the block's alone.
+/// Finds the earliest time of all hits, then the first pair at that time. Planted by the launch: both in one, where a
+/// barrier holds for one block only.
 __global__ void find_earliest(const Earliest* hits, Earliest* earliest, bool time, bool pair) {
     const Earliest& hit = hits[blockIdx.x * blockDim.x + threadIdx.x];
     if (time) atomicMin(&earliest->time, hit.time);
@@ -182,7 +182,8 @@ __global__ void find_earliest(const Earliest* hits, Earliest* earliest, bool tim
     if (pair && hit.time == earliest->time) atomicMin(&earliest->pair, hit.pair);
 }
 
-/// Warps go on until their sixth lane has found something. Planted: each lane looks for itself, and they part.
+/// Runs warps until their sixth lane has set a flag. Planted: each lane reads the flag for itself, so that lanes leave
+/// the loop at different times.
 __global__ void stop_at_a_flag(unsigned* out, bool planted) {
     Items& s = portable::dynamic_shared<Items>();
     const unsigned lane = threadIdx.x % 32;
@@ -200,7 +201,8 @@ __global__ void stop_at_a_flag(unsigned* out, bool planted) {
     out[threadIdx.x] = 1;
 }
 
-// Lanes of several worlds, one of which is decided: its lanes have nothing to add, but vote as the others do.
+/// Lets lanes of several worlds vote, one of which is decided: its lanes add nothing, but must vote as the others do.
+/// Planted: they skip the vote.
 __global__ void leave_out_a_world(unsigned* out, bool planted) {
     Items& s = portable::dynamic_shared<Items>();
     const unsigned lane = threadIdx.x % 32, world = threadIdx.x / 8;
@@ -215,7 +217,7 @@ __global__ void leave_out_a_world(unsigned* out, bool planted) {
     out[threadIdx.x] = kept >> lane & 1;
 }
 
-/// Writes shared memory at some index. Planted by the index.
+/// Writes shared memory at some index. Planted: an index out of range.
 __global__ void write_shared(int* out, int index) {
     int* const items = portable::dynamic_shared<Items>().items;
     items[threadIdx.x] = 1;
@@ -229,7 +231,7 @@ struct TwoArrays {
     int first[threads], second[threads];
 };
 
-/// The same, where what follows the array is shared memory as well.
+/// Writes an array that is followed by another one in shared memory. Planted: an index out of range.
 __global__ void write_array_in_shared(int* out, int index) {
     TwoArrays& s = portable::dynamic_shared<TwoArrays>();
     s.first[threadIdx.x] = s.second[threadIdx.x] = 1;
@@ -239,7 +241,7 @@ __global__ void write_array_in_shared(int* out, int index) {
     out[threadIdx.x] = s.first[threadIdx.x];
 }
 
-/// Counts threads in shared memory. Planted: nobody set the counter to 0.
+/// Counts threads in shared memory. Planted: nobody sets the counter to 0.
 __global__ void count_threads(int* out, bool planted) {
     Items& s = portable::dynamic_shared<Items>();
     if (!planted && threadIdx.x == 0) s.items[0] = 0;
@@ -249,42 +251,42 @@ __global__ void count_threads(int* out, bool planted) {
     out[threadIdx.x] = s.items[0];
 }
 
-/// Even lanes vote. Planted: they name the whole warp.
+/// Lets even lanes vote. Planted: they name the whole warp.
 __global__ void even_lanes_vote(unsigned* out, bool planted) {
     out[threadIdx.x] = 0;
     if (threadIdx.x % 2 == 0) out[threadIdx.x] = __ballot_sync(planted ? full : 0x55555555u, 1);
 }
 
-/// All lanes vote. Planted: the mask lacks lane 3, which votes as well.
+/// Lets all lanes vote. Planted: the mask lacks lane 3, which votes as well.
 __global__ void a_lane_not_named_votes(unsigned* out, bool planted) {
     out[threadIdx.x] = __ballot_sync(planted ? ~8u : full, 1);
 }
 
-/// Votes in a block of any size. Planted: the last warp may lack lanes, which the mask names all the same.
+/// Votes in a block of any size. Planted: the mask names lanes that the last warp lacks.
 __global__ void partial_warp_votes(unsigned* out, bool planted) {
     const unsigned left = blockDim.x - threadIdx.x / 32 * 32;
     const unsigned mask = planted || left >= 32 ? full : (1u << left) - 1;
     out[threadIdx.x] = __ballot_sync(mask, 1);
 }
 
-/// Lanes agree on a mask, and vote. Planted: two halves name different masks.
+/// Lets all lanes vote with the same mask. Planted: the two halves of a warp name different masks.
 __global__ void halves_disagree(unsigned* out, bool planted) {
     const unsigned mask = planted && threadIdx.x % 32 >= 16 ? 0xffff0001u : full;
     out[threadIdx.x] = __ballot_sync(mask, 1);
 }
 
-/// Counts the lanes that are there. Planted: by those which happen to run together.
+/// Counts the lanes of a warp. Planted: only those that happen to run together.
 __global__ void count_lanes(int* out, bool planted) {
     out[threadIdx.x] = __popc(__ballot_sync(planted ? __activemask() : full, 1));
 }
 
-/// Each half of a warp reads its own first lane. Planted: the upper half reads a lane that its mask does not name.
+/// Reads the first lane of each half of a warp. Planted: the upper half reads a lane that its mask does not name.
 __global__ void read_first_lane(int* out, bool planted) {
     const int i = static_cast<int>(threadIdx.x), half = i / 16 * 16;
     out[i] = __shfl_sync(0xffffu << half % 32, i, planted ? i / 32 * 32 : half);
 }
 
-/// A barrier. Planted: the upper half waits at another one.
+/// Waits at a barrier. Planted: the upper half waits at another one.
 __global__ void two_barriers(int* out, bool planted) {
     if (planted && threadIdx.x >= 32) {
         __syncthreads();
@@ -294,7 +296,7 @@ __global__ void two_barriers(int* out, bool planted) {
     out[threadIdx.x] = 1;
 }
 
-/// A barrier. Planted: threads from 40 on have left.
+/// Waits at a barrier. Planted: threads from 40 on have exited.
 __global__ void leave_early(int* out, bool planted) {
     out[threadIdx.x] = 1;
     if (planted && threadIdx.x >= 40) return;
@@ -302,7 +304,7 @@ __global__ void leave_early(int* out, bool planted) {
     out[threadIdx.x] = 2;
 }
 
-/// A barrier for the block and a vote of the first warp. Planted: lane 7 goes to the barrier at once.
+/// Lets the first warp vote, then waits at a barrier of the block. Planted: lane 7 goes to the barrier at once.
 __global__ void barrier_instead_of_vote(unsigned* out, bool planted) {
     unsigned votes = 0;
     if (threadIdx.x < 32 && !(planted && threadIdx.x == 7)) votes = __ballot_sync(full, 1);
@@ -316,10 +318,10 @@ __global__ void wait_for_flag(unsigned* flag, bool planted) {
     while (atomicAdd(flag, 0u) == 0) __nanosleep(20);
 }
 
-/// Writes some element of an array. Planted by the index.
+/// Writes an element of an array. Planted: an index out of range.
 __global__ void write_global(int* out, long long index) { out[index] = 1; }
 
-/// Adds two sums. Planted: no barrier before the storage is used again.
+/// Adds the results of two scans. Planted: no barrier before the storage is used again.
 __global__ void two_scans(int* out, bool planted) {
     using Scan = cub::BlockScan<int, threads>;
     auto& storage = portable::dynamic_shared<Scan::TempStorage>();
@@ -330,7 +332,8 @@ __global__ void two_scans(int* out, bool planted) {
     out[threadIdx.x] = first + second;
 }
 
-/// A sum of all threads. Planted: threads use their own result, though only the first has one.
+/// Returns a sum over all threads to each of them. Planted: threads use their own result, though only the first has
+/// one.
 __global__ void sum_for_all(int* out, bool planted) {
     using Reduce = cub::BlockReduce<int, threads>;
     struct Shared {
@@ -344,7 +347,7 @@ __global__ void sum_for_all(int* out, bool planted) {
     out[threadIdx.x] = planted ? sum : s.sum;
 }
 
-/// A scan for 64 threads. Planted by the launch, which has another number.
+/// Scans over 64 threads. Planted by the launch, which has another number of threads.
 __global__ void scan_of_64(int* out) {
     using Scan = cub::BlockScan<int, threads>;
     auto& storage = portable::dynamic_shared<Scan::TempStorage>();
@@ -358,7 +361,7 @@ __device__ inline int deep(int n, volatile int* filler) {
     mine[n % 256] = n + filler[0];
     return n == 0 ? mine[0] : deep(n - 1, mine + n % 256) + mine[n % 256] % 2;
 }
-/// Planted by a depth that no stack holds.
+/// Calls itself. Planted: a depth that no stack holds.
 __global__ void recurse(int* out, int depth) {
     volatile int zero = 0;
     out[0] = deep(depth, &zero);

@@ -4,7 +4,7 @@
 
 namespace planted {
 
-/// The tests of planted bugs, in several files.
+/// Fixture of the tests of planted bugs, in several files.
 class Planted : public cuda_on_cpu::FreshSettings {};
 
 }  // namespace planted

@@ -1,4 +1,4 @@
-// Planted bugs in the host's part: streams, graphs, captures.
+// Planted bugs in host code: streams, graphs, captures.
 
 #include <thread>
 
@@ -35,7 +35,7 @@ struct TwoStreams {
     }
 };
 
-TEST_F(Planted, stream_that_does_not_wait_for_another) {
+TEST_F(Planted, missing_wait_between_streams_is_found) {
     const auto body = [](bool bug) {
         const TwoStreams s;
         const Array<int> from(std::vector<int>{1}), to(std::vector<int>{1});
@@ -53,7 +53,7 @@ TEST_F(Planted, stream_that_does_not_wait_for_another) {
     settings().progress = Progress::eager;
     EXPECT_EQ(body(true), 2) << "hidden by eager streams";
 }
-TEST_F(Planted, host_that_does_not_wait_for_a_copy) {
+TEST_F(Planted, missing_wait_for_a_copy_is_found) {
     int* pinned = nullptr;
     check(cudaMallocHost(&pinned, 4));
     const auto body = [&](bool bug) {
@@ -71,9 +71,9 @@ TEST_F(Planted, host_that_does_not_wait_for_a_copy) {
 
 // Found by eager streams.
 
-// What a launch leaves for the host lies in one of two slots, for the next launch comes before the host looks. Planted:
-// both have the same.
-TEST_F(Planted, launch_that_writes_a_slot_still_in_use) {
+// Launches write results for the host to two slots in turn, because the next launch runs before the host reads the
+// first result. Planted: both launches write the same slot.
+TEST_F(Planted, launch_that_overwrites_a_slot_in_use_is_found) {
     int* slots = nullptr;
     check(cudaMallocHost(&slots, 8));
     const auto first_answer = [&](bool bug) {
@@ -100,7 +100,7 @@ TEST_F(Planted, launch_that_writes_a_slot_still_in_use) {
 
 // Found by the order of a graph's nodes.
 
-TEST_F(Planted, missing_dependency_in_a_graph) {
+TEST_F(Planted, missing_dependency_in_a_graph_is_found) {
     const auto body = [](bool bug) {
         const TwoStreams s;
         const Array<int> from(std::vector<int>{1}), to(std::vector<int>{1});
@@ -128,8 +128,8 @@ TEST_F(Planted, missing_dependency_in_a_graph) {
     EXPECT_EQ(body(false), 2);
     EXPECT_EQ(body(true), 1);
 }
-// A branch makes what the next launch begins with. Planted: where this one still reads it.
-TEST_F(Planted, branch_that_writes_what_the_rest_reads) {
+// A branch of a graph writes the input of the next launch. Planted: it overwrites the input of the current one.
+TEST_F(Planted, branch_that_writes_input_of_other_nodes_is_found) {
     const auto body = [](bool bug) {
         const TwoStreams s;
         const Array<int> now(std::vector<int>{0}), next(std::vector<int>{1}), to(std::vector<int>{0});
@@ -157,9 +157,8 @@ TEST_F(Planted, branch_that_writes_what_the_rest_reads) {
     EXPECT_EQ(body(false), 1);
     EXPECT_EQ(body(true), 2);
 }
-// A graph is given the address of the frame's array. Planted: it keeps that of the frame before, or is given the new
-// one after it was launched.
-TEST_F(Planted, graph_that_reads_where_an_array_was) {
+// A graph is updated to the address of the current frame's array. Planted: it is not updated, or only after its launch.
+TEST_F(Planted, graph_with_outdated_array_address_is_found) {
     enum { updates, never, too_late };
     const auto body = [](int when) {
         const TwoStreams s;
@@ -180,7 +179,7 @@ TEST_F(Planted, graph_that_reads_where_an_array_was) {
         };
         if (when == updates) update();
         check(cudaGraphLaunch(executable, s.first));
-        if (when == too_late) update();  // what was launched stays as it was
+        if (when == too_late) update();  // the launch keeps the old address
         check(cudaStreamSynchronize(s.first));
         check(cudaGraphExecDestroy(executable));
         for (const cudaGraph_t graph : {first, second}) check(cudaGraphDestroy(graph));
@@ -190,7 +189,7 @@ TEST_F(Planted, graph_that_reads_where_an_array_was) {
     EXPECT_EQ(body(never), 1);
     EXPECT_EQ(body(too_late), 1);
 }
-TEST_F(Planted, host_round_trip_in_a_capture) {
+TEST_F(Planted, host_round_trip_in_a_capture_is_refused) {
     const TwoStreams s;
     check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
     EXPECT_EQ(cudaStreamSynchronize(s.first), cudaErrorStreamCaptureUnsupported);
@@ -202,9 +201,9 @@ TEST_F(Planted, host_round_trip_in_a_capture) {
     EXPECT_EQ(never, nullptr);
     EXPECT_EQ(cudaStreamEndCapture(s.first, &graph), cudaErrorStreamCaptureInvalidated);
 }
-// A library's thread is relaxed while it is called, so that it may allocate. Planted: it stays so while it puts
-// commands into a caller's capture, where what it allocates by mistake goes unseen.
-TEST_F(Planted, allocation_in_a_callers_capture) {
+// A library switches its caller's thread to relaxed mode during a call, so that it may allocate. Planted: the thread is
+// still relaxed while the library records commands in a caller's capture, where allocations by mistake go unseen.
+TEST_F(Planted, allocation_in_capture_is_refused_unless_relaxed) {
     const TwoStreams s;
     const auto allocates_in_capture = [&](bool bug) {
         check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
@@ -225,8 +224,9 @@ TEST_F(Planted, allocation_in_a_callers_capture) {
     EXPECT_EQ(allocates_in_capture(false), std::pair(false, false));
     EXPECT_EQ(allocates_in_capture(true), std::pair(true, true)) << "hidden";
 }
-// A library destroys what it has kept while its caller captures, or another thread. Planted: not in relaxed mode.
-TEST_F(Planted, executable_destroyed_during_a_capture) {
+// A library destroys a cached executable graph while its caller, or another thread, captures. Planted: not in relaxed
+// mode.
+TEST_F(Planted, destroying_executable_spoils_captures_unless_relaxed) {
     const TwoStreams s;
     const auto leaves_capture_alone = [&](bool bug, bool in_another_thread) {
         check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
@@ -260,7 +260,7 @@ TEST_F(Planted, executable_destroyed_during_a_capture) {
         EXPECT_FALSE(leaves_capture_alone(true, in_another_thread));
     }
 }
-TEST_F(Planted, empty_array_in_a_capture) {
+TEST_F(Planted, empty_fill_in_a_capture_is_refused) {
     const TwoStreams s;
     const Array<int> memory(4);
     const auto set = [&](std::size_t bytes) { return cudaMemsetAsync(memory.data(), 0, bytes, s.first); };
@@ -271,7 +271,7 @@ TEST_F(Planted, empty_array_in_a_capture) {
     cudaGraph_t graph;
     EXPECT_EQ(cudaStreamEndCapture(s.first, &graph), cudaErrorStreamCaptureInvalidated);
 }
-TEST_F(Planted, pageable_memory_in_a_capture) {
+TEST_F(Planted, pageable_memory_in_a_capture_is_refused) {
     const TwoStreams s;
     const Array<int> memory(4);
     int pageable[4] = {};

@@ -30,7 +30,7 @@ __global__ void count(unsigned long long* total, int* blocks, float* sum, double
     }
 }
 
-TEST_F(Atomics, sums_of_many_blocks) {
+TEST_F(Atomics, add_up_over_many_blocks) {
     const Array<unsigned long long> total(std::vector<unsigned long long>{7});
     const Array<int> blocks(std::vector<int>{0});
     const Array<float> sum(std::vector<float>{0});
@@ -55,7 +55,7 @@ __global__ void all_kinds(int* i, unsigned* u, unsigned long long* l, unsigned* 
     atomicDec(&u[4], 9);
     atomicMin(&l[0], static_cast<unsigned long long>(t) + (1ull << 40));
     atomicMax(&l[1], static_cast<unsigned long long>(t) << 40);
-    // A lock-free maximum: what CAS is for.
+    // A lock-free maximum by CAS.
     unsigned seen = atomicAdd(&u[5], 0u);
     while (seen < static_cast<unsigned>(t)) {
         const unsigned before = atomicCAS(&u[5], seen, static_cast<unsigned>(t));
@@ -66,7 +66,7 @@ __global__ void all_kinds(int* i, unsigned* u, unsigned long long* l, unsigned* 
     if (t == 5) atomicExch(&u[7], 77u);
 }
 
-TEST_F(Atomics, all_kinds) {
+TEST_F(Atomics, operations_of_all_kinds_lose_no_update) {
     const int n = 3 * 64;
     const Array<int> i(std::vector<int>{INT_MAX, INT_MIN, 0});
     const Array<unsigned> u(std::vector<unsigned>{0, ~0u, 0, 0, 0, 0, 0, 0});
@@ -82,7 +82,7 @@ TEST_F(Atomics, all_kinds) {
     for (unsigned k = 0; k < n; ++k) EXPECT_EQ(order[k], k);
 }
 
-// The last block to come adds up what all have left.
+// Lets the last block that arrives add up the parts of all blocks.
 __global__ void last_block_sums(int* parts, unsigned* arrived, int* total) {
     if (threadIdx.x != 0) return;
     parts[blockIdx.x] = static_cast<int>(blockIdx.x) + 1;
@@ -94,14 +94,14 @@ __global__ void last_block_sums(int* parts, unsigned* arrived, int* total) {
     *total = sum;
 }
 
-TEST_F(Atomics, a_fence_on_both_sides_hands_memory_to_another_block) {
+TEST_F(Atomics, fences_on_both_sides_publish_writes_to_other_blocks) {
     const Array<int> parts(100), total(1);
     const Array<unsigned> arrived(std::vector<unsigned>{0});
     launch(last_block_sums, 100, 32, 0, parts.data(), arrived.data(), total.data());
     EXPECT_EQ(total.values()[0], 5050);
 }
 
-// Tickets give blocks an order in which each waits for the one before.
+// Orders blocks by tickets; each waits for the one before.
 __global__ void chain(unsigned* ticket, unsigned* done, unsigned* order) {
     if (threadIdx.x != 0) return;
     const unsigned mine = atomicAdd(ticket, 1u);

@@ -38,7 +38,7 @@ TEST_F(Barrier, orders_shared_memory) {
     }
 }
 
-// A tree of sums in which each step reads what the step before wrote, over and over in the same memory.
+// Sums by a tree whose steps read the results of the previous step, repeatedly in the same memory.
 __global__ void sum_by_halves(const int* in, int* out, int rounds) {
     Reversal& s = portable::dynamic_shared<Reversal>();
     const unsigned i = threadIdx.x;
@@ -112,7 +112,7 @@ __global__ void fill_large(float* out) {
     out[threadIdx.x] = s.first[blockDim.x - 1 - threadIdx.x] + s.last[(10 << 10) - blockDim.x + threadIdx.x];
 }
 
-TEST_F(Barrier, more_than_48_KiB_of_shared_memory_must_be_asked_for) {
+TEST_F(Barrier, more_than_48_KiB_of_shared_memory_needs_an_attribute) {
     const Array<float> out(64);
     EXPECT_EQ(portable::try_launch(nullptr, fill_large, 1, 64, sizeof(Large), out.data()), cudaErrorInvalidValue);
     EXPECT_EQ(cudaGetLastError(), cudaErrorInvalidValue);

@@ -1,4 +1,4 @@
-// CUB's block and warp primitives, and how fast threads are.
+// CUB's block and warp primitives, and the speed of threads.
 
 #include <algorithm>
 #include <cstdint>
@@ -119,7 +119,7 @@ std::vector<int> some_integers(std::size_t n) {
     return result;
 }
 
-TYPED_TEST(BlockPrimitive, scans) {
+TYPED_TEST(BlockPrimitive, scans_match_sequential_ones) {
     constexpr int n = TypeParam::value, items = BlockPrimitives<n>::items;
     const std::vector<int> values = some_integers(n * items);
     const int* const in = values.data();
@@ -148,7 +148,7 @@ TYPED_TEST(BlockPrimitive, scans) {
     EXPECT_EQ(out.values(), expected);
 }
 
-TYPED_TEST(BlockPrimitive, reductions) {
+TYPED_TEST(BlockPrimitive, reductions_match_sequential_ones) {
     constexpr int n = TypeParam::value;
     const std::vector<int> in = some_integers(n);
     const Array<int> from(in), out(3);
@@ -210,7 +210,7 @@ __global__ void warp_primitives(const int* in, int* out) {
     o[4] = t % 32 == 0 ? reduced : 0;
 }
 
-TEST_F(WarpPrimitive, scans_and_reductions) {
+TEST_F(WarpPrimitive, scans_and_reductions_match_sequential_ones) {
     const std::vector<int> in = some_integers(64);
     const Array<int> from(in), out(64 * 5);
     launch(warp_primitives, 1, 64, sizeof(WarpStorage), from.data(), out.data());
@@ -239,7 +239,7 @@ __global__ void compact(const int* in, int n, int* out, int* count) {
     if (keep) out[s.total + place] = in[i];
 }
 
-// The size that the scenes of the agreement tests lean on; how long it takes is what ctest reports.
+// Has as many threads as the scenes of the agreement tests need. ctest reports the time.
 TEST_F(Speed, ninety_two_thousand_threads_compact_an_array) {
     const int n = 92230;
     std::vector<int> in = some_integers(n);

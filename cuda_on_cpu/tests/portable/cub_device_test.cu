@@ -21,7 +21,7 @@ using portable::check;
 
 class DevicePrimitive : public portable::DeviceTest {};
 
-/// Asks how much storage, and gives it.
+/// Calls a primitive for the size of its temporary storage, then with that storage.
 template <class F>
 void in_two_phases(F primitive) {
     std::size_t bytes = 0;
@@ -45,7 +45,7 @@ struct Larger {
     __host__ __device__ int operator()(int a, int b) const { return a < b ? b : a; }
 };
 
-TEST_F(DevicePrimitive, scans) {
+TEST_F(DevicePrimitive, scans_match_sequential_ones) {
     const std::vector<int> in = some_integers(3000);
     const int n = static_cast<int>(in.size());
     const Array<int> from(in), exclusive(in.size()), inclusive(in.size()), largest(in.size()), in_place(in);
@@ -80,7 +80,7 @@ TEST_F(DevicePrimitive, too_little_storage_is_refused) {
     cudaGetLastError();
 }
 
-TEST_F(DevicePrimitive, reductions) {
+TEST_F(DevicePrimitive, reductions_match_sequential_ones) {
     const std::vector<int> in = some_integers(3000);
     const int n = static_cast<int>(in.size());
     const Array<int> from(in), least(1), largest(1);
@@ -130,7 +130,7 @@ TEST_F(DevicePrimitive, selection_keeps_the_order) {
     EXPECT_EQ(selected(), unique);
 }
 
-TEST_F(DevicePrimitive, run_lengths) {
+TEST_F(DevicePrimitive, runs_are_listed_with_their_lengths) {
     const std::vector<int> in = {4, 4, 4, 1, 7, 7, 4};
     const Array<int> from(in), items(in.size()), lengths(in.size()), runs(1);
     in_two_phases([&](void* s, std::size_t& b) {
@@ -160,7 +160,7 @@ std::vector<int> sorted_indices(const std::vector<Key>& keys, int first, int las
     return result;
 }
 
-TEST_F(DevicePrimitive, radix_sorts_are_stable_and_may_look_at_some_bits_only) {
+TEST_F(DevicePrimitive, radix_sorts_are_stable_and_accept_a_range_of_bits) {
     std::vector<std::uint64_t> keys;
     for (const int x : some_integers(2000, 50))
         keys.push_back(static_cast<std::uint64_t>(x) << 20 | (static_cast<unsigned>(x) * 7919u % 128));
@@ -209,7 +209,7 @@ TEST_F(DevicePrimitive, signed_and_floating_keys_sort_by_value) {
     EXPECT_EQ(out.values(), (std::vector<int>{2147483647, 5, 0, -3, -4, -2147483647 - 1}));
 }
 
-TEST_F(DevicePrimitive, segments_are_sorted_apart) {
+TEST_F(DevicePrimitive, segments_are_sorted_separately) {
     const std::vector<int> keys = some_integers(1000, 20), offsets = {0, 10, 10, 400, 1000};
     std::vector<int> ids(keys.size()), expected;
     std::iota(ids.begin(), ids.end(), 0);
@@ -235,7 +235,7 @@ TEST_F(DevicePrimitive, segments_are_sorted_apart) {
         return cub::DeviceSegmentedSort::SortPairs(s, b, from.data(), sorted.data(), values.data(),
                                                    sorted_values.data(), 1000, 4, begin.data(), begin.data() + 1);
     });
-    // Not stable: the keys are in order, and each value is still with its key.
+    // SortPairs is not stable: checks only that keys are in order and that each value is still with its key.
     const std::vector<int> found = sorted_values.values(), found_keys = sorted.values();
     for (std::size_t i = 0; i < found.size(); ++i) {
         EXPECT_EQ(found_keys[i], keys[static_cast<std::size_t>(expected[i])]);

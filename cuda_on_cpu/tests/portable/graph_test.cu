@@ -1,4 +1,4 @@
-// Capture, graphs, and what a capture forbids.
+// Captures, graphs, and calls that a capture forbids.
 
 #include <thread>
 
@@ -44,15 +44,15 @@ class Graph : public portable::DeviceTest {
         check(cudaStreamEndCapture(stream, &graph));
         return graph;
     }
-    /// Ends a capture that something has spoilt, and forgets the errors.
+    /// Ends a capture that must have been invalidated, and clears the error.
     void expect_spoilt() {
         cudaGraph_t graph = nullptr;
         EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaErrorStreamCaptureInvalidated);
         EXPECT_EQ(graph, nullptr);
         cudaGetLastError();
     }
-    /// Calls f(ask, spoils) for calls by the host that spoil captures, and for some that do not. ask() may be refused,
-    /// and is repeated then.
+    /// Calls f(ask, spoils) for several calls of the runtime API: ask() makes the call, and `spoils` is true if it
+    /// invalidates captures. f must repeat a call that is refused.
     template <class F>
     void for_each_call(F f) {
         cudaStream_t a_stream;
@@ -76,7 +76,7 @@ class Graph : public portable::DeviceTest {
         f([&] { return cudaEventSynchronize(fork); }, true);
         f([&] { return cudaEventQuery(fork); }, true);
     }
-    /// Ends a capture, which must be spoilt or not.
+    /// Ends a capture, which must have been invalidated if `spoilt`, and be valid otherwise.
     void expect_spoilt(bool spoilt) {
         if (spoilt)
             expect_spoilt();
@@ -94,7 +94,7 @@ class Graph : public portable::DeviceTest {
     cudaEvent_t fork = nullptr, join = nullptr;
 };
 
-TEST_F(Graph, capture_does_nothing_and_each_launch_does_it_all) {
+TEST_F(Graph, capture_runs_nothing_and_each_launch_runs_all_nodes) {
     const Array<int> x(std::vector<int>{1});
     begin();
     cudaStreamCaptureStatus status;
@@ -119,7 +119,7 @@ TEST_F(Graph, capture_does_nothing_and_each_launch_does_it_all) {
     check(cudaGraphExecDestroy(executable));
 }
 
-TEST_F(Graph, a_capture_has_a_number_that_its_streams_share) {
+TEST_F(Graph, streams_of_a_capture_share_its_id) {
     const auto number = [](cudaStream_t of) {
         cudaStreamCaptureStatus status;
         unsigned long long id = 0;
@@ -143,7 +143,7 @@ TEST_F(Graph, a_capture_has_a_number_that_its_streams_share) {
     check(cudaGraphDestroy(end()));
 }
 
-TEST_F(Graph, copies_fills_and_scans_are_nodes) {
+TEST_F(Graph, copies_fills_and_scans_can_be_captured) {
     const int n = 1000;
     const Array<int> ones(n), sums(n);
     int* pinned = nullptr;
@@ -185,7 +185,7 @@ TEST_F(Graph, events_fork_and_join) {
     check(cudaGraphLaunch(executable, stream));
     EXPECT_EQ(read(x.data()), 10);
     EXPECT_EQ(read(y.data()), 6);
-    // The other stream is its own again.
+    // The other stream no longer takes part in the capture.
     check(try_launch(other, step, 1, 1, 0, y.data(), 0));
     check(cudaStreamSynchronize(other));
     EXPECT_EQ(read(y.data()), 18);
@@ -193,7 +193,7 @@ TEST_F(Graph, events_fork_and_join) {
     check(cudaGraphDestroy(graph));
 }
 
-TEST_F(Graph, an_update_changes_parameters_but_no_topology) {
+TEST_F(Graph, updates_change_parameters_but_not_topology) {
     const Array<int> x(std::vector<int>{0});
     const auto capture = [&](int y, int steps) {
         begin();
@@ -237,7 +237,7 @@ TEST_F(Graph, a_host_round_trip_spoils_a_capture) {
     EXPECT_EQ(read(x.data()), 0);
 }
 
-TEST_F(Graph, a_copy_in_the_legacy_stream_leaves_the_capture_of_a_non_blocking_stream_alone) {
+TEST_F(Graph, legacy_stream_copy_spares_captures_of_non_blocking_streams) {
     const Array<int> x(std::vector<int>{7});
     begin();
     int value = 0;
@@ -256,7 +256,7 @@ TEST_F(Graph, some_calls_spoil_a_capture_of_their_thread) {
     });
 }
 
-TEST_F(Graph, another_threads_mode_decides_whether_a_capture_minds_it) {
+TEST_F(Graph, another_thread_spoils_a_capture_only_if_both_are_global) {
     struct Case {
         cudaStreamCaptureMode capture, thread;
         bool minds;
@@ -295,7 +295,7 @@ TEST_F(Graph, another_threads_mode_decides_whether_a_capture_minds_it) {
     }
 }
 
-TEST_F(Graph, waiting_for_the_device_spoils_a_global_capture_in_relaxed_mode_too) {
+TEST_F(Graph, device_wait_in_relaxed_mode_spoils_global_captures) {
     begin(cudaStreamCaptureModeGlobal);
     std::thread([] {
         cudaStreamCaptureMode mode = cudaStreamCaptureModeRelaxed;
@@ -356,7 +356,7 @@ TEST_F(Graph, a_capture_may_not_depend_on_work_outside) {
     check(cudaStreamSynchronize(other));
 }
 
-TEST_F(Graph, the_legacy_stream_cannot_be_used_while_a_blocking_stream_captures) {
+TEST_F(Graph, legacy_stream_is_unusable_while_blocking_streams_capture) {
     cudaStream_t blocking;
     check(cudaStreamCreate(&blocking));
     const Array<int> x(1);

@@ -1,4 +1,4 @@
-// Intrinsics give the same bits on the CPU as on a device; expectations are worked out by hand.
+// Intrinsics, which give the same bits on the CPU as on a device. Expectations are worked out by hand.
 
 #include <cmath>
 #include <cstdint>
@@ -37,7 +37,7 @@ __global__ void of_integers(unsigned x, unsigned long long y, long long* out) {
     out[k++] = static_cast<long long>(min(2.5f, NAN) + max(NAN, 0.5f));
 }
 
-TEST_F(Intrinsics, of_integers) {
+TEST_F(Intrinsics, integer_intrinsics_give_known_values) {
     const std::vector<long long> expected = {5,
                                              2,
                                              7,
@@ -140,7 +140,7 @@ __global__ void reread(const float4* in, unsigned* bits, double* d, int2* pair) 
     *pair = make_int2(__double2loint(0x1.00000abcdp0), warpSize);
 }
 
-TEST_F(Intrinsics, bits_are_read_as_another_type) {
+TEST_F(Intrinsics, bits_are_reinterpreted_unchanged) {
     const Array<float4> in(std::vector<float4>{make_float4(1.0f, -0.0f, 3.0f, 4.0f)});
     const Array<unsigned> bits(2);
     const Array<double> d(4);

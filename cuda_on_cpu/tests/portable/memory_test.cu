@@ -12,7 +12,7 @@ using portable::check;
 
 class Memory : public portable::DeviceTest {};
 
-TEST_F(Memory, a_device_tells_what_it_is) {
+TEST_F(Memory, devices_report_their_properties) {
     int device = -1, value = 0;
     EXPECT_EQ(cudaGetDevice(&device), cudaSuccess);
     EXPECT_EQ(device, 0);
@@ -35,7 +35,7 @@ TEST_F(Memory, a_device_tells_what_it_is) {
     EXPECT_EQ(cudaGetLastError(), cudaSuccess);
 }
 
-TEST_F(Memory, pointers_tell_where_they_lead) {
+TEST_F(Memory, pointer_attributes_report_the_kind_of_memory) {
     const Array<int> device(4);
     int* pinned = nullptr;
     std::vector<int> pageable(1 << 16);
@@ -62,7 +62,7 @@ TEST_F(Memory, pointers_tell_where_they_lead) {
     check(cudaFree(managed));
 }
 
-TEST_F(Memory, allocations_are_aligned_and_nothing_is_nothing) {
+TEST_F(Memory, allocations_are_aligned_and_empty_ones_are_null) {
     for (const std::size_t bytes : {1u, 3u, 255u, 256u, 4097u}) {
         const Array<char> memory(bytes);
         EXPECT_EQ(reinterpret_cast<std::uintptr_t>(memory.data()) % 256, 0u);
@@ -75,7 +75,7 @@ TEST_F(Memory, allocations_are_aligned_and_nothing_is_nothing) {
     EXPECT_EQ(cudaGetLastError(), cudaErrorMemoryAllocation);
 }
 
-TEST_F(Memory, copies_of_every_kind) {
+TEST_F(Memory, copies_work_in_every_direction) {
     std::vector<int> in(100), out(100);
     std::iota(in.begin(), in.end(), 0);
     const Array<int> a(100), b(100);
@@ -91,8 +91,8 @@ TEST_F(Memory, copies_of_every_kind) {
     EXPECT_EQ(other, out);
 }
 
-TEST_F(Memory, strided_copies) {
-    // Three of each four floats, as from vertices with padding.
+TEST_F(Memory, strided_copies_skip_padding) {
+    // Copies three of each four floats, as from vertices with padding.
     std::vector<float> vertices(40);
     std::iota(vertices.begin(), vertices.end(), 0.0f);
     const Array<float> packed(30);
@@ -108,7 +108,7 @@ __global__ void add_one(int* data, int n) {
     for (int i = static_cast<int>(threadIdx.x); i < n; i += static_cast<int>(blockDim.x)) data[i] += 1;
 }
 
-TEST_F(Memory, allocation_in_the_order_of_a_stream) {
+TEST_F(Memory, allocations_happen_in_stream_order) {
     cudaStream_t stream;
     check(cudaStreamCreate(&stream));
     cudaMemPool_t pool;

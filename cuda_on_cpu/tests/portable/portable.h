@@ -1,6 +1,6 @@
 #pragma once
 
-// What the portable tests share. They use nothing but CUDA: the CPU runs them, and so does a device.
+// Helpers of the portable tests, which use nothing but CUDA: they run on the CPU and on a device.
 
 #include <cuda_runtime.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 
 namespace portable {
 
-/// The one place where the two compilers see different text.
+/// Returns the block's dynamic shared memory. Only here the two compilers see different text.
 template <class T>
 __device__ T& dynamic_shared() {
 #ifdef __CUDACC__
@@ -29,7 +29,7 @@ inline void check(cudaError_t error) {
         throw std::runtime_error(std::string(cudaGetErrorName(error)) + ": " + cudaGetErrorString(error));
 }
 
-/// <<<>>> is not C++.
+/// Launches a kernel and returns the error; a function, because <<<>>> is not C++.
 template <class... Parameters, class... Arguments>
 cudaError_t try_launch(cudaStream_t stream, void (*kernel)(Parameters...), dim3 grid, dim3 block, std::size_t shared,
                        Arguments&&... arguments) {
@@ -45,7 +45,7 @@ void launch(void (*kernel)(Parameters...), dim3 grid, dim3 block, std::size_t sh
     check(try_launch(nullptr, kernel, grid, block, shared, std::forward<Arguments>(arguments)...));
 }
 
-/// An array on the device.
+/// Array on the device.
 template <class T>
 class Array {
    public:
@@ -70,7 +70,7 @@ class Array {
     std::size_t size_;
 };
 
-/// Tests that need a device skip where there is none.
+/// Fixture of tests that need a device: skips them where there is none, and expects no pending error at the end.
 class DeviceTest : public testing::Test {
    protected:
     void SetUp() override {

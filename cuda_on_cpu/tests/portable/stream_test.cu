@@ -24,7 +24,7 @@ class OwnStream {
     cudaStream_t stream_ = nullptr;
 };
 
-/// x becomes 3 x + y.
+/// Sets x to 3 x + y.
 __global__ void step(int* x, int y) { *x = 3 * *x + y; }
 
 int read(const int* device, cudaStream_t stream) {
@@ -93,7 +93,7 @@ TEST_F(Stream, events_measure_time) {
     for (const cudaEvent_t event : {begin, end, untimed}) check(cudaEventDestroy(event));
 }
 
-TEST_F(Stream, polling_gets_there) {
+TEST_F(Stream, polling_makes_progress) {
     const OwnStream stream;
     const Array<int> x(1);
     cudaEvent_t event;
@@ -109,7 +109,7 @@ TEST_F(Stream, polling_gets_there) {
     check(cudaEventDestroy(event));
 }
 
-TEST_F(Stream, pinned_memory_is_read_and_written_in_the_order_of_the_stream) {
+TEST_F(Stream, pinned_memory_is_accessed_in_stream_order) {
     const OwnStream stream;
     int* pinned = nullptr;
     check(cudaMallocHost(&pinned, 2 * sizeof(int)));
@@ -123,7 +123,7 @@ TEST_F(Stream, pinned_memory_is_read_and_written_in_the_order_of_the_stream) {
     check(cudaFreeHost(pinned));
 }
 
-TEST_F(Stream, host_functions_have_their_turn) {
+TEST_F(Stream, host_functions_run_in_stream_order) {
     const OwnStream stream;
     int* pinned = nullptr;
     check(cudaMallocHost(&pinned, sizeof(int)));
@@ -136,7 +136,7 @@ TEST_F(Stream, host_functions_have_their_turn) {
     check(cudaFreeHost(pinned));
 }
 
-TEST_F(Stream, streams_of_several_host_threads) {
+TEST_F(Stream, several_host_threads_may_use_streams) {
     std::vector<std::thread> threads;
     std::vector<int> found(4);
     for (int t = 0; t < 4; ++t)
@@ -150,7 +150,7 @@ TEST_F(Stream, streams_of_several_host_threads) {
     for (int t = 0; t < 4; ++t) EXPECT_EQ(found[static_cast<std::size_t>(t)], 27 * t + 5);
 }
 
-TEST_F(Stream, kernels_have_attributes) {
+TEST_F(Stream, kernels_report_attributes_and_occupancy) {
     cudaFuncAttributes attributes;
     check(cudaFuncGetAttributes(&attributes, step));
     EXPECT_GE(attributes.maxThreadsPerBlock, 256);

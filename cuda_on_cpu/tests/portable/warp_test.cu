@@ -1,4 +1,4 @@
-// What the lanes of a warp do together.
+// Functions that the lanes of a warp call together: votes, shuffles, matches, reductions, barriers.
 
 #include <algorithm>
 
@@ -13,7 +13,7 @@ class Warp : public portable::DeviceTest {};
 
 constexpr unsigned full = 0xffffffffu;
 
-/// Lanes of the caller's warp that exist.
+/// Returns the lanes of the caller's warp that exist.
 __device__ unsigned present() {
     const unsigned left = blockDim.x - threadIdx.x / 32 * 32;
     return left >= 32 ? full : (1u << left) - 1;
@@ -25,7 +25,7 @@ __global__ void vote(unsigned* out) {
     out[blockDim.x + i] = static_cast<unsigned>(__any_sync(mask, i == 70) != 0) * 2 + (__all_sync(mask, i < 64) != 0);
 }
 
-TEST_F(Warp, votes_in_whole_and_partial_warps) {
+TEST_F(Warp, votes_work_in_whole_and_partial_warps) {
     const unsigned n = 80;  // the third warp has 16 lanes
     const Array<unsigned> out(2 * n);
     launch(vote, 1, n, 0, out.data());
@@ -74,7 +74,7 @@ TEST_F(Warp, shuffles_stay_in_segments) {
     }
 }
 
-// Each half of a warp loops as often as it likes.
+// Lets each half of a warp loop a different number of times.
 __global__ void halves(const int* rounds, unsigned* out) {
     const unsigned lane = threadIdx.x % 32, half = threadIdx.x / 16;
     const unsigned mask = lane < 16 ? 0x0000ffffu : 0xffff0000u;
@@ -88,7 +88,7 @@ __global__ void halves(const int* rounds, unsigned* out) {
     out[threadIdx.x] = sum;
 }
 
-TEST_F(Warp, disjoint_masks_go_their_own_ways) {
+TEST_F(Warp, lanes_of_disjoint_masks_run_independently) {
     const std::vector<int> rounds = {1, 7, 16, 0};
     const Array<int> in(rounds);
     const Array<unsigned> out(64);
@@ -99,7 +99,7 @@ TEST_F(Warp, disjoint_masks_go_their_own_ways) {
     EXPECT_EQ(out.values(), expected);
 }
 
-// Lanes leave a loop one by one; those left name each other.
+// Lets lanes leave a loop one by one; the remaining ones name each other.
 __global__ void leave_one_by_one(unsigned* out) {
     const unsigned lane = threadIdx.x;
     unsigned seen = 0, mask = full;
@@ -110,7 +110,7 @@ __global__ void leave_one_by_one(unsigned* out) {
     out[lane] = seen;
 }
 
-TEST_F(Warp, a_mask_may_shrink) {
+TEST_F(Warp, masks_may_shrink_as_lanes_leave) {
     const Array<unsigned> out(32);
     launch(leave_one_by_one, 1, 32, 0, out.data());
     std::vector<unsigned> expected;
@@ -128,7 +128,7 @@ __global__ void match(unsigned* out) {
     out[96 + lane] = static_cast<unsigned>((same != 0) * 2 + (different != 0));
 }
 
-TEST_F(Warp, matches) {
+TEST_F(Warp, matches_name_lanes_with_equal_values) {
     const Array<unsigned> out(128);
     launch(match, 1, 32, 0, out.data());
     std::vector<unsigned> expected(128);
@@ -156,7 +156,7 @@ __global__ void reduce(int* out) {
 #endif
 }
 
-TEST_F(Warp, reductions) {
+TEST_F(Warp, reductions_cover_the_lanes_of_the_mask) {
     int major = 0;
     ASSERT_EQ(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, 0), cudaSuccess);
     if (major < 8) GTEST_SKIP() << "the device has none";

@@ -12,7 +12,7 @@
 
 namespace cub {
 
-/// Keys, and values if there are any, in a blocked arrangement: thread t holds items t * N to t * N + N - 1.
+/// Sorts keys, and values if there are any, in a blocked arrangement: thread t holds items t * N to t * N + N - 1.
 template <class Key, int X, int N, class Value = NullType, int RadixBits = 4, bool Memoize = true, int... More>
 class BlockRadixSort {
     static constexpr unsigned threads = X;

@@ -8,7 +8,7 @@ namespace cub {
 
 enum BlockReduceAlgorithm { BLOCK_REDUCE_RAKING_COMMUTATIVE_ONLY, BLOCK_REDUCE_RAKING, BLOCK_REDUCE_WARP_REDUCTIONS };
 
-/// Only thread 0 gets the result; the others get rubbish.
+/// Reduces one or more items of each thread. Only thread 0 gets the result; the others get rubbish.
 template <class T, int X, BlockReduceAlgorithm = BLOCK_REDUCE_WARP_REDUCTIONS, int Y = 1, int Z = 1>
 class BlockReduce {
     static constexpr unsigned threads = X * Y * Z;
@@ -35,7 +35,7 @@ class BlockReduce {
         for (int i = 1; i < N; ++i) own = operation(own, in[i]);
         return Reduce(own, operation);
     }
-    /// Of the first `valid` threads.
+    /// Reduces the items of the first `valid` threads.
     template <class Operation>
     T Reduce(T in, Operation operation, int valid) {
         cuda_on_cpu::block_primitive<threads>(site_, storage_, in, [&](T* const* all) {

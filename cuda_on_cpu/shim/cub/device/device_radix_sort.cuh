@@ -6,7 +6,7 @@
 
 namespace cub {
 
-/// Stable. With a DoubleBuffer the result lies in what is the current buffer afterwards.
+/// Stable sorts. With a DoubleBuffer the result lies in the buffer that is the current one afterwards.
 struct DeviceRadixSort {
     template <class Key, class Value, class N>
     static cudaError_t SortPairs(void* storage, std::size_t& bytes, const Key* keys, Key* keys_out, const Value* values,

@@ -10,7 +10,7 @@
 namespace cub {
 
 struct DeviceReduce {
-    /// Of the output's type.
+    /// Sums in the type of the output.
     template <class In, class Out, class N>
     static cudaError_t Sum(void* storage, std::size_t& bytes, In in, Out out, N n, cudaStream_t stream = nullptr) {
         using T = cuda_on_cpu::ValueOf<Out>;

@@ -7,7 +7,7 @@
 namespace cub {
 
 struct DeviceRunLengthEncode {
-    /// Each run's item and length, and the number of runs.
+    /// Writes the item and the length of each run, and the number of runs.
     template <class In, class Items, class Lengths, class Count, class N>
     static cudaError_t Encode(void* storage, std::size_t& bytes, In in, Items items, Lengths lengths, Count runs, N n,
                               cudaStream_t stream = nullptr) {
@@ -17,7 +17,7 @@ struct DeviceRunLengthEncode {
             return true;
         });
     }
-    /// Where runs of two or more begin, and their lengths.
+    /// Writes the offset and the length of each run of two or more items, and their number.
     template <class In, class Offsets, class Lengths, class Count, class N>
     static cudaError_t NonTrivialRuns(void* storage, std::size_t& bytes, In in, Offsets offsets, Lengths lengths,
                                       Count runs, N n, cudaStream_t stream = nullptr) {
@@ -30,7 +30,7 @@ struct DeviceRunLengthEncode {
     }
 
    private:
-    /// write(run, begin, length) says whether the run counts.
+    /// Calls write(run, begin, length), which returns true if the run counts, for each run.
     template <class In, class Count, class N, class Write>
     static cudaError_t encode(void* storage, std::size_t& bytes, In in, Count runs, N n, cudaStream_t stream,
                               Write write) {

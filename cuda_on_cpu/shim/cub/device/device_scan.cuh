@@ -7,7 +7,7 @@
 
 namespace cub {
 
-/// Sums are of the input's type, as CUB's are. Input and output may be the same.
+/// Scans. Sums have the type of the input, as in CUB. Input and output may be the same.
 struct DeviceScan {
     template <class In, class Out, class N>
     static cudaError_t ExclusiveSum(void* storage, std::size_t& bytes, In in, Out out, N n,

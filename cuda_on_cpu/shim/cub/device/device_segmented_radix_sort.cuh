@@ -6,7 +6,7 @@
 
 namespace cub {
 
-/// Stable in each segment.
+/// Stable sorts of each segment.
 struct DeviceSegmentedRadixSort {
     template <class Key, class Value, class N, class M, class Begin, class End>
     static cudaError_t SortPairs(void* storage, std::size_t& bytes, const Key* keys, Key* keys_out, const Value* values,

@@ -6,7 +6,7 @@
 
 namespace cub {
 
-/// SortPairs and SortKeys are not stable: equal keys come in reverse order. StableSortPairs is.
+/// Sorts of each segment. StableSortPairs is stable. SortPairs is not: it reverses pairs with equal keys.
 struct DeviceSegmentedSort {
     template <class Key, class Value, class N, class M, class Begin, class End>
     static cudaError_t SortPairs(void* storage, std::size_t& bytes, const Key* keys, Key* keys_out, const Value* values,

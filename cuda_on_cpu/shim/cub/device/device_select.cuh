@@ -6,7 +6,7 @@
 
 namespace cub {
 
-/// What is selected keeps its order; how many there are goes to *selected.
+/// Selects items in their order, and writes their number to *selected.
 struct DeviceSelect {
     template <class In, class Flags, class Out, class Count, class N>
     static cudaError_t Flagged(void* storage, std::size_t& bytes, In in, Flags flags, Out out, Count selected, N n,
@@ -30,7 +30,7 @@ struct DeviceSelect {
                           cudaStream_t stream = nullptr) {
         return If(storage, bytes, data, data, selected, n, predicate, stream);
     }
-    /// The first of each run of equal items.
+    /// Selects the first of each run of equal items.
     template <class In, class Out, class Count, class N>
     static cudaError_t Unique(void* storage, std::size_t& bytes, In in, Out out, Count selected, N n,
                               cudaStream_t stream = nullptr) {

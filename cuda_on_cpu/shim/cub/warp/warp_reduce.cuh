@@ -6,7 +6,7 @@
 
 namespace cub {
 
-/// Only the first lane gets the result; the others get rubbish.
+/// Reduces one value of each lane. Only the first lane gets the result; the others get rubbish.
 template <class T, int Lanes = 32>
 class WarpReduce {
    public:
@@ -21,7 +21,7 @@ class WarpReduce {
     T Reduce(T in, Operation operation) {
         return Reduce(in, operation, Lanes);
     }
-    /// Of the first `valid` lanes.
+    /// Reduces the values of the first `valid` lanes.
     template <class Operation>
     T Reduce(T in, Operation operation, int valid) {
         cuda_on_cpu::warp_primitive<Lanes>(site_, storage_, in, [&](T* const* all) {

@@ -41,7 +41,7 @@ class WarpScan {
     void InclusiveScan(T in, T& out, Operation operation, T& aggregate) {
         aggregate = scan(in, out, [&](Mine* const* all) { cuda_on_cpu::inclusive_scan(all, Lanes, operation); });
     }
-    /// The value of one lane, to all.
+    /// Returns the value of lane `source` to all lanes.
     T Broadcast(T in, unsigned source) {
         cuda_on_cpu::warp_primitive<Lanes>(site_, storage_, in, [&](T* const* all) {
             const T value = *all[source];
