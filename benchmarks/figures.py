@@ -1,6 +1,7 @@
-"""How figures are written to benchmarks/results: JSON, one record a line, so that a difference shows what was measured anew.
+"""Writes figures to benchmarks/results as JSON, one record per line, so that a diff shows what was measured again.
 
-A record is an object without lists. A list of numbers is a line, too. crumple_benchmark writes the same (report.cpp).
+A record is an object without lists. A list of numbers takes one line, too. crumple_benchmark writes the same format
+(report.cpp).
 """
 
 import json
@@ -14,7 +15,7 @@ def has_list(value):
 
 
 def lines(value, indent=""):
-    """The value, its first line without indentation."""
+    """Returns the value as JSON; `indent` applies to all lines but the first."""
     if isinstance(value, dict) and has_list(value):
         opening, items, closing = "{", [(json.dumps(key) + ": ", item) for key, item in value.items()], "}"
     elif isinstance(value, list) and any(isinstance(item, (dict, list)) for item in value):

@@ -2,8 +2,8 @@
 
     python ipctk_adapters.py [--quick] [--scene NAME] [--json OUT]
 
-Needs what motion_python.py needs, whose scenes, rounds and clocks these are. Meshes and edges exist before the clock
-starts; a tree, candidates as objects of Python, and all of crumple's work are on it. All threads.
+Has the requirements, scenes, rounds and clocks of motion_python.py. Meshes and edges exist before the clock starts. The
+clock covers building a tree, candidates as Python objects, and all of crumple's work. Uses all threads.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
-"""Merges the figures of one benchmark run and says on what machine, by what compiler and from what commit they come.
+"""Merges the figures of one benchmark run, and adds the machine, the compiler and the commit.
 
-python merge_results.py BENCHMARK OUT PART ...    parts that are not there are left out
+python merge_results.py BENCHMARK OUT PART ...    missing parts are left out
 
-CRUMPLE_BENCHMARK_SECONDS is how long the run took, if that is known.
+CRUMPLE_BENCHMARK_SECONDS is the duration of the run, if known.
 
-Parts may measure the same twice, because others use the machine, too: the quieter of two contests of the same peers on
-the same workload, or of two runs of a study, is kept, and listed as measured again.
+Parts may contain repeated measurements, in case other load disturbed the first ones: of two contests of the same peers
+on the same workload, or of two runs of a study, the quieter one is kept, and listed as measured again.
 """
 
 import datetime
@@ -37,7 +37,7 @@ def machine():
 
 
 def origin():
-    """When and where figures are measured, and of which commit."""
+    """Returns the date, commit and machine of a measurement."""
     top = Path(__file__).resolve().parent.parent
     changed = output("git", "status", "--porcelain", "--untracked-files=no", cwd=top)
     return {
@@ -56,7 +56,7 @@ def at_hand(figures):
 
 
 def merge(result, figures):
-    """Takes over the figures of one part, and of what is there already those that are quieter."""
+    """Adds the figures of one part to the result; quieter measurements replace those already there."""
     known = {peer["name"] for peer in result["peers"]}
     result["peers"] += [peer for peer in figures.get("peers", []) if peer["name"] not in known]
     for contest in figures.get("contests", []):

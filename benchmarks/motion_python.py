@@ -2,20 +2,20 @@
 
     python motion_python.py [--quick] [--scene NAME] [--json OUT]
 
-Needs crumple's Python package and ipctk in one environment, scripts/test_python.sh --all makes one, and the frames that
-$CRUMPLE_DATA names (../shared/data beside the checkout otherwise). Meshes, edges and the peer's trees are objects that
+Needs crumple's Python package and ipctk in one environment, which scripts/test_python.sh --all makes, and the frames
+below $CRUMPLE_DATA (default: ../shared/data beside the checkout). Meshes, edges and the peer's trees are objects that
 exist before the clock starts; crumple is given NumPy arrays, and finds its edges on the clock. All are warm.
 
-IPC Toolkit searches boxes (LBVH, its default) and then decides candidate by candidate, in C++: the first contact of
-all, or whether there is one, by Tight-Inclusion or additive CCD with their defaults; or distances. It makes no list of
-impacts and their times, so crumple's whole list is set against that one number. Candidates are both's: vertices with
-faces and edges with edges, crumple's in sorted arrays, the peer's as its C++ objects. For distances boxes are grown by
-half the radius, as its own NormalCollisions does: enough for all pairs within the radius.
+IPC Toolkit searches boxes (LBVH, its default) and then decides one candidate after the other, in C++: the first contact
+of all, or if there is one, by Tight-Inclusion or additive CCD with their defaults; or distances. It makes no list of
+impacts and their times, so crumple's whole list is compared with that one number. Both have the same candidates,
+vertices with faces and edges with edges: crumple in sorted arrays, the peer as its C++ objects. For distances, boxes
+are inflated by half the radius, as its own NormalCollisions does: enough for all pairs within the radius.
 
-Every contestant is timed on one thread and on all. Times are medians over rounds: on one thread of the thread's own
-time, so that what others do on the machine disturbs less, on all of the wall's clock. A ratio is formed round by round;
-its median is given, and quartiles. "Fastest" sets each one's faster number of threads against the other's, by the
-wall's clock. Steps and distances of the peer are compared with the exact ones.
+Every contestant is timed on one thread and on all. Times are medians over rounds: on one thread the CPU time of the
+thread, which other load on the machine disturbs less; on all threads the wall-clock time. A ratio is computed for each
+round; its median and quartiles are reported. "Fastest" compares each contestant's faster number of threads, by
+wall-clock time. Steps and distances of the peer are compared with the exact ones.
 """
 
 from __future__ import annotations
@@ -51,9 +51,9 @@ LEAST_ROUNDS = 3
 @dataclass
 class Scene:
     name: str
-    frame: str  # a file's path under scalable-ccd, with a place for its number
+    frame: str  # path of a file below scalable-ccd, with a placeholder for the frame number
     first: int  # the step is from this frame to the next
-    radius: float  # a quarter of the mean edge length of the first
+    radius: float  # a quarter of the mean edge length of the first frame
 
     def path(self, step=0):
         return DATA / "scalable-ccd" / self.frame.format(self.first + step)
@@ -70,11 +70,11 @@ SCENES = [
 class Contestant:
     name: str
     call: Callable[[], Any]
-    tell: Callable[[Any], dict]  # what of the answer is worth a number
+    tell: Callable[[Any], dict]  # returns the figures to report about a result
 
 
 def ours(scene, mesh, end, threads):
-    """One detector for the step, and one each for nearness and candidates, as a simulation would keep them."""
+    """Returns crumple's contestants, with a detector each for motion, nearness and candidates, as in a simulation."""
     step, near, boxes = (crumple.Detector(threads=threads) for _ in range(3))
     moving = mesh.moving_to(end)
     return [
@@ -97,7 +97,7 @@ def least_toi(impacts):
 
 
 def least_distances(near, mesh, radius):
-    """For each vertex the least distance of the pairs that it takes part in, at most `radius`."""
+    """Returns for each vertex the least distance of the pairs that it takes part in, at most `radius`."""
     least = np.full(len(mesh.vertices), radius)
     for corners, squared in (
         (near.vertex_faces[:, :1], near.vertex_face_squared_distance),
@@ -148,7 +148,7 @@ def theirs(scene, mesh, end):
     return made
 
 
-# What is set against what: our question, and what the peer has for it.
+# Compared queries: title, crumple's contestant, the peer's contestant.
 AGAINST = [
     ("all impacts, exact toi", "impacts", "step, Tight-Inclusion"),
     ("all impacts, exact toi", "impacts", "step, additive CCD"),
@@ -163,7 +163,8 @@ AGAINST = [
 
 
 def race(contestants, rounds, seconds):
-    """Milliseconds of each, (wall, own) a round, and what the last answers tell; places change from round to round."""
+    """Returns milliseconds (wall, thread) of each contestant and round, and figures of its result. The order
+    alternates."""
     times, told = {c.name: [] for c in contestants}, {}
 
     def turn(c, record):
@@ -192,7 +193,7 @@ def summary(values):
 
 
 def compare(mine, peer, exact, radius):
-    """How the peer's answer differs, in words."""
+    """Describes how the peer's result differs."""
     if mine.keys() == {"candidates"}:
         same = mine["candidates"] == peer["candidates"]
         return f"{mine['candidates']:,} candidates" + ("" if same else f", the peer has {peer['candidates']:,}")
@@ -209,7 +210,7 @@ def compare(mine, peer, exact, radius):
 
 
 def judge(scene, rounds, seconds):
-    """Records of one scene: the times of each contestant, and the ratios."""
+    """Returns records of one scene: the times of each contestant, and the ratios."""
     mesh, end = crumple.read_mesh(scene.path()), crumple.read_mesh(scene.path(1)).vertices
     peers = theirs(scene, mesh, end)
     times, told, records = {}, {}, []
@@ -273,7 +274,7 @@ def main():
     chosen = [s for s in SCENES if s.name in (arguments.scene or [])] or SCENES[: 1 if arguments.quick else None]
     if missing := [s.path() for s in chosen if not s.path().exists()]:
         sys.exit(f"motion_python.py: there is no {missing[0]}; CRUMPLE_DATA names the folder of scalable-ccd")
-    ipctk.set_logger_level(ipctk.off)  # it tells of each contact at the start
+    ipctk.set_logger_level(ipctk.off)  # it logs each contact at the start
     versions = {"crumple": crumple.__version__, "ipctk": ipctk.__version__}
     versions |= {"numpy": np.__version__, "python": platform.python_version()}
     load = os.getloadavg()[0]

@@ -2,12 +2,12 @@
 
     python nearest_python.py [--quick] [--json OUT]
 
-Needs crumple's Python package and Coal in one environment: scripts/test_python.sh --all makes one. Same pairs, same
-poses; how times are taken and ratios formed is that of timed_rows.py. Both are called from Python, on one thread.
-Coal's trees (OBBRSS), transforms and requests are made before the clock starts; crumple's shapes are named, and it
-reads poses as NumPy arrays on the clock. Coal is asked for a distance without its sign, and tells the nearest points
-as well; it computes in float64 with rounding errors, crumple decides exactly, for posed vertices that are rounded to
-float32, and names the first of the closest pairs of triangles.
+Needs crumple's Python package and Coal in one environment, which scripts/test_python.sh --all makes. Both get the same
+pairs and poses; timed_rows.py measures times and computes ratios. Both are called from Python, on one thread. Coal's
+trees (OBBRSS), transforms and requests are made before the clock starts; crumple's shapes are named, and it reads poses
+as NumPy arrays on the clock. Coal is queried for an unsigned distance, and also returns the nearest points; it computes
+in float64 with rounding errors. Crumple decides exactly, for posed vertices that are rounded to float32, and returns
+the first of the closest pairs of triangles.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def distance_request():
 
 
 def pair(name, first, second, poses):
-    """A row: the distance of two bodies in each of (n, 2, 3, 4) poses, one call a pose."""
+    """Returns a row: the distance of two bodies in each of (n, 2, 3, 4) poses, one call per pose."""
     shapes = [crumple.Shape(*mesh, name=f"{name} {i}") for i, mesh in enumerate((first, second))]
     detector, world = crumple.Detector(threads=1), crumple.World(shapes)
     trees = tree(*first), tree(*second)
@@ -56,7 +56,7 @@ def pair(name, first, second, poses):
 
 
 def around(n, least, most, seed):
-    """(n, 2, 3, 4): two bodies, turned at random, their origins so far apart."""
+    """Returns (n, 2, 3, 4) poses of two bodies: random rotations, origins at distances from `least` to `most`."""
     random = np.random.default_rng(seed)
     poses = scenes.poses_of(scenes.rotations(random, 2 * n), np.zeros((2 * n, 3))).reshape(n, 2, 3, 4)
     away = random.normal(size=(n, 3))
@@ -85,7 +85,8 @@ def pairs_of_bodies(quick):
 
 
 def robot(quick):
-    """All links of many configurations to the obstacles, in one call; Coal in a loop, less what that takes."""
+    """Returns a row: distances of all links to the obstacles, many configurations in one call; Coal in a loop, whose
+    overhead is subtracted."""
     links, length, count = 8, 1.5, 20 if quick else 200
     mesh = scenes.link(25, 41, length, 0.2)
     room = scenes.obstacles(20_000 if quick else 200_000)

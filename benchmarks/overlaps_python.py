@@ -3,21 +3,21 @@
     python overlaps_python.py [--quick] [--case NAME] [--threads N] [--json OUT]
 
 Needs crumple's Python package and Manifold (pip install manifold3d) in one environment, and for real meshes the data
-that $CRUMPLE_DATA names (../shared/data beside the checkout otherwise); what is not there is left out. Each number of
-threads gets a process of its own, which is held to as many cores.
+below $CRUMPLE_DATA (default: ../shared/data beside the checkout); missing data is left out. Each number of threads runs
+in a process of its own, which is limited to as many cores.
 
-Manifold makes a boolean and its volume; crumple volume, centroid, normal, depth and torque. Manifold's meshes are
-objects that exist before the clock starts, and it is given the pairs of bodies, which crumple finds. Rows:
+Manifold computes a boolean and its volume; crumple computes volume, centroid, normal, depth and torque. Manifold's
+meshes are objects that exist before the clock starts, and it is given the pairs of bodies, which crumple finds. Rows:
 
-    deform      vertices move in each call: Manifold makes its solids of the meshes, then the boolean
-    before      named shapes under new poses: Manifold's solids exist, it may transform one, or leave that out
-    search      what overlaps cost beside crumple's search for intersections of the same scene, both warm
-    first call  the same of new detectors, which have not seen the triangles before
+    deform      vertices move in each call: Manifold makes solids of the meshes, then the boolean
+    before      named shapes under new poses: Manifold's solids exist; it transforms one of them, or skips that
+    search      time of overlaps against crumple's search for intersections of the same scene, both warm
+    first call  the same with new detectors, which have not searched the triangles before
     poses       configurations of two bodies; Manifold in a loop over some of them
-    contact     bodies that touch, so that sums are exactly 0, beside the search
+    contact     bodies that touch, so that sums are exactly 0, against the search
 
-A ratio is formed round by round (timed_rows.py). On one thread times are those of the process, so that what others do
-on the machine disturbs less; else they are the wall's. Volumes are compared with exact ones where these are known.
+A ratio is computed for each round (timed_rows.py). On one thread, times are CPU times of the process, which other load
+on the machine disturbs less; otherwise wall-clock times. Volumes are compared with exact ones if these are known.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ DATA = Path(os.environ.get("CRUMPLE_DATA", TOP.parent / "shared" / "data"))
 SEARCH = "crumple, intersections"
 DRAGON, LUCY = "meshes/dragon_100k.ply", "meshes/lucy_100k.ply"
 
-# Pairs beside those of gt-overlap/large.json, and as these are written, but their exact volumes are not known.
+# Pairs in addition to those of gt-overlap/large.json, in the same format; their exact volumes are not known.
 MORE_PAIRS = [
     {
         "name": "ember260",
@@ -73,7 +73,7 @@ MORE_PAIRS = [
 
 @dataclass
 class Setting:
-    """What a run is made with."""
+    """Settings of a run."""
 
     quick: bool
     threads: int
@@ -104,7 +104,7 @@ def read_body(told):
 
 
 def real_pairs(names):
-    """The pairs of those names whose files are there."""
+    """Yields the pairs with these names (all, if empty) whose files exist."""
     truth = DATA / "gt-overlap" / "large.json"
     told = json.loads(truth.read_text())["cases"] if truth.exists() else []
     told = [c for c in told if c["B"]]
@@ -120,13 +120,13 @@ def real_pairs(names):
 
 
 def deformed(vertices):
-    """The same, bent by a few thousandths of an edge of its box at most."""
+    """Returns the vertices bent by less than a thousandth of the longest edge of their bounding box."""
     size = np.ptp(vertices, axis=0).max()
     return vertices + 2**-12 * size * np.sin(np.roll(vertices, 1, axis=1) * (4 / size))
 
 
 def states_of(bodies):
-    """Two states between which bodies change: as they are, and bent."""
+    """Returns two states between which bodies alternate: unchanged, and bent."""
     return [list(bodies), [(deformed(vertices), faces) for vertices, faces in bodies]]
 
 
@@ -135,13 +135,13 @@ def solid(vertices, faces):
 
 
 def refused(pair):
-    """Why Manifold takes no solid of either body; None: it takes both."""
+    """Returns why Manifold refuses to make a solid of a body; None if it accepts both."""
     states = [manifold3d.Manifold(solid(*body)).status() for body in pair.bodies]
     return next((f"{s}" for s in states if s != manifold3d.Error.NoError), None)
 
 
 def alternating(call):
-    """A contestant that takes the states 0 and 1 in turn."""
+    """Returns a contestant that alternates between the states 0 and 1."""
     states = itertools.cycle((0, 1))
     return lambda turn: call(next(states))
 
@@ -188,7 +188,7 @@ def deforming(pair, setting):
 def built_before(pair, setting):
     shapes = [crumple.Shape(*body, name=f"{pair.name} {k}") for k, body in enumerate(pair.bodies)]
     world, detector = crumple.World(shapes), setting.detector()
-    poses = np.tile(np.eye(3, 4), (2, 2, 1, 1))  # state, body: the second one turned a little to and fro
+    poses = np.tile(np.eye(3, 4), (2, 2, 1, 1))  # by state and body: the second body rotates slightly back and forth
     for state, angle in enumerate((0.001, -0.001)):
         poses[state, 1, :2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
     a, b = (manifold3d.Manifold(solid(*body)) for body in pair.bodies)
@@ -213,7 +213,7 @@ def built_before(pair, setting):
 
 
 def beside_search(name, states, setting):
-    """Warm: bodies in one state, then in the other."""
+    """Returns a row of warm calls that alternate between the states."""
     meshes = [[crumple.Mesh(*body) for body in bodies] for bodies in states]
     mine, search = setting.detector(), setting.detector()
 
@@ -259,7 +259,7 @@ def pairs_of_meshes(setting, names):
 
 
 def balls_of_the_scene(truth):
-    """The closed bodies of a scene of many, and the exact volumes of some of their pairs."""
+    """Returns the closed bodies of a scene of many, and the exact volumes of some pairs."""
     path = DATA / truth["file"]
     runs = json.loads((path.parent.parent.parent / "derived" / "n-body-simulation_components.json").read_text())
     vertices, faces = read_body(truth)
@@ -270,7 +270,7 @@ def balls_of_the_scene(truth):
 
 
 def many_balls(setting):
-    """Bodies of one scene: crumple finds the pairs that overlap, Manifold is given them."""
+    """Yields rows of a scene of many bodies: crumple finds the overlapping pairs, Manifold is given them."""
     path = DATA / "gt-overlap" / "balls16_18.json"
     if not path.exists() or not (DATA / json.loads(path.read_text())["file"]).exists():
         print(f"balls are left out: there is no {path}, or not the scene that it names")
@@ -288,7 +288,7 @@ def many_balls(setting):
         named.poses = poses[state]
         return before.overlaps(named, **query)
 
-    # All bodies are inside out, and Manifold's outside is outside: their faces are reversed for it.
+    # All bodies are inside out. Manifold expects outward orientation, so their faces are reversed for it.
     pairs = [tuple(map(int, row)) for row in deform.overlaps(worlds[0], **query).bodies]
     used = sorted(set(itertools.chain(*pairs)))
     solids = [{k: solid(state[k][0], state[k][1][:, ::-1]) for k in used} for state in states]
@@ -330,7 +330,7 @@ def many_balls(setting):
 
 
 def configurations(setting):
-    """Two named bodies in many worlds, volume and normal of each; about half of them overlap."""
+    """Yields rows of two named bodies in many worlds, with volume and normal of each; about half of them overlap."""
     count = 1_000 if setting.quick else 10_000
     some = count // 20
     vertices, faces = scenes.ball(5)
@@ -361,7 +361,7 @@ def configurations(setting):
 
 
 def contact(setting):
-    """Bodies that touch: volumes and area vectors are exactly 0, which rationals have to tell."""
+    """Yields rows of bodies that touch: volumes and area vectors are exactly 0, which only rationals can prove."""
     vertices = 10_000 if setting.quick else 100_000
     for name, bodies in (
         ("tents that share a ridge", scenes.tents(vertices // 3)),
@@ -416,7 +416,7 @@ def run(setting, names):
 
 
 def run_apart(threads, arguments):
-    """The same in a process of its own, since Manifold's threads are as many as the first call found cores."""
+    """Runs the measurements in a new process, since Manifold keeps as many threads as its first call finds cores."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "run.json"
         command = [sys.executable, __file__, "--threads", str(threads), "--json", str(out)]

@@ -1,16 +1,16 @@
 """Times the peers that come from PyPI against crumple_benchmark, taking turns.
 
 Every contestant is a process that waits for its turn: crumple_benchmark --serve, or a worker (peers/worker.py). All are
-given the same arrays. A turn answers the milliseconds of each call that fits into a slice of time. What is timed is work
-inside the libraries: arrays are converted before, answers after, except where a contestant is called "from Python". The
-race is that of race.h: median over all calls, ratios formed round by round, hopeless ways of a peer left out after the
-warm-up.
+given the same arrays. A turn returns the milliseconds of each call that fits into a slice of time. Only work inside the
+libraries is timed: arrays are converted before and results after, except if a contestant is called "from Python". The
+race follows race.h: median over all calls, ratios computed for each round, hopelessly slow configurations of a peer
+left out after the warm-up.
 
     python peers_python.py --benchmark build/benchmarks/crumple_benchmark --json out.json
     python peers_python.py --on-device --benchmark build/benchmarks/crumple_cuda_benchmark --scene cloth:100000
 
-On a device, crumple's cuda backend races with those peers that work there. Mesh and pairs of all stay on the device; the
-host's clock is read when the answer is known to be complete.
+With --on-device, crumple's cuda backend races with the peers that run on a device. All meshes and pairs stay on the
+device; the host's clock is read once the result is complete.
 """
 
 import argparse
@@ -34,12 +34,12 @@ SCENES = ["cloth_ball92", "balls16_18", "227", "Generic_Twin_right", "ember_016"
           "armadillo_86k"]
 PROCEDURAL = ["cloth", "bodies", "between:bodies", "any:shells"]
 QUICK, QUICK_PROCEDURAL = ["227", "ember_406", "bunny_69k"], ["cloth:20000", "between:bodies:20000", "any:shells"]
-HOPELESS = 1.5  # times slower than the fastest way of the same name
+HOPELESS = 1.5  # factor of the warm-up time over that of the fastest configuration of the same peer
 LEAST_ROUNDS = 3
 
 
 class Ended(RuntimeError):
-    """A process has ended that should have answered."""
+    """A process has ended instead of responding."""
 
     def __init__(self, process):
         super().__init__(f"{' '.join(map(str, process.args))} ended with {process.wait()}")
@@ -47,7 +47,7 @@ class Ended(RuntimeError):
 
 
 class Process:
-    """A process that answers each line by a line of JSON."""
+    """A process that responds to each line with a line of JSON."""
 
     def __init__(self, *command):
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
@@ -98,7 +98,7 @@ class Peer:
         return answer["ms"]
 
 
-# Peers that ended instead of answering, and on what: another version may lack what a worker relies on.
+# Peers that ended instead of responding, and on which workload: other versions may lack what a worker relies on.
 ended = {}
 
 
@@ -108,7 +108,7 @@ def leave_out(name, workload, reason):
 
 
 def without(reason, contestants, workload):
-    """The contestants without the peer whose process has ended, in all its ways."""
+    """Returns the contestants without the peer whose process has ended, in all its configurations."""
     name = next(c.name for c in contestants if c.process.process is reason.process)
     if name == "crumple":
         raise reason
@@ -118,7 +118,7 @@ def without(reason, contestants, workload):
 
 @functools.cache
 def peers_here(on_device):
-    """Classes by module, of those that are installed; and who is not, with the reason."""
+    """Returns the classes of each module whose package is installed, and the reasons why others are left out."""
     here, left_out = {}, {}
     for module in ON_DEVICE if on_device else PEERS:
         try:
@@ -145,7 +145,7 @@ def describe_peers(on_device):
 
 
 def enter(workload, benchmark, folder, quick, on_device):
-    """The contestants for a workload, crumple first, and the workload's description."""
+    """Returns the contestants for a workload, crumple first, and the workload's description."""
     ours = Process(benchmark, "--scene", workload, "--serve")
     description = ours.ask(f"dump {folder}")
     (folder / "description").write_text(json.dumps(description))
@@ -175,7 +175,7 @@ def enter(workload, benchmark, folder, quick, on_device):
 
 
 def race(contestants, rounds, seconds, budget):
-    """Leaves in each contestant `rounds`, milliseconds of each call in each round; empty for the hopeless."""
+    """Sets `rounds` of each contestant: milliseconds of each call in each round; empty if it is hopelessly slow."""
     for c in contestants:
         c.rounds, c.warm_up = [], min(c.turn(2 * seconds))
     fastest = {c.name: min(d.warm_up for d in contestants if d.name == c.name) for c in contestants}
@@ -193,7 +193,7 @@ def summary(values):
 
 
 def judge(contestants):
-    """An entry for each contestant; those of the fastest way of each name have a ratio and a difference from crumple."""
+    """Returns an entry for each contestant; the fastest configuration of each peer has a ratio and a difference."""
     entries = []
     for c in contestants:
         calls = [t for times in c.rounds for t in times]
@@ -245,7 +245,7 @@ def contest(workload, benchmark, quick, on_device, rounds, seconds, budget):
     with tempfile.TemporaryDirectory() as folder:
         contestants, description = enter(workload, benchmark, Path(folder), quick, on_device)
         entries = None
-        while entries is None:  # anew without a peer that ends on the way
+        while entries is None:  # repeated without any peer that ends in between
             try:
                 before = contestants[0].process.ask("processors")
                 race(contestants, rounds, seconds, budget)

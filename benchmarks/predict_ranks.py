@@ -1,17 +1,18 @@
-"""Predicts the time of a frame on 64 to 4,096 ranks from what pretended ranks have computed and said.
+"""Predicts the time of a frame on 64 to 4,096 ranks from the work and messages of simulated ranks.
 
 python predict_ranks.py RESULTS [--latency SECONDS] [--overhead SECONDS] [--bandwidth BYTES_PER_SECOND] [--cores N]
 
-RESULTS is the JSON of `crumple_benchmark --study scaling`. Each quantity is fitted over the rows of 16 ranks and more, by
-triangles of a rank (n) and ranks (P); of the slowest rank, but for bytes, which all ranks of a machine send together:
+RESULTS is the JSON of `crumple_benchmark --study scaling`. Each quantity is fitted over the rows of 16 ranks and more,
+as a function of the triangles per rank (n) and the ranks (P). Quantities are those of the slowest rank, except for
+bytes, which all ranks of a machine send together:
 
-    work        a n^b, times what the slowest has over the mean
-    rest        n (a + b sqrt(P)) + c, at most LOOK for each triangle: the smaller parts are, the more triangles may have
-                reached a further one since the last frame, and are looked at
-    messages    a P^b: a rank speaks to the owners of the parts that it has members of
-    bytes       a n^b P^c, at most the most for each triangle that was seen: in the end all coordinates travel
+    work        a n^b, times the ratio of the slowest rank to the mean
+    rest        n (a + min(b sqrt(P), LOOK)) + c: the smaller parts are, the more triangles may have reached another
+                part since the last frame, and must be checked
+    messages    a P^b: a rank sends to the owners of the parts that it has members of
+    bytes       a n^b P^c, at most the largest number measured per triangle: in the limit all coordinates are sent
 
-Machines have N ranks of one core each and one link, which sends while it receives. A frame then takes work, rest, and
+Machines have N ranks of one core each and one full-duplex link. A frame then takes work, rest, and
 
     messages x overhead + exchanges x latency + (2 reductions + broadcasts + all-to-alls) x log2(P) latency
     + (N x mean + largest bytes + 2 bytes reduced + all-to-alls x log2(P) 4 P bytes) / bandwidth
@@ -25,19 +26,19 @@ from pathlib import Path
 
 import numpy as np
 
-SMALLEST = 16  # ranks, of rows that are fitted
+SMALLEST = 16  # least number of ranks in the rows that are fitted
 LOOK = 300e-6  # milliseconds to find the parts of one triangle on three levels
 
 
 def fit(columns, values):
-    """Least squares of relative errors: factors of the columns, and the largest error."""
+    """Minimises the squares of relative errors; returns the factors of the columns, and the largest error."""
     columns, values = np.array(columns, float).T, np.array(values, float)
     factors = np.linalg.lstsq(columns / values[:, None], np.ones(len(values)), rcond=None)[0]
     return factors, np.max(np.abs(columns @ factors / values - 1))
 
 
 def fit_power(bases, values):
-    """log(value) = log(a) + b log(base) + ...: the exponents, and the largest relative error."""
+    """Fits log(value) = log(a) + b log(base) + ...; returns log(a), the exponents, and the largest relative error."""
     columns = np.array([np.ones(len(values)), *(np.log(base) for base in bases)]).T
     logs = np.log(np.array(values, float))
     factors = np.linalg.lstsq(columns, logs, rcond=None)[0]
@@ -56,7 +57,7 @@ class Model:
         self.bytes, self.bytes_error = fit_power([n, ranks], self.column("bytes"))
         self.most_bytes = float(np.max(self.column("bytes") / n))
         self.largest_bytes = float(np.median(self.column("bytes", "largest") / self.column("bytes")))
-        # Of each part that there are on P ranks, eight bytes: what a frame adds up.
+        # Bytes that a frame reduces, divided by the number of ranks; each part takes eight.
         self.reduced = float(np.median(self.column("reduced") / ranks))
         self.counts = {name: float(np.median(self.column(name)))
                        for name in ("reductions", "broadcasts", "all_to_alls", "exchanges")}
@@ -65,7 +66,7 @@ class Model:
         return np.array([row["frame"][name][which] if name else row["ranks"] for row in self.rows], float)
 
     def frame(self, n, ranks, network):
-        """Milliseconds of work, rest, latency and bytes of the slowest rank."""
+        """Returns the milliseconds of the slowest rank for work, rest, latency and bytes."""
         log = np.log2(ranks)
         work = self.imbalance * np.exp(self.work @ [1, np.log(n)])
         rest = min(self.rest @ [n, n * np.sqrt(ranks), 1], LOOK * n + self.rest @ [n, 0, 1])

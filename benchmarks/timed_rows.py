@@ -1,7 +1,7 @@
 """Rows of the benchmarks that are called from Python: contestants take turns, and a row compares crumple with a peer.
 
-Times are medians. A ratio, the peer's time over crumple's, is formed turn by turn, or round by round where a row has
-one turn; its median is given, and quartiles.
+Times are medians. A ratio is the peer's time over crumple's, computed for each turn, or for each round if a row has
+only one turn; its median and quartiles are reported.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ def microseconds(call, clock):
 
 
 class Row:
-    """Row of the table: `ours` and each of `theirs` answer what a turn asks; compare(way) tells how answers differ."""
+    """Row of the table: `ours` and each of `theirs` run the queries of a turn; compare(way) describes differences."""
 
     def __init__(
         self, name, ours, theirs, turns, compare, a_turn=1, less=None, clock=time.thread_time, peer_a_turn=None
     ):
         self.name, self.ours, self.theirs, self.turns, self.compare = name, ours, theirs, turns, compare
-        self.a_turn = a_turn  # questions a turn answers
-        self.peer_a_turn = peer_a_turn or a_turn  # those that a turn of the peer answers, where it gets fewer
-        self.clock = clock  # the thread's own time, unless a row needs more threads: others use this machine, too
-        self.less = less  # what of the peer's time is the loop's, measured as `theirs` is
+        self.a_turn = a_turn  # queries per turn
+        self.peer_a_turn = peer_a_turn or a_turn  # queries per turn of the peer, if it gets fewer
+        self.clock = clock  # CPU time of the thread, robust to other load, unless a row needs more threads
+        self.less = less  # overhead of the peer's loop, to be subtracted; measured like `theirs`
 
 
 def race(row, rounds, seconds):
-    """Microseconds of each contestant, turn and round; contestants change places from round to round. Ends early, but
-    not before LEAST_ROUNDS, once so many seconds have passed."""
+    """Returns the microseconds of each contestant, turn and round; the order alternates from round to round. Ends
+    early, but not before LEAST_ROUNDS, once so many seconds have passed."""
     calls = {"crumple": row.ours, **row.theirs, **({"loop": row.less} if row.less else {})}
     times = {name: [[] for _ in range(row.turns)] for name in calls}
     for call in calls.values():
@@ -53,7 +53,7 @@ def race(row, rounds, seconds):
 
 def judge(row, rounds, seconds=float("inf")):
     times = race(row, rounds, seconds)
-    if row.turns == 1:  # a turn a round
+    if row.turns == 1:  # one turn per round
         times = {name: times[name][0] for name in times}
     else:
         times = {name: [median(t) for t in times[name]] for name in times}

@@ -2,15 +2,15 @@
 
     python worlds_python.py [--quick] [--json OUT]
 
-Needs crumple's Python package and Coal in one environment: scripts/test_python.sh --all makes one. Both are called
+Needs crumple's Python package and Coal in one environment, which scripts/test_python.sh --all makes. Both are called
 from Python, on one thread unless a row says otherwise. Coal's trees (OBBRSS) and its transforms and requests are made
-before the clock starts; crumple's shapes are named, and it reads poses as NumPy arrays on the clock. Coal stands by
-its fastest way: with or without contacts, and what else a row offers.
+before the clock starts; crumple's shapes are named, and it reads poses as NumPy arrays on the clock. Coal runs in its
+fastest configuration: with or without contacts, and any other choices that a row offers.
 
-Times are medians, of the thread's own time where there is one thread, so that what others do on the machine disturbs
-less. A ratio is formed pose by pose, or round by round where one call has all poses; its median is given, and
-quartiles. Answers are compared: Coal decides in float64 with rounding errors, crumple exactly, for posed vertices
-that are rounded to float32, so triangles that hardly touch may differ.
+Times are medians; on one thread they are CPU times of the thread, which other load on the machine disturbs less. A
+ratio is computed for each pose, or for each round if one call has all poses; its median and quartiles are reported.
+Results are compared: Coal decides in float64 with rounding errors, crumple exactly, for posed vertices that are rounded
+to float32, so the two may disagree about triangles that hardly touch.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ ALL = 2**62
 
 
 def pairs_differ(answers):
-    """`answers`: for each pose two sets."""
+    """Describes how the pairs differ. `answers`: for each pose the set of crumple and that of the peer."""
     found, missing, extra = map(sum, zip(*((len(a), len(a - b), len(b - a)) for a, b in answers)))
     return f"{found} pairs; the peer lacks {missing}, has {extra} more"
 
@@ -72,7 +72,7 @@ def flags_differ(ours, theirs):
 
 
 def ball_and_cloth(quick):
-    """Three rows: all pairs, yes or no, and the ball lifted clear."""
+    """Returns four rows: all pairs, or any, with the ball on the cloth and lifted clear."""
     vertices, faces = scenes.ball(16)
     cloth = scenes.cloth(20_000 if quick else 200_000)
     shapes = [crumple.Shape(vertices, faces, name="ball"), crumple.Shape(cloth.vertices, cloth.faces, name="cloth")]
@@ -117,8 +117,8 @@ def ball_and_cloth(quick):
 
 
 def robot(quick):
-    """Configurations of a chain of 8 links among obstacles, on one thread and on two; links next to each other may
-    touch."""
+    """Returns two rows: configurations of a chain of 8 links among obstacles, on one thread and on two. Adjacent links
+    may touch."""
     links, length = 8, 1.5
     count = 100 if quick else 1000
     vertices, faces = scenes.link(25, 41, length, 0.2)
@@ -155,7 +155,7 @@ def robot(quick):
 
         return lambda turn: [collides(placed) for placed in given]
 
-    # A tree of boxes over the obstacles, each with a tree of its own.
+    # A tree of boxes over the obstacles, each of which has a tree of its own.
     pieces = []
     for group in np.unique(room.groups):
         used, renamed = np.unique(room.faces[room.groups == group], return_inverse=True)
@@ -196,7 +196,8 @@ def robot(quick):
 
 
 def many_worlds(quick):
-    """Worlds of two balls each, half of them colliding; at one place, and each at a place of its own."""
+    """Returns two rows of worlds of two balls each, about half of them colliding: against Coal, with all worlds in one
+    place, and against crumple itself, with each world in a place of its own."""
     count = 500 if quick else 10_000
     vertices, faces = scenes.ball(5)
     shapes = [crumple.Shape(vertices, faces, name=f"small ball {k}") for k in range(2)]

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Measures crumple against its peers and alone, prints the tables and writes the figures to benchmarks/results/NAME.json.
+# Measures crumple against its peers and alone, prints tables, and writes the figures to benchmarks/results/NAME.json.
 #   scripts/bench.sh [--quick] [NAME]
-# NAME is the host's by default. A full run takes some 25 minutes on two cores, and says at its end how long it took.
-# --quick takes under two minutes once everything is built: it shows that all is well, but its figures are rough.
-# Installs what is missing (Debian 12; Python peers into build-bench/python) and builds first. Real scenes come from
-# $CRUMPLE_DATA or ../shared/data beside the checkout; without them procedural ones are measured.
+# NAME is the host name by default. A full run takes some 25 minutes on two cores, and prints its duration at the end.
+# --quick takes under two minutes once everything is built: it checks that everything works, but its figures are rough.
+# Installs missing packages (Debian 12; Python peers into build-bench/python) and builds first. Real scenes come from
+# $CRUMPLE_DATA or ../shared/data beside the checkout; without them, procedural scenes are measured.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 build=$top/build-bench

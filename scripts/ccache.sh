@@ -1,6 +1,6 @@
-# Sourced where the library is built once more with the same flags, for the tests and for the Python package: ccache
-# remembers. Paths are taken relative to build directories, which therefore lie side by side. A launcher that has been
-# chosen already is left alone. Locales are not told apart: where
-# none is set, Python sets one for the compilers that it starts.
+# Enables ccache. Sourced by scripts that build the library again with the same flags, for the tests and for the Python
+# package. Paths are relative to build directories, which therefore lie side by side. Keeps a launcher that is already
+# set. Ignores differences in locale, because Python sets a locale for the compilers that it starts
+# if none is set.
 export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache} CXX=${CXX-c++}
 export CCACHE_DIR=${CCACHE_DIR-$PWD/build-ccache} CCACHE_BASEDIR=$PWD CCACHE_DEPEND=1 CCACHE_SLOPPINESS=locale

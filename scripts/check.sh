@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Checks a change in a few minutes, before it is committed: formatting, the build, and the tests of what it touches, by folder.
-#   scripts/check.sh [COMMIT]   what has changed since that commit; HEAD, or, where nothing has changed since, the one before
-# All tests: scripts/test.sh. All that must hold before a change lands: .ci/run.
+# Checks a change in a few minutes, before it is committed: formatting, build, and the tests of the folders it touches.
+#   scripts/check.sh [COMMIT]   changes since that commit; by default since HEAD or, if there are none, since HEAD~1
+# For all tests: scripts/test.sh. For all checks that a change must pass before it is merged: .ci/run.
 set -euo pipefail
 case ${1-} in
     -h | --help) sed -n '2,4s/^# \{0,1\}//p' "$0"; exit ;;
@@ -17,8 +17,8 @@ files=$(changed "$base")
 [[ -n $files || -n ${1-} ]] || files=$(changed HEAD~1)
 [[ -n $files ]] || { echo "Nothing has changed since $base"; exit 0; }
 
-# Lists the folders of tests/ (or `python`, `player`) for the beginning of a path. A path takes the first line that fits; files
-# of other tests take their own folder.
+# Maps the beginning of a path to folders of tests/ (or `python`, `player`). The first line that matches applies; files
+# of other tests map to their own folder.
 table='
 src/base                        detector cpu
 src/geometry                    geometry intersections impacts proximities

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Checks the layers of src/ (ARCHITECTURE.md, Folders), the order of the Python package's modules, and the size of folders.
 
-Includes go from a layer to itself and to those before it; backends do not include each other. Imports, those within
-functions and for types, too, go to modules before. Folders hold at most 40 files. Prints each breach; exit status 1 if there are
-any.
+A file may include files of its own layer and of layers before it; backends do not include each other. A module may
+import only modules before it, also within functions and for types. Folders contain at
+most 40 files. Prints each breach; the exit status is 1 if there are any.
 """
 
 import ast
@@ -19,7 +19,7 @@ TOPS = "include src cli scenes".split()
 MODULES = """__main__ _core _mpi _errors _versions _arrays _queries _rigid_motion _mesh _world_arrays _world _results _drawing _overlaps _intersections
     _features _feature_pairs _scene _pickle_checks _pickles _device _detector _files _ranks mpi __init__""".split()
 UPWARDS = {
-    ("_results", "_pickles"),  # in the functions that pickle calls: all results are known there, and NumPy is loaded
+    ("_results", "_pickles"),  # in functions that pickle calls, when all results are defined and NumPy is loaded
     ("_device", "_detector"),  # for types
 }
 SUFFIXES = {".h", ".cpp", ".cu"}
@@ -32,7 +32,7 @@ def sources(folder):
 
 
 def includes():
-    """Yields (file, included file) of src/, both by their paths there."""
+    """Yields (file, included file) of src/, as paths relative to src/."""
     for path in sources("src"):
         file = path.relative_to(root / "src")
         for name in re.findall(r'^#include "([^"]+)"', path.read_text(), re.MULTILINE):
@@ -50,7 +50,7 @@ def breach_of_layers(file, included):
 
 
 def breaches_of_modules():
-    """Yields imports of python/crumple/*.py that do not go to a module before."""
+    """Yields imports of python/crumple/*.py that are not of a module before."""
     package = root / "python" / "crumple"
     for path in sorted(package.glob("*.py")):
         if path.stem not in MODULES:

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Finds every collision in a crumpled cloth of 92,000 triangles, or in your own files, and paints them:
+# Finds every collision in a crumpled cloth of 92,000 triangles, or in your own files, and colours them:
 #   scripts/demo.sh                   the cloth
 #   scripts/demo.sh mesh.ply ...      each of your meshes (PLY, OBJ, STL, OFF) against itself
-# Installs what is missing (Debian 12) and builds first. Pictures go to demo/.
+# Installs missing packages (Debian 12) and builds first. Writes pictures to demo/.
 set -euo pipefail
 case ${1-} in
     -h | --help) sed -n '2,5s/^# \{0,1\}//p' "$0"; exit ;;
@@ -36,7 +36,7 @@ declare -A painted=()
 for file in "${files[@]}"; do
     name=$(basename "${file%.*}")
     picture=$top/demo/$name-collisions
-    for ((n = 2; ${painted[$picture]:-0}; n++)); do picture=$top/demo/$name-$n-collisions; done  # of files of one name
+    for ((n = 2; ${painted[$picture]:-0}; n++)); do picture=$top/demo/$name-$n-collisions; done  # for files with equal names
     painted[$picture]=1
     printf '\n%s\n\n' "$file"
     "$crumple" detect "$file" --stats -o "$picture.glb" -o "$picture.ply" -o "$picture.txt"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Formats the C++ and CUDA sources; with --check it only says what is not formatted.
+# Formats the C++ and CUDA sources; with --check it only reports files that are not formatted.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install_dependencies.sh --ci

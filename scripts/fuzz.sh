@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds fuzz targets and runs them, all at once, on seeds and on what earlier runs have found (docs/fuzzing.md).
-#   scripts/fuzz.sh readers|search|features|worlds|overlaps... [options of libFuzzer, as -max_total_time=60 or -runs=1000000]
-# Everything lies in build-fuzz: NAME.log, corpus/NAME, artefacts/NAME. What breaks a promise is printed, also as base64.
+# Builds fuzz targets and runs them, all at once, on seeds and on inputs that earlier runs have found (docs/fuzzing.md).
+#   scripts/fuzz.sh readers|search|features|worlds|overlaps... [options of libFuzzer, such as -max_total_time=60 or -runs=1000000]
+# All output is in build-fuzz: NAME.log, corpus/NAME, artefacts/NAME. Prints inputs that fail, also as base64.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 names=()
@@ -21,18 +21,18 @@ cmake --build --preset fuzz -j "$(nproc)" --target "${names[@]/#/fuzz_}" >build-
 rm -rf build-fuzz/seeds
 python3 tests/fuzz/make_seeds.py build-fuzz/seeds
 
-# A third of the time goes into AddressSanitizer's stacks and quarantine unless they are short. Errors of memory are told
-# by AddressSanitizer rather than by libFuzzer, for the target adds to what that says.
+# AddressSanitizer's stacks and quarantine take a third of the time unless they are short. AddressSanitizer, not
+# libFuzzer, reports memory errors, because the target adds to its report.
 export ASAN_OPTIONS=quarantine_size_mb=16:malloc_context_size=4
 
-# Runs the target $1 with the options that follow.
+# Runs the target $1 with the remaining arguments as options.
 run() {
     local name=$1 log=build-fuzz/$1.log artefacts=build-fuzz/artefacts/$1 options started artefact
     shift
     case $name in
         readers) options=(-max_len=4096 -dict=tests/fuzz/readers.dict -entropic=0) ;;
-        # Kept detectors look like leaks; what is left at the end is told. Small scenes are mutated more often than large
-        # ones, which makes it three times as many in the same time.
+        # Detectors that live across inputs look like leaks; leaks at the end are still reported. Small scenes are
+        # mutated more often than large ones, which gives three times as many inputs in the same time.
         *) options=(-max_len=512 -detect_leaks=0 -entropic=1 -entropic_scale_per_exec_time=1) ;;
     esac
     mkdir -p "build-fuzz/corpus/$name" "$artefacts"

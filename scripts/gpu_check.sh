@@ -1,22 +1,23 @@
 #!/usr/bin/env bash
-# Shows on a machine with a CUDA device that the cuda backend is right, and how fast it is; the machine may be offline.
-#   scripts/gpu_check.sh --pack [OPTIONS]   where nvcc is, before: makes build-gpu/pack.tar.xz (scripts/gpu_pack.sh)
-#   scripts/gpu_check.sh --first            what matters most, within 90 seconds
-#   scripts/gpu_check.sh --all              the same and all the rest, within 300 seconds
-#     --out FOLDER       for results; else $OUT, else benchmarks/results
+# Tests the cuda backend on a machine with a CUDA device, which may be offline, and measures its speed.
+#   scripts/gpu_check.sh --pack [OPTIONS]   before, on a machine with nvcc: makes build-gpu/pack.tar.xz (scripts/gpu_pack.sh)
+#   scripts/gpu_check.sh --first            the most important steps, within 90 seconds
+#   scripts/gpu_check.sh --all              these and all others, within 300 seconds
+#     --out FOLDER       folder for results; default: $OUT, else benchmarks/results
 #     --seconds N        another limit
-#     --programs FOLDER  takes programs from there, not from the pack: those whose device the CPU plays, to try this script
+#     --programs FOLDER  uses these programs, not those of the pack: programs for an emulated device, to try this script
 #
-# The tables below list the steps in order. A step that fails ends nothing. What is missing is left out, with a line that
-# says so. FOLDER gets check.json and check.log, which grow step by step, so that a cut leaves what was measured;
-# cuda_first.json, cuda.json (figures), cuda_rival.json, cuda_peers.json; kernels.txt (time, registers and occupancy of each
-# kernel of a frame, and the gaps between them), ncu.txt and ncu.ncu-rep. Exit status 1 if a step failed or ran out of time.
+# The tables below list the steps in order. If a step fails, the others still run. If something is missing, the step is
+# left out, with a line about it. FOLDER gets check.json and check.log, which grow step by step, so that an aborted run
+# leaves its results; cuda_first.json, cuda.json (figures), cuda_rival.json, cuda_peers.json; kernels.txt (time,
+# registers and occupancy of each kernel of a frame, and gaps), ncu.txt and ncu.ncu-rep. Exit status 1 if a step failed
+# or ran out of time.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 # shellcheck source=scripts/gpu_common.sh
 . "$top/scripts/gpu_common.sh"
 
-# Steps: NAME SECONDS COMMAND. Those marked by & run side by side.
+# Steps: NAME SECONDS COMMAND. Adjacent steps marked by & run in parallel.
 list_first_steps() {
     cat <<'END'
 known_answers           20 find_known_answers
@@ -73,14 +74,14 @@ out=$(cd "$out" && pwd)
 : >"$out/check.log"
 version=$(commit_of "$top" | paste -sd' ') device=unknown
 
-# Writes check.json anew. RESULT is that of the whole check so far.
+# Rewrites check.json. RESULT is the result of the whole check so far.
 write_report() {  # RESULT
     {
         printf '{"mode": "%s", "commit": "%s", "device": "%s", "seconds": %d, "result": "%s",\n "steps": [\n' \
             "$mode" "$version" "$device" "$SECONDS" "$1"
         sed '$!s/$/,/; s/^/  /' "$work/steps"
         echo ' ]}'
-    } >"$work/check.$BASHPID"  # steps may run side by side
+    } >"$work/check.$BASHPID"  # steps may run in parallel
     mv -f "$work/check.$BASHPID" "$out/check.json"
 }
 # Prints a line, and adds it to check.json.
@@ -90,13 +91,13 @@ note() {  # NAME RESULT SECONDS REMARK
         >>"$work/steps"
     write_report "so far"
 }
-# Prints what a step says about itself; of one that failed without a word, its last line about an error.
+# Prints the step's last remark or, if it failed without one, its last line about an error.
 remark_of() {  # LOG RESULT
     { sed -n 's/^remark: //p' "$1" | tail -n 1 | grep . ||
         { [[ $2 == ok ]] || grep -aE 'rror|FAILED|[0-9] failed' "$1" || tail -n 1 "$1"; } | tail -n 1; } |
         tr -dc '[:alnum:] .,:;_/()+%-' | tr -s ' ' | cut -c1-300
 }
-# Runs a command within its seconds and the limit of the whole check.
+# Runs a command within its own time limit and that of the whole check.
 step() {  # NAME SECONDS COMMAND
     local name=$1 begin=$SECONDS status=0 result=failed
     local -x budget=$2 log=$work/logs/$1
@@ -104,7 +105,7 @@ step() {  # NAME SECONDS COMMAND
     if ((budget < 3)); then note "$name" "no time" 0 ""; return; fi
     timeout -k 5 "$budget" bash -euo pipefail -c ". \"\$top/scripts/gpu_steps.sh\"; $3" >"$log" 2>&1 </dev/null || status=$?
     { printf '\n===== %s\n' "$name"; tail -n 400 "$log"; } >>"$out/check.log"
-    # Not every machine lets programs read the counters of its device.
+    # Some machines do not permit programs to read the device's counters.
     if ((status)) && grep -qaE 'ERR_NVGPUCTRPERM|LibraryNotLoaded|Device not supported' "$log"; then status=$left_out; fi
     case $status in
         0) result=ok ;;
@@ -141,13 +142,13 @@ if [[ -f $pack ]]; then
     packed=$top/build-device/pack data=$top/build-device/pack/data
     step unpack 60 unpack
     ! has_failed || finish
-    [[ $version != unknown ]] || version=$(cat "$packed/commit")  # a copy without its history
+    [[ $version != unknown ]] || version=$(cat "$packed/commit")  # a copy without Git history
 elif [[ ! $bin ]]; then
     note unpack failed 0 "no build-gpu/pack.tar.xz: --pack makes it"
     finish
 fi
 [[ -f $data/scalable-ccd/cloth-ball/frames/cloth_ball92.ply ]] || scene=cloth:100000 scenes=$scene
-# A device that the CPU plays is slow.
+# An emulated device is slow.
 if [[ $bin ]]; then
     scene=cloth:300@40 scenes=$scene frames='--frames 2' most_calls=8
     small="--scene $scene --largest 0 --worlds 3 --step cloth:300"

@@ -1,12 +1,12 @@
 # shellcheck shell=bash disable=SC2034,SC2154
-# Sourced by gpu_pack.sh and gpu_check.sh: what both must agree on. `top` is the checkout.
+# Definitions that gpu_pack.sh and gpu_check.sh share; both source this file. `top` is the checkout.
 pack=$top/build-gpu/pack.tar.xz
-# Programs of the check, where a build folder has them, and the one that needs a checkout of cuBQL.
+# Paths of the check's programs in a build folder, and of the program that needs a checkout of cuBQL.
 programs=(tests/device/{device_test,device_features_test,device_truth_test,device_agreement_test,device_stages_test}
     tests/device/{device_portable_test,write_hard_soups} benchmarks/crumple_cuda_benchmark cli/crumple)
 rival=benchmarks/crumple_cubql_benchmark
 
-# Prints files of $CRUMPLE_DATA: scenes of the benchmark, results from outside, and small scenes to compare backends on.
+# Prints files of $CRUMPLE_DATA: scenes of the benchmark, independent results, and small scenes to compare backends on.
 list_real_files() {
     printf '%s\n' scalable-ccd/cloth-ball/frames/cloth_ball{92,93}.ply scalable-ccd/cloth-funnel/frames/{227,228}.ply \
         scalable-ccd/n-body-simulation/frames/balls16_{18,19}.ply gt/{cloth_ball92,cloth_funnel227,balls16_18}.txt \
@@ -20,7 +20,7 @@ commit_of() {
     [[ -z $(git -C "$1" status --porcelain --untracked-files=no) ]] || echo "with changes"
 }
 
-# Prints a hash of all sources of the programs and the Python package: a pack of other sources is refused.
+# Prints a hash of all sources of the programs and the Python package: a pack made of other sources is refused.
 sources_of() {
     (cd "$1" && find CMakeLists.txt benchmarks cli cmake include python/crumple python/src scenes src tests -type f \
         \( -name '*.cpp' -o -name '*.cu' -o -name '*.cuh' -o -name '*.h' -o -name '*.cmake' -o -name CMakeLists.txt \

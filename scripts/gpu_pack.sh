@@ -1,18 +1,20 @@
 #!/usr/bin/env bash
-# Makes build-gpu/pack.tar.xz, which scripts/gpu_check.sh needs on the machine that has the device; needs nvcc, no device.
+# Makes build-gpu/pack.tar.xz, which scripts/gpu_check.sh needs on the machine with the device; needs nvcc but no
+# device.
 #   scripts/gpu_pack.sh [--python VERSION|PATH] [--cubql PATH] [--warp]
-# The pack holds the programs of the check, for $CUDAARCHS (default 90: machine code for compute capability 9.0, PTX for
-# later ones) and with line numbers for profilers; their libraries; a wheel of the Python package; scenes of $CRUMPLE_DATA.
-#   --python  the interpreter that the wheel is built by ($CRUMPLE_GPU_PYTHON, else python3.12). Since 3.12 wheels are of
-#             the stable ABI: one of 3.12 works in all later versions.
-#   --cubql   a checkout or a repository of cuBQL ($CUBQL, else GitHub's), whose BVH is measured beside the backend
-#   --warp    puts NVIDIA Warp's wheel beside the pack: it is many times as large
+# The pack contains the programs of the check, for $CUDAARCHS (default 90: machine code for compute capability 9.0, PTX
+# for later ones) and with line numbers for profilers; their libraries; a wheel of the Python package; scenes of
+# $CRUMPLE_DATA.
+#   --python  the interpreter that builds the wheel ($CRUMPLE_GPU_PYTHON, else python3.12). From 3.12 on, wheels have the
+#             stable ABI: a wheel of 3.12 works in all later versions.
+#   --cubql   a checkout or a repository of cuBQL ($CUBQL, else GitHub's), whose BVH is compared with the backend
+#   --warp    puts NVIDIA Warp's wheel next to the pack; it is many times as large as the pack
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 # shellcheck source=scripts/gpu_common.sh
 . "$top/scripts/gpu_common.sh"
 export PATH=$PATH:/usr/local/cuda/bin
-build=$top/build-gpu-programs  # not where the pack lies, which travels as a folder
+build=$top/build-gpu-programs  # separate from the pack's folder, which is copied as a whole
 python=${CRUMPLE_GPU_PYTHON:-python3.12} cubql=${CUBQL-} warp=''
 cubql_commit=3a6e0b18a6ed733012c183e333f6b7a1c6e9277f
 
@@ -29,7 +31,7 @@ done
 command -v nvcc >/dev/null || { echo "$0: nvcc is not on the path" >&2; exit 1; }
 without() { echo "Without $1: $2" >&2; }
 
-# Sets cubql to a folder with cuBQL's headers, or to nothing.
+# Sets cubql to a folder with cuBQL's headers, or to an empty string.
 find_cubql() {
     local source=${cubql:-https://github.com/NVIDIA/cuBQL} commit=HEAD
     [[ $cubql ]] || commit=$cubql_commit
@@ -47,8 +49,8 @@ find_cubql() {
     fi
 }
 
-# Builds the wheel, by pip, and the programs in one build folder, so that the library is compiled once. Both are linked
-# with shared libraries, which the pack puts into lib/: static ones are not position independent everywhere.
+# Builds the wheel, by pip, and the programs in one build folder, so that the library is compiled only once. Both are
+# linked with shared libraries, which the pack puts into lib/: static libraries are not position independent everywhere.
 build_programs() {
     local settings=("CMAKE_CUDA_ARCHITECTURES=${CUDAARCHS:-90}" CMAKE_CUDA_FLAGS=-lineinfo CRUMPLE_CUDA=ON
         CRUMPLE_DEVICE_TESTS=ON CRUMPLE_BENCHMARKS=ON "CRUMPLE_CUBQL=$cubql" CMAKE_BUILD_WITH_INSTALL_RPATH=ON
@@ -70,7 +72,7 @@ build_programs() {
     ninja -C "$build" "${programs[@]}"
 }
 
-# Lays out in $tree what travels. The wheel is stored anew without compression, for its code is that of the programs.
+# Fills $tree with the pack's content. Stores the wheel without compression, because it shares code with the programs.
 fill_tree() {
     local file
     mkdir -p "$tree/bin" "$tree/lib"
@@ -83,7 +85,7 @@ with zipfile.ZipFile(sys.argv[1]) as source, zipfile.ZipFile(sys.argv[2], "w", z
         target.writestr(entry.filename, source.read(entry))
 END
     done
-    # All shared libraries but those of C, C++ and Linux; oneTBB opens its allocator by itself.
+    # All shared libraries except those of C, C++ and Linux; oneTBB loads its allocator at run time.
     { ldd "$tree"/bin/* "$build"/python/_core*.so 2>/dev/null || true; } | sed -n 's/.*=> \(\/[^ ]*\).*/\1/p' | sort -u |
         grep -Ev '/(libc|libm|libdl|libpthread|librt|libgcc_s|libstdc\+\+)\.so' | while read -r file; do
         cp -L "$file" "$tree/lib"
@@ -104,7 +106,7 @@ mkdir -p "$build" "${pack%/*}"
 find_cubql
 build_programs
 fill_tree
-# Programs share most of their code, which a dictionary as large as all of them finds.
+# Programs share most of their code, so the dictionary is as large as all of them together.
 tar -C "$tree" --sort=name -c . | xz -T1 --lzma2=preset=9e,dict=256MiB >"$pack.part"
 mv "$pack.part" "$pack"
 if [[ $warp ]]; then

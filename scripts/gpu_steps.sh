@@ -1,10 +1,11 @@
 # shellcheck shell=bash disable=SC2154
-# Sourced by the shell of each step of gpu_check.sh, whose variables it inherits: $bin has the programs, $data the files of
-# $CRUMPLE_DATA, $work is for files between steps, $out for results, $log is the step's own output and $budget its seconds.
+# Steps of gpu_check.sh. The shell of each step sources this file and inherits variables: $bin has the programs, $data
+# the files of $CRUMPLE_DATA, $work files passed between steps, $out results; $log is the step's output, $budget its
+# seconds.
 # shellcheck source=scripts/gpu_common.sh
 . "$top/scripts/gpu_common.sh"
 
-remark() { echo "remark: $*"; }  # the last one is shown beside the step's result
+remark() { echo "remark: $*"; }  # the last remark is shown with the step's result
 leave_out() { remark "$*"; exit "$left_out"; }
 need() { command -v "$1" >/dev/null || leave_out "$1 is not here"; }
 
@@ -34,7 +35,7 @@ END
         "$(for name in nvcc ncu compute-sanitizer; do echo -n "$name $(version_of "$name" --version), "; done)$packages"
     ! grep -q '^none' "$work/devices"
 }
-# Makes the backend by its name: it compares itself with known results then, and throws if it computes others.
+# Constructs the backend by its name. It then compares its results with known ones, and throws if they differ.
 find_known_answers() {
     local begin
     "$bin/write_hard_soups" "$work/soups"
@@ -43,8 +44,8 @@ find_known_answers() {
     remark "first call of a process: $(((${EPOCHREALTIME/./} - begin) / 1000)) ms"
 }
 
-# Runs a program's tests in several processes, and then alone, one after the other, those that did not end well there: an
-# error of the device stays with its process and fails all that follows. The first that fails alone is given to memcheck.
+# Runs a program's tests in several processes. Then repeats up to ten that did not pass, one process each, because a
+# device error persists in its process and fails all later tests. Runs the first test that fails alone under memcheck.
 run_tests() {  # PROGRAM PROCESSES
     local program=$bin/$1 shard again count test alone=0 first='' memory=''
     [[ -x $program ]] || leave_out "no $1 in $bin"
@@ -72,7 +73,7 @@ run_tests() {  # PROGRAM PROCESSES
     return 1
 }
 
-# Prints calls of the command line, one a line; those on files name them below $CRUMPLE_DATA.
+# Prints calls of the command line, one per line; paths of files are relative to $CRUMPLE_DATA.
 list_calls() {
     local soup
     for soup in "$work"/soups/*.ply; do
@@ -90,7 +91,7 @@ list_real_calls() {
     echo "impacts scalable-ccd/cloth-ball/frames/cloth_ball92.ply scalable-ccd/cloth-ball/frames/cloth_ball93.ply"
     echo "near scalable-ccd/cloth-funnel/frames/227.ply --radius 0.01"
 }
-# Compares what cpu and cuda write for each call that it reads.
+# Compares the output of cpu and cuda for each call that it reads.
 compare_bytes() {
     export -f compare_call
     cd "$(readlink -e "$data" || echo "$work")" || exit
@@ -133,7 +134,8 @@ run_rival() {
     remark "$(sed -E 's/.*"scene": "([^"]*)".*"median": ([0-9.]*).*/\1 \2 ms/' "$log.rows" | paste -sd';'), boxes only"
 }
 
-# Watches the last of eight frames. Caches stay as the kernels before leave them, as in a frame; clocks stay as they are.
+# Profiles the last of eight frames. Caches keep the state that earlier kernels left, as in a frame; clocks are not
+# locked.
 profile() {  # OPTIONS of ncu
     need ncu
     ncu --print-kernel-base function --profile-from-start off --cache-control none --clock-control none "$@" \
@@ -143,7 +145,7 @@ profile_kernels() {
     local metrics=gpu__time_duration.sum,launch__registers_per_thread,launch__grid_size,launch__block_size
     metrics+=,launch__shared_mem_per_block,sm__maximum_warps_per_active_cycle_pct,smsp__inst_executed.sum,lts__t_bytes.sum
     metrics+=,sm__warps_active.avg.pct_of_peak_sustained_active,dram__bytes.sum
-    # One of the metrics may be unknown to a device.
+    # A device may not support all metrics.
     profile --csv --metrics "$metrics" || profile --csv --metrics gpu__time_duration.sum
     python3 "$top/scripts/kernels_of_a_frame.py" "$log" --scene "$scene" --figures "$out/cuda_first.json" >"$out/kernels.txt"
     cat "$out/kernels.txt"
@@ -164,7 +166,7 @@ run_python_tests() {
     remark "$(tail -n 1 "$log")"
     grep -q ' passed' "$log"
 }
-# Races NVIDIA Warp, boxes only, where it is installed or its wheel was brought along.
+# Races against NVIDIA Warp, boxes only, if it is installed or its wheel is next to the pack.
 race_warp() {
     local wheel=("$top"/build-gpu/warp_lang-*.whl)
     [[ ! -f ${wheel[0]} ]] || python3 -m zipfile -e "${wheel[0]}" "$work/warp"

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Installs what is missing of the Debian 12 packages that Crumple needs; does nothing, and asks nobody, if all are there.
-#   (nothing)  to build the library and the command line
-#   --tests    and the tests
-#   --python   and the Python package
-#   --mpi      and crumple::mpi
-#   --mpich    and what .ci/run builds that with, too
-#   --python-peers  and what packages from PyPI need that scripts/test_python.sh --all tests against
-#   --ci       and what .ci/run checks with
-#   --reference  and what scripts/reference.sh writes the API reference with
-#   --fuzz     and what scripts/fuzz.sh builds with
-#   --arm64    and what scripts/test_arm64.sh cross-compiles with
+# Installs missing Debian 12 packages that Crumple needs; does nothing, without a prompt, if all are installed.
+#   (no option)     to build the library and the command line
+#   --tests         also to build the tests
+#   --python        also for the Python package
+#   --mpi           also for crumple::mpi
+#   --mpich         also MPICH, which .ci/run builds crumple::mpi with, too
+#   --python-peers  also for the packages from PyPI that scripts/test_python.sh --all tests against
+#   --ci            also the tools of .ci/run
+#   --reference     also for scripts/reference.sh
+#   --fuzz          also for scripts/fuzz.sh
+#   --arm64         also for scripts/test_arm64.sh
 set -euo pipefail
 
 packages=(cmake ninja-build g++ pkg-config
@@ -24,7 +24,7 @@ for option in "$@"; do
         --python-peers) packages+=(libegl1 libgl1 libgomp1 libusb-1.0-0 libx11-6) ;;
         --ci) packages+=(clang clang-format clang-tidy clang-tools lld) ;;
         --reference) packages+=(doxygen python3-venv) ;;
-        --fuzz) packages+=(ccache clang libclang-rt-dev llvm python3) ;;  # libFuzzer, sanitizers, names in stacks
+        --fuzz) packages+=(ccache clang libclang-rt-dev llvm python3) ;;  # libFuzzer, sanitizers, symbols in stack traces
         --arm64) packages+=(g++-aarch64-linux-gnu qemu-user-static) ;;
         *) echo "usage: $0 [--tests] [--python] [--mpi] [--mpich] [--python-peers] [--ci] [--reference] [--fuzz] [--arm64]" >&2; exit 2 ;;
     esac

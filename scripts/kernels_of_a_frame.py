@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A frame's kernels in their order, from `ncu --csv --metrics ...`: microseconds, registers, shape of the launch, occupancy
-and bytes of each; their sum; and, with the benchmark's figures, what a frame takes beyond it: the gaps between kernels,
-memsets and copies. Usage: kernels_of_a_frame.py CSV [--scene NAME --figures cuda.json]"""
+"""Prints a frame's kernels in order, from `ncu --csv --metrics ...`: microseconds, registers, launch shape, occupancy
+and bytes of each, and their total time; with the benchmark's figures also the rest of the frame's time: gaps between
+kernels, memsets and copies. Usage: kernels_of_a_frame.py CSV [--scene NAME --figures cuda.json]"""
 
 import argparse
 import csv
@@ -18,9 +18,9 @@ COLUMNS = {"us": "gpu__time_duration.sum", "registers": "launch__registers_per_t
 
 
 def read(path):
-    """(name, {metric: value}) of each launch, in order."""
+    """Returns (name, {metric: value}) of each launch, in order."""
     with open(path, newline="", encoding="utf-8", errors="replace") as file:
-        lines = [line for line in file if line.startswith('"')]  # between ncu's own messages and the program's
+        lines = [line for line in file if line.startswith('"')]  # leaves out messages of ncu and of the program
     launches = {}
     for row in csv.DictReader(lines):
         _, metrics = launches.setdefault(int(row["ID"]), (row["Kernel Name"], {}))
@@ -33,7 +33,7 @@ def read(path):
 
 
 def gaps(path, scene, kernels, count):
-    """What the graph takes beyond its kernels, by the benchmark's frame of the same scene."""
+    """Yields lines about the time of the graph beyond its kernels, from the benchmark's frame of the same scene."""
     with open(path, encoding="utf-8") as file:
         figures = json.load(file)
     for figure in figures["scenes"]:

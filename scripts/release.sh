@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Makes a release of what is checked out, in dist/: an sdist, wheels and a Debian package, each installed and run where
-# there is nothing else (docs/releasing.md). On Debian 12; takes some ten minutes on two cores.
+# Makes a release of the checkout, in dist/: an sdist, wheels and a Debian package. Installs and runs each in an empty
+# environment (docs/releasing.md). On Debian 12; takes some ten minutes on two cores.
 #   scripts/release.sh [--python PATH]... [--cuda] [--no-deb] [--no-roots]
-# --python   an interpreter to build for: 3.10, 3.11, and one from 3.12 on, whose wheel further ones try.
-#            By default python3.10, python3.11 and python3.12, as far as they are on the path.
+# --python   an interpreter to build for: 3.10, 3.11, and one from 3.12 on, whose wheel is tried in further ones.
+#            By default python3.10, python3.11 and python3.12, if they are on the path.
 # --cuda     also wheels with the cuda backend; needs nvcc
 # --no-deb   no Debian package
-# --no-roots does not install them on bare Debian 12 and 13, which takes root, debootstrap and a mirror ($MIRROR)
+# --no-roots skips installing on bare Debian 12 and 13, which needs root, debootstrap and a mirror ($MIRROR)
 set -euo pipefail
 . "$(dirname "$0")/release/common.sh"
 usage() { sed -n '2,10s/^# \{0,1\}//p' "$0"; }

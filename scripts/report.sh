@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Writes the tables of README.md and docs/, and the plots of docs/benchmarks.md, anew from the committed figures. The findings of
-# docs/benchmarks.md are written by hand: that page names the commit whose figures it tells.
+# Rewrites the tables of README.md and docs/, and the plots of docs/benchmarks.md, from the committed figures. The
+# findings in docs/benchmarks.md are written by hand: that page names the commit of its figures.
 #   scripts/report.sh [--check]         --check: changes nothing, fails if something would change
-#                                       Both fail if docs/benchmarks.md tells the figures of another commit.
-#   scripts/report.sh --pictures        draws the rendered pictures, too, by crumple_benchmark of scripts/bench.sh
+#                                       Both fail if docs/benchmarks.md names another commit than that of the figures.
+#   scripts/report.sh --pictures        draws the rendered pictures only, by crumple_benchmark of scripts/bench.sh
 # Installs pinned packages from PyPI into build-report/.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Draws docs/images/start/*.png: what the programs of docs/start_*.md write, seen from one side; and overlap.png, a picture of
-overlaps (docs/overlap.md).
+"""Draws docs/images/start/*.png: the output of the programs of docs/start_*.md, and overlap.png, a picture of overlaps
+(docs/overlap.md).
 
     scripts/start_pictures.py
 
-Needs the Python package with PyVista, pip install ".[pictures]". A program that writes .html writes .glb here.
-A renderer's bytes depend on its machine, so pictures are committed and not compared.
+Needs the Python package with PyVista, pip install ".[pictures]". Programs that write .html write .glb here.
+The bytes of a rendering depend on the machine, so pictures are committed and not compared.
 """
 
 import sys
@@ -22,7 +22,7 @@ sys.path.insert(0, str(TOP / "python" / "tests"))
 import pages  # noqa: E402
 
 IMAGES = TOP / "docs" / "images" / "start"
-# For each page: where the eye is, and how near.
+# By page: direction of view, and zoom.
 VIEWS = {
     "start_cloth": ((1, 0.6, 0.9), 1.3),
     "start_printing": ((0.2, -1, 0.4), 1.45),
@@ -44,7 +44,7 @@ def draw(scene, picture, eye, zoom):
 
 
 def ring(turn, centre):
-    """A torus whose plane is turned about the x axis."""
+    """Returns a torus whose plane is rotated about the x axis."""
     around, across, radius, thickness = 96, 40, 1.0, 0.35
     u, v = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
     a, b = 2 * np.pi * u.ravel() / around, 2 * np.pi * v.ravel() / across

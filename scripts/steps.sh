@@ -1,6 +1,6 @@
-# Sourced by scripts that do one thing after the other:
-#   step NAME COMMAND...    runs the command, its output in a log, and says how long it took
-# If it fails, the script prints the end of the log and then, last of all, its first failure, and ends.
+# Sourced by scripts that run a sequence of steps:
+#   step NAME COMMAND...    runs the command with its output in a log, and prints how long it took
+# If the command fails, the script prints the end of the log, then the log's first failure, and exits.
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
@@ -12,7 +12,7 @@ step() {
     shift
     printf '== %s (after %d s)\n' "$name" "$began"
     set +e
-    (set -e; "$@") >"$log" 2>&1  # alone, for behind || and in conditions bash ignores set -e
+    (set -e; "$@") >"$log" 2>&1  # a command of its own, because bash ignores set -e in conditions and before ||
     status=$?
     set -e
     if ((status == 0)); then

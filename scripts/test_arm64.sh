@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Cross-compiles library and kernel tests for 64-bit Arm and runs them under qemu-user: the NEON table of kernels.
-# Debian packages of that architecture are unpacked into build-arm64/sysroot, not installed.
+# Cross-compiles the library and the kernel tests for 64-bit Arm, and runs the tests of the NEON kernels under
+# qemu-user. Debian packages of that architecture are not installed but unpacked into build-arm64/sysroot.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install_dependencies.sh --tests --arm64
@@ -15,7 +15,7 @@ if [ ! -e "$sysroot/done" ]; then
     ln -sfn /usr/include/boost "$sysroot/usr/include/boost"
     touch "$sysroot/done"
 fi
-# Only kernels have all optimisations: they are what is tested, and the rest takes two thirds of the time.
+# Compiles only kernels with all optimisations: they are tested, and the rest would take two thirds of the time.
 cmake -S . -B build-arm64 -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_TOOLCHAIN_FILE=cmake/aarch64.cmake \
     -DCMAKE_CXX_FLAGS_RELEASE="-O1 -DNDEBUG" -DCRUMPLE_PARALLEL=std -DCRUMPLE_IO=OFF -DCRUMPLE_SCENES=OFF -DCRUMPLE_CLI=OFF -DCRUMPLE_EXAMPLES=OFF >/dev/null
 cmake --build build-arm64 --target cpu_test stages_test

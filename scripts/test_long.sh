@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Tests that take an hour and more, which .ci/run leaves out: all others thoroughly, the kernels' PTX for each generation of
-# devices, paths through the code by clang-tidy's analyzer, then fuzz targets. Prints a table of figures, for docs/fuzzing.md.
-#   scripts/test_long.sh [READS [SEARCHES [WORLDS [OVERLAPS]]]]   how many inputs of each fuzz target; ten, one, one and one million
+# Runs tests that take an hour and more, which .ci/run leaves out: all other tests with more random cases, the kernels'
+# PTX for each generation of devices, clang-tidy's path analyzer, then fuzz targets. Prints a table of figures for
+# docs/fuzzing.md.
+#   scripts/test_long.sh [READS [SEARCHES [WORLDS [OVERLAPS]]]]   inputs of each fuzz target; by default 10, 1, 1 and 1 million
 set -euo pipefail
 cd "$(dirname "$0")/.."
 reads=${1:-10000000}
@@ -21,14 +22,14 @@ row() {
         "$(sed -E 's/.*corp: ([^ ]+).*/\1/' <<<"$done")" "$(stat peak_rss_mb)"
 }
 
-# More of what is random, and what the usual run leaves out.
+# More random cases, and the tests that the usual run leaves out.
 CRUMPLE_ROUNDS=5 scripts/test.sh
 ctest --preset release -C nvcc -L nvcc -j "$(nproc)"
 
-# A million small overlaps against rational arithmetic; docs/overlap.md has what this prints.
+# A million small overlaps against rational arithmetic; docs/overlap.md shows the output.
 CRUMPLE_ROUNDS=1000 build/tests/overlaps/overlaps_test --gtest_brief=1 --gtest_filter='OverlapSmallCases.*'
 
-# The player of devices, of which .ci/run tests only what has changed.
+# Tests of the emulated CUDA device, which .ci/run runs only after changes.
 cuda_on_cpu/test.sh
 
 # The usual tests compile only the device's part of the cuda backend by nvcc.
@@ -37,7 +38,7 @@ if command -v nvcc >/dev/null; then
     cmake --build --preset cuda
 fi
 
-# The optimizer of nvcc makes other code for other devices.
+# nvcc generates different code for each generation of devices.
 if [[ -x build/tests/ptx/ptx_kernels_test ]]; then
     for architecture in 75 80 90 100 110 120; do
         files=()
@@ -50,7 +51,7 @@ if [[ -x build/tests/ptx/ptx_kernels_test ]]; then
     done
 fi
 
-# The analyzer follows paths only through what is written in the file that it is given, so each file is one.
+# The analyzer follows paths only through the file that it is given, so every file is analyzed separately.
 scripts/install_dependencies.sh --tests --mpi --ci
 cmake --preset tidy -DCRUMPLE_MPI=ON -DCRUMPLE_UNITY=OFF >/dev/null
 run-clang-tidy -quiet -p build-tidy -checks='-*,clang-analyzer-*'

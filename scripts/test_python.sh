@@ -2,12 +2,12 @@
 # Builds the Python package as pip does, installs it into a virtual environment of its own (build-python/), and runs its
 # tests and examples:
 #   scripts/test_python.sh [--all | --sanitize | --cuda | --mpi | --quick] [pytest's options]
-# --all also installs the packages that it works with (PyVista, Open3D, JAX, Warp, IPC Toolkit, ...: about 3 GB), whose
-# tests are skipped otherwise; PyTorch is tested where it is installed. --sanitize builds with AddressSanitizer and runs
-# what concerns arrays, their lifetimes and threads. --cuda and --mpi build the modules alone, with the cuda backend that
-# the CPU plays (cuda_on_cpu/README.md) and, where there is MPI, crumple.mpi's; --cuda runs what concerns arrays on a
-# device, --mpi what concerns ranks. --quick builds the module alone, and leaves out what needs the
-# installed package. PYTHON names the interpreter.
+# --all also installs the packages that crumple works with (PyVista, Open3D, JAX, Warp, IPC Toolkit, ...: about 3 GB),
+# whose tests are otherwise skipped; PyTorch is tested if it is installed. --sanitize builds with AddressSanitizer and
+# runs the tests of arrays, their lifetimes and threads. --cuda and --mpi build only the modules, with the cuda backend
+# on an emulated device (cuda_on_cpu/README.md) and, if MPI is installed, that of crumple.mpi; --cuda runs the tests of
+# arrays on a device, --mpi those of ranks. --quick builds only the module, and leaves out tests that need the installed
+# package. PYTHON names the interpreter.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 all=() sanitize='' cuda='' mpi=() quick=''
@@ -34,7 +34,7 @@ if ((${#all[@]})); then
     done
 fi
 
-# Builds the modules alone, in the folder $1 with CMake's options that follow, and puts them into a package there.
+# Builds only the modules, in the folder $1 with the remaining arguments as CMake options, and puts them into a package.
 modules() {
     local folder=$1 package=$1/package/crumple
     shift
@@ -46,8 +46,8 @@ modules() {
     cp -r python/crumple/. "$folder"/python/_*.so "$package"
     export PYTHONPATH=$PWD/$folder/package PYTHONDONTWRITEBYTECODE=1
 }
-# Builds the modules with what the package leaves out: the cuda backend that the CPU plays and, where there is MPI,
-# crumple.mpi's.
+# Builds the modules with parts that the package leaves out: the cuda backend on an emulated device and, if MPI is
+# installed, the module of crumple.mpi.
 special_modules() {
     local with_mpi=OFF
     ! command -v mpirun >/dev/null || ! "$python" -c 'import mpi4py' 2>/dev/null || with_mpi=ON
@@ -72,19 +72,19 @@ log=build-python/build-$version$sanitize.log
 echo "Building the Python package (the first time takes some minutes)"
 settings=(--config-settings=build-dir="build-python-$version$sanitize" --config-settings=cmake.args=-GNinja)
 if [[ $sanitize ]]; then
-    # The interpreter has no AddressSanitizer of its own: tests preload it, and the build, which imports the module to
-    # write its stub, goes without. Python's own allocations at its end are no leaks of ours.
+    # The interpreter has no AddressSanitizer, so tests preload it; the build, which imports the module to write its
+    # stub, runs without it. Allocations of Python itself that remain at its exit do not count as leaks.
     settings+=(--config-settings=cmake.define.CRUMPLE_SANITIZE=address)
     export ASAN_OPTIONS=detect_leaks=0:verify_asan_link_order=0
 else
-    settings+=(--config-settings=cmake.define.CRUMPLE_WERROR=ON)  # sanitized code has warnings that no other has
+    settings+=(--config-settings=cmake.define.CRUMPLE_WERROR=ON)  # sanitized code causes additional warnings
 fi
 CMAKE_BUILD_PARALLEL_LEVEL=$(nproc) pip install --verbose --no-build-isolation --no-deps --force-reinstall \
     "${settings[@]}" . >"$log" 2>&1 || { cat "$log" >&2; exit 1; }
 if [[ $sanitize ]]; then
     tests=(python/tests/test_{agreement,arguments,exit,feature*,input,methods,motion,near}.py)
     tests+=(python/tests/test_{pickling,property,results,threads,world*}.py)
-    # libstdc++ beside it, or exceptions are thrown before the sanitizer knows how.
+    # Preloads libstdc++ as well, because the sanitizer must find it before the first exception is thrown.
     preload="$(g++ -print-file-name=libasan.so) $(g++ -print-file-name=libstdc++.so)"
     LD_PRELOAD=$preload ASAN_OPTIONS=detect_leaks=0 "$python" -m pytest -q -n "$(nproc)" "${tests[@]}" "$@"
 else

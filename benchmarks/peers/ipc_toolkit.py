@@ -1,4 +1,4 @@
-"""IPC Toolkit (PyPI: ipctk): boxes by its broad phases, but the one that tests all pairs, and has_intersections."""
+"""IPC Toolkit (PyPI: ipctk): boxes by all of its broad phases except BruteForce, and has_intersections."""
 
 import ctypes
 
@@ -9,7 +9,8 @@ from peers.worker import load
 
 
 class IpcBoxes:
-    """LBVH build and face-face candidates: neighbours left out. No edges are given, so none are put into a tree."""
+    """LBVH: builds the tree and finds face-face candidates, without adjacent faces. No edges are passed, so none enter
+    a tree."""
 
     name, question, computes = "IPC Toolkit LBVH, from Python", "self", "overlapping boxes"
     package, scalar, describes = "ipctk", "float64", "boxes only: pairs of overlapping boxes, neighbours left out"
@@ -34,7 +35,8 @@ class IpcBoxes:
 
 
 class IpcHashGrid(IpcBoxes):
-    """Seconds for ten thousand triangles, as is SpatialHash; more would keep the others waiting for minutes."""
+    """HashGrid, like SpatialHash, takes seconds for ten thousand triangles; larger scenes would delay the others by
+    minutes."""
 
     name, phase, most_triangles = "IPC Toolkit HashGrid, from Python", "HashGrid", 20_000
 
@@ -48,8 +50,8 @@ class IpcSweepAndPrune(IpcBoxes):
 
 
 class IpcBoxesNative(IpcBoxes):
-    """The same without the list of Python objects, which takes longer than the search: the C++ member function, which the
-    module exports, is called with a std::vector of three pointers."""
+    """LBVH without the list of Python objects, which takes longer than the search: calls the C++ member function, which
+    the module exports, with a std::vector of three pointers."""
 
     name, pairs, too_much = "IPC Toolkit LBVH, C++ only", None, {}
 
@@ -63,7 +65,7 @@ class IpcBoxesNative(IpcBoxes):
         self.detect.argtypes, self.detect.restype = [ctypes.c_void_p, ctypes.c_void_p], None
         self.free = ctypes.CDLL(None).free
         self.free.argtypes = [ctypes.c_void_p]
-        # pybind11 keeps the address of the C++ object behind the header of the Python object.
+        # pybind11 stores the address of the C++ object after the header of the Python object.
         self.address = ctypes.c_void_p.from_address(id(self.tree) + object.__basicsize__).value
 
     def call(self):

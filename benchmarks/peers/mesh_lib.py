@@ -1,4 +1,4 @@
-"""MeshLib (PyPI: meshlib): findSelfCollidingTriangles, and findCollidingTriangles of two meshes."""
+"""MeshLib (PyPI: meshlib): findSelfCollidingTriangles of one mesh, and findCollidingTriangles of two meshes."""
 
 import meshlib.mrmeshnumpy as mrmeshnumpy
 import meshlib.mrmeshpy as mrmeshpy
@@ -8,8 +8,8 @@ from peers.worker import load
 
 
 class MeshLib:
-    """findSelfCollidingTriangles, touching included; MeshLib holds float32. The tree of boxes is built in each call, as for
-    a mesh that deforms."""
+    """findSelfCollidingTriangles, touching included. MeshLib stores float32. Builds the tree of boxes in each call, as
+    for a mesh that deforms."""
 
     name, question, computes = "MeshLib", "self", "pairs, float32"
     package, scalar = "meshlib", "float32"
@@ -54,7 +54,7 @@ class MeshLibTreeBuilt(MeshLib):
 
 
 class MeshLibBetween(MeshLib):
-    """findCollidingTriangles. It offers no choice about touching, which it leaves out."""
+    """findCollidingTriangles. It always leaves out touching triangles."""
 
     question = "between"
 
@@ -69,7 +69,7 @@ class MeshLibBetween(MeshLib):
 
 
 class MeshLibTreesBuilt(MeshLibBetween):
-    """As rigid bodies have them."""
+    """Builds trees beforehand, as for rigid bodies."""
 
     name = "MeshLib, trees built"
 

@@ -1,4 +1,4 @@
-"""trueform (PyPI: trueform): a tree over the primitives, all pairs of primitives that intersect, or yes or no."""
+"""trueform (PyPI: trueform): a tree over the primitives; all pairs of primitives that intersect, or yes or no."""
 
 import numpy as np
 import trueform
@@ -7,7 +7,7 @@ from peers.worker import load
 
 
 class TrueformBetween:
-    """A mesh keeps its tree, so it is made anew in each call."""
+    """Makes new meshes in each call, because a mesh caches its tree."""
 
     name, question, computes = "trueform", "between", "exact pairs"
     package, scalar = "trueform", "float64"

@@ -1,6 +1,6 @@
 """NVIDIA Warp (PyPI: warp-lang) on a CUDA device: a bounding volume hierarchy over boxes, and all pairs that overlap.
 
-CRUMPLE_WARP_DEVICE=cpu shows without a GPU that the code is right; its times mean nothing.
+CRUMPLE_WARP_DEVICE=cpu checks the code without a GPU; its times mean nothing.
 """
 
 import os
@@ -40,8 +40,8 @@ def find_pairs(tree: wp.uint64, lower: wp.array(dtype=wp.vec3), upper: wp.array(
 
 
 class WarpBoxes:
-    """The mesh lies on the device before the clock starts, and the pairs stay there; the tree is built in each call. The
-    array of pairs has room for all, which a first call has counted."""
+    """The mesh is on the device before the clock starts, and the pairs stay on it; the tree is built in each call. The
+    array of pairs has capacity for all, which a first call has counted."""
 
     name, question, computes = "Warp LBVH, CUDA", "self", "overlapping boxes"
     package, scalar, describes = "warp-lang", "float32", "boxes only, on the GPU: pairs of overlapping boxes, neighbours included"

@@ -1,10 +1,10 @@
-"""The life of a process that answers for one Python peer, in one way, and waits for its turn.
+"""Worker process that runs one Python peer, in one configuration, and waits for its turn.
 
 A peer's class has `name`, `question`, `computes` and `ways`, pairs of a label and a number of threads (0: all); for the
-report also `package`, its name on PyPI, `scalar` and `describes`. One that is too slow for large scenes has
-`most_triangles`, and rests in quick runs; `too_much` names scenes that are not for it, and why. It is made from a folder
-of arrays and such a label. `call` is timed and returns an answer; `count`, its size, and `pairs`, its set, are read off
-the clock.
+report also `package`, its name on PyPI, `scalar` and `describes`. A class that is too slow for large scenes has
+`most_triangles`, and is left out of quick runs; `too_much` maps scenes that it cannot handle to reasons. The class is
+constructed from a folder of arrays and a label. `call` is timed and returns a result; `count` returns its size and
+`pairs` its set, both outside of the measured time.
 """
 
 import gc
@@ -18,8 +18,8 @@ import numpy as np
 
 
 def load(folder, which=""):
-    """float64 vertices and int32 triangles of the first mesh, or of the second (`which` is "_b"), in the column order that
-    the IPC Toolkit takes without a copy."""
+    """Returns float64 vertices and int32 triangles of the first mesh, or of the second (`which` is "_b"), in the
+    column-major order that the IPC Toolkit accepts without a copy."""
     scalar = json.loads((folder / "description").read_text())["scalar" + which]
     vertices = np.fromfile(folder / ("vertices" + which), scalar).reshape(-1, 3).astype(float)
     triangles = np.fromfile(folder / ("triangles" + which), np.int32).reshape(-1, 3)
@@ -27,7 +27,7 @@ def load(folder, which=""):
 
 
 def run(peer, seconds):
-    """Calls until `seconds` are spent, at least once: the milliseconds of each call and the size of the answer."""
+    """Calls at least once, until `seconds` have passed; returns milliseconds of each call and the result's size."""
     times = []
     while not times or sum(times) < 1000 * seconds:
         begin = time.perf_counter()
@@ -39,18 +39,18 @@ def run(peer, seconds):
 
 
 def compare(peer, folder):
-    """How many of crumple's pairs the peer misses, and how many it has in addition."""
+    """Returns how many of crumple's pairs the peer misses, and how many it has in addition."""
     ours = set(map(tuple, np.fromfile(folder / "pairs", np.int32).reshape(-1, 2).tolist()))
     theirs = peer.pairs(peer.call())
     return {"missing": len(ours - theirs), "extra": len(theirs - ours)}
 
 
 def work(module, name, way, threads, folder):
-    """Answers each line of standard input, `run SECONDS` or `pairs`, by a line of JSON; "ready" comes first."""
+    """Prints "ready", then responds to each line of standard input, `run SECONDS` or `pairs`, with a line of JSON."""
     if threads == 1:
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # before the library starts its threads
     answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # what the library prints must not come between
+    os.dup2(2, 1)  # keeps output of the library out of the responses
     gc.disable()
     peer = getattr(importlib.import_module(module), name)(folder, way)
     print(json.dumps("ready"), file=answers, flush=True)

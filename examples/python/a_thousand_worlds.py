@@ -1,9 +1,9 @@
-"""A thousand small worlds at one place, searched in one call: bodies of different worlds never meet.
+"""Searches a thousand small worlds in one place, in one call: bodies of different worlds never collide.
 
 python a_thousand_worlds.py [PICTURE]
 
-Each world has five rings in a box, as a simulator has that tries many starts at once. Prints in how many worlds
-something collides, and how often how many pairs do. The picture sets some of the worlds side by side.
+Each world has five rings in a box, as in a simulator that tries many initial states at once. Prints in how many worlds
+something collides, and a histogram of the numbers of pairs. The picture shows some of the worlds side by side.
 """
 
 import sys
@@ -30,7 +30,7 @@ def ring(radius=0.8, thickness=0.2, around=24, across=12):
 
 
 def random_poses(count):
-    """(count, 3, 4): rotations by random unit quaternions, and places in a box."""
+    """Returns (count, 3, 4) poses: rotations by random unit quaternions, and positions in a box."""
     random = np.random.default_rng(1)
     q = random.normal(size=(count, 4))
     a, b, c, d = (q / np.linalg.norm(q, axis=1, keepdims=True)).T
@@ -58,7 +58,7 @@ def main(picture="a_thousand_worlds.html"):
         print(f"{pairs_in_world:3} pairs of rings in {times:4} worlds {'#' * (times // 8)}")
     assert np.array_equal(counts > 0, hit)
 
-    # Some of them in one world, in a square: too far apart to meet.
+    # Some of them in one world, in a square grid, too far apart to collide.
     count = ACROSS * ACROSS
     few = worlds.poses[: count * RINGS].reshape(count, RINGS, 3, 4).copy()
     few[:, :, 0, 3] += 2 * SIDE * (np.arange(count) % ACROSS)[:, None]

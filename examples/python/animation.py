@@ -1,4 +1,4 @@
-"""An animation: one detector for all frames, so that each but the first is a warm call.
+"""Searches an animation with one detector for all frames, so that each call but the first is warm.
 
 python animation.py [PICTURE]          of the last frame
 """
@@ -12,7 +12,7 @@ def main(picture="animation.html"):
     detector = crumple.Detector()
     for frame in range(0, 60, 6):
         bodies = crumple.make_scene("bodies", triangles=20_000, frame=frame)
-        # The scene's groups are its bodies: only pairs between two of them are found.
+        # The scene's groups are its bodies: finds only pairs between two bodies.
         result = detector.intersections(bodies, filter=crumple.PairFilter(groups="between"))
         colliding = {frozenset(pair) for pair in bodies.groups[result.pairs].tolist()}
         print(f"frame {frame:2}: {len(result):5} pairs of triangles, {len(colliding):3} pairs of bodies")

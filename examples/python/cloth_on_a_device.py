@@ -1,13 +1,13 @@
-"""A cloth that stays on the device: each step finds there what it would touch on its way, and when.
+"""Simulates a cloth that stays on the device: each step finds on the device what the cloth would touch, and when.
 
-With CuPy and a CUDA device, positions, queries and results lie on the device, on one stream: a few numbers a step reach
-the host. Without, the same lines run on NumPy's arrays and another backend, with the same bytes.
+With CuPy and a CUDA device, positions, queries and results are in device memory, on one stream; only a few numbers per
+step reach the host. Otherwise the same lines run on NumPy arrays and another backend, with the same bytes.
 
     launch   enqueues an ImpactQuery on the stream, and returns at once
-    wait     returns where the impacts lie; `first` is the first one
+    wait     returns the impacts, in device memory; `first` is the first one
 
-Vertices that would touch anything stay where they are in that step, until the step is free; so nothing ever passes
-through anything. The solver is no model of a fabric: springs along a grid, and gravity.
+Vertices that would touch anything do not move in that step, until the step is free; so nothing ever passes through
+anything. The solver is no model of a fabric: springs along a grid, and gravity.
 
     python cloth_on_a_device.py [STEPS]
 """
@@ -31,7 +31,7 @@ SIDE, SPACING, STEP = 25, 0.04, 1 / 120
 
 
 def grid():
-    """A square cloth above a pyramid; what stands still is the last five vertices."""
+    """Returns a square cloth above a pyramid; the last five vertices are static."""
     i, j = np.meshgrid(np.arange(SIDE), np.arange(SIDE), indexing="ij")
     cloth = np.stack([SPACING * (i - SIDE / 2), SPACING * (j - SIDE / 2), 0.35 + 0.002 * (i + 2 * j)], -1)
     number = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)
@@ -45,7 +45,7 @@ def grid():
 
 
 def impacts(start, end):
-    """All impacts on the way: vertices with faces, pairs of edges, and which edges there are; and the first time."""
+    """Returns all impacts of the step: vertices with faces, pairs of edges, the list of edges, and the first impact."""
     if not on_device:
         found = detector.impacts(start, end, faces)
         return found.vertex_faces, found.edge_edges, found.edges, found.first
@@ -55,7 +55,7 @@ def impacts(start, end):
 
 
 def forces(x):
-    """Of springs that keep their length, and of gravity."""
+    """Returns the forces of springs along the grid, and of gravity."""
     along = x[springs[:, 1]] - x[springs[:, 0]]
     length = xp.linalg.norm(along, axis=1, keepdims=True)
     pull = 4e3 * (length - SPACING) * along / length

@@ -1,13 +1,13 @@
-"""A cloth falls on a ball and folds on the floor, and in no frame does anything pass through anything.
+"""Simulates a cloth that falls on a ball and folds on the floor; in no frame does anything pass through anything.
 
 Each step of the simulation makes three queries:
 
-    proximities  what is within the thickness of the cloth, and where it is closest: such pairs push each other apart
-    impacts      what would touch on the way nevertheless: its vertices go less far
-    free_step    how much of the rest is free, for the positions as they are rounded: only this makes it certain
+    proximities  pairs that are near each other, and their closest points: such pairs push each other apart
+    impacts      features that would touch in the step nevertheless: their vertices move less far
+    free_step    the part of the remaining step that is free, with rounded positions: only this is a guarantee
 
 Cloth, ball and floor are one mesh. The solver is position based dynamics (Müller et al. 2007): springs along the grid,
-a few rounds of them a step. It shows how the queries are used; it is no model of a fabric.
+in a few rounds per step. The program shows how to use the queries; it is no model of a fabric.
 
     python cloth_that_never_passes_through_itself.py [PICTURE [SECONDS]]      .gif: an animation; else the last frame
 """
@@ -21,13 +21,13 @@ import crumple
 SIDE = 31  # vertices along each side of the cloth
 SPACING = 1 / (SIDE - 1)
 THICKNESS = 0.3 * SPACING
-BALL, HEIGHT = 0.2, 0.45  # the ball's radius, and how high the cloth starts
+BALL, HEIGHT = 0.2, 0.45  # radius of the ball, and initial height of the cloth
 FRAMES_A_SECOND, STEPS_A_FRAME, ROUNDS = 30, 4, 20
 FRICTION, DRAG, BENDING = 0.2, 0.5, 0.02
 
 
 def grid():
-    """A square of SIDE x SIDE vertices, a little askew so that it does not fall in perfect symmetry."""
+    """Returns a square of SIDE x SIDE vertices, slightly rotated so that it does not fall in perfect symmetry."""
     i, j = np.meshgrid(np.arange(SIDE), np.arange(SIDE), indexing="ij")
     x, y = SPACING * i.ravel() - 0.46, SPACING * j.ravel() - 0.52
     vertices = np.stack([x * 0.96 - y * 0.28, x * 0.28 + y * 0.96, HEIGHT + 0 * x], axis=1)
@@ -37,7 +37,7 @@ def grid():
 
 
 def ball(rings=12, sectors=24):
-    """A sphere that nearly stands on the floor."""
+    """Returns a sphere just above the floor."""
     across, around = np.meshgrid(
         np.linspace(0, np.pi, rings + 1)[1:-1], np.arange(sectors) * 2 * np.pi / sectors, indexing="ij"
     )
@@ -60,7 +60,7 @@ def floor():
 
 
 def springs():
-    """Batches (i, j, rest length, stiffness), no vertex twice in a batch: along the grid, across, and for bending."""
+    """Yields batches (i, j, rest length, stiffness), no vertex twice in a batch: along the grid, diagonal, bending."""
     number = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)
     for di, dj, stiffness in ((1, 0, 1), (0, 1, 1), (1, 1, 0.5), (1, -1, 0.5), (2, 0, BENDING), (0, 2, BENDING)):
         first = number[: SIDE - di, max(0, -dj) : SIDE - max(0, dj)]
@@ -72,8 +72,8 @@ def springs():
 
 
 class Contacts:
-    """Pairs that keep their distance: of each the four vertices, what share each has in the difference of the two
-    closest points, and the direction of that difference at the start of the step."""
+    """Pairs that keep their distance: the four vertices of each, their weights in the difference of the two closest
+    points, and the direction of that difference at the start of the step."""
 
     def __init__(self, near, faces, positions, movable):
         vertex, face = near.vertex_faces.T
@@ -95,7 +95,7 @@ class Contacts:
         return np.einsum("kc,kcx->kx", self.share, positions[self.vertices])
 
     def push(self, positions):
-        """One round of Jacobi: what is nearer than the thickness is pushed apart, and rubs."""
+        """Makes one Jacobi round: pushes apart pairs that are nearer than the thickness, with friction."""
         gap = np.einsum("kx,kx->k", self.difference(positions), self.direction)
         pressed = np.flatnonzero(gap < THICKNESS)
         if not len(pressed):
@@ -115,7 +115,7 @@ class Contacts:
 
 
 def pull(positions, batches):
-    """One round of the springs."""
+    """Makes one round of the springs."""
     for i, j, rest, stiffness in batches:
         apart = positions[j] - positions[i]
         length = np.linalg.norm(apart, axis=1)[:, None]
@@ -135,7 +135,7 @@ class Simulation:
         self.velocity = np.zeros_like(self.positions)
         self.batches = list(springs())
         self.detector = crumple.Detector()
-        # Ball and floor stay where they are: pairs of triangles of group 1 are not tested.
+        # Ball and floor are static: pairs of triangles within group 1 are not tested.
         self.options = {"groups": self.groups, "filter": crumple.PairFilter(excluded_groups=[(1, 1)])}
         self.held = 0  # impacts that the thickness alone did not prevent
 
@@ -145,7 +145,7 @@ class Simulation:
         self.velocity *= 1 - DRAG * seconds
         target = start + seconds * self.velocity
 
-        # Features that may come nearer than the thickness in this step; `impacts` finds those that are faster still.
+        # Finds features that may come nearer than the thickness in this step; `impacts` finds those that are too fast.
         fastest = np.linalg.norm(self.velocity, axis=1).max() * seconds
         radius = THICKNESS + min(2 * fastest, THICKNESS)
         near = self.detector.proximities(start, self.faces, radius=radius, closest=True, **self.options)
@@ -158,7 +158,7 @@ class Simulation:
         self.velocity = (self.positions - start) / seconds
 
     def without_impacts(self, start, target):
-        """Positions to which the way is free: vertices that would hit something go half the way there."""
+        """Returns positions that can be reached without impact: vertices that would hit something move half as far."""
         for _ in range(10):
             impacts = self.detector.impacts(start, target, self.faces, min_distance_share=0.1, **self.options)
             if not impacts:
@@ -174,7 +174,7 @@ class Simulation:
 
 
 def animate(frames, faces, picture):
-    """An animated GIF, by PyVista and Pillow."""
+    """Writes an animated GIF, by PyVista and Pillow."""
     import pyvista
     from PIL import Image
 

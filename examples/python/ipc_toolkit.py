@@ -1,8 +1,8 @@
-"""Crumple within the IPC Toolkit: its own calls, with an exact broad phase and exact times.
+"""Uses Crumple within the IPC Toolkit: the toolkit's own calls, with an exact broad phase and exact times.
 
-The IPC Toolkit lets Python derive a BroadPhase. That of crumple.adapters.ipctk hands out pairs that truly come near,
-instead of those whose boxes overlap, so the narrow phase has next to nothing left to do. Times that are exact, instead
-of a margin before the contact, come from the functions beside it.
+The IPC Toolkit lets Python derive a BroadPhase. The one in crumple.adapters.ipctk returns pairs that really come near,
+instead of pairs whose boxes overlap, so the narrow phase has almost nothing left to do. Other functions of the module
+compute exact times, instead of times with a margin before the contact.
 
     python ipc_toolkit.py
 """

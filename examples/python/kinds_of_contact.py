@@ -1,4 +1,4 @@
-"""All ways in which two triangles meet: at a point, along a segment, in an area of three to six corners.
+"""Shows all ways in which two triangles meet: at a point, along a segment, in an area of three to six corners.
 
 python kinds_of_contact.py [PICTURE]
 """
@@ -21,7 +21,7 @@ OTHERS = {
 
 
 def main(picture="kinds_of_contact.html"):
-    """Each pair stands in a place of its own, six units from the next."""
+    """Places the pairs six units apart, finds their contacts, and draws them."""
     places = [np.array([6 * (i % 3), -6 * (i // 3), 0]) for i in range(len(OTHERS))]
     pairs = [np.concatenate([GROUND, other]) + place for other, place in zip(OTHERS.values(), places)]
     vertices = np.concatenate(pairs)

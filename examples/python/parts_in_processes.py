@@ -1,4 +1,4 @@
-"""Parts of a scene, searched by several processes: parts travel, and their results together are the whole result.
+"""Searches parts of a scene in several processes: parts are sent, and their results together are the whole result.
 
 python parts_in_processes.py
 """
@@ -16,7 +16,7 @@ def scene():
 
 
 def pairs_of(part):
-    """Runs anywhere: a part brings all that it takes."""
+    """Runs in any process: a part contains everything that the search needs."""
     return crumple.Detector(threads=1).intersections(part).pairs.copy()
 
 

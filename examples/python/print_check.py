@@ -1,4 +1,4 @@
-"""Checks a part before it is printed: whether it is closed, passes through itself, and which shells it is made of.
+"""Checks a part before it is printed: is it closed, does it pass through itself, and which shells does it have?
 
 python print_check.py [PICTURE [PART.stl]]
 """
@@ -14,14 +14,14 @@ from two_solids import torus
 
 
 def make_part(path):
-    """A ring with a handle that was pushed into it instead of being united with it."""
+    """Writes a ring with a handle that was pushed into it instead of being united with it."""
     vertices, faces = torus()
     handle = vertices * [0.45, 0.45, 1.2] + [1.5, 0.01, 0.02]
     crumple.write_mesh(path, (np.concatenate([vertices, handle]), np.concatenate([faces, faces + len(vertices)])))
 
 
 def shells(mesh):
-    """Which connected piece each triangle belongs to: labels sink along shared vertices until nothing changes."""
+    """Returns the connected component of each triangle: lowers labels along shared vertices until nothing changes."""
     label = np.arange(len(mesh.vertices))
     while True:
         lowest = label[mesh.faces].min(axis=1)
@@ -34,13 +34,13 @@ def shells(mesh):
 
 
 def open_edges(mesh):
-    """Edges of one triangle: where there are some, the surface bounds nothing."""
+    """Counts the edges of only one triangle. A surface that has such edges is not closed."""
     edges = np.sort(mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     return int((np.unique(edges, axis=0, return_counts=True)[1] == 1).sum())
 
 
 def check(path, picture):
-    part = crumple.read_mesh(path)  # an STL names no vertices: equal positions become one
+    part = crumple.read_mesh(path)  # an STL file has no vertex indices: vertices at equal positions are merged
     result = crumple.Detector().intersections(part, output="contacts")
     piece = shells(part)
     across = int((piece[result.pairs[:, 0]] != piece[result.pairs[:, 1]]).sum())

@@ -9,7 +9,7 @@ import crumple
 
 
 def main(picture="cloth.html"):
-    # Any (n, 3) vertices and (m, 3) faces will do; here they come from a formula.
+    # Works on any (n, 3) vertices and (m, 3) faces; this scene is procedural.
     vertices, faces, _ = crumple.make_scene("cloth", triangles=20_000, frame=60)
 
     detector = crumple.Detector()

@@ -1,5 +1,5 @@
-"""A sheet of cloth, in blocks of rows on the ranks of MPI, for some frames: each rank gets the pairs of its triangles.
-At the end also what touches on the way to the next frame, and what is near.
+"""Searches some frames of a sheet of cloth, in blocks of rows on MPI ranks: each rank gets the pairs of its triangles.
+At the end it also finds impacts on the way to the next frame, and near pairs.
 
 mpirun -n 2 python ranks.py
 """
@@ -14,7 +14,7 @@ ROWS, COLUMNS = 160, 120
 
 
 def vertices_of(ids, frame):
-    """Where these vertices of the sheet are: it hangs from a bar, in folds that pass along it and cut through it."""
+    """Returns positions of vertices of the sheet: it hangs from a bar, in folds that move along it and intersect it."""
     row, column = np.divmod(ids, COLUMNS + 1)
     along, across = row / ROWS, column / COLUMNS
     wave = 40 * along - 0.3 * frame
@@ -25,8 +25,8 @@ def main():
     comm = MPI.COMM_WORLD
     first, last = ROWS * comm.rank // comm.size, ROWS * (comm.rank + 1) // comm.size
 
-    # The block's quadrilaterals, two triangles each, and the vertices that they name: those of the last row are also
-    # the next block's, and have the same numbers there.
+    # The block's quadrilaterals, two triangles each, and their vertices. Vertices of the last row also belong to the
+    # next block, under the same ids.
     row, column = np.divmod(np.arange(first * COLUMNS, last * COLUMNS), COLUMNS)
     corner = row * (COLUMNS + 1) + column
     faces = np.stack([corner, corner + 1, corner + COLUMNS + 1, corner + 1, corner + COLUMNS + 2, corner + COLUMNS + 1])
@@ -49,7 +49,7 @@ def main():
         if comm.rank == 0:
             print(f"to frame {frame + 1}: {impacts.count} impacts; {near.count} pairs of features are near")
 
-    # One process alone finds the same.
+    # A single process finds the same pairs.
     all_faces = comm.gather(faces)
     if comm.rank == 0:
         whole = vertices_of(np.arange((ROWS + 1) * (COLUMNS + 1)), frame)

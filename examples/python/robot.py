@@ -1,4 +1,4 @@
-"""A robot arm: links are groups, neighbouring links may touch (the allowed collision matrix), the rest may not.
+"""Checks a robot arm: links are groups; adjacent links may touch (the allowed collision matrix), others may not.
 
 python robot.py [PICTURE]
 """
@@ -31,7 +31,7 @@ ALLOWED = [(0, 1), (1, 2), (2, 3), (3, 4)]  # each link overlaps the next at its
 
 
 def arm(angles):
-    """Boxes one after another, each turned about the y axis at the end of the one before."""
+    """Returns the boxes of table, base and links; each link is rotated about the y axis at the end of the last."""
     meshes = [BOX * [4, 4, 0.2] - [2, 0, 0.1], BOX @ np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]) * [0.5, 0.5, 0.8]]
     joint, direction = np.array([0, 0, 0.8]), 0.0
     for length, angle in zip((1.6, 1.4, 0.6), angles):

@@ -1,9 +1,9 @@
-"""A robot arm in its surroundings: some hundred configurations in one call, and a picture of one that collides.
+"""Checks hundreds of configurations of a robot arm in its surroundings in one call; draws one that collides.
 
 python robot_in_its_surroundings.py [PICTURE]
 
-Neighbouring links overlap at their joint, which is allowed: they are excluded. The surroundings are in all worlds.
-Shapes have names, so that the detector reads them once.
+Adjacent links overlap at their joint, which is allowed: these pairs are excluded. The surroundings are in all worlds.
+Shapes have names, so that the detector reads them only once.
 """
 
 import itertools
@@ -20,7 +20,7 @@ NEIGHBOURS = [set(pair) for pair in itertools.pairwise(LINKS)]
 
 
 def tube(radius, length, sides=32, rings=12):
-    """A closed cylinder along z, with round ends: it begins at 0."""
+    """Returns a closed cylinder along z, with round ends, that begins at 0."""
     profile = np.linspace(0, np.pi, 2 * rings)
     height = radius * -np.cos(profile) + length * (np.arange(2 * rings) >= rings)
     turn = 2 * np.pi * np.arange(sides) / sides
@@ -39,7 +39,7 @@ def tube(radius, length, sides=32, rings=12):
 
 
 def box(*size):
-    """About the origin."""
+    """Returns a box centred at the origin."""
     corners = np.array([[i, j, k] for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)]) * size
     faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     return corners, np.array([[f[0], f[i], f[i + 1]] for f in faces for i in (1, 2)])
@@ -50,7 +50,7 @@ def at(*place):
 
 
 def turned(axis, angles):
-    """(k, 4, 4): rotations about x, y or z."""
+    """Returns (k, 4, 4) rotations about x, y or z."""
     i, j = (axis + 1) % 3, (axis + 2) % 3
     matrix = np.tile(np.eye(4), (len(angles), 1, 1))
     matrix[:, i, i] = matrix[:, j, j] = np.cos(angles)
@@ -60,7 +60,7 @@ def turned(axis, angles):
 
 
 def arm(angles):
-    """(k, links, 3, 4): where the links are. The first turns about z, each other one about y at the end of the last."""
+    """Returns (k, links, 3, 4) poses: the first link rotates about z, each other about y at the end of the last."""
     poses = np.empty((len(angles), len(LINKS), 3, 4))
     frame = turned(2, angles[:, 0])
     for i, length in enumerate(LENGTHS.values()):
@@ -97,7 +97,7 @@ def main(picture="robot_in_its_surroundings.html"):
     angles = random.uniform(-1, 1, (500, len(LINKS))) * [np.pi, 1.6, 2.4, 2, 2]
     many = world.configurations(arm(angles))
     detector = crumple.Detector()
-    # Neighbouring links may overlap, and the surroundings touch each other.
+    # Adjacent links may overlap, and the surroundings touch each other.
     allowed = crumple.PairFilter(excluded_bodies=NEIGHBOURS, excluded_groups=[(1, 1)])
     free = ~detector.intersections(many, output="any_by_world", filter=allowed).world_hit
     print(f"{free.sum()} of {len(free)} configurations are free")

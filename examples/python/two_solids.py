@@ -1,4 +1,4 @@
-"""The curve in which two surfaces cut each other: the contacts of two meshes, put end to end.
+"""Finds the curve in which two surfaces intersect: the contacts of two meshes, joined end to end.
 
 python two_solids.py [PICTURE]
 """
@@ -11,7 +11,7 @@ import crumple
 
 
 def torus(around=96, across=48, tube=0.55):
-    """A torus about the z axis; rows of quadrilaterals, cut in two."""
+    """Returns a torus about the z axis, of quadrilaterals cut in two."""
     u, v = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
     alpha, beta = 2 * np.pi * u / around, 2 * np.pi * v / across
     radius = 1 + tube * np.cos(beta)
@@ -23,12 +23,12 @@ def torus(around=96, across=48, tube=0.55):
 
 
 def count_curves(segments):
-    """How many closed curves segments make. Ends that meet have the same bits, so that they are one point."""
+    """Counts the closed curves that segments form. Ends that meet have the same bits, so they are one point."""
     _, ends = np.unique(segments, axis=0, return_inverse=True)
     ends = ends.reshape(-1, 2)
     assert (np.bincount(ends.ravel()) == 2).all(), "each end is that of one other segment"
     label = np.arange(ends.max() + 1)
-    while True:  # labels sink along segments until nothing changes
+    while True:  # lowers labels along segments until nothing changes
         sunk = label.copy()
         lowest = label[ends].min(axis=1)
         np.minimum.at(sunk, ends, lowest[:, None])
@@ -39,7 +39,7 @@ def count_curves(segments):
 
 def main(picture="two_solids.html"):
     vertices, faces = torus()
-    upright = vertices[:, [0, 2, 1]] + [1.1, 0.03, 0.05]  # the other ring of the chain, too fat to pass
+    upright = vertices[:, [0, 2, 1]] + [1.1, 0.03, 0.05]  # the other ring of the chain, too thick to pass through
 
     result = crumple.Detector().intersections((vertices, faces), (upright, faces), output="contacts")
 

@@ -1,4 +1,4 @@
-"""Holds an sdist to what it should have: what builds the package, and nothing else.
+"""Checks that an sdist contains everything that builds the package, and nothing else.
 
 python check_sdist.py SDIST VERSION CHECKOUT
 """
@@ -15,7 +15,7 @@ LARGEST = 2_000_000  # bytes
 
 
 def tracked(checkout: Path) -> list[str]:
-    """All of these folders that git has."""
+    """Returns the files of these folders that git tracks."""
     command = ["git", "-C", str(checkout), "ls-files", *sorted(FOLDERS)]
     names = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
     return [name for name in names if not name.startswith(LEFT_OUT) and (checkout / name).exists()]

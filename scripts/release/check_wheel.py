@@ -1,8 +1,8 @@
-"""Holds finished wheels to what a release promises of them, and tells what each is.
+"""Checks that finished wheels fulfil the promises of a release, and prints the size and libraries of each.
 
     python check_wheel.py VERSION WHEEL...
 
-Of a wheel with the cuda backend only the size is not limited, and it must be marked as not to be uploaded.
+A wheel with the cuda backend may have any size, but must be marked as not to be uploaded.
 """
 
 import re
@@ -12,7 +12,7 @@ from pathlib import Path
 
 LARGEST = 6_000_000  # bytes
 NEWEST = (2, 34)  # glibc
-# What nobody asked for: libraries of cryptography, which come along with others and want updates of their own.
+# Unwanted libraries: cryptography, which other libraries pull in and which needs security updates of its own.
 UNWANTED = ("libcrypto", "libssl", "libgnutls", "libmbedcrypto")
 
 

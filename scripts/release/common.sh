@@ -1,4 +1,4 @@
-# Sourced by the scripts of a release: where everything lies, and how to say what happens.
+# Paths and output functions of the release scripts, which source this file.
 top=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 here=$top/scripts/release
 dist=$top/dist
@@ -7,19 +7,19 @@ numbers='s/^#define CRUMPLE_VERSION_(MAJOR|MINOR|PATCH) ([0-9]+)$/\2/p'
 suffix=$(sed -nE 's/^#define CRUMPLE_VERSION_SUFFIX "(.*)"$/\1/p' "$top/include/crumple/version.h")
 version=$(sed -nE "$numbers" "$top/include/crumple/version.h" | paste -sd.)$suffix
 deb_version=${version%"$suffix"}${suffix/./\~}
-interface=$(sed -nE "$numbers" "$top/include/crumple/version.h" | head -n 2 | paste -sd.)  # in names of shared libraries
-numpy=$work/numpy  # wheels of NumPy, for installations that are to reach no index
+interface=$(sed -nE "$numbers" "$top/include/crumple/version.h" | head -n 2 | paste -sd.)  # as in names of shared libraries
+numpy=$work/numpy  # wheels of NumPy, for installations without an index
 
 step() { printf "\n== %s (%s)\n" "$1" "$(date +%T)"; }
 fail() { echo "release: $1" >&2; exit 1; }
-# What is long and of no interest unless it fails: quietly LOG COMMAND...
+# quietly LOG COMMAND...: runs a command and shows its output only if it fails.
 quietly() {
     local log=$1
     shift
     "$@" >"$log" 2>&1 || { tail -n 100 "$log" >&2; fail "$* failed; all that it said is in $log"; }
 }
 version_of() { "$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])'; }
-# environment FOLDER PYTHON PACKAGES...: a virtual environment with these packages.
+# environment FOLDER PYTHON PACKAGES...: makes a virtual environment with these packages.
 environment() {
     local folder=$1 python=$2
     shift 2

@@ -1,8 +1,8 @@
-"""Measures a release's wheel beside a local build, by turns: how long `import crumple` takes, and searches.
+"""Compares a release's wheel with a local build, taking turns: the times of `import crumple` and of searches.
 
     python3 scripts/release/compare.py PYTHON_WITH_WHEEL PYTHON_WITH_LOCAL_BUILD [ROUNDS]
 
-Both are interpreters of environments that crumple is installed in. Prints medians, and the median of the ratios of a
+Both are interpreters of environments in which crumple is installed. Prints medians, and the median of one ratio per
 round.
 Fails if importing takes 100 ms, or searches of the wheel take 5 % longer.
 """

@@ -1,4 +1,4 @@
-"""Debian's copyright files, cut down to what they say of some files: Boost's tells of 1,500 groups, in 2 MB.
+"""Excerpts from Debian's copyright files about some files only: Boost's has 1,500 groups, in 2 MB.
 
 https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 """
@@ -9,17 +9,17 @@ from fnmatch import translate
 
 
 def field(paragraph: str, name: str) -> str:
-    """The value of a field, with the lines that continue it; empty: there is none."""
+    """Returns the value of a field, including continuation lines; empty if the field is missing."""
     found = re.search(rf"^{name}:(.*(?:\n[ \t].*)*)", paragraph, re.M)
     return found[1].strip() if found else ""
 
 
 def concerning(text: str, files: Iterable[str]) -> str:
-    """The paragraphs that are about these files, as the source names them, and the licences that these name."""
+    """Returns the paragraphs about these files, named as in the source, and the licences that these paragraphs name."""
     head, *paragraphs = re.split(r"\n\s*\n(?=\S)", text.strip())
     head = re.sub(r"^Files-Excluded:.*(?:\n[ \t].*)*\n?", "", head, flags=re.M)
     groups = [(paragraph, field(paragraph, "Files").split()) for paragraph in paragraphs]
-    # The last that matches counts. Most patterns are names.
+    # The last match counts. Most patterns are plain names.
     last = {pattern: i for i, (_, patterns) in enumerate(groups) for pattern in patterns}
     wild = [(re.compile(translate(pattern)), i) for pattern, i in last.items() if re.search(r"[*?]", pattern)]
     kept = set()

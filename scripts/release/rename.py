@@ -1,4 +1,4 @@
-"""Names the distribution of a pyproject.toml anew, and marks it as one that is not to be uploaded: PyPI refuses it.
+"""Renames the distribution of a pyproject.toml, and marks it as not to be uploaded, so that PyPI refuses it.
 
 python rename.py PYPROJECT NAME
 """

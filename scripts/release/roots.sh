@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Installs what is in dist/ on bare Debian, where no compiler is, and runs it: on Debian 12 a wheel and the package,
-# which brings its dependencies, and, with a compiler at last, a project that finds it; on Debian 13 the wheel of the
-# stable ABI. Takes root and debootstrap; $MIRROR is Debian's mirror. If $PREVIOUS_DEB names the package of the release
-# before, it is installed first, and upgraded. All is in a temporary folder.
+# Installs the content of dist/ on bare Debian without a compiler, and runs it: on Debian 12 a wheel and the package,
+# with its dependencies, and finally, with a compiler, a project that finds the package; on Debian 13 the wheel of the
+# stable ABI. Needs root and debootstrap; $MIRROR is Debian's mirror. If $PREVIOUS_DEB is the path
+# of the package of the release before, installs it first and tests the upgrade. Works in a temporary folder.
 set -euo pipefail
 . "$(dirname "$0")/common.sh"
 mirror=${MIRROR:-http://deb.debian.org/debian}
-# /proc of a root is mounted below; in a name space of our own it is gone with us, whatever happens.
+# /proc of a root is mounted below. In a mount namespace of its own it disappears with this process in any case.
 [[ ${CRUMPLE_ROOTS_APART-} ]] || CRUMPLE_ROOTS_APART=1 exec unshare --mount --propagation private "$0" "$@"
 
 folder=$(mktemp -d)
@@ -27,7 +27,7 @@ no_compiler() {
     done
 }
 
-# bare SUITE: a root with Python alone, into which dist/ and what is to be run are copied.
+# bare SUITE: makes a root with Python only, and copies dist/ and the tests into it.
 bare() {
     suite=$1 root=$folder/$1
     step "bare Debian, $suite"
@@ -38,7 +38,7 @@ bare() {
     no_compiler
 }
 
-# wheel: whichever of those in dist/ fits the root's Python.
+# wheel: installs and runs the wheel in dist/ that fits the root's Python.
 wheel() {
     local of
     of=$(in_root python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')
@@ -53,13 +53,13 @@ wheel() {
     no_compiler
 }
 
-# Installs the package of the release before, $PREVIOUS_DEB, which the new one then has to upgrade.
+# Installs the package of the release before, $PREVIOUS_DEB, for the new one to upgrade.
 previous() {
     cp "$PREVIOUS_DEB" "$root/root/previous.deb"
     quietly "$work/$suite-apt.log" in_root apt-get -qq install --no-install-recommends -y /root/previous.deb
     in_root sh -ec 'crumple --version; dpkg --listfiles crumple | sort >/root/previous.txt'
 }
-# Fails unless the upgrade took all files of the release before away that are not in the new one.
+# Fails if files of the release before are left that are not in the new one.
 upgraded() {
     in_root sh -ec 'dpkg --listfiles crumple | sort >/root/new.txt
         comm -23 /root/previous.txt /root/new.txt | while read -r file; do test ! -f "$file" || { echo "left: $file"; exit 1; }; done
@@ -67,7 +67,7 @@ upgraded() {
             "$(comm -23 /root/previous.txt /root/new.txt | wc -l) went, $(comm -13 /root/previous.txt /root/new.txt | wc -l) are new"'
 }
 
-# package: first as it is, then for those who build with it.
+# package: tests the package alone, then building a project with it.
 package() {
     in_root apt-get -qq update
     [[ ! ${PREVIOUS_DEB-} ]] || previous

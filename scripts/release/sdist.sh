@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the sdist, and holds it to what it should have:
-#   scripts/release/sdist.sh PYTHON FOLDER     an interpreter that has scikit-build-core, and where the sdist goes
+# Makes the sdist, and checks its content:
+#   scripts/release/sdist.sh PYTHON FOLDER     an interpreter that has scikit-build-core, and the output folder
 set -euo pipefail
 . "$(dirname "$0")/common.sh"
 mkdir -p "$2"
@@ -9,7 +9,7 @@ cd "$top"
 program='import sys; from scikit_build_core.build import build_sdist; build_sdist(sys.argv[1])'
 said=$("$1" -W ignore -c "$program" "$out" 2>&1) || { echo "$said" >&2; exit 1; }
 "$1" "$here/check_sdist.py" "$out/crumple-$version.tar.gz" "$version" "$top"
-# And to being enough for CMake, which wants each file that is compiled; wheels are built from it, too.
+# Also checks that CMake can configure it, which needs every compiled file. Wheels are built from it, too.
 unpacked=$(mktemp -d)
 trap 'rm -rf "$unpacked"' EXIT
 tar xzf "$out/crumple-$version.tar.gz" -C "$unpacked" --strip-components=1

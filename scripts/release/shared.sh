@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the shared libraries, and a project that uses them installed.
+# Builds and installs the shared libraries, and builds a project that uses them.
 set -euo pipefail
 . "$(dirname "$0")/common.sh"
 step "shared libraries"

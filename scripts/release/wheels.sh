@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Builds wheels from the sdist in dist/, and installs each where no compiler is on the path:
-#   scripts/release/wheels.sh PYTHON...         one for each of 3.10 and 3.11, one of the stable ABI for 3.12 and later
+# Builds wheels from the sdist in dist/, and installs each in an environment without a compiler on the path:
+#   scripts/release/wheels.sh PYTHON...         a wheel each for 3.10 and 3.11, one of the stable ABI for 3.12 and later
 #   scripts/release/wheels.sh --cuda PYTHON...  the same with the cuda backend, named by the major version of CUDA
-# CRUMPLE_CUDA_ARCHITECTURES (CMake's CMAKE_CUDA_ARCHITECTURES) builds for fewer devices, to try it.
+# CRUMPLE_CUDA_ARCHITECTURES (CMake's CMAKE_CUDA_ARCHITECTURES) limits the devices, for quick trials.
 set -euo pipefail
 . "$(dirname "$0")/common.sh"
 name=crumple backend=()
@@ -14,14 +14,14 @@ if [[ ${1-} == --cuda ]]; then
     [[ -z ${CRUMPLE_CUDA_ARCHITECTURES-} ]] ||
         backend+=(--config-settings=cmake.define.CMAKE_CUDA_ARCHITECTURES="$CRUMPLE_CUDA_ARCHITECTURES")
 fi
-# For every machine, not for this one. Vectors come by dispatch at run time.
+# Builds for every machine, not for this one. SIMD kernels are chosen at run time.
 unset CFLAGS CXXFLAGS CPPFLAGS CUDAFLAGS LDFLAGS
 if command -v ccache >/dev/null; then
     cd "$top"
     . scripts/ccache.sh
 fi
 
-# Unpacks the sdist into $work/$name, where it is built: what is not in it cannot be in a wheel.
+# Unpacks the sdist into $work/$name, where wheels are built, so that they contain nothing else.
 unpack() {
     rm -rf "${work:?}/$name"
     mkdir -p "$work/$name" "$numpy"
@@ -29,7 +29,7 @@ unpack() {
     [[ $name == crumple ]] || python3 "$here/rename.py" "$work/$name/pyproject.toml" "$name"
 }
 
-# build PYTHON VERSION: dist/NAME-VERSION-....whl
+# build PYTHON VERSION: builds dist/NAME-VERSION-....whl.
 build() {
     local environment=$work/build-$2 folder=$work/$name/build-python-$2
     environment "$environment" "$1" 'scikit-build-core>=0.11' 'nanobind>=3' 'numpy>=2'
@@ -41,7 +41,7 @@ build() {
     "$work/tools/bin/python" "$here/finish_wheel.py" "$work/raw/$name-$2"/*.whl "$folder" "$dist"
 }
 
-# try PYTHON VERSION: in an environment of its own, without a compiler or anything else of this machine's path.
+# try PYTHON VERSION: tests the wheel in a new environment, without a compiler or anything else on the path.
 try() {
     local environment=$work/try-$name-$2
     rm -rf "$environment"
@@ -53,7 +53,7 @@ try() {
         "$top/docs/python.md"
     [[ $(uname -m) != x86_64 ]] || try_baseline "$environment"
 }
-# The command line of an environment on a processor without any instructions beyond the baseline: the same bytes.
+# Checks that the command line writes the same bytes on an emulated processor with baseline instructions only.
 try_baseline() {
     local program folder
     if ! command -v qemu-x86_64-static >/dev/null; then

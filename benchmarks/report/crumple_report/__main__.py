@@ -1,6 +1,6 @@
 """crumple-report: plots, and the tables of README.md and docs/, from benchmarks/results/*.json.
 
-Plots are the same bytes only with the matplotlib that they were made with, so without it they are not compared.
+Plots are byte-identical only with the matplotlib version that made them, so without that version they are not compared.
 """
 
 import argparse
@@ -10,22 +10,22 @@ import tempfile
 import tomllib
 from pathlib import Path
 
-from . import appendix, blocks, device_tables, tables  # noqa: F401: what tables define registers itself
+from . import appendix, blocks, device_tables, tables  # noqa: F401: their blocks register themselves
 from .results import COMMITTED, TOP, Results
 
 IMAGES = TOP / "docs/images/benchmarks"
-# Its findings are written by hand, and name the commit whose figures they tell.
+# Page whose findings are written by hand; it names the commit of its figures.
 FINDINGS = TOP / "docs/benchmarks.md"
 
 
 def pinned():
-    """What plots need, by name."""
+    """Returns the pinned versions of the packages that plots need, by name."""
     project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
     return dict(requirement.split("==") for requirement in project["optional-dependencies"]["plots"])
 
 
 def missing_for_plots():
-    """Why plots cannot be drawn as they were, or None."""
+    """Returns why plots cannot be reproduced, or None."""
     for package, version in pinned().items():
         try:
             here = importlib.metadata.version(package)
@@ -37,8 +37,8 @@ def missing_for_plots():
 
 
 def draw(results, folder):
-    """Every plot that the figures allow, in both variants."""
-    from . import bars, drawings, plots, style  # noqa: F401: what they define registers itself
+    """Draws every plot for which there are figures, in both variants."""
+    from . import bars, drawings, plots, style  # noqa: F401: their plots register themselves
 
     for name, function in style.PLOTS.items():
         for theme in style.THEMES:
@@ -83,7 +83,7 @@ def main():
 
 
 def tables_anew(results, check):
-    """Returns the pages that do not show the figures, and rewrites them unless `check`."""
+    """Returns the pages whose tables are out of date, and rewrites them unless `check`."""
     stale = []
     for path, text in blocks.pages(results):
         if path.read_text() != text:
@@ -94,7 +94,7 @@ def tables_anew(results, check):
 
 
 def plots_anew(results, check):
-    """Draws all plots; returns those that differ from what is there, and replaces them unless `check`."""
+    """Draws all plots; returns those that differ from the existing files, and replaces these unless `check`."""
     with tempfile.TemporaryDirectory() as folder:
         draw(results, Path(folder))
         fresh = {path.name: path.read_bytes() for path in Path(folder).iterdir()}

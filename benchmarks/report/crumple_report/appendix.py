@@ -1,4 +1,4 @@
-"""The tables of docs/benchmarks_tables.md: everything that was measured and is in no shorter table."""
+"""Tables of docs/benchmarks_tables.md: all measurements that are in no shorter table."""
 
 from statistics import mean
 
@@ -17,7 +17,7 @@ def peers(results):
 
 
 def every_peer(results, question):
-    """A row for crumple and for each peer at its fastest way, and for who was left out."""
+    """Makes a row for crumple, for each peer in its fastest configuration, and for each peer that was left out."""
     rows = []
     for workload, (race, way) in results.fastest(question, "crumple").items():
         size = f"{race['triangles']:,}" + (f", {race['pairs']:,} pairs" if question != "any" else "")
@@ -196,7 +196,7 @@ def cuda(results):
 
 @block("cuda bounds")
 def cuda_bounds(results):
-    """Microseconds of each stage beside what bandwidth and launches allow."""
+    """Makes a table of the microseconds of each stage and the bounds by bandwidth and launches."""
     rows = [[device_scene(figure) if i == 0 else "", row["stage"], digits(1e3 * row["milliseconds"]), digits(row["bytes"] / 1e6),
              digits(1e3 * row["by_bandwidth_milliseconds"]), row["nodes"], digits(1e3 * row["by_launches_milliseconds"]),
              digits(row["ratio"])]

@@ -1,4 +1,4 @@
-"""Bars: Crumple beside its peers, and beside the published averages of [MZ] fig. 6."""
+"""Bar plots: Crumple beside its peers, and beside the published averages of [MZ] fig. 6."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -6,7 +6,7 @@ import numpy as np
 from .results import digits, plain
 from .style import plot, readable
 
-# Milliseconds of [MZ] fig. 6, averages over the sequence, as published.
+# Published averages over the sequences, in milliseconds ([MZ] fig. 6).
 PUBLISHED = {
     "Cloth on Ball": {
         "[MZ], GTX 480": 20.24,
@@ -20,7 +20,7 @@ PUBLISHED = {
 
 
 def bars(ax, entries, theme):
-    """Horizontal bars on a log axis: (label, milliseconds, kind), kinds are ours, whole, boxes, published."""
+    """Draws horizontal bars on a log axis. Entries: (label, milliseconds, kind: ours, whole, boxes or published)."""
     colours = {"ours": theme.accent, "whole": theme.other, "boxes": theme.weak, "published": "none"}
     for row, (label, value, kind) in enumerate(entries):
         ax.barh(row, value, height=0.68, color=colours[kind], edgecolor=theme.muted if kind == "published" else "none",
@@ -51,7 +51,7 @@ def contest_bars(results, theme, question):
         for name, found in peers.items():
             if workload in found:
                 other = found[workload][1]
-                # Peers from PyPI race against another process of Crumple's: their ratio is carried over.
+                # Peers from PyPI race against another process of Crumple's, so only their ratio is used.
                 beside = found[workload][0] is contest
                 time = other["milliseconds"]["median"] if beside else rows[0][1] * other["ratio"]["median"]
                 rows.append((name.replace(", from Python", ""), time, kind_of(other)))

@@ -1,5 +1,5 @@
-"""Blocks of README.md and docs/ that show figures: each stands between `<!-- figures: NAME -->` and `<!-- end -->`, so that no
-figure of a table is typed. NAME may be followed by arguments. What words say of the figures is written by hand."""
+"""Blocks of README.md and docs/ that show figures, each between `<!-- figures: NAME -->` and `<!-- end -->`. They are
+generated, so that no figure of a table is typed; the text about them is written by hand. NAME may have arguments."""
 
 import re
 from statistics import median
@@ -8,12 +8,12 @@ from .results import TOP, digits
 
 PAGES = [TOP / "README.md", *sorted((TOP / "docs").glob("*.md"))]
 
-# Name: function from results and arguments to Markdown, the question of its contests, its studies.
+# By name: function from results and arguments to Markdown, the question of its contests, its studies.
 BLOCKS = {}
 
 
 def block(name, question=None, studies=()):
-    """Registers a function that makes a block. One without studies names them by its arguments."""
+    """Registers a function that makes a block. Without `studies`, the block's arguments name the studies."""
     def register(function):
         BLOCKS[name] = function, question, studies
         return function
@@ -21,7 +21,7 @@ def block(name, question=None, studies=()):
 
 
 def show(results, name):
-    """The block, and what disturbed its measurement."""
+    """Returns the block, with a note if other load disturbed its measurement."""
     arguments = ()
     if name not in BLOCKS:
         name, *arguments = name.split()
@@ -34,7 +34,7 @@ def show(results, name):
 
 
 def pages(results):
-    """Path and text anew of every page that shows figures."""
+    """Yields the path and the updated text of every page that shows figures."""
     pattern = re.compile(r"(<!-- figures: ([\w ]+) -->\n).*?(<!-- end -->)", re.DOTALL)
     for path in PAGES:
         text = path.read_text()
@@ -44,7 +44,7 @@ def pages(results):
 
 
 def table(header, rows):
-    """In Markdown; nothing without rows."""
+    """Returns a Markdown table; an empty string without rows."""
     if not rows:
         return ""
     lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
@@ -64,7 +64,7 @@ def percent(share):
 
 
 def span(counts):
-    """The least and the greatest, or one of them if they are the same."""
+    """Returns the least and the greatest, or one number if they are equal."""
     low, high = f"{min(counts):,}", f"{max(counts):,}"
     return low if low == high else f"{low} to {high}"
 
@@ -74,5 +74,5 @@ def mebibytes(count):
 
 
 def beside_median(values, index):
-    """One of the values over their median."""
+    """Returns one of the values, divided by their median."""
     return f"{values[index] / median(values):.2f}" if median(values) else ""

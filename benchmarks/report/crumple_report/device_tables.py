@@ -3,7 +3,7 @@
 from .blocks import block, ms, spread, table
 from .results import STAGES, digits, scene
 
-# Sizes of the growth curve that stand beside the scenes; docs/benchmarks_tables.md has all of them.
+# Sizes of the growth curve that are shown along with the scenes; docs/benchmarks_tables.md has all sizes.
 LARGE = ("cloth:2000000", "cloth:5000000")
 QUESTIONS = {"impacts": "all impacts, exact times", "first impact": "first impact", "near": "near pairs", "candidates": "candidates"}
 
@@ -26,13 +26,13 @@ def of_cpu(results):
 
 
 def where(results):
-    """Names the device, the compiler and the commit that the figures are of."""
+    """Names the device, the compiler and the commit of the figures."""
     return (f"{results.cuda['device']['name']}, driver {results.cuda['driver']}, nvcc {results.machine['nvcc']}; commit "
             f"{results.cuda['commit']}.")
 
 
 def boxes_of_cubql(results):
-    """Maps scenes to what cuBQL took for pairs of boxes, in ms."""
+    """Maps scenes to the time of cuBQL for pairs of boxes, in ms."""
     return {row["scene"]: row["median"] for row in (results.cubql or {"scenes": []})["scenes"]}
 
 

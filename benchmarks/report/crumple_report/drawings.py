@@ -1,5 +1,5 @@
-"""Drawings that explain: [MZ] fig. 1, the sweep along a principal component, and fig. 4, membership at a border; and
-the numbers of an overlap."""
+"""Explanatory drawings: [MZ] fig. 1, the sweep along a principal component; fig. 4, membership at a border; and the
+numbers that describe an overlap."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -24,7 +24,7 @@ def intervals_overlap(a, b):
 
 @plot
 def sweep_direction(_, theme):
-    """[MZ] fig. 1: the same triangles, along x and along the first principal component of their centroids."""
+    """Draws [MZ] fig. 1: the same triangles, along x and along the first principal component of their centroids."""
     along = np.deg2rad(42)
     step = np.array([np.cos(along), np.sin(along)])
     across = np.array([-step[1], step[0]])
@@ -62,7 +62,7 @@ def sweep_direction(_, theme):
 
 @plot
 def overlap(_, theme):
-    """[MZ] fig. 4: two triangles that collide across the border between clusters, under two rules."""
+    """Draws [MZ] fig. 4: two triangles that collide across the border between clusters, under two rules."""
     a, b = triangle((-0.3, 0.25), 1.45, 0.85), triangle((0.42, -0.1), 0.3, 0.8)
     others = [triangle(c, t, 0.4) for c, t in (((-2.0, 1.0), 0.3), ((-2.2, -0.7), 1.1), ((-1.2, -1.25), 0.6),
                                                ((2.1, 0.9), 0.9), ((1.9, -1.0), 0.1), ((1.1, 1.3), 1.7))]
@@ -97,7 +97,7 @@ def arrow(ax, begin, end, colour, width=1.8, size=13):
 
 @plot
 def overlap_numbers(_, theme):
-    """A section through a ball and a box that overlap, as long as they are in the third direction: volume, centroid, area
+    """Draws a section through an overlapping ball and box that extend along the third direction: volume, centroid, area
     vector, normal and mean depth."""
     ball, radius, corner, size = np.array([0.0, 0.0]), 1.0, np.array([0.3, 0.05]), np.array([1.75, -1.55])
     # The arc of the ball inside the box, from its top side to its left side.
@@ -108,7 +108,7 @@ def overlap_numbers(_, theme):
     cross = x * np.roll(y, -1) - np.roll(x, -1) * y
     volume = cross.sum() / 2  # negative: clockwise
     centroid = ((region + np.roll(region, -1, axis=0)) * cross[:, None]).sum(0) / (6 * volume)
-    area = np.array([arc[0, 1] - arc[-1, 1], arc[-1, 0] - arc[0, 0]])  # the chord, turned by a right angle
+    area = np.array([arc[0, 1] - arc[-1, 1], arc[-1, 0] - arc[0, 0]])  # the chord, rotated by a right angle
     normal, depth = area / np.linalg.norm(area), abs(volume) / np.linalg.norm(area)
     along = np.array([-normal[1], normal[0]]) * np.linalg.norm(area) / 2
 

@@ -1,7 +1,7 @@
-"""Renderings, by pyvista without a screen: clusters coloured on models ([MZ] fig. 3), frames of the scenes (fig. 5).
+"""Off-screen renderings by PyVista: clusters coloured on models ([MZ] fig. 3), frames of the scenes (fig. 5).
 
-Meshes, parts and pairs come from crumple_benchmark --serve. Pictures are transparent and in middling tones, so that they read
-well on light and on dark pages. A renderer's bytes depend on its machine, so they are committed and not compared.
+Meshes, parts and pairs come from crumple_benchmark --serve. Pictures are transparent and in medium tones, so that they
+are readable on light and dark pages. Their bytes depend on the machine, so they are committed and not compared.
 """
 
 import io
@@ -22,7 +22,7 @@ OVERLAP, CLOTH, HIT, BALL, LABEL = "#555b64", "#8fa9c9", "#e5484d", "#b9a37c", "
 
 
 class Scene:
-    """A workload's mesh and answer."""
+    """Mesh and colliding triangles of a workload."""
 
     def __init__(self, benchmark, workload, parts=()):
         with tempfile.TemporaryDirectory() as folder:
@@ -52,7 +52,7 @@ def rgb(colour):
 
 
 def by_part(masks):
-    """A colour for each triangle; those of several parts are dark."""
+    """Returns a colour for each triangle; triangles of several parts are dark."""
     bits = (masks[:, None] >> np.arange(64, dtype=np.uint64) & np.uint64(1)).astype(bool)
     colours = np.array([rgb(c) for c in COLOURS], np.uint8)[bits.argmax(1) % len(COLOURS)]
     colours[bits.sum(1) > 1] = rgb(OVERLAP)
@@ -65,12 +65,12 @@ def polydata(scene):
 
 
 def bodies(scene):
-    """For each triangle, the number of its connected component."""
+    """Returns the number of the connected component of each triangle."""
     return polydata(scene).connectivity("all").cell_data["RegionId"]
 
 
 def by_hit(scene):
-    """What collides is red; the largest body, which is the cloth, has another colour than the rest."""
+    """Returns colours: red for colliding triangles, one colour for the largest body (the cloth), one for the rest."""
     body = bodies(scene)
     colours = np.array([rgb(BALL), rgb(CLOTH)], np.uint8)[(body == np.bincount(body).argmax()).astype(int)]
     colours[scene.hit] = rgb(HIT)
@@ -78,7 +78,7 @@ def by_hit(scene):
 
 
 def shown(scene):
-    """Without a ground: a body all of which lies flat at the very bottom."""
+    """Returns a mask of the triangles to show: all but a ground, a body that lies flat at the very bottom."""
     height = scene.vertices[scene.triangles][:, :, 2]
     low, high = height.min(), height.max()
     body = bodies(scene)
@@ -106,13 +106,13 @@ def render(scene, colours, size, zoom, box=None):
 
 
 def labelled(image, text):
-    """With a line of text in its lower left corner."""
+    """Adds a line of text in the lower left corner of an image."""
     ImageDraw.Draw(image).text((10, image.height - 24), text, fill=LABEL, font=ImageFont.load_default(15))
     return image
 
 
 def sheet(rows, path):
-    """Rows of pictures of one size, as a PNG of few colours."""
+    """Writes rows of pictures of one size as a PNG with a small palette."""
     width, height = rows[0][0].size
     picture = Image.new("RGBA", (width * max(map(len, rows)), height * len(rows)))
     for y, row in enumerate(rows):
@@ -125,7 +125,7 @@ def sheet(rows, path):
 
 
 def listed(benchmark):
-    """Scenes that the benchmark knows."""
+    """Returns the words of the benchmark's --list, which include its scenes."""
     return subprocess.run([benchmark, "--list"], capture_output=True, text=True, check=True).stdout.split()
 
 
@@ -134,7 +134,7 @@ def frames_of(benchmark, name, frames):
 
 
 def film(scenes, frames, zoom, box=None):
-    """A row of frames with their numbers."""
+    """Renders a row of frames with their numbers."""
     return [labelled(render(scene, by_hit(scene), SMALL, zoom, box), f"frame {frame}")
             for scene, frame in zip(scenes, frames)]
 

@@ -1,4 +1,4 @@
-"""Areas, lines and dots: time by stage, growth, parts, and the rules that the studies compare."""
+"""Area, line and dot plots: time by stage, growth, parts, and the rules that the studies compare."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -65,7 +65,7 @@ def growth(results, theme):
 
 
 def dot_panel(ax, rows_by_scene, value, theme):
-    """A row for each category and a dot for each scene."""
+    """Draws a row for each category and a dot for each scene."""
     for i, (name, rows) in enumerate(rows_by_scene.items()):
         shift = (i - (len(rows_by_scene) - 1) / 2) * 0.16
         ax.plot([value(row) for row in rows], np.arange(len(rows)) + shift, "o", markersize=4.5,
@@ -73,7 +73,7 @@ def dot_panel(ax, rows_by_scene, value, theme):
 
 
 def from_zero(ax, most):
-    """A logarithmic scale that holds 0."""
+    """Sets a logarithmic scale that includes 0."""
     ax.set_xscale("symlog", linthresh=1)
     ax.set_xlim(-0.3, 2 * max(1, most))
     ticks = [0, *(10**p for p in range(int(np.log10(max(1, most))) + 1))]

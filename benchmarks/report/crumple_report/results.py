@@ -1,11 +1,11 @@
-"""The figures of one benchmark run, and how to find them by name."""
+"""Figures of one benchmark run, and access to them by name."""
 
 import json
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[3]
 COMMITTED = TOP / "benchmarks/results/xeon-2-threads.json"
-# Folder beside those, of figures from a GPU: its name is the device's and the driver's.
+# Folder beside the committed figures, for figures from a GPU, named by device and driver.
 DEVICE = "h200-580.159"
 
 SCENES = {
@@ -34,12 +34,12 @@ def scene(workload):
 
 
 def plain(workload):
-    """The same without Markdown."""
+    """Returns the title of a workload without Markdown."""
     return scene(workload).strip("`")
 
 
 def digits(value):
-    """Three significant digits."""
+    """Formats a number with three significant digits."""
     if abs(value) >= 99.95:
         return f"{value:,.0f}"
     return f"{value:.3g}"
@@ -54,13 +54,13 @@ class Results:
         self.cuda_peers, self.cubql, self.machine = (self.of_device(f"{name}.json") for name in ("cuda_peers", "cubql", "machine"))
 
     def of_device(self, name):
-        """Returns a file of the device's folder, or None."""
+        """Returns the content of a file in the device's folder, or None."""
         path = self.path.parent / DEVICE / name
         return json.loads(path.read_text()) if path.exists() else None
 
     def device_figures(self):
-        """Merges the benchmark's runs on the device, cuda*.json, or returns None. Each row gets the number of frames that its
-        medians are of; of a scene that several runs measured, the one of most frames counts."""
+        """Merges the benchmark's runs on the device, cuda*.json; returns None if there are none. Each row gets the number
+        of its frames. If several runs measured a scene, the run with the most frames counts."""
         paths = [path for path in sorted((self.path.parent / DEVICE).glob("cuda*.json")) if path.stem != "cuda_peers"]
         runs = [json.loads(path.read_text()) for path in paths]
         if not runs:
@@ -81,15 +81,15 @@ class Results:
             "worlds": rows(lambda run: run.get("worlds", []))}
 
     def study(self, name):
-        """A study's figures, an empty list if it was not run."""
+        """Returns a study's figures; an empty list if it was not run."""
         return self.studies.get(name) or []
 
     def sizes(self):
-        """Those of the growth curve."""
+        """Returns the sizes of the growth curve."""
         return (self.study("growth") or {"sizes": []})["sizes"]
 
     def fastest(self, question, name):
-        """Of each workload with this question: the contest and the peer's fastest way, if it was raced."""
+        """Maps workloads with this question to the contest and the peer's fastest configuration, if it was raced."""
         found = {}
         for contest in self.data["contests"]:
             for way in contest["contestants"]:
@@ -98,7 +98,7 @@ class Results:
         return found
 
     def peers(self, question):
-        """Names of those that answered this question, in the order of their first contest."""
+        """Returns the names of the peers that ran this question, in the order of their first contest."""
         names = []
         for contest in self.data["contests"]:
             for way in contest["contestants"]:
@@ -113,11 +113,11 @@ class Results:
         return ""
 
     def in_one_process(self, contest):
-        """Whether peers ran in Crumple's own process; those from PyPI, in a later contest, do not."""
+        """True if peers ran in Crumple's own process; those from PyPI, in a later contest, do not."""
         return self.fastest(contest["question"], "crumple").get(contest["workload"], (None,))[0] is contest
 
     def busy(self, question=None, studies=()):
-        """A sentence about what was measured while others used the machine, or nothing."""
+        """Returns a sentence about measurements that other load disturbed, or an empty string."""
         measured = [(contest, ("" if self.in_one_process(contest) else "peers from PyPI, ") + scene(contest["workload"]))
                     for contest in self.data["contests"] if contest["question"] == question]
         measured += [(self.data["studies"].get(study, {}), f"`{study}`") for study in studies]
@@ -129,5 +129,5 @@ class Results:
         return f"Other load left {' and '.join(found)} of {every} cores free, so multi-threaded times are pessimistic."
 
     def sequences(self, least=3):
-        """Those of at least so many frames, by name."""
+        """Returns the sequences of at least so many frames, by name."""
         return {s["sequence"]: s for s in self.study("sequences") if len(s["frames"]) >= least}

@@ -1,6 +1,6 @@
-"""How plots look: two variants of each, for light and dark pages, transparent, text as text.
+"""Style of plots: two variants of each, for light and dark pages, transparent, with text stored as text.
 
-The same figures and the same matplotlib give the same bytes: no date, fixed ids, fonts that matplotlib brings along.
+The same figures and the same matplotlib give the same bytes: no date, fixed ids, fonts that matplotlib includes.
 """
 
 import io
@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.ticker import FuncFormatter, NullLocator  # noqa: E402
 
-# Every plot by name: a function from results and a theme to a figure, or None where nothing was measured.
+# Every plot by name: a function from results and a theme to a figure, or None if nothing was measured.
 PLOTS = {}
 
 
@@ -30,8 +30,8 @@ class Theme:
     grid: str
     surface: str
     accent: str  # crumple
-    other: str  # peers that give the whole answer
-    weak: str  # peers that give boxes only
+    other: str  # peers that compute the whole result
+    weak: str  # peers that compute boxes only
     series: tuple
 
 
@@ -81,18 +81,18 @@ def apply(theme):
 
 
 def save(figure, path, **how):
-    """Places axes, once and for all, to nine digits: the last ones of the solver's differ from run to run, and ids in an
-    SVG file are hashes of them."""
+    """Saves a figure, with axes positions rounded to nine digits: the last digits of the layout solver differ from run
+    to run, and ids in an SVG file are hashes of them."""
     how["format"] = path.suffix[1:]
     if path.suffix == ".svg":
         how["metadata"] = {"Date": None, "Creator": None}
-    figure.savefig(io.BytesIO(), **how)  # for this format's text, and so for its layout
+    figure.savefig(io.BytesIO(), **how)  # computes the layout, which depends on the format's text
     figure.set_layout_engine("none")
     for axes in figure.axes:
         axes.set_position([round(number, 9) for number in axes.get_position().bounds])
     figure.savefig(path, **how)
     plt.close(figure)
-    if path.suffix == ".svg":  # matplotlib leaves blanks at the ends of lines
+    if path.suffix == ".svg":  # matplotlib leaves trailing spaces
         path.write_text("".join(line.rstrip() + "\n" for line in path.read_text().splitlines()))
 
 
@@ -109,7 +109,7 @@ def readable(axis):
 
 
 def log_ticks(axis, most=6):
-    """Ticks at 1, 2 and 5 times powers of ten if there is room for them, else at powers alone."""
+    """Sets ticks at the densest of several multiples of powers of ten that give at most `most` ticks."""
     axis.set_minor_locator(NullLocator())
     low, high = sorted(axis.get_view_interval())
     powers = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)

@@ -1,4 +1,4 @@
-"""The tables of README.md and of docs/, but for those of docs/benchmarks_tables.md."""
+"""Tables of README.md and docs/, except for those of docs/benchmarks_tables.md and of GPU figures."""
 
 from statistics import mean
 
@@ -7,7 +7,7 @@ from .results import digits, scene
 
 
 def contest(results, question, peers):
-    """A row for each workload: crumple's time, then each peer's and its ratio."""
+    """Makes a row for each workload: crumple's time, then each peer's time and ratio."""
     ours = results.fastest(question, "crumple")
     theirs = {title: results.fastest(question, name) for name, title in peers.items() if name in results.peers(question)}
     rows = []
@@ -25,7 +25,7 @@ def contest(results, question, peers):
 
 
 def named(results, peer):
-    """With the first two numbers of its version."""
+    """Returns the peer's name with the first two numbers of its version."""
     return f"{peer} {'.'.join(results.version(peer).split('.')[:2])}"
 
 
@@ -82,13 +82,13 @@ def sequences(results):
 
 
 def best_fixed_axis(ways):
-    """The fastest of x, y and z; `ways` by direction."""
+    """Returns the fastest of x, y and z; `ways` by direction."""
     return min((ways[axis] for axis in "xyz"), key=lambda way: way["milliseconds"]["median"])
 
 
 @block("sweep direction", studies=["axes"])
 def sweep_direction(results):
-    """Time along principal components over that along the best fixed axis."""
+    """Makes a table of the time along principal components over that along the best fixed axis."""
     ratios = {}
     for figure in results.study("axes"):
         ways = {way["direction"]: way for way in figure["ways"]}
@@ -111,7 +111,7 @@ def whole_clusters(results):
 
 @block("prefix sum", studies=["two_clusters"])
 def prefix_sum(results):
-    """[MZ] fig. 2's prediction beside what survives and what is owned."""
+    """Makes a table of [MZ] fig. 2's predicted list, the overlaps that remain, and the detector's memory."""
     rows = []
     for figure in results.study("two_clusters"):
         cuts = {cut["cut"]: cut for cut in figure["cuts"]}
@@ -135,7 +135,7 @@ def simd(results):
 
 @block("option")
 def option(results, study):
-    """Times relative to the default: a row for each value, a column for each scene."""
+    """Makes a table of times relative to the default: a row for each value, a column for each scene."""
     figures = results.study(study)
     labels = [scene(figure["workload"].removesuffix(", new detector")) for figure in figures]
     rows = [[rows_of[0]["value"], *(f"{value['relative']['median']:.2f}" for value in rows_of)]
@@ -168,7 +168,7 @@ def pieces(results):
 
 @block("pairs")
 def pairs(results, sequence, *frames):
-    """Colliding pairs in some frames of a sequence."""
+    """Lists the colliding pairs in some frames of a sequence."""
     found = results.sequences().get(sequence)
     if not found:
         return ""
@@ -178,7 +178,7 @@ def pairs(results, sequence, *frames):
 
 @block("simulated")
 def simulated(results):
-    """Size and length of the sequences that are simulated."""
+    """Makes a table of the size and length of the simulated sequences."""
     known = results.sequences()
     found = [known[name] for name in ("cloth_on_ball", "funnel", "cutting") if name in known]
     rows = [[scene(s["sequence"]), len(s["frames"]), span(s["triangles"]), f"{max(s['pairs']):,}"] for s in found]
