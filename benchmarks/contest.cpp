@@ -60,10 +60,10 @@ Difference difference(const std::vector<Pair>& theirs, const std::vector<Pair>& 
 }
 
 /// Calls the contestant once more and returns its pairs, normalised.
-std::vector<Pair> answer(const Contestant& contestant, Question question) {
+std::vector<Pair> answer(const Contestant& contestant, Query query) {
     contestant.call();
     std::vector<Pair> pairs = contestant.pairs();
-    normalise(pairs, question);
+    normalise(pairs, query);
     return pairs;
 }
 
@@ -115,9 +115,9 @@ nlohmann::json contest(const Workload& workload, std::span<const std::string> pe
     }
 
     const std::size_t ours = best.front();
-    const bool yes_or_no = workload.question == Question::any;
-    const std::vector<Pair> pairs = yes_or_no ? std::vector<Pair>{} : answer(contestants[ours], workload.question);
-    const std::string heading = fmt::format("{} ({}, {}): {} triangles, ", workload.name, name_of(workload.question),
+    const bool yes_or_no = workload.query == Query::any;
+    const std::vector<Pair> pairs = yes_or_no ? std::vector<Pair>{} : answer(contestants[ours], workload.query);
+    const std::string heading = fmt::format("{} ({}, {}): {} triangles, ", workload.name, name_of(workload.query),
                                             workload.scalar(), workload.triangle_count());
     Table table(heading + (yes_or_no ? std::string("yes or no") : fmt::format("{} pairs", pairs.size())),
                 {"", "fastest way", "computes", "ms", "quartiles", "ratio", "quartiles", "missing", "extra"});
@@ -132,7 +132,7 @@ nlohmann::json contest(const Workload& workload, std::span<const std::string> pe
             std::string missing, extra;
             if (i != ours) entry["ratio"] = to_json(factor);
             if (i != ours && contestants[i].pairs) {
-                const Difference d = difference(answer(contestants[i], workload.question), pairs);
+                const Difference d = difference(answer(contestants[i], workload.query), pairs);
                 entry["missing"] = d.missing;
                 entry["extra"] = d.extra;
                 missing = std::to_string(d.missing);
@@ -147,7 +147,7 @@ nlohmann::json contest(const Workload& workload, std::span<const std::string> pe
     table.print();
     fmt::print("  {}\n", describe_processors(processors));
     return {{"processors_at_hand", processors},       {"workload", workload.name},
-            {"question", name_of(workload.question)}, {"scalar", workload.scalar()},
+            {"question", name_of(workload.query)},    {"scalar", workload.scalar()},
             {"triangles", workload.triangle_count()}, {"pairs", pairs.size()},
             {"contestants", std::move(entries)}};
 }

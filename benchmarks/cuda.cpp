@@ -174,7 +174,7 @@ nlohmann::json counts(const Statistics& s) {
 
 nlohmann::json measure(const Settings& settings, const std::string& scene, Table& table) {
     const Workload workload = load(scene);
-    if (workload.question != Question::self) throw std::runtime_error(scene + " is no soup against itself");
+    if (workload.query != Query::self) throw std::runtime_error(scene + " is no soup against itself");
     const MeshView host = workload.a.view();
     Simulation simulation(workload.a);
     Detector detector(settings.options()), other(settings.options()), cpu({.backend = Backend::cpu});
@@ -273,7 +273,7 @@ nlohmann::json dump(const Workload& workload, const Intersections& found, const 
     write(folder + "/triangles", std::span(workload.a.triangles));
     write(folder + "/pairs", std::span(found.pairs.begin(), found.pairs.end()));
     return {{"workload", workload.name},
-            {"question", name_of(workload.question)},
+            {"question", name_of(workload.query)},
             {"scalar", workload.scalar()},
             {"triangles", workload.triangle_count()},
             {"pairs", found.pairs.size()}};

@@ -16,14 +16,14 @@ namespace crumple::benchmark {
 namespace {
 
 /// Times steps; sets `differs` if the result of any of them is not the expected one.
-Summary steps_on_device(const Options& options, int frames, const World& world, const IntersectionQuery& question,
+Summary steps_on_device(const Options& options, int frames, const World& world, const IntersectionQuery& query,
                         const Intersections& expected, bool& differs) {
     const DeviceArray poses(world.poses.data(), world.poses.size_bytes());
     World there = world;
     there.poses = {};
     there.device_poses = {static_cast<const Pose*>(poses.data()), static_cast<std::int64_t>(world.poses.size())};
     Detector detector(options);
-    const auto step = [&] { differs |= detector.launch(there, question).wait().any != expected.any; };
+    const auto step = [&] { differs |= detector.launch(there, query).wait().any != expected.any; };
     for (int warm_up = 0; warm_up < 4; ++warm_up) step();
     return repeated(frames, step);
 }
@@ -54,21 +54,21 @@ void measure_worlds(int count, const Options& options, int frames, Table& table,
     }
     const World world{shapes, bodies, poses};
     for (const auto& [name, wants] : {std::pair{"flags", Output::any_by_world}, std::pair{"pairs", Output::pairs}}) {
-        const IntersectionQuery question{.output = wants};
+        const IntersectionQuery query{.output = wants};
         Detector detector(options), cpu({.backend = Backend::cpu});
-        const double first = milliseconds_of([&] { detector.find(world, question); });
+        const double first = milliseconds_of([&] { detector.find(world, query); });
         const Intersections* expected = nullptr;
-        const double on_cpu = milliseconds_of([&] { expected = &cpu.find(world, question); });
-        const Intersections& found = detector.find(world, question);
+        const double on_cpu = milliseconds_of([&] { expected = &cpu.find(world, query); });
+        const Intersections& found = detector.find(world, query);
         std::string wrong = array_difference("world flags", found.world_hit, expected->world_hit) +
                             array_difference("pairs", found.pairs, expected->pairs);
         const auto hits = std::count(found.world_hit.begin(), found.world_hit.end(), 1);
         const std::int64_t triangles = found.statistics.triangles, pairs = found.count;
         const double stages = std::accumulate(found.statistics.stage_milliseconds.begin(),
                                               found.statistics.stage_milliseconds.end(), 0.0);
-        const Summary times = repeated(std::min(5, frames), [&] { detector.find(world, question); });
+        const Summary times = repeated(std::min(5, frames), [&] { detector.find(world, query); });
         bool differs = false;
-        const Summary steps = steps_on_device(options, frames, world, question, *expected, differs);
+        const Summary steps = steps_on_device(options, frames, world, query, *expected, differs);
         if (differs) wrong += "steps on the device differ. ";
         table.row({name, std::to_string(count), std::to_string(triangles), std::to_string(hits), std::to_string(pairs),
                    number(steps.median), number(times.median), range(times),

@@ -33,7 +33,7 @@ struct Work {
 struct LeastWork {
     std::array<Work, stage_count> stage;
     int beside = 0;  ///< nodes that warm-start the next frame: fuzzy C-means and places of each level, frames
-    Work frame;      ///< all stages, and the clearing and reading of counters before and after them
+    Work frame;      ///< all stages, and counters cleared and read before and after them
 };
 LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& counted);
 

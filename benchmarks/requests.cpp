@@ -23,12 +23,12 @@ void write(const std::string& path, const std::vector<T>& values) {
 nlohmann::json dump(const Workload& workload, const Contestant& contestant, const std::string& folder) {
     std::visit([&](const auto& values) { write(folder + "/vertices", values); }, workload.a.vertices);
     write(folder + "/triangles", workload.a.triangles);
-    if (workload.question == Question::between) {
+    if (workload.query == Query::between) {
         std::visit([&](const auto& values) { write(folder + "/vertices_b", values); }, workload.b.vertices);
         write(folder + "/triangles_b", workload.b.triangles);
     }
     nlohmann::json description{{"workload", workload.name},
-                               {"question", name_of(workload.question)},
+                               {"question", name_of(workload.query)},
                                {"scalar", workload.scalar()},
                                {"scalar_b", workload.b.precision() == ScalarType::float32 ? "float32" : "float64"},
                                {"triangles", workload.triangle_count()}};

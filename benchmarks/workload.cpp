@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 struct RealScene {
     const char* name;
-    Question question;
+    Query query;
     const char *a, *b;
     io::Precision precision;
 };
@@ -23,18 +23,18 @@ struct RealScene {
 constexpr auto as_in_file = io::Precision::automatic;
 constexpr auto float32 = io::Precision::float32;
 constexpr std::array known{
-    RealScene{"cloth_ball92", Question::self, "scalable-ccd/cloth-ball/frames/cloth_ball92.ply", "", as_in_file},
-    RealScene{"balls16_18", Question::self, "scalable-ccd/n-body-simulation/frames/balls16_18.ply", "", as_in_file},
-    RealScene{"227", Question::self, "scalable-ccd/cloth-funnel/frames/227.ply", "", as_in_file},
-    RealScene{"Generic_Twin_right", Question::self, "meshes/Generic_Twin_right.obj", "", float32},
-    RealScene{"ember_016", Question::between, "thingi10k-ember/case016_a_88566.ply",
-              "thingi10k-ember/case016_b_58011.ply", as_in_file},
-    RealScene{"ember_260", Question::between, "thingi10k-ember/case260_a_908460.ply",
+    RealScene{"cloth_ball92", Query::self, "scalable-ccd/cloth-ball/frames/cloth_ball92.ply", "", as_in_file},
+    RealScene{"balls16_18", Query::self, "scalable-ccd/n-body-simulation/frames/balls16_18.ply", "", as_in_file},
+    RealScene{"227", Query::self, "scalable-ccd/cloth-funnel/frames/227.ply", "", as_in_file},
+    RealScene{"Generic_Twin_right", Query::self, "meshes/Generic_Twin_right.obj", "", float32},
+    RealScene{"ember_016", Query::between, "thingi10k-ember/case016_a_88566.ply", "thingi10k-ember/case016_b_58011.ply",
+              as_in_file},
+    RealScene{"ember_260", Query::between, "thingi10k-ember/case260_a_908460.ply",
               "thingi10k-ember/case260_b_73416.ply", as_in_file},
-    RealScene{"ember_406", Question::between, "thingi10k-ember/case406_a_1063852.ply",
+    RealScene{"ember_406", Query::between, "thingi10k-ember/case406_a_1063852.ply",
               "thingi10k-ember/case406_b_72214.ply", as_in_file},
-    RealScene{"bunny_69k", Question::any, "meshes/bunny_69k.obj", "", as_in_file},
-    RealScene{"armadillo_86k", Question::any, "meshes/armadillo_86k.obj", "", as_in_file},
+    RealScene{"bunny_69k", Query::any, "meshes/bunny_69k.obj", "", as_in_file},
+    RealScene{"armadillo_86k", Query::any, "meshes/armadillo_86k.obj", "", as_in_file},
 };
 
 bool starts_with(std::string& name, std::string_view prefix) {
@@ -80,32 +80,32 @@ std::pair<std::string, scenes::Parameters> parse(const std::string& name) {
     return {scene, parameters};
 }
 
-std::string_view name_of(Question question) {
+std::string_view name_of(Query query) {
     constexpr std::array names{"self", "between", "any"};
-    return names[static_cast<std::size_t>(question)];
+    return names[static_cast<std::size_t>(query)];
 }
 
 Workload load(const std::string& name) {
-    Workload workload{name, Question::self, {}, {}};
+    Workload workload{name, Query::self, {}, {}};
     std::string scene = name;
     const bool any = starts_with(scene, "any:"), between = !any && starts_with(scene, "between:");
     const auto real = std::find_if(known.begin(), known.end(), [&](const RealScene& r) { return scene == r.name; });
     if (real != known.end()) {
         const io::ReadOptions options{.precision = real->precision};
-        workload.question = real->question;
+        workload.query = real->query;
         workload.a = io::read_mesh(data_folder() / real->a, options);
         if (*real->b) workload.b = io::read_mesh(data_folder() / real->b, options);
     } else {
         const auto [procedural, parameters] = parse(scene);
         workload.a = scenes::make(procedural, parameters);
         if (between) {
-            workload.question = Question::between;
+            workload.query = Query::between;
             workload.b = groups_of(workload.a, 1);
             workload.a = groups_of(workload.a, 0);
         }
         workload.a.groups.clear();
     }
-    if (any) workload.question = Question::any;
+    if (any) workload.query = Query::any;
     return workload;
 }
 
@@ -133,8 +133,8 @@ std::vector<std::string> quick_scenes() {
     return {"cloth_ball92", "227", "ember_406", "bunny_69k"};
 }
 
-void normalise(std::vector<Pair>& pairs, Question question) {
-    if (question != Question::between) {
+void normalise(std::vector<Pair>& pairs, Query query) {
+    if (query != Query::between) {
         std::erase_if(pairs, [](const Pair& pair) { return pair.a == pair.b; });
         for (Pair& pair : pairs)
             if (pair.a > pair.b) std::swap(pair.a, pair.b);

@@ -20,16 +20,16 @@
 
 namespace crumple::benchmark {
 
-enum class Question : std::uint8_t {
+enum class Query : std::uint8_t {
     self,     ///< all colliding pairs of one soup
     between,  ///< all colliding pairs of a triangle of `a` and a triangle of `b`
     any,      ///< only if any two triangles of one soup collide
 };
-std::string_view name_of(Question question);
+std::string_view name_of(Query query);
 
 struct Workload {
     std::string name;
-    Question question = Question::self;
+    Query query = Query::self;
     io::TriangleMesh a, b;  ///< `b` is empty unless `question` is `between`
 
     std::int64_t triangle_count() const { return a.triangle_count() + b.triangle_count(); }
@@ -67,6 +67,6 @@ std::vector<Scalar> coordinates(const io::TriangleMesh& mesh) {
 
 /// Sorts pairs and removes repetitions. If the query is about one soup, also orders each pair (a < b) and removes pairs
 /// of a triangle with itself.
-void normalise(std::vector<Pair>& pairs, Question question);
+void normalise(std::vector<Pair>& pairs, Query query);
 
 }  // namespace crumple::benchmark

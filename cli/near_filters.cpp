@@ -60,7 +60,7 @@ NearFilters::NearFilters(const NearFilterOptions& options, Input& input, const Q
     if (!options.radii.empty()) radii_ = read_radii(options.radii, input.first.vertex_count());
     if (options.rest.empty()) return;
     rest_ = read_mesh(options.rest, query_options);
-    bring_to_one_unit(input.name, input.first, options.rest, rest_, query_options);
+    convert_to_one_unit(input.name, input.first, options.rest, rest_, query_options);
     check_same_faces(input, options.rest, rest_);
 }
 

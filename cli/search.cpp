@@ -93,8 +93,8 @@ io::TriangleMesh read_mesh(const std::string& path, const ReadingOptions& option
     return read(path, read_options(options));
 }
 
-void bring_to_one_unit(const std::string& file, io::TriangleMesh& mesh, const std::string& second_file,
-                       io::TriangleMesh& second, const ReadingOptions& options) {
+void convert_to_one_unit(const std::string& file, io::TriangleMesh& mesh, const std::string& second_file,
+                         io::TriangleMesh& second, const ReadingOptions& options) {
     CommonUnit unit(options.strict);
     unit.apply(file, mesh);
     unit.apply(second_file, second);
@@ -110,7 +110,7 @@ Input read_input(const std::vector<std::string>& files, const QueryOptions& opti
     if (files.size() > 1) {
         input.name += ", " + files[1];
         input.second = read_with_groups(files[1], how);
-        bring_to_one_unit(files[0], input.first, files[1], *input.second, options);
+        convert_to_one_unit(files[0], input.first, files[1], *input.second, options);
     }
     if (source == GroupSource::components) group_by_components(input);
     if (source == GroupSource::file) group_by_file(input, options.groups);
@@ -186,13 +186,13 @@ MovingInput read_moving_input(const std::string& start, const std::string& end, 
     check_standard_input({start, end});
     const QueryOptions reading = reading_of_motion(options);
     MovingInput input{read_input({start}, reading), read_mesh(end, reading)};
-    bring_to_one_unit(start, input.start.first, end, input.end, options);
+    convert_to_one_unit(start, input.start.first, end, input.end, options);
     check_same_faces(input.start, end, input.end);
     input.start.name += " to " + end;
     return input;
 }
 
-StepOrRest read_step_or_rest(const std::string& start, const std::string& end, const QueryOptions& options) {
+StepOrStatic read_step_or_static(const std::string& start, const std::string& end, const QueryOptions& options) {
     if (end.empty()) return {read_input({start}, reading_of_motion(options)), {}};
     MovingInput step = read_moving_input(start, end, options);
     return {std::move(step.start), std::move(step.end)};
@@ -253,9 +253,9 @@ decltype(auto) named(const std::string& name, Work work) {
 }
 
 /// View of a mesh whose lines and points, if it has any, count as edges and points.
-class ListedView {
+class CodimensionalView {
    public:
-    explicit ListedView(const io::TriangleMesh& mesh) : view_(mesh.view()) {
+    explicit CodimensionalView(const io::TriangleMesh& mesh) : view_(mesh.view()) {
         if (mesh.lines.empty() && mesh.points.empty()) return;
         features_ = io::features_of(mesh);
         view_.edges = features_.edges;
@@ -273,9 +273,9 @@ class ListedView {
 template <class Work>
 decltype(auto) on_scene(const Input& input, const io::TriangleMesh* end, Work work) {
     return named(input.name, [&]() -> decltype(auto) {
-        const ListedView first(input.first);
+        const CodimensionalView first(input.first);
         if (!input.second) return work(Scene(end ? first.view().moving_to(end->view().vertices) : first.view()));
-        const ListedView second(*input.second);
+        const CodimensionalView second(*input.second);
         return work(Scene(first.view(), second.view()));
     });
 }

@@ -35,8 +35,8 @@ io::ReadOptions read_options(const ReadingOptions& options);
 io::TriangleMesh read_mesh(const std::string& path, const ReadingOptions& options);
 
 /// Converts the second mesh to the unit of the first, and prints a note.
-void bring_to_one_unit(const std::string& file, io::TriangleMesh& mesh, const std::string& second_file,
-                       io::TriangleMesh& second, const ReadingOptions& options);
+void convert_to_one_unit(const std::string& file, io::TriangleMesh& mesh, const std::string& second_file,
+                         io::TriangleMesh& second, const ReadingOptions& options);
 
 /// Reads one file or two. Throws Error that names the file and the place.
 Input read_input(const std::vector<std::string>& files, const QueryOptions& options);
@@ -65,7 +65,7 @@ QueryOptions with_lines_and_points(QueryOptions options);
 MovingInput read_moving_input(const std::string& start, const std::string& end, const QueryOptions& options);
 
 /// A mesh, and optionally the same one at the end of a step.
-struct StepOrRest {
+struct StepOrStatic {
     Input start;
     std::optional<io::TriangleMesh> end;
 
@@ -73,7 +73,7 @@ struct StepOrRest {
 };
 /// Reads both meshes, or if `end` is empty the first one, in the same way as with an `end`. Throws as read_moving_input
 /// does.
-StepOrRest read_step_or_rest(const std::string& start, const std::string& end, const QueryOptions& options);
+StepOrStatic read_step_or_static(const std::string& start, const std::string& end, const QueryOptions& options);
 
 /// Makes offsets and hit flags of all triangles. `second_triangles`: 0 for one mesh.
 void index_by_triangle(Intersections& found, std::int64_t triangles, std::int64_t second_triangles);

@@ -144,7 +144,7 @@ std::size_t run(int cells, int frames, const std::string& output) {
     std::printf("frame  contacts  free share  held back  colliding pairs       ms\n");
     std::size_t intersecting = 0;
     for (int frame = 1; frame <= frames; ++frame) {
-        drape.advance(frame, [&](const scenes::StepTaken& step) {
+        drape.advance(frame, [&](const scenes::StepLength& step) {
             // The result belongs to the detector and is valid until its next call.
             const Intersections& found = detector.find(drape.view());
             std::printf("%5d  %8zu  %10.4f  %9zu  %15zu  %7.2f\n", frame, step.contacts, step.toi, step.held_back,

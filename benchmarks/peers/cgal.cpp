@@ -48,7 +48,7 @@ template <class Concurrency>
 void add(const Workload& workload, const std::shared_ptr<State>& state, std::string way,
          std::vector<Contestant>& contestants) {
     Contestant contestant{"CGAL", std::move(way), "exact pairs", {}, {}};
-    if (workload.question == Question::any) {
+    if (workload.query == Query::any) {
         contestant.computes = "exact yes or no";
         contestant.call = [state] { pmp::does_self_intersect<Concurrency>(state->mesh); };
     } else {
@@ -70,7 +70,7 @@ void add(const Workload& workload, const std::shared_ptr<State>& state, std::str
 
 std::vector<Contestant> cgal_contestants(const Workload& workload) {
     std::vector<Contestant> contestants;
-    if (workload.question == Question::between) return contestants;
+    if (workload.query == Query::between) return contestants;
     const auto state = std::make_shared<State>();
     bool repaired = false;
     state->mesh = surface_mesh(workload.a, repaired);

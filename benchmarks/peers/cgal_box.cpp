@@ -58,7 +58,7 @@ struct Input {
 template <class Handle, class Concurrency>
 class Collider {
    public:
-    explicit Collider(const Workload& workload) : question_(workload.question), a_(workload.a), b_(workload.b) {}
+    explicit Collider(const Workload& workload) : question_(workload.query), a_(workload.a), b_(workload.b) {}
 
     void operator()() {
         for (auto& list : found_) list.clear();
@@ -66,7 +66,7 @@ class Collider {
             found_.local().push_back({box(a).info(), box(b).info()});
         };
         std::vector<Handle>& a = a_.make_boxes();
-        if (question_ == Question::self) {
+        if (question_ == Query::self) {
             CGAL::box_self_intersection_d<Concurrency>(a.begin(), a.end(), report);
         } else {
             std::vector<Handle>& b = b_.make_boxes();
@@ -81,7 +81,7 @@ class Collider {
     }
 
    private:
-    Question question_;
+    Query question_;
     Input<Handle> a_, b_;
     tbb::enumerable_thread_specific<std::vector<Pair>> found_;
 };
@@ -97,7 +97,7 @@ void add(const Workload& workload, std::string way, std::vector<Contestant>& con
 
 std::vector<Contestant> cgal_box_contestants(const Workload& workload) {
     std::vector<Contestant> contestants;
-    if (workload.question == Question::any) return contestants;
+    if (workload.query == Query::any) return contestants;
     add<Box, CGAL::Sequential_tag>(workload, "sequential, values", contestants);
     add<const Box*, CGAL::Sequential_tag>(workload, "sequential, pointers", contestants);
     add<Box, CGAL::Parallel_tag>(workload, "parallel, values", contestants);

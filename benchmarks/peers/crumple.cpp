@@ -14,11 +14,11 @@ std::vector<Contestant> crumple_contestants(const Workload& workload) {
         const auto answer = std::make_shared<const Intersections*>(nullptr);
         const MeshView a = workload.a.view(), b = workload.b.view();
         Contestant contestant{"crumple", threads == 1 ? "1 thread" : "all threads", "exact pairs, sorted", {}, {}};
-        if (workload.question == Question::any) {
+        if (workload.query == Query::any) {
             contestant.computes = "exact yes or no";
             contestant.call = [=] { detector->any(a); };
         } else {
-            const bool self = workload.question == Question::self;
+            const bool self = workload.query == Query::self;
             contestant.call = [=] { *answer = self ? &detector->find(a) : &detector->find({a, b}); };
             contestant.pairs = [=] { return std::vector<Pair>((*answer)->pairs.begin(), (*answer)->pairs.end()); };
         }

@@ -82,7 +82,7 @@ class Collider {
    public:
     explicit Collider(const Workload& workload) : device_(rtcNewDevice("")) {
         add(workload.a);
-        if (workload.question == Question::between) add(workload.b);
+        if (workload.query == Query::between) add(workload.b);
     }
     Collider(const Collider&) = delete;
     Collider& operator=(const Collider&) = delete;
@@ -131,7 +131,7 @@ class Collider {
 
 std::vector<Contestant> embree_contestants(const Workload& workload) {
     std::vector<Contestant> contestants;
-    if (workload.question == Question::any) return contestants;
+    if (workload.query == Query::any) return contestants;
     const auto collider = std::make_shared<Collider>(workload);
     const auto pairs = [=] { return collider->pairs(); };
     const auto one_thread = [=] {

@@ -102,7 +102,7 @@ void add_volumes(const Workload& workload, std::vector<Contestant>& contestants)
 
 std::vector<Contestant> fcl_contestants(const Workload& workload) {
     std::vector<Contestant> contestants;
-    if (workload.question != Question::between) return contestants;
+    if (workload.query != Query::between) return contestants;
     add_volumes<double>(workload, contestants);
     add_volumes<float>(workload, contestants);
     return contestants;

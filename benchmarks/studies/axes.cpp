@@ -108,7 +108,7 @@ Counts sweep(const std::vector<const Primitive*>& members, const Way& way) {
 
 /// Returns the mesh of a workload; if it has two, both in one.
 io::TriangleMesh one_soup(const Workload& workload) {
-    if (workload.question != Question::between) return workload.a;
+    if (workload.query != Query::between) return workload.a;
     std::vector<double> vertices = coordinates<double>(workload.a);
     const auto offset = static_cast<std::int32_t>(vertices.size() / 3);
     const std::vector<double> others = coordinates<double>(workload.b);

@@ -11,25 +11,25 @@
 namespace crumple::benchmark {
 namespace {
 
-nlohmann::json grow(const std::string& scene, FeatureQuestion question, const std::vector<int>& sizes,
+nlohmann::json grow(const std::string& scene, FeatureQuestion query, const std::vector<int>& sizes,
                     const Effort& effort) {
     const std::vector<FeatureWay> ways = feature_ways();
     std::vector<std::string> header{"triangles", "box overlaps", "found"};
     for (const FeatureWay& way : ways) header.push_back(way.name + ", ms");
     for (const char* name : {"ns a triangle", "speed-up", "peak, MiB", "without answer, bytes a triangle"})
         header.emplace_back(name);
-    Table table(fmt::format("growth of {}: {}", name_of(question), scene), header);
+    Table table(fmt::format("growth of {}: {}", name_of(query), scene), header);
     nlohmann::json rows = nlohmann::json::array();
     std::vector<double> triangles;
     std::vector<std::vector<double>> medians(ways.size());
     for (const int size : sizes) {
         const Step step = load_step(fmt::format("{}:{}", scene, size));
-        const FeatureMemory memory = memory_of(step, question);
+        const FeatureMemory memory = memory_of(step, query);
         std::vector<Contestant> contestants;
-        for (const FeatureWay& way : ways) contestants.push_back(asks(way.options, step, question, way.name));
+        for (const FeatureWay& way : ways) contestants.push_back(asks(way.options, step, query, way.name));
         const std::vector<Times> times = race(contestants, effort);
         Detector detector;
-        const Statistics counts = ask(detector, step, question);
+        const Statistics counts = ask(detector, step, query);
         const auto n = static_cast<double>(step.start.triangle_count());
         const double bytes = static_cast<double>(memory.peak - memory.answer) / n;
         triangles.push_back(n);
@@ -58,7 +58,7 @@ nlohmann::json grow(const std::string& scene, FeatureQuestion question, const st
         exponents[ways[w].name] = exponent(triangles, medians[w]);
         fmt::print("  time ~ triangles^{:.3f}, {}\n", exponents[ways[w].name].get<double>(), ways[w].name);
     }
-    return {{"question", name_of(question)}, {"scene", scene}, {"sizes", rows}, {"exponents", exponents}};
+    return {{"question", name_of(query)}, {"scene", scene}, {"sizes", rows}, {"exponents", exponents}};
 }
 
 }  // namespace
@@ -68,8 +68,7 @@ nlohmann::json study_feature_growth(const StudySettings& settings) {
     if (!settings.quick) sizes.insert(sizes.end(), {300'000, 1'000'000, 2'000'000});
     const std::string scene = settings.scenes.empty() ? "cloth" : settings.scenes.front();
     nlohmann::json rows = nlohmann::json::array();
-    for (const FeatureQuestion question : feature_questions)
-        rows.push_back(grow(scene, question, sizes, settings.effort));
+    for (const FeatureQuestion query : feature_questions) rows.push_back(grow(scene, query, sizes, settings.effort));
     return rows;
 }
 

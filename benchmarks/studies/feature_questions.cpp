@@ -29,18 +29,18 @@ FeatureMemory memory_of(const Answer& answer) {
 
 }  // namespace
 
-const Statistics& ask(Detector& detector, const Step& step, FeatureQuestion question) {
-    return question == FeatureQuestion::motion ? impacts(detector, step).statistics : nearby(detector, step).statistics;
+const Statistics& ask(Detector& detector, const Step& step, FeatureQuestion query) {
+    return query == FeatureQuestion::motion ? impacts(detector, step).statistics : nearby(detector, step).statistics;
 }
 
-Contestant asks(const Options& options, const Step& step, FeatureQuestion question, std::string name) {
+Contestant asks(const Options& options, const Step& step, FeatureQuestion query, std::string name) {
     const auto detector = std::make_shared<Detector>(options);
-    return {std::move(name), "", "", [=, &step] { ask(*detector, step, question); }, {}};
+    return {std::move(name), "", "", [=, &step] { ask(*detector, step, query); }, {}};
 }
 
-FeatureMemory memory_of(const Step& step, FeatureQuestion question) {
+FeatureMemory memory_of(const Step& step, FeatureQuestion query) {
     Detector detector;
-    return question == FeatureQuestion::motion ? memory_of(impacts(detector, step)) : memory_of(nearby(detector, step));
+    return query == FeatureQuestion::motion ? memory_of(impacts(detector, step)) : memory_of(nearby(detector, step));
 }
 
 std::vector<FeatureWay> feature_ways() {

@@ -11,19 +11,19 @@ namespace crumple::benchmark {
 namespace {
 
 /// Measures median milliseconds of each stage and of the whole over `calls`, and the counts.
-nlohmann::json stages(const Step& step, FeatureQuestion question, int calls, Table& times, Table& counts) {
+nlohmann::json stages(const Step& step, FeatureQuestion query, int calls, Table& times, Table& counts) {
     Detector detector({.threads = 1});
     std::array<std::vector<double>, stage_count> stage;
     std::vector<double> totals;
     Statistics last;
     for (int call = 0; call <= calls; ++call) {
-        last = ask(detector, step, question);
+        last = ask(detector, step, query);
         if (call == 0) continue;  // not warm
         for (std::size_t s = 0; s < stage.size(); ++s) stage[s].push_back(last.stage_milliseconds[s]);
         totals.push_back(last.milliseconds);
     }
-    const std::string label = fmt::format("{}: {}", step.name, name_of(question));
-    nlohmann::json row{{"step", step.name}, {"question", name_of(question)}, {"simd", last.simd}};
+    const std::string label = fmt::format("{}: {}", step.name, name_of(query));
+    nlohmann::json row{{"step", step.name}, {"question", name_of(query)}, {"simd", last.simd}};
     std::vector<std::string> cells{label};
     for (std::size_t s = 0; s < stage.size(); ++s) {
         const double median = summarise(stage[s]).median;
@@ -48,12 +48,12 @@ nlohmann::json stages(const Step& step, FeatureQuestion question, int calls, Tab
     return row;
 }
 
-nlohmann::json ways(const Step& step, FeatureQuestion question, const Effort& effort) {
+nlohmann::json ways(const Step& step, FeatureQuestion query, const Effort& effort) {
     const std::vector<FeatureWay> all = feature_ways();
     std::vector<Contestant> contestants;
-    for (const FeatureWay& way : all) contestants.push_back(asks(way.options, step, question, way.name));
+    for (const FeatureWay& way : all) contestants.push_back(asks(way.options, step, query, way.name));
     const std::vector<Times> times = race(contestants, effort);
-    Table table(fmt::format("{}: {}", step.name, name_of(question)), {"way", "ms", "quartiles", "times 1 thread"});
+    Table table(fmt::format("{}: {}", step.name, name_of(query)), {"way", "ms", "quartiles", "times 1 thread"});
     nlohmann::json rows = nlohmann::json::array();
     for (std::size_t i = 0; i < all.size(); ++i) {
         const Summary time = times[i].summary(), relative = ratio(times[i], times[0]);
@@ -77,9 +77,9 @@ nlohmann::json study_features(const StudySettings& settings) {
     nlohmann::json rows = nlohmann::json::array();
     for (const std::string& name : names) {
         const Step step = load_step(name);
-        for (const FeatureQuestion question : feature_questions) {
-            rows.push_back(stages(step, question, settings.effort.rounds, times, counts));
-            rows.back()["ways"] = ways(step, question, settings.effort);
+        for (const FeatureQuestion query : feature_questions) {
+            rows.push_back(stages(step, query, settings.effort.rounds, times, counts));
+            rows.back()["ways"] = ways(step, query, settings.effort);
         }
     }
     times.print();

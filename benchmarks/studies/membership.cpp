@@ -150,7 +150,7 @@ struct Parts {
             const auto id = [&](std::int32_t t) { return part.triangles[static_cast<std::size_t>(t)]; };
             for (const Pair& pair : part.detector.find(part.mesh.view()).pairs) all.push_back({id(pair.a), id(pair.b)});
         }
-        normalise(all, Question::self);
+        normalise(all, Query::self);
         return all;
     }
 };

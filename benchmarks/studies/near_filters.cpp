@@ -15,7 +15,7 @@ namespace {
 
 struct Asked {
     std::string name;
-    ProximityQuery question;
+    ProximityQuery query;
 };
 
 /// Returns radii from an eighth of `most` to all of it, the same on every machine.
@@ -42,14 +42,14 @@ nlohmann::json study(const Step& step, const Effort& effort) {
     for (const Asked& asked : all) {
         const auto detector = std::make_shared<Detector>(Options{.threads = 1});
         detectors.push_back(detector);
-        contestants.push_back({asked.name, "", "", [=] { detector->find(mesh, asked.question); }, {}});
+        contestants.push_back({asked.name, "", "", [=] { detector->find(mesh, asked.query); }, {}});
     }
     const std::vector<Times> times = race(contestants, effort);
     Table table(step.name, {"asked", "ms", "quartiles", "times one radius", "found"});
     nlohmann::json rows = nlohmann::json::array();
     for (std::size_t i = 0; i < all.size(); ++i) {
         const Summary time = times[i].summary(), relative = ratio(times[i], times[0]);
-        const std::int64_t found = detectors[i]->find(mesh, all[i].question).count;
+        const std::int64_t found = detectors[i]->find(mesh, all[i].query).count;
         table.row({all[i].name, number(time.median), range(time), number(relative.median), std::to_string(found)});
         rows.push_back({{"asked", all[i].name},
                         {"milliseconds", to_json(time)},

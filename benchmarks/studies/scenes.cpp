@@ -51,9 +51,8 @@ std::vector<Way> ways_here() {
 std::int64_t peak_memory(const Options& options, const Workload& workload) {
     Detector detector(options);
     const MeshView a = workload.a.view(), b = workload.b.view();
-    if (workload.question == Question::any) return 0;  // any() returns no statistics
-    return (workload.question == Question::between ? detector.find({a, b}) : detector.find(a))
-        .statistics.peak_memory_bytes;
+    if (workload.query == Query::any) return 0;  // any() returns no statistics
+    return (workload.query == Query::between ? detector.find({a, b}) : detector.find(a)).statistics.peak_memory_bytes;
 }
 
 }  // namespace
@@ -79,7 +78,7 @@ nlohmann::json study_scenes(const StudySettings& settings) {
                                    {}});
         }
         const std::vector<Times> times = race(contestants, settings.effort);
-        Table table(fmt::format("{} ({}): {} triangles", name, name_of(workload.question), workload.triangle_count()),
+        Table table(fmt::format("{} ({}): {} triangles", name, name_of(workload.query), workload.triangle_count()),
                     {"backend", "instructions", "threads", "warm, ms", "quartiles", "99th percentile", "cold, ms",
                      "quartiles", "peak, MiB"});
         nlohmann::json values = nlohmann::json::array();
@@ -98,7 +97,7 @@ nlohmann::json study_scenes(const StudySettings& settings) {
         }
         table.print();
         rows.push_back({{"workload", name},
-                        {"question", name_of(workload.question)},
+                        {"question", name_of(workload.query)},
                         {"scalar", workload.scalar()},
                         {"triangles", workload.triangle_count()},
                         {"ways", std::move(values)}});

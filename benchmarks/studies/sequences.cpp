@@ -181,7 +181,7 @@ nlohmann::json peers_on(const Sequence& sequence, const std::vector<std::size_t>
     };
     std::vector<Way> ways;
     for (const std::size_t f : frames) {
-        const Workload workload{sequence.name, Question::self, sequence.frames[f], {}};
+        const Workload workload{sequence.name, Query::self, sequence.frames[f], {}};
         for (const Contestant& contestant : peer_contestants(workload, built_peers())) {
             const auto same = [&](const Way& w) { return w.name == contestant.name && w.way == contestant.way; };
             auto way = std::ranges::find_if(ways, same);

@@ -29,8 +29,7 @@ nlohmann::json study_stages(const StudySettings& settings) {
         std::vector<double> totals;
         Statistics last;
         for (int call = 0; call < 3 * settings.effort.rounds; ++call) {
-            last =
-                workload.question == Question::between ? detector.find({a, b}).statistics : detector.find(a).statistics;
+            last = workload.query == Query::between ? detector.find({a, b}).statistics : detector.find(a).statistics;
             if (call == 0) continue;  // not warm
             for (std::size_t s = 0; s < stages.size(); ++s) stages[s].push_back(last.stage_milliseconds[s]);
             totals.push_back(last.milliseconds);

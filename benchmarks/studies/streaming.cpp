@@ -20,7 +20,7 @@ struct Way {
 
 nlohmann::json stream(const Workload& workload, const Effort& effort) {
     const MeshView a = workload.a.view(), b = workload.b.view();
-    const bool between = workload.question == Question::between;
+    const bool between = workload.query == Query::between;
     Detector whole;
     const auto find = [&]() -> const Intersections& { return between ? whole.find({a, b}) : whole.find(a); };
     const std::int64_t pairs = find().statistics.pairs, at_once = find().statistics.peak_memory_bytes;

@@ -53,12 +53,12 @@ std::vector<std::string> choose_scenes(const StudySettings& settings, std::vecto
 Contestant crumple_with(const Options& options, const Workload& workload, std::string name) {
     const auto detector = std::make_shared<Detector>(options);
     const MeshView a = workload.a.view(), b = workload.b.view();
-    const Question question = workload.question;
+    const Query query = workload.query;
     Contestant contestant{std::move(name), "", "", {}, {}};
     contestant.call = [=] {
-        if (question == Question::self) detector->find(a);
-        if (question == Question::between) detector->find({a, b});
-        if (question == Question::any) detector->any(a);
+        if (query == Query::self) detector->find(a);
+        if (query == Query::between) detector->find({a, b});
+        if (query == Query::any) detector->any(a);
     };
     return contestant;
 }

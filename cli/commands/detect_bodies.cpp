@@ -120,7 +120,7 @@ std::string summary(const BodyList& list) {
                        grouped(std::count(hit.begin(), hit.end(), 1)), grouped(bodies), list.statistics.milliseconds);
 }
 
-bool tells_summary(const BodyTask& task) { return !std::all_of(task.outputs.begin(), task.outputs.end(), is_standard); }
+bool has_summary(const BodyTask& task) { return !std::all_of(task.outputs.begin(), task.outputs.end(), is_standard); }
 
 int find_once(const BodyTask& task, Search& search, const BodyScene& scene, const Steps& steps) {
     const io::WorldView view = scene.mesh().view();
@@ -157,7 +157,7 @@ int find_once(const BodyTask& task, Search& search, const BodyScene& scene, cons
             io::write_coloured(path, scene.mesh(), shown);
     }
     if (task.outputs.empty()) write("-", list, ListFormat::txt);
-    if (list.pairs.empty() || tells_summary(task)) say(summary(list));
+    if (list.pairs.empty() || has_summary(task)) say(summary(list));
     return task.check && found.any ? collided : done;
 }
 
@@ -201,7 +201,7 @@ int find_configurations(const BodyTask& task, Search& search, const BodyScene& s
     for (const std::string& path : task.outputs) write(path, list, *list_format(extension_of(path, task.format)));
     if (task.outputs.empty()) write("-", list, ListFormat::csv);
     const std::int64_t colliding = list.colliding();
-    if (tells_summary(task))
+    if (has_summary(task))
         say("{} of {} configurations collide, {:.1f} ms\n", grouped(colliding),
             grouped(static_cast<std::int64_t>(list.collides.size())), list.milliseconds);
     return task.check && colliding ? collided : done;

@@ -114,7 +114,7 @@ struct ImpactsCommand : SearchCommand {
         Search search(query_options, feature_options(options));
         const Steps steps(progress);
         steps.begin("read");
-        const StepOrRest input = read_step_or_rest(start, end, query_options);
+        const StepOrStatic input = read_step_or_static(start, end, query_options);
         steps.begin(stream ? "search and write" : "search");
         const CandidateQuery query = candidates.query(query_options);
         const std::int64_t triangles = input.start.triangle_count();

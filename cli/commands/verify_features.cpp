@@ -116,7 +116,7 @@ int verify_candidates(const FeatureCheck& check, const std::vector<std::string>&
     const io::CandidateRows list = read_list(
         files.back(), format, false, [](const auto& path) { return io::read_candidates(path); },
         [](auto& in, const auto& name) { return io::read_candidates(in, name); });
-    const StepOrRest input = read_step_or_rest(files[0], files.size() == 3 ? files[1] : "", query_options);
+    const StepOrStatic input = read_step_or_static(files[0], files.size() == 3 ? files[1] : "", query_options);
     const Candidates& found =
         search.find(input.start, check.candidate_options.query(query_options), input.end_or_null());
     return print_verdict(list, io::list_of(found));

@@ -62,11 +62,11 @@ std::optional<SharedMesh> read_slices(RankLink& link, const std::vector<std::str
 SharedMesh read_by_first(RankLink& link, const std::vector<std::string>& files, const QueryOptions& query_options,
                          const QueryOptions& reading) {
     const bool moves = files.size() > 1;
-    StepOrRest input;
+    StepOrStatic input;
     link.agree([&] {
         if (!link.is_first()) return;
         if (moves)
-            input = read_step_or_rest(files[0], files[1], query_options);
+            input = read_step_or_static(files[0], files[1], query_options);
         else
             input.start = read_input(files, reading);
         if (!input.start.first.lines.empty()) refuse_on_ranks("a mesh with lines (l)");

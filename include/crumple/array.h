@@ -125,13 +125,13 @@ class Array {
     }
     /// Reserves capacity for `more` further elements. Repeated calls cost amortised O(1) per element, also under a
     /// limit.
-    void make_room_for(std::size_t more) {
+    void grow_by(std::size_t more) {
         if (size_ + more > capacity_) grow(std::max(size_ + more, capacity_ + capacity_ / 8));
     }
     /// Appends a copy of `value`, which may be an element of this array. Amortised O(1).
     void push_back(const T& value) {
         const T copy = value;
-        make_room_for(1);
+        grow_by(1);
         data_[size_++] = copy;
     }
     /// Sets all elements to `value`.

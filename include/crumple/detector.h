@@ -77,9 +77,9 @@ class CRUMPLE_API Detector {
     /// For all queries but intersections, two meshes are handled as a world of two bodies.
     ///
     /// Meshes in device memory: all arrays, including those of the query, must be in the memory of the mesh. For
-    /// queries about features, triangles and listed edges and points are downloaded once, and again whenever they
-    /// change. All arrays are downloaded in each call with `weld`, triangle pairs, a free step, closest points, least
-    /// distances, or a filter of groups together with listed edges or points.
+    /// queries about features, triangles and codimensional edges and points are downloaded once, and again whenever
+    /// they change. All arrays are downloaded in each call with `weld`, triangle pairs, a free step, closest points,
+    /// least distances, or a filter of groups together with codimensional edges or points.
     ///
     /// Parts: returns the rows of the whole result that the part owns, with the ids of the meshes, in the same order;
     /// exactly one part owns each row. Costs as much as a mesh of the part's size. Offsets, hit flags and least
@@ -176,9 +176,10 @@ class CRUMPLE_API Detector {
     /// and detector; the streams of two meshes both take part.
     ///
     /// Features: a launch waits for the stream if it is the first for a mesh, or if the number of vertices, triangles,
-    /// listed edges or points has changed, because the host has to find the edges. wait() does so if it turns out that
-    /// triangles or lists have changed; in a capture, where the features are fixed, the result is then incomplete.
-    /// Throws Error (invalid_argument) for options for which find() downloads all arrays. `index` does not matter.
+    /// codimensional edges or points has changed, because the host has to find the edges. wait() does so if it turns
+    /// out that triangles or lists have changed; in a capture, where the features are fixed, the result is then
+    /// incomplete. Throws Error (invalid_argument) for options for which find() downloads all arrays. `index` does not
+    /// matter.
     ///
     /// Worlds: bodies, shapes and the filter are read and uploaded if they have changed since the previous call (a
     /// named shape is compared by its name and groups, another by its contents in each call). Such a call takes as long

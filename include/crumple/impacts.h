@@ -137,7 +137,8 @@ struct Impacts {
     Array<std::int64_t> first_edge;
 
     /// The points that indices refer to, if a shape lists points: body b has [first_point[b], first_point[b + 1]),
-    /// vertices in the order of its list. Vertices of a body without listed points have their vertex index instead.
+    /// vertices in the order of its list. Vertices of a body without codimensional points have their vertex index
+    /// instead.
     Array<std::int32_t> points;
     Array<std::int64_t> first_point;
 

@@ -48,12 +48,12 @@ class CRUMPLE_API Detector {
     /// WorldShare; the query is an IntersectionQuery, ImpactQuery or ProximityQuery.
     ///
     /// With less output than pairs no rows are sent; Output::any_by_world is the same as Output::any. A moving mesh has
-    /// its end positions in MeshView::end; listed edges and points are ignored. Cached parts serve one query only: a
-    /// different minimum distance, or another type of query, makes new parts. The pair filter may select bodies (with
-    /// Body::self) or groups, not both. Throws Error (invalid_argument) for what ranks do not support: `index`,
+    /// its end positions in MeshView::end; codimensional edges and points are ignored. Cached parts serve one query
+    /// only: a different minimum distance, or another type of query, makes new parts. The pair filter may select bodies
+    /// (with Body::self) or groups, not both. Throws Error (invalid_argument) for what ranks do not support: `index`,
     /// `triangle_pairs`, `radii`, `rest`, `rings`, `least`; for meshes, excluded bodies; for worlds, Body::world other
-    /// than 0, poses in device memory, and shapes with listed edges or points, radii, or a rest shape. An Error about a
-    /// body counts bodies over all ranks (Element::body); without `body_ids`, unless it is about coordinates or
+    /// than 0, poses in device memory, and shapes with codimensional edges or points, radii, or a rest shape. An Error
+    /// about a body counts bodies over all ranks (Element::body); without `body_ids`, unless it is about coordinates or
     /// triangles, it counts the rank's own.
     template <class Query = IntersectionQuery, class Share>
     const typename Query::DistributedResult& find(const Share& share, const Query& query = {},

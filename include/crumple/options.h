@@ -51,8 +51,8 @@ struct Options {
     int device = 0;  ///< CUDA device: its number in list_devices()
     /// Replaces `device`, which must then be 0: up to 64 different devices that share the work of queries about one
     /// mesh in host memory (intersections, motion and nearness). The first device alone handles two meshes, worlds,
-    /// device memory, blocks, parts, listed edges and points, radii, rings, rest shapes, feature queries with `weld`,
-    /// candidates, and all queries under a memory limit.
+    /// device memory, blocks, parts, codimensional edges and points, radii, rings, rest shapes, feature queries with
+    /// `weld`, candidates, and all queries under a memory limit.
     std::vector<int> devices = {};
 
     /// Returns the device that holds the detector's arrays.

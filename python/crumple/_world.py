@@ -383,7 +383,7 @@ class World(_core.World):
 
             # Static bodies keep the poses that they had when the configurations were made.
             base, moving = self._base.__reduce__(), np.tile(np.eye(3, 4), (self._moving, 1, 1))
-            base_world = restore_world(*base[1][:-2], np.concatenate([moving, self._poses_at_rest]))
+            base_world = restore_world(*base[1][:-2], np.concatenate([moving, self._static_poses]))
             arguments = (base_world, own_poses, end_poses)
             return restore_configurations, arguments, {"unit": self.unit} if self.unit else None
         names = ("bodies", "groups", "worlds", "self_collisions")

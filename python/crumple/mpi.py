@@ -60,7 +60,7 @@ from . import _mpi  # after mpi4py, which decides how MPI is loaded
 from ._ranks import Impacts, Intersections, MeshShare, Proximities, WorldShare, excluded_of_ranks, share_of, show
 
 Statistics = _mpi.Statistics
-Answered = TypeVar("Answered")
+Returned = TypeVar("Returned")
 Method = TypeVar("Method", bound=Callable[..., Any])
 
 __all__ = ["Detector", "Impacts", "Intersections", "MeshShare", "Proximities", "Statistics", "WorldShare"]
@@ -497,9 +497,9 @@ class Detector:
         return getattr(ranks, call)(*arguments), request, isinstance(brought, WorldShare)
 
 
-def _together(comm: MPI.Intracomm, work: Callable[[], Answered]) -> Answered:
+def _together(comm: MPI.Intracomm, work: Callable[[], Returned]) -> Returned:
     """Returns the result of `work`, or raises on all ranks the error of the lowest rank where it fails."""
-    result: Answered | None = None
+    result: Returned | None = None
     failed: Error | None = None
     own: BaseException | None = None
     try:

@@ -120,7 +120,7 @@ Statistics stream(nb::handle self, nb::handle scene, nb::handle query, nb::handl
     using Block = typename Query::Result;
     const std::int64_t rows = integer<std::int64_t>("block_rows", block_rows);
     const Call<Query> call(self, scene, query, excluded);
-    const auto take_copy = [&](const Block& block) {
+    const auto consume_copy = [&](const Block& block) {
         Shown<Block> copy{std::make_shared<Block>(block)};
         copy.storage->count = rows_of(block);
         const nb::object shown = nb::cast(std::move(copy));
@@ -133,7 +133,7 @@ Statistics stream(nb::handle self, nb::handle scene, nb::handle query, nb::handl
         return by.stream(call.view, call.asked.query, sink, rows, std::move(stop));
     };
     SharedDetector& detector = call.detector;
-    return without_gil([&] { return detector.stream<Block>(take_copy, deliver); }, detector.stop());
+    return without_gil([&] { return detector.stream<Block>(consume_copy, deliver); }, detector.stop());
 }
 
 template <class Query>

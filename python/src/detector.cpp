@@ -44,7 +44,7 @@ SharedDetector::Turn::Turn(SharedDetector& detector) : detector_(detector) {
         refuse("neither a signal handler nor what takes a block can call the detector whose call goes on");
     while (detector_.caller_ != std::thread::id()) {
         if (interpreter_ends()) throw Error(ErrorCode::cancelled, "the interpreter ends in another thread's call");
-        detector_.wait_for_another_turn();
+        detector_.wait_for_another_call();
     }
     detector_.caller_ = self;
     detector_.stop_.emplace();
@@ -54,18 +54,18 @@ SharedDetector::Turn::~Turn() {
     detector_.caller_ = std::thread::id();
     if (detector_.waiting_ == 0) return;
     const std::lock_guard lock(detector_.mutex_);
-    ++detector_.turns_;
-    detector_.turn_ended_.notify_one();
+    ++detector_.calls_done_;
+    detector_.call_done_.notify_one();
 }
 
 // Cannot miss the end of a turn: a turn ends with the GIL, which this function releases only while it holds the mutex.
-void SharedDetector::wait_for_another_turn() {
+void SharedDetector::wait_for_another_call() {
     ++waiting_;
     {
         std::unique_lock lock(mutex_);
-        const std::uint64_t seen = turns_;
+        const std::uint64_t seen = calls_done_;
         const WithoutGil released;
-        turn_ended_.wait_for(lock, std::chrono::milliseconds(20), [&] { return turns_ != seen; });
+        call_done_.wait_for(lock, std::chrono::milliseconds(20), [&] { return calls_done_ != seen; });
         lock.unlock();
     }
     --waiting_;

@@ -91,7 +91,7 @@ class SharedDetector {
     /// which also guards the release of results.
     template <class Answer>
     std::shared_ptr<Answer> storage() {
-        return std::get<Two<Answer>>(answers_).get(options().memory_limit > 0);
+        return std::get<Two<Answer>>(results_).get(options().memory_limit > 0);
     }
     /// Buffers for poses that cannot be read in place. Use with a Turn.
     std::vector<Pose>& poses() { return poses_; }
@@ -122,19 +122,19 @@ class SharedDetector {
         std::shared_ptr<Answer> last_, before_;
     };
 
-    void wait_for_another_turn();
+    void wait_for_another_call();
 
     Detector detector_;
     std::tuple<Two<Intersections>, Two<Impacts>, Two<Proximities>, Two<Candidates>, Two<Distances>, Two<Overlaps>>
-        answers_;
+        results_;
     std::vector<Pose> poses_, end_poses_;
     std::shared_ptr<void> launched_[2];
     std::optional<std::stop_source> stop_;  ///< stop of the current Turn, or of the last one
     std::thread::id caller_;  ///< thread of the current Turn; guarded by the GIL, as `stop_` and `waiting_` are
     int waiting_ = 0;
-    std::uint64_t turns_ = 0;  ///< number of turns that ended while threads waited; guarded by the mutex
+    std::uint64_t calls_done_ = 0;  ///< number of turns that ended while threads waited; guarded by the mutex
     std::mutex mutex_;
-    std::condition_variable turn_ended_;
+    std::condition_variable call_done_;
 };
 
 /// Returns the detector that a method is called on. Throws Error if __init__ of a subclass did not make it.

@@ -41,8 +41,8 @@ void take(nb::handle found, const std::string& name, Array<Element>& array) {
 }
 
 template <class List>
-void take_list(nb::handle found, FeatureKind kind, Array<double>& values, const char* value, Array<std::uint8_t>& flags,
-               const char* flag, List& list) {
+void read_feature_list(nb::handle found, FeatureKind kind, Array<double>& values, const char* value,
+                       Array<std::uint8_t>& flags, const char* flag, List& list) {
     const std::string name(feature_kind_name(kind));
     take<std::int32_t>(found, plural_of_kind(name), list.pairs);
     take<std::int32_t>(found, name + "_bodies", list.bodies);
@@ -52,7 +52,7 @@ void take_list(nb::handle found, FeatureKind kind, Array<double>& values, const 
 
 // Copies the members that all results have.
 template <class Storage>
-void take_rest(nb::handle found, Storage& storage) {
+void read_rest(nb::handle found, Storage& storage) {
     storage.count = nb::cast<std::int64_t>(found.attr("count"));
     storage.any = nb::cast<bool>(found.attr("any"));
     take<std::int32_t>(found, "edges", storage.edges);
@@ -62,7 +62,7 @@ void take_rest(nb::handle found, Storage& storage) {
     storage.statistics = nb::cast<Statistics>(found.attr("statistics"));
 }
 
-FirstImpact taken_first(nb::handle given) {
+FirstImpact read_first(nb::handle given) {
     FirstImpact first;
     if (given.is_none()) return first;
     const nb::object pair = given[1], bodies = given[2];
@@ -85,12 +85,12 @@ bool is_requested(nb::handle result, const char* options, std::string_view item)
 // Returns the storage of a crumple.Impacts, crumple.Proximities or crumple.Candidates: the library's result, or one
 // made of arrays that came through pickle.
 template <class Result, class Take>
-std::shared_ptr<const Result> storage_of(nb::handle result, Take take_lists) {
+std::shared_ptr<const Result> storage_of(nb::handle result, Take read_feature_lists) {
     const nb::object found = result.attr("_found");
     if (nb::isinstance<Shown<Result>>(found)) return nb::cast<const Shown<Result>&>(found).storage;
     const auto made = std::make_shared<Result>();
-    take_rest(found, *made);
-    take_lists(found, *made);
+    read_rest(found, *made);
+    read_feature_lists(found, *made);
     return made;
 }
 
@@ -98,14 +98,14 @@ std::shared_ptr<const Impacts> impacts_of(nb::handle result) {
     return storage_of<Impacts>(result, [&](nb::handle found, Impacts& made) {
         for (const FeatureKind kind : all_kinds) {
             ImpactList& list = made[kind];
-            take_list(found, kind, list.toi, "toi", list.start, "start", list);
+            read_feature_list(found, kind, list.toi, "toi", list.start, "start", list);
         }
         take<std::int32_t>(found, "triangle_pairs", made.triangle_pairs.pairs);
         take<std::int32_t>(found, "triangle_pair_bodies", made.triangle_pairs.bodies);
         take<double>(found, "triangle_pair_toi", made.triangle_pairs.toi);
         take<bool>(found, "triangle_pair_start", made.triangle_pairs.start);
         made.lists_triangle_pairs = is_requested(result, "options", "triangle_pairs");
-        made.first = taken_first(found.attr("first"));
+        made.first = read_first(found.attr("first"));
     });
 }
 
@@ -113,7 +113,7 @@ std::shared_ptr<const Proximities> proximities_of(nb::handle result) {
     return storage_of<Proximities>(result, [](nb::handle found, Proximities& made) {
         for (const FeatureKind kind : all_kinds) {
             ProximityList& list = made[kind];
-            take_list(found, kind, list.squared_distance, "squared_distance", list.touching, "touching", list);
+            read_feature_list(found, kind, list.squared_distance, "squared_distance", list.touching, "touching", list);
         }
     });
 }

@@ -38,9 +38,9 @@ nb::object give(Array<Element> array, Columns... columns) {
 nb::tuple impacts(nb::handle kind, const Rows& start, const Rows& end, nb::handle min_distance,
                   nb::handle min_distance_share, nb::handle approaching_only, nb::handle threads) {
     const FeatureKind of = named(feature_kind_names, "kind", kind);
-    const PairImpactQuery question{real("min_distance", min_distance), real("min_distance_share", min_distance_share),
-                                   integer<int>("threads", threads), flag("approaching_only", approaching_only)};
-    PairImpacts answer = without_gil([&] { return pair_impacts(of, view_of(start), view_of(end), question); });
+    const PairImpactQuery query{real("min_distance", min_distance), real("min_distance_share", min_distance_share),
+                                integer<int>("threads", threads), flag("approaching_only", approaching_only)};
+    PairImpacts answer = without_gil([&] { return pair_impacts(of, view_of(start), view_of(end), query); });
     return nb::make_tuple(give<bool>(std::move(answer.hit)), give<double>(std::move(answer.toi)),
                           give<bool>(std::move(answer.start)));
 }

@@ -16,11 +16,11 @@ namespace crumple::python {
 
 /// Binds members of the result that `Held::found()` returns.
 template <class Held>
-class HeldBinding {
+class SharedBinding {
    public:
     using Result = std::remove_cvref_t<decltype(std::declval<Held>().found())>;
 
-    HeldBinding(nanobind::module_& module, const char* name, const char* description)
+    SharedBinding(nanobind::module_& module, const char* name, const char* description)
         : type_(module, name, description) {}
     template <class Get>
     void value(const std::string& name, Get get) {

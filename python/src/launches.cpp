@@ -54,7 +54,7 @@ LaunchTicket<Query> launch(nb::handle self, nb::handle scene, nb::handle query, 
 }
 
 // Dict of arrays in device memory: address, shape, and type as NumPy writes it.
-class ArraysThere {
+class DeviceArrays {
    public:
     template <class Number, class Element>
     void put(const std::string& name, const Element* data, std::int64_t rows, std::size_t columns = 0) {
@@ -96,7 +96,7 @@ nb::tuple told(const Result& found, std::int64_t needed, bool any, nb::object fi
     return nb::make_tuple(found.complete, needed, found.count, any, first);
 }
 
-nb::tuple put(const DeviceIntersections& found, ArraysThere& there) {
+nb::tuple put(const DeviceIntersections& found, DeviceArrays& there) {
     const std::int64_t n = found.count;
     if (found.complete && found.of_worlds) {
         there.put<std::uint8_t>("world_hit", found.world_hit, found.worlds);
@@ -117,20 +117,20 @@ nb::tuple put(const DeviceIntersections& found, ArraysThere& there) {
     return told(found, found.pairs_needed, found.any);
 }
 
-void put_list(const std::string& name, const DeviceImpactList& list, ArraysThere& there) {
+void put_list(const std::string& name, const DeviceImpactList& list, DeviceArrays& there) {
     there.put<double>(name + "_toi", list.toi, list.count);
     there.put<std::uint8_t>(name + "_start", list.start, list.count);
 }
-void put_list(const std::string& name, const DeviceProximityList& list, ArraysThere& there) {
+void put_list(const std::string& name, const DeviceProximityList& list, DeviceArrays& there) {
     there.put<double>(name + "_squared_distance", list.squared_distance, list.count);
     there.put<std::uint8_t>(name + "_touching", list.touching, list.count);
 }
 template <class List>
-void put_list(const std::string&, const List&, ArraysThere&) {}
+void put_list(const std::string&, const List&, DeviceArrays&) {}
 
 // `name_of_list` returns the name of kind k.
 template <class Result, class NameOf>
-void put_features(const Result& found, NameOf name_of_list, ArraysThere& there) {
+void put_features(const Result& found, NameOf name_of_list, DeviceArrays& there) {
     if (!found.complete) return;
     there.put<std::int32_t>("edges", found.edges, found.edge_count, 2);
     for (std::size_t k = 0; k < found.lists.size(); ++k) {
@@ -142,15 +142,15 @@ void put_features(const Result& found, NameOf name_of_list, ArraysThere& there) 
 
 std::string_view feature_name(std::size_t k) { return feature_kind_name(static_cast<FeatureKind>(k)); }
 
-nb::tuple put(const DeviceImpacts& found, ArraysThere& there) {
+nb::tuple put(const DeviceImpacts& found, DeviceArrays& there) {
     put_features(found, feature_name, there);
     return told(found, found.rows_needed, found.any, tuple_of(found.first));
 }
-nb::tuple put(const DeviceProximities& found, ArraysThere& there) {
+nb::tuple put(const DeviceProximities& found, DeviceArrays& there) {
     put_features(found, feature_name, there);
     return told(found, found.rows_needed, found.any);
 }
-nb::tuple put(const DeviceCandidates& found, ArraysThere& there) {
+nb::tuple put(const DeviceCandidates& found, DeviceArrays& there) {
     put_features(
         found, [](std::size_t k) { return candidate_kind_name(static_cast<CandidateKind>(k)); }, there);
     return told(found, found.rows_needed, found.count > 0);
@@ -161,11 +161,11 @@ template <class Query>
 nb::tuple wait(const LaunchTicket<Query>& ticket, nb::handle of) {
     SharedDetector& detector = detector_of(of);
     const SharedDetector::Turn turn(detector);
-    const auto wait_there = [&](Detector&, std::stop_token stop) {
+    const auto wait_on_device = [&](Detector&, std::stop_token stop) {
         return typename Query::DeviceResult(ticket.wait(std::move(stop)));
     };
-    const auto found = without_gil([&] { return detector.call(wait_there); }, detector.stop());
-    ArraysThere there;
+    const auto found = without_gil([&] { return detector.call(wait_on_device); }, detector.stop());
+    DeviceArrays there;
     const nb::tuple values = put(found, there);
     return nb::make_tuple(values, there.arrays(), Statistics(found.statistics));
 }

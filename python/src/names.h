@@ -98,9 +98,9 @@ Enum named(const Names<Enum, count>& names, std::string_view argument, nanobind:
     const bool is_text = PyUnicode_Check(value.ptr());
     const std::string_view name = is_text ? text(argument, value) : std::string_view();
     std::string known;
-    for (const auto& [known_name, enumerator] : names) {
-        if (is_text && known_name == name) return enumerator;
-        known.append(known.empty() ? "one of \"" : ", \"").append(known_name).append("\"");
+    for (const auto& [accepted_name, enumerator] : names) {
+        if (is_text && accepted_name == name) return enumerator;
+        known.append(known.empty() ? "one of \"" : ", \"").append(accepted_name).append("\"");
     }
     if (!is_text) refuse_type(argument, known, value);
     refuse(std::string(argument) + " must be " + known + ", not \"" + std::string(name) + "\"");

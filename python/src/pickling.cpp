@@ -46,7 +46,7 @@ constexpr std::pair<const char*, std::int64_t Statistics::*> counters[]{
 
 // Returns a name that lives as long as the process. Limits their number, as there are few backends and instruction
 // sets.
-std::string_view kept_name(const std::string& name) {
+std::string_view static_name(const std::string& name) {
     static std::set<std::string>& names = *new std::set<std::string>;
     if (names.size() >= 100 && !names.contains(name)) refuse("the state of Statistics has a name that nobody knows");
     return *names.insert(name).first;
@@ -199,8 +199,8 @@ Statistics statistics_of(nb::handle given) {
     statistics.milliseconds = item<double>(state, "milliseconds");
     statistics.stage_milliseconds = item<std::array<double, stage_count>>(state, "stage_milliseconds");
     statistics.threads = item<int>(state, "threads");
-    statistics.backend = kept_name(item<std::string>(state, "backend"));
-    statistics.simd = kept_name(item<std::string>(state, "simd"));
+    statistics.backend = static_name(item<std::string>(state, "backend"));
+    statistics.simd = static_name(item<std::string>(state, "simd"));
     return statistics;
 }
 

@@ -65,9 +65,9 @@ void bind_statistics(nb::module_& module) {
 }
 
 template <class Result>
-struct Binding : HeldBinding<Shown<Result>> {
+struct Binding : SharedBinding<Shown<Result>> {
     Binding(nb::module_& module, const char* name, const char* description)
-        : HeldBinding<Shown<Result>>(module, name, description) {
+        : SharedBinding<Shown<Result>>(module, name, description) {
         this->value("statistics", [](const Result& r) { return Statistics(r.statistics); });
     }
 };

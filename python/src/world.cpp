@@ -48,8 +48,8 @@ void make_shape(nb::handle self, const nb::tuple& mesh, const char* which, std::
 }
 
 void make_world(nb::handle self, const nb::list& shapes, const Column<std::int32_t>& shape_of,
-                const Column<std::int32_t>& groups, const Column<std::int32_t>& worlds, const Column<bool>& wanted_self,
-                nb::handle poses, nb::handle end_poses) {
+                const Column<std::int32_t>& groups, const Column<std::int32_t>& worlds,
+                const Column<bool>& has_self_pairs, nb::handle poses, nb::handle end_poses) {
     if (!nb::isinstance<BorrowedWorld>(self)) refuse_type("self", "a crumple.World", self);
     const auto made = std::make_shared<Bodies>();
     made->shapes.reserve(shapes.size());
@@ -58,11 +58,11 @@ void make_world(nb::handle self, const nb::list& shapes, const Column<std::int32
         made->kept.push_back(nb::borrow(shape));
     }
     const std::size_t n = shape_of.size();
-    if (groups.size() != n || worlds.size() != n || wanted_self.size() != n)
+    if (groups.size() != n || worlds.size() != n || has_self_pairs.size() != n)
         throw std::logic_error("crumple/_world_arrays.py gave columns of different lengths");
     made->moving = static_cast<std::int64_t>(n);
     made->bodies.reserve(n);
-    for (std::size_t b = 0; b < n; ++b) made->bodies.push_back({shape_of(b), groups(b), worlds(b), wanted_self(b)});
+    for (std::size_t b = 0; b < n; ++b) made->bodies.push_back({shape_of(b), groups(b), worlds(b), has_self_pairs(b)});
     BorrowedPoses given = looked_at(poses, *made), at_end = looked_at(end_poses, *made, BorrowedPoses::When::end);
     construct<BorrowedWorld>(self, "crumple.World", made, std::move(given), std::move(at_end));
 }
@@ -93,9 +93,9 @@ void make_configurations(nb::handle self, nb::handle of, std::int64_t count, nb:
     std::vector<Pose> buffer;
     const std::span<const Pose> known = world.poses.read(base, buffer);
     if (known.empty())
-        made->poses_at_rest.resize(static_cast<std::size_t>(rest));
+        made->static_poses.resize(static_cast<std::size_t>(rest));
     else
-        made->poses_at_rest.assign(known.begin() + made->moving, known.end());
+        made->static_poses.assign(known.begin() + made->moving, known.end());
     BorrowedPoses given = looked_at(poses, *made), at_end = looked_at(end_poses, *made, BorrowedPoses::When::end);
     construct<BorrowedWorld>(self, "crumple.World", made, std::move(given), std::move(at_end));
 }
@@ -190,7 +190,7 @@ std::span<const Pose> BorrowedPoses::read(const Bodies& bodies, std::vector<Pose
             copy(bodies.posed(), buffer);
         }
     }
-    buffer.insert(buffer.end(), bodies.poses_at_rest.begin(), bodies.poses_at_rest.end());
+    buffer.insert(buffer.end(), bodies.static_poses.begin(), bodies.static_poses.end());
     return buffer;
 }
 
@@ -275,10 +275,10 @@ void bind_world(nb::module_& module) {
              "poses"_a.none(), "end_poses"_a.none())
         .def("_configure", make_configurations, "of"_a, "count"_a, "poses"_a.none(), "end_poses"_a.none())
         .def("_pose", make_posed, "of"_a, "poses"_a.none(), "end_poses"_a.none())
-        .def_prop_ro("_poses_at_rest",
+        .def_prop_ro("_static_poses",
                      [](nb::handle self) {
                          import_numpy();
-                         const std::vector<Pose>& poses = given_world(self).bodies->poses_at_rest;
+                         const std::vector<Pose>& poses = given_world(self).bodies->static_poses;
                          return nb::ndarray<nb::numpy, const double>(poses.data(), {poses.size(), 3, 4}, self);
                      })
         .def("__len__", [](nb::handle self) { return given_world(self).bodies->bodies.size(); })

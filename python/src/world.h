@@ -36,8 +36,8 @@ struct Bodies {
     std::vector<Shape> shapes;
     std::vector<Body> bodies;
     std::int64_t configurations = 1;
-    std::int64_t moving = 0;          ///< number of moving bodies in a configuration
-    std::vector<Pose> poses_at_rest;  ///< poses of the static bodies of a world of configurations
+    std::int64_t moving = 0;         ///< number of moving bodies in a configuration
+    std::vector<Pose> static_poses;  ///< poses of the static bodies of a world of configurations
 
     std::int64_t posed() const { return configurations * moving; }
     std::int64_t at_rest() const { return static_cast<std::int64_t>(bodies.size()) - posed(); }

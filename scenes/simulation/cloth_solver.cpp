@@ -92,7 +92,7 @@ void ClothSolver::step(double dt, std::span<const Collider* const> bodies, doubl
     read_velocities(dt);
 }
 
-StepTaken ClothSolver::step_freely(double dt, int substeps) {
+StepLength ClothSolver::step_freely(double dt, int substeps) {
     if (!near_) near_.emplace(triangles_, obstacles_);
     const std::size_t cloth = points.size() - goals_.size();
     for (std::size_t i = 0; i < goals_.size(); ++i) velocities[cloth + i] = (1 / dt) * (goals_[i] - points[cloth + i]);

@@ -39,7 +39,7 @@ struct ClothProperties {
 };
 
 /// Result of one step of ClothSolver::advance_freely().
-struct StepTaken {
+struct StepLength {
     std::size_t contacts;   ///< pairs of features that were near at its start
     double toi;             ///< share of the step until the first pair would have met; 1: none before its end
     std::size_t held_back;  ///< points whose movement was shortened
@@ -73,7 +73,7 @@ class ClothSolver {
     /// Makes `steps` equal steps, each of `substeps`, in which nothing passes through anything, for the coordinates as
     /// they are in `points`. Throws Error if anything touches at the start. Nothing should intersect then, for that
     /// would stay. move(t, at) sets the obstacles' points, in their order, to their positions at time t; they move
-    /// there on straight lines. Calls `watch` with each StepTaken. Where cloth is caught between moving obstacles, a
+    /// there on straight lines. Calls `watch` with each StepLength. Where cloth is caught between moving obstacles, a
     /// step's share is less than 1: obstacles then lag behind, and catch up as soon as nothing blocks them. If all
     /// points that could give way are held, shares decrease, and are 0 in the end.
     template <class Move, class Watch>
@@ -95,7 +95,7 @@ class ClothSolver {
 
     void find_contacts() { contacts_ = finder_.find(points, triangles_, properties_.thickness); }
     void step(double dt, std::span<const Collider* const> bodies, double age);
-    StepTaken step_freely(double dt, int substeps);
+    StepLength step_freely(double dt, int substeps);
     /// Predicts, and moves points along the springs.
     void pull(double dt);
     void predict(double dt);

@@ -13,9 +13,9 @@ namespace {
 constexpr std::int32_t cloth_group = 0, obstacle_group = 1;
 
 /// Minimum share of its distance that a pair keeps in a step. Contact itself would leave no room for the next step.
-constexpr double kept_distance = 0.1;
+constexpr double least_distance = 0.1;
 
-constexpr int most_rounds = 10;  // rounds of holding single points back
+constexpr int iteration_limit = 10;  // rounds of holding single points back
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -76,14 +76,14 @@ std::span<const NearContact> NearContactFinder::find(std::span<const Vec3d> poin
     return contacts_;
 }
 
-NearContactFinder::FreeWay NearContactFinder::shorten(std::span<const Vec3d> start, std::span<Vec3d> end,
-                                                      std::span<const std::uint8_t> held) {
+NearContactFinder::FreePath NearContactFinder::shorten(std::span<const Vec3d> start, std::span<Vec3d> end,
+                                                       std::span<const std::uint8_t> held) {
     ImpactQuery question;
-    question.min_distance_share = kept_distance;
+    question.min_distance_share = least_distance;
     question.filter = rules_;
     const MeshView mesh = view(start);
     double toi = 1;
-    for (int round = 0; round < most_rounds; ++round) {
+    for (int round = 0; round < iteration_limit; ++round) {
         const Impacts& impacts = detector_.find(mesh.moving_to(view(end).vertices), question);
         if (!impacts.any) return {toi, 1};
         if (round == 0) toi = impacts.first.toi;

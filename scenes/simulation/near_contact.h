@@ -36,7 +36,7 @@ class NearContactFinder {
     /// (invalid_argument) if any touch, as there is no direction to separate them. Valid until the next call.
     std::span<const NearContact> find(std::span<const Vec3d> points, double radius);
 
-    struct FreeWay {
+    struct FreePath {
         double toi;    ///< share of the step until the first pair would have met; 1: none before its end
         double share;  ///< share of the step that all points made, after single points were held back
     };
@@ -44,7 +44,7 @@ class NearContactFinder {
     /// Shortens the step from `start` to `end` until nothing touches during it, for exactly the numbers left in `end`.
     /// Holds back points that would touch something, unless they are `held`, that is, driven. If that does not suffice,
     /// shortens the step of all points. Cost: one motion query, several if something would touch.
-    FreeWay shorten(std::span<const Vec3d> start, std::span<Vec3d> end, std::span<const std::uint8_t> held);
+    FreePath shorten(std::span<const Vec3d> start, std::span<Vec3d> end, std::span<const std::uint8_t> held);
 
    private:
     MeshView view(std::span<const Vec3d> points) const;

@@ -83,13 +83,13 @@ class BackendBase : public ParallelFor {
     virtual const DeviceIntersections& wait(LaunchNumber launch);
     virtual void download(LaunchNumber launch, Intersections& result);
     /// Returns the calls for feature queries on meshes in device memory.
-    virtual DeviceFeatureCalls& features_there();
+    virtual DeviceFeatureCalls& device_feature_search();
     /// Calls for worlds whose poses lie in device memory. find() returns false if one scene cannot hold all worlds, and
     /// throws MemoryMeter::Exceeded if memory cannot. The caller then downloads the poses by poses_of() and searches
     /// the world as one on the host.
-    virtual bool find(const World& world, const IntersectionQuery& question, Intersections& result);
+    virtual bool find(const World& world, const IntersectionQuery& query, Intersections& result);
     virtual std::vector<Pose> poses_of(const DevicePoses& poses);
-    virtual LaunchNumber launch(const World& world, const IntersectionQuery& question);
+    virtual LaunchNumber launch(const World& world, const IntersectionQuery& query);
     /// True if cached data must outlive an error that a launch or a wait has thrown, because a caller's graph or a
     /// launch in flight needs it.
     virtual bool keeps_after(const Error&) const { return false; }

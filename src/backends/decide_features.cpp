@@ -3,16 +3,16 @@
 #include <algorithm>
 
 #include "exact/impact/decide_impact.h"
-#include "exact/impact/decide_separation.h"
+#include "exact/impact/decide_min_distance.h"
 #include "exact/proximity/decide_distance.h"
 
 namespace crumple {
 namespace {
 
-FeatureDecision separated_impact(FeatureKind kind, const FeaturePoints& p, const Separation& separation,
+FeatureDecision separated_impact(FeatureKind kind, const FeaturePoints& p, const MinDistance& separation,
                                  FeatureCounts& counts) {
-    SeparationCounts by;
-    const Impact impact = decide_separation(kinds_of(kind), p, separation, by);
+    MinDistanceCounts by;
+    const Impact impact = decide_min_distance(kinds_of(kind), p, separation, by);
     counts.rational += by.rational;
     return {impact.meets, impact.toi, impact.start};
 }
@@ -20,7 +20,7 @@ FeatureDecision separated_impact(FeatureKind kind, const FeaturePoints& p, const
 // Vertices rarely touch edges or other vertices, and a lower bound on their distance is cheap: such pairs take the
 // decision with a minimum distance even for contact.
 FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, const FeatureRequest& query, FeatureCounts& counts) {
-    const Separation separation{query.distance, query.share, query.approaching_only};
+    const MinDistance separation{query.distance, query.share, query.approaching_only};
     if (!separation.contact_only() || kind == FeatureKind::vertex_edge || kind == FeatureKind::vertex_vertex)
         return separated_impact(kind, p, separation, counts);
     ImpactCounts by;
@@ -34,18 +34,19 @@ FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, const FeatureRe
 // Returns how many of the four vertices belong to the first feature.
 std::size_t split_of(FeatureKind kind) { return kind == FeatureKind::edge_edge ? 2 : 1; }
 
-Reach reach_of(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query) {
-    return reach_of(kind, vertex, query.radii.empty() ? nullptr : query.radii.data(), query.distance, query.strict);
+Reach distance_limit_of(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query) {
+    return distance_limit_of(kind, vertex, query.radii.empty() ? nullptr : query.radii.data(), query.distance,
+                             query.strict);
 }
 
-bool close_at_rest(FeatureKind kind, const std::array<Vec3d, 4>& points, double radius, DistanceCounts& by) {
+bool close_in_rest_shape(FeatureKind kind, const std::array<Vec3d, 4>& points, double radius, DistanceCounts& by) {
     return Distance({kinds_of(kind), points}, by).within({radius, 0});
 }
-bool close_at_rest(FeatureKind kind, const std::int32_t (&vertex)[4], const RestShape& rest, DistanceCounts& by) {
+bool close_in_rest_shape(FeatureKind kind, const std::int32_t (&vertex)[4], const RestShape& rest, DistanceCounts& by) {
     if (!rest.knows(vertex[0], vertex[3])) return false;
     const std::array points{rest.position(vertex[0]), rest.position(vertex[1]), rest.position(vertex[2]),
                             rest.position(vertex[3])};
-    return close_at_rest(kind, points, rest.radius, by);
+    return close_in_rest_shape(kind, points, rest.radius, by);
 }
 
 /// Decision of a proximity: first whether two features are near, then their distance.
@@ -54,12 +55,12 @@ class Nearness {
     Nearness(FeatureKind kind, const FeaturePoints& p) : features_(at_start(kind, p)), distance_(features_, by_) {}
 
     bool near(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query) {
-        return distance_.within(reach_of(kind, vertex, query)) &&
-               !(query.rest && close_at_rest(kind, vertex, *query.rest, by_));
+        return distance_.within(distance_limit_of(kind, vertex, query)) &&
+               !(query.rest && close_in_rest_shape(kind, vertex, *query.rest, by_));
     }
     bool near(const PackedFeatures& pair, double rest_radius) {
         return distance_.within(pair.reach) &&
-               !(pair.has_rest && close_at_rest(pair.kind, pair.rest, rest_radius, by_));
+               !(pair.has_rest && close_in_rest_shape(pair.kind, pair.rest, rest_radius, by_));
     }
     FeatureDecision measured() { return {true, distance_.squared(), distance_.touching()}; }
     void add_to(cpu::GuessBatch& batch) const { batch.add(features_, distance_.guess()); }
@@ -123,7 +124,7 @@ std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const PreparedSce
     return decision;
 }
 
-bool are_neighbours(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query) {
+bool are_adjacent(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query) {
     for (std::size_t i = 0; i < split_of(kind); ++i)
         for (std::size_t k = split_of(kind); k < 4; ++k)
             if (query.rings->joined(query.features.name(vertex[i]), query.features.name(vertex[k]))) return true;

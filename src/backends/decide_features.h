@@ -43,6 +43,6 @@ std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const PreparedSce
 
 /// Returns true if the features are adjacent without a common vertex: `query.rings`, which must not be null, joins a
 /// vertex of one to a vertex of the other.
-bool are_neighbours(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query);
+bool are_adjacent(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query);
 
 }  // namespace crumple

@@ -2,9 +2,9 @@
 
 // Part of the backend interface: feature queries on meshes in device memory. Only the cuda backend has it.
 //
-// The host derives edges, and the triangle that owns each feature, from a copy of the mesh's triangles and listed edges
-// and points. A request brings the features of the last copy, whose counts must match the mesh. A call that finds other
-// contents reports that, and the caller repeats it with new features.
+// The host derives edges, and the triangle that owns each feature, from a copy of the mesh's triangles and
+// codimensional edges and points. A request brings the features of the last copy, whose counts must match the mesh. A
+// call that finds other contents reports that, and the caller repeats it with new features.
 
 #include <cstddef>
 #include <cstdint>
@@ -42,10 +42,10 @@ class DeviceFeatureCalls {
     virtual LaunchNumber launch(const DeviceShape& mesh, const FeatureRequest& request) = 0;
     /// Waits for a launch, or reads the result of its last replay. Returns nothing if find_again() has to find the
     /// result.
-    virtual std::optional<DeviceAnswer> wait(LaunchNumber launch) = 0;
+    virtual std::optional<AnyDeviceResult> wait(LaunchNumber launch) = 0;
     /// Finds the result of that launch again. Returns nothing if the mesh has other features than the request.
-    virtual std::optional<DeviceAnswer> find_again(LaunchNumber launch, const DeviceShape& mesh,
-                                                   const FeatureRequest& request) = 0;
+    virtual std::optional<AnyDeviceResult> find_again(LaunchNumber launch, const DeviceShape& mesh,
+                                                      const FeatureRequest& request) = 0;
 };
 
 }  // namespace crumple

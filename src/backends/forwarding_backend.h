@@ -55,13 +55,13 @@ class ForwardingBackend : public BackendBase {
     }
     const DeviceIntersections& wait(LaunchNumber launch) override { return to_->wait(launch); }
     void download(LaunchNumber launch, Intersections& result) override { to_->download(launch, result); }
-    DeviceFeatureCalls& features_there() override { return to_->features_there(); }
-    bool find(const World& world, const IntersectionQuery& question, Intersections& result) override {
-        return to_->find(world, question, result);
+    DeviceFeatureCalls& device_feature_search() override { return to_->device_feature_search(); }
+    bool find(const World& world, const IntersectionQuery& query, Intersections& result) override {
+        return to_->find(world, query, result);
     }
     std::vector<Pose> poses_of(const DevicePoses& poses) override { return to_->poses_of(poses); }
-    LaunchNumber launch(const World& world, const IntersectionQuery& question) override {
-        return to_->launch(world, question);
+    LaunchNumber launch(const World& world, const IntersectionQuery& query) override {
+        return to_->launch(world, query);
     }
     bool keeps_after(const Error& error) const override { return to_->keeps_after(error); }
     const OverlapKernels* overlap_kernels() const override { return to_->overlap_kernels(); }

@@ -232,7 +232,7 @@ struct Detector::Implementation : MeshCalls {
     template <class Result>
     void swap_result(Result& mine, Result& other) {
         if (meter.limit > 0) other = {};
-        hand_over(mine, other);
+        swap_out(mine, other);
     }
 
     FirstImpact first_impact;

@@ -47,7 +47,7 @@ struct DetectorState {
     Backend working = Backend::cpu;  ///< type of `backend`
     std::unique_ptr<BackendBase> backend;
     std::string fallback;
-    std::int64_t kept_before_launch = 0;  ///< bytes in use when the last launch began
+    std::int64_t bytes_before_launch = 0;  ///< bytes in use when the last launch began
 
     // Storage of the result of each query:
     Intersections& result_of(const IntersectionQuery&) { return result; }
@@ -128,7 +128,7 @@ struct DetectorState {
     LaunchNumber run_launch(Work work) {
         LaunchNumber launched = 0;
         cancellation.begin({});
-        kept_before_launch = meter.used;
+        bytes_before_launch = meter.used;
         run_launched([&] { launched = work(); });
         return launched;
     }
@@ -145,7 +145,7 @@ struct DetectorState {
     template <class Work>
     void run_launched(Work work) {
         run_above(
-            kept_before_launch, work, [](std::int64_t) { return false; },
+            bytes_before_launch, work, [](std::int64_t) { return false; },
             [&](const Error& error) { return backend->keeps_after(error); });
     }
 

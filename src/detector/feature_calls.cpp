@@ -13,7 +13,7 @@ void tell(const DeviceRows& rows, DeviceProximityList& list) { list = {rows.coun
 void tell(const DeviceRows& rows, DeviceCandidateList& list) { list = {rows.count, rows.pairs}; }
 
 template <class Answer>
-void tell(const DeviceAnswer& found, Answer& answer) {
+void tell(const AnyDeviceResult& found, Answer& answer) {
     static_cast<DeviceFeatures&>(answer) = found;
     const bool all_kinds = answer.lists.size() == candidate_kinds;
     for (std::size_t k = 0; k < answer.lists.size(); ++k) {
@@ -60,20 +60,20 @@ const typename Query::Result& WorldCalls::find(const MeshView& mesh, const Query
     const Shape shape = shape_of(mesh, query);
     if (mesh.memory == MemorySpace::host) return find_features(world_of(shape), query, false, std::move(stop));
     const DeviceShape there{shape, mesh.stream};
-    if (FeatureSearch::answers_there(shape, query)) return find_there(there, query, std::move(stop));
+    if (FeatureSearch::supports_on_device(shape, query)) return find_on_device(there, query, std::move(stop));
     HostShape copy;
     copy_to_host(there, copy);
     return find_features(world_of(copy.shape), query, false, std::move(stop));
 }
 
 template <class Query>
-const typename Query::Result& WorldCalls::find_there(const DeviceShape& mesh, const Query& query,
-                                                     std::stop_token stop) {
+const typename Query::Result& WorldCalls::find_on_device(const DeviceShape& mesh, const Query& query,
+                                                         std::stop_token stop) {
     auto& result = result_of(query);
-    return answered(result, std::move(stop), [&](bool frugal) {
-        check_question(query, false);
+    return answered(result, std::move(stop), [&](bool low_memory) {
+        check_query_options(query, false);
         check_groups(query.filter, mesh.shape.triangles.rows, !mesh.shape.groups.empty());
-        features.find_there(*backend, mesh, query, frugal, result);
+        features.find_on_device(*backend, mesh, query, low_memory, result);
     });
 }
 
@@ -92,7 +92,7 @@ std::vector<Part> WorldCalls::partition(const MeshView& mesh, const Query& query
     std::vector<Part> parts;
     const auto attempt = [&] {
         check(count >= 1 && count <= max_parts, "the number of parts must be 1 to 262144");
-        check_question(query, false);
+        check_query_options(query, false);
         parts = features.partition(*backend, world_of(shape), query, count);
     };
     run(std::move(stop), attempt, [](std::int64_t) { return true; });
@@ -102,16 +102,16 @@ std::vector<Part> WorldCalls::partition(const MeshView& mesh, const Query& query
 template <FeatureQuery Query>
 const typename Query::Result& WorldCalls::find(const Part& part, const Query& query, std::stop_token stop) {
     auto& result = result_of(query);
-    return answered(result, std::move(stop), [&](bool frugal) {
-        check_question(query, false);
+    return answered(result, std::move(stop), [&](bool low_memory) {
+        check_query_options(query, false);
         check_groups(query.filter, part.mesh.size(), !part.mesh.groups.empty());
-        features.find(*backend, part, query, frugal, result);
+        features.find(*backend, part, query, low_memory, result);
     });
 }
 
 void WorldCalls::copy_to_host(const DeviceShape& mesh, HostShape& copy) {
     run(
-        {}, [&] { backend->features_there().copy_to_host(mesh, Copied::all, copy); },
+        {}, [&] { backend->device_feature_search().copy_to_host(mesh, Copied::all, copy); },
         [](std::int64_t) { return false; });
 }
 void WorldCalls::copy_to_host(const MeshView& mesh, HostShape& copy) {
@@ -122,7 +122,7 @@ template <FeatureQuery Query>
 LaunchNumber WorldCalls::launch(const MeshView& mesh, const Query& query) {
     const DeviceShape there{shape_of(mesh, query), mesh.stream};
     return run_launch([&] {
-        check_question(query, false);
+        check_query_options(query, false);
         check_groups(query.filter, mesh.triangles.rows, !mesh.groups.empty());
         check(mesh.memory != MemorySpace::host, "launches take meshes in device memory");
         return features.launch(*backend, there, query);

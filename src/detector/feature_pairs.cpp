@@ -13,7 +13,7 @@
 #include "base/float_environment.h"
 #include "crumple/error.h"
 #include "exact/impact/decide_impact.h"
-#include "exact/impact/decide_separation.h"
+#include "exact/impact/decide_min_distance.h"
 #include "exact/proximity/decide_distance.h"
 #include "filters/features/feature_points.h"
 #include "queries/checks.h"
@@ -87,12 +87,12 @@ void check_threads(int threads) {
     check_options(options);
 }
 
-Impact decide_impact(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, const PairImpactQuery& question) {
-    const Separation separation{question.min_distance, question.min_distance_share, question.approaching_only};
+Impact decide_impact(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, const PairImpactQuery& query) {
+    const MinDistance separation{query.min_distance, query.min_distance_share, query.approaching_only};
     const bool vertex_face = kinds == FeatureKinds::vertex_face;
     if (!separation.contact_only() || (!vertex_face && kinds != FeatureKinds::edge_edge)) {
-        SeparationCounts counts;
-        return decide_separation(kinds, p, separation, counts);
+        MinDistanceCounts counts;
+        return decide_min_distance(kinds, p, separation, counts);
     }
     ImpactCounts counts;
     const Impact impact = vertex_face ? vertex_face_impact(p[0], p[1], p[2], p[3], counts)
@@ -102,16 +102,16 @@ Impact decide_impact(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, co
 
 }  // namespace
 
-PairImpacts pair_impacts(FeatureKind kind, const VertexView& start, const VertexView& end,
-                         const PairImpactQuery& question, std::stop_token stop) {
+PairImpacts pair_impacts(FeatureKind kind, const VertexView& start, const VertexView& end, const PairImpactQuery& query,
+                         std::stop_token stop) {
     const FloatEnvironment environment;
     const FeatureKinds kinds = checked(kind);
-    check_threads(question.threads);
+    check_threads(query.threads);
     ImpactQuery as_motion;
-    as_motion.min_distance = question.min_distance;
-    as_motion.min_distance_share = question.min_distance_share;
-    as_motion.approaching_only = question.approaching_only;
-    check_question(as_motion, false);
+    as_motion.min_distance = query.min_distance;
+    as_motion.min_distance_share = query.min_distance_share;
+    as_motion.approaching_only = query.approaching_only;
+    check_query_options(as_motion, false);
     const PairPoints from(kinds, start, "start"), to(kinds, end, "end");
     if (from.pairs() != to.pairs())
         throw Error(ErrorCode::invalid_argument,
@@ -125,10 +125,10 @@ PairImpacts pair_impacts(FeatureKind kind, const VertexView& start, const Vertex
     answer.hit.resize_discard(from.pairs());
     answer.toi.resize_discard(from.pairs());
     answer.start.resize_discard(from.pairs());
-    for_each_pair(from.pairs(), question.threads, std::move(stop), [&](std::size_t pair) {
+    for_each_pair(from.pairs(), query.threads, std::move(stop), [&](std::size_t pair) {
         std::array<MovingPoint, 4> points{};
         for (std::size_t i = 0; i < points_of(kinds); ++i) points[i] = {from(pair, i), to(pair, i)};
-        const Impact impact = decide_impact(kinds, points, question);
+        const Impact impact = decide_impact(kinds, points, query);
         answer.hit[pair] = impact.meets;
         answer.toi[pair] = impact.meets ? impact.toi : std::numeric_limits<double>::infinity();
         answer.start[pair] = impact.start;

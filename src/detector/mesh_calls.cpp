@@ -107,7 +107,7 @@ LaunchNumber MeshCalls::launch(const MeshView& a, const MeshView* b, const Inter
 LaunchNumber MeshCalls::launch(const World& world, const IntersectionQuery& query) {
     return run_launch([&] {
         check(lies_on_device(world) || world.bodies.empty(), "launch takes worlds whose poses lie in device memory");
-        check_question(query);
+        check_query_options(query);
         check_device_poses(world);
         check_on_device(query);
         return backend->launch(world, query);

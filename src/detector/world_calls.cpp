@@ -36,7 +36,7 @@ const Intersections& WorldCalls::find(const World& world, const IntersectionQuer
 }
 
 void WorldCalls::search(const World& world, const IntersectionQuery& query, const WorldBlocks* blocks) {
-    check_question(query);
+    check_query_options(query);
     if (query.containment) check_containment(query, world);
     check_bodies_have_triangles(world, query.filter, true, "only triangles intersect");
     if (!blocks && working == Backend::cuda && lies_on_device(world) && found_on_device(world, query)) return;
@@ -73,17 +73,17 @@ Statistics WorldCalls::stream(const World& world, const IntersectionQuery& query
 
 const Distances& WorldCalls::find(const World& world, const DistanceQuery& query, std::stop_token stop) {
     Stopwatch watch;
-    bool frugal = false;
+    bool low_memory = false;
     const auto attempt = [&] {
-        check_question(query);
+        check_query_options(query);
         check_bodies_have_triangles(world, query.filter, false, "distances of bodies are those of triangles");
         const PosedOnHost there(*backend, world);
         if (working == Backend::reference)
             find_nearest_by_brute_force(there.world(), query, meter, cancellation, nearest_bodies);
         else
-            nearest.find(*backend, there.world(), query, frugal, nearest_bodies);
+            nearest.find(*backend, there.world(), query, low_memory, nearest_bodies);
     };
-    run(std::move(stop), attempt, [&](std::int64_t) { return frugal = true; });
+    run(std::move(stop), attempt, [&](std::int64_t) { return low_memory = true; });
     nearest_bodies.count = static_cast<std::int64_t>(nearest_bodies.bodies.size());
     nearest_bodies.any = nearest_bodies.count > 0;
     Statistics& statistics = nearest_bodies.statistics;
@@ -95,7 +95,7 @@ const Distances& WorldCalls::find(const World& world, const DistanceQuery& query
 
 const Overlaps& WorldCalls::find(const World& world, const OverlapQuery& query, std::stop_token stop) {
     answered(overlaps, std::move(stop), [&](bool) {
-        check_question(query, world);
+        check_query_options(query, world);
         check_bodies_have_triangles(world, query.filter, false, "only triangles enclose a volume");
         if (working == Backend::reference)
             find_overlaps_by_brute_force(world, query, meter, cancellation, overlaps);
@@ -110,10 +110,10 @@ template <class Query>
 const typename Query::Result& WorldCalls::find_features(const World& world, const Query& query, bool bodies,
                                                         std::stop_token stop) {
     auto& result = result_of(query);
-    return answered(result, std::move(stop), [&](bool frugal) {
-        check_question(query, bodies);
+    return answered(result, std::move(stop), [&](bool low_memory) {
+        check_query_options(query, bodies);
         if (!bodies) check_groups(query.filter, world.shapes[0].triangles.rows, !world.shapes[0].groups.empty());
-        features.find(*backend, PosedOnHost(*backend, world).world(), query, bodies, frugal, result);
+        features.find(*backend, PosedOnHost(*backend, world).world(), query, bodies, low_memory, result);
     });
 }
 
@@ -127,7 +127,7 @@ Statistics WorldCalls::stream_features(const World& world, const Query& query, b
     auto& result = result_of(query);
     const auto stream = [&] {
         check_blocks(blocks.most);
-        check_question(query, bodies);
+        check_query_options(query, bodies);
         if (!bodies) check_groups(query.filter, world.shapes[0].triangles.rows, !world.shapes[0].groups.empty());
         check_in_blocks(query);
         const PosedOnHost there(*backend, world);

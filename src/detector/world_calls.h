@@ -75,20 +75,21 @@ struct WorldCalls : DetectorState {
     template <class Query>
     Statistics stream_features(const World& world, const Query& query, bool bodies,
                                const FeatureBlocks<typename Query::Result>& blocks, std::stop_token stop);
-    /// Runs search(frugal) under the memory limit and returns the result. The memory that several workers need depends
-    /// on scheduling, so the first attempt may exceed the limit; the second one is frugal (FeatureRequest::frugal).
+    /// Runs search(low_memory) under the memory limit and returns the result. The memory that several workers need
+    /// depends on scheduling, so the first attempt may exceed the limit; the second one has low memory
+    /// (FeatureRequest::low_memory).
     template <class Result, class Search>
     const Result& answered(Result& result, std::stop_token stop, Search search) {
         Stopwatch watch;
-        bool frugal = false;
-        const auto attempt = [&] { search(frugal); };
-        run(std::move(stop), attempt, [&](std::int64_t) { return frugal = true; });
+        bool low_memory = false;
+        const auto attempt = [&] { search(low_memory); };
+        run(std::move(stop), attempt, [&](std::int64_t) { return low_memory = true; });
         result.statistics.peak_memory_bytes = meter.peak;
         result.statistics.milliseconds = watch.lap();
         return result;
     }
     template <class Query>
-    const typename Query::Result& find_there(const DeviceShape& mesh, const Query& query, std::stop_token stop);
+    const typename Query::Result& find_on_device(const DeviceShape& mesh, const Query& query, std::stop_token stop);
     void copy_to_host(const DeviceShape& mesh, HostShape& copy);
 
     /// Returns the mesh as a shape with everything that the query reads. Throws Error if an impact query lacks end

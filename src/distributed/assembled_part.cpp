@@ -30,10 +30,10 @@ void AssembledPart::take(std::span<const PartNews> news) {
     }
     if (other_triangles) merge(news);
     change_masks(news);
-    const auto says_something = [](const PartNews& some) {
+    const auto has_news = [](const PartNews& some) {
         return !some.delta.changed.empty() || !some.delta.vertices.empty();
     };
-    revision_ += other_triangles || std::any_of(news.begin(), news.end(), says_something);
+    revision_ += other_triangles || std::any_of(news.begin(), news.end(), has_news);
 }
 
 void AssembledPart::add_vertices(const PartNews& news) {

@@ -32,7 +32,7 @@ class AssembledPart {
     /// `levels`: location of the part, still without masks.
     AssembledPart(std::int32_t index, int count, std::vector<PartLevel> levels, bool float32, bool groups);
     /// Prepares the part for queries about features: vertices get ids, and if `moving`, end positions.
-    void know_features(bool moving) {
+    void set_feature_demand(bool moving) {
         features_ = true;
         moving_ = moving;
         if (moving) end_ = part_.mesh.vertices;

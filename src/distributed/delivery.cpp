@@ -72,7 +72,7 @@ void Delivery::run_group(int group, int groups, FunctionRef<void(std::int64_t by
     exchange_counts();
     agree_(Phase::room, [&] {
         room(bytes_coming());
-        make_room();
+        reserve();
     });
     exchange_news();
     agree_(Phase::room, [&] {
@@ -135,7 +135,7 @@ std::int64_t Delivery::bytes_coming() const {
     return bytes;
 }
 
-void Delivery::make_room() {
+void Delivery::reserve() {
     const auto size = [](std::int64_t n) { return static_cast<std::size_t>(n); };
     const auto is_news = [](const DeltaCounts& c) { return c.removed + c.changed + c.added + c.vertices > 0; };
     std::vector<std::size_t> of_part(mine_.size(), 0);

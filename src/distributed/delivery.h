@@ -57,7 +57,7 @@ class Delivery {
     void list_leaving();
     void exchange_counts();
     std::int64_t bytes_coming() const;
-    void make_room();
+    void reserve();
     void exchange_news();
     template <class Scalar>
     void exchange_coordinates(const VertexReader& reader, bool at_end);

@@ -65,7 +65,7 @@ void append(Intersections& all, const DistributedIntersections& rows, bool conta
     append(all.contacts.points, rows.contacts.points);
 }
 
-PairFilter rules_of(const WantedGroups& groups) {
+PairFilter filter_of_groups(const GroupSelection& groups) {
     PairFilter rules;
     rules.groups = groups.between ? PairScope::between : groups.within ? PairScope::within : PairScope::both;
     for (std::int64_t i = 0; i < groups.excluded_count; ++i) {
@@ -81,7 +81,7 @@ ImpactQuery motion_of(const FeatureRequest& request) {
     query.output = wants[static_cast<std::size_t>(request.extent)];
     query.min_distance = request.distance, query.min_distance_share = request.share;
     query.approaching_only = request.approaching_only;
-    query.filter = rules_of(request.rule.of_groups());
+    query.filter = filter_of_groups(request.rule.of_groups());
     return query;
 }
 
@@ -89,7 +89,7 @@ ProximityQuery near_of(const FeatureRequest& request) {
     ProximityQuery query;
     query.output = request.extent == Extent::all ? Output::pairs : Output::any;
     query.radius = request.distance, query.strict = request.strict;
-    query.filter = rules_of(request.rule.of_groups());
+    query.filter = filter_of_groups(request.rule.of_groups());
     return query;
 }
 
@@ -144,7 +144,7 @@ bool Devices::is_for_all(const PreparedScene& scene, const FeatureRequest& query
     const SceneFeatures& features = query.features;
     return is_for_all(scene) && query.criterion != Criterion::candidate && !query.part && !query.rings && !query.rest &&
            query.radii.empty() && !features.lists_edges() && !features.lists_points() && features.plain() &&
-           !features.renames();
+           !features.is_welded();
 }
 
 void Devices::make_ranks() {
@@ -218,7 +218,7 @@ bool Devices::any(const PreparedScene& scene, const IntersectionQuery& query) {
 
 // Runs find(rank, share) on each rank and merges the results. Returns the result of rank 0.
 template <class Find>
-const auto& Devices::ask_features(const PreparedScene& scene, FeatureResult& result, bool listed, Find find) {
+const auto& Devices::find_on_devices(const PreparedScene& scene, FeatureResult& result, bool listed, Find find) {
     using Found = std::remove_cvref_t<std::invoke_result_t<Find, Rank&, const MeshShare&>>;
     std::vector<const Found*> found(options_.devices.size());
     on_each([&](Rank& rank) {
@@ -236,7 +236,7 @@ void Devices::find(const PreparedScene& scene, const FeatureRequest& request, Fe
     const bool listed = request.extent == Extent::all;
     if (request.criterion == Criterion::impact) {
         const ImpactQuery query = motion_of(request);
-        result.first = ask_features(
+        result.first = find_on_devices(
                            scene, result, listed,
                            [&](Rank & rank, const MeshShare& share) -> auto& {
                                MeshShare moving = share;
@@ -246,7 +246,7 @@ void Devices::find(const PreparedScene& scene, const FeatureRequest& request, Fe
                            .first;
     } else {
         const ProximityQuery query = near_of(request);
-        ask_features(
+        find_on_devices(
             scene, result,
             listed, [&](Rank & rank, const MeshShare& share) -> auto& { return rank.detector.find(share, query); });
     }

@@ -46,7 +46,7 @@ class Devices final : public ForwardingBackend {
     /// a failure; then all ranks are made anew by the next call.
     void on_each(const std::function<void(Rank&)>& work);
     template <class Find>
-    const auto& ask_features(const PreparedScene& scene, FeatureResult& result, bool listed, Find find);
+    const auto& find_on_devices(const PreparedScene& scene, FeatureResult& result, bool listed, Find find);
 
     Options options_;
     Cancellation& cancellation_;

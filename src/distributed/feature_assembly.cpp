@@ -41,21 +41,21 @@ std::size_t place_of(const std::vector<std::int32_t>& ids, std::int32_t id) {
 const Part& FeatureAssembly::update(const AssembledPart& from, const FeatureDemand& demand) {
     if (revision_ != from.revision()) {
         part_.features.emplace();
-        take_triangles(from);
-        take_edges(from);
+        merge_triangles(from);
+        merge_edges(from);
         revision_ = from.revision();
     }
     PartFeatures& features = *part_.features;
     features.moving = demand.moving;
     features.distance = demand.distance, features.share = demand.share;
     features.weld = demand.weld;
-    take_coordinates(from);
+    merge_coordinates(from);
     features.names.clear();
     if (demand.weld) name_vertices();
     return part_;
 }
 
-void FeatureAssembly::take_triangles(const AssembledPart& from) {
+void FeatureAssembly::merge_triangles(const AssembledPart& from) {
     const Part& given = from.part();
     const std::span<const std::int32_t> ids = from.vertex_ids();
     place_ = given.mesh.corners;
@@ -80,7 +80,7 @@ void FeatureAssembly::take_triangles(const AssembledPart& from) {
     features.faces = given.mesh.size();
 }
 
-void FeatureAssembly::take_edges(const AssembledPart& from) {
+void FeatureAssembly::merge_edges(const AssembledPart& from) {
     struct Owned {
         std::int32_t edge;
         Edge ends;
@@ -118,7 +118,7 @@ void FeatureAssembly::take_edges(const AssembledPart& from) {
     }
 }
 
-void FeatureAssembly::take_coordinates(const AssembledPart& from) {
+void FeatureAssembly::merge_coordinates(const AssembledPart& from) {
     part_.mesh.vertices = gathered(from.part().mesh.vertices, place_);
     if (part_.features->moving) part_.features->end = gathered(from.end(), place_);
 }

@@ -31,9 +31,9 @@ class FeatureAssembly {
     Edge ends_of_edge(std::int32_t id) const;
 
    private:
-    void take_triangles(const AssembledPart& from);
-    void take_edges(const AssembledPart& from);
-    void take_coordinates(const AssembledPart& from);
+    void merge_triangles(const AssembledPart& from);
+    void merge_edges(const AssembledPart& from);
+    void merge_coordinates(const AssembledPart& from);
     void name_vertices();
     std::size_t place_of_edge(std::int32_t id) const;
 

@@ -22,8 +22,8 @@ struct Numbered {
 // Sends row(element) for each element to its directory rank, calls answer(rows) there with all received rows, and sends
 // reply(index of the received row) back, which take(element, reply) consumes. Collective.
 template <class Row, class Reply, class MakeRow, class Answer, class MakeReply, class Take>
-void ask_keepers(Rounds& rounds, Agreement& agree, const std::vector<std::int64_t>& first,
-                 const std::vector<std::int32_t>& elements, MakeRow row, Answer answer, MakeReply reply, Take take) {
+void query_keepers(Rounds& rounds, Agreement& agree, const std::vector<std::int64_t>& first,
+                   const std::vector<std::int32_t>& elements, MakeRow row, Answer answer, MakeReply reply, Take take) {
     Traffic there(rounds.transport().size());
     for (std::size_t r = 0; r < there.out.size(); ++r) there.out[r] = first[r + 1] - first[r];
     rounds.transport().all_to_all(there.out, there.in);
@@ -95,7 +95,7 @@ void FeatureOwners::own_vertices(Rounds& rounds, Agreement& agree, const Share& 
         const std::int64_t begin =
             ByKeeper::block(share.vertices().all, rounds.transport().size()) * rounds.transport().rank();
         std::vector<std::int32_t> of_block, block_of_row;
-        ask_keepers<Least, std::int32_t>(
+        query_keepers<Least, std::int32_t>(
             rounds, agree, shared.first, shared.element,
             [&](std::int32_t v) {
                 return Least{share.vertices()(v), least[static_cast<std::size_t>(v)]};
@@ -155,7 +155,7 @@ void FeatureOwners::own_edges(Rounds& rounds, Agreement& agree, const Share& sha
         each([&](std::int32_t slot, std::size_t keeper) { slots[static_cast<std::size_t>(next[keeper]++)] = slot; });
     });
     std::vector<Numbered> numbered;
-    ask_keepers<Side, Numbered>(
+    query_keepers<Side, Numbered>(
         rounds, agree, first, slots, side_of,
         [&](const std::vector<Side>& sides) {
             std::vector<std::int32_t> order;

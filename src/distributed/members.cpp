@@ -128,7 +128,7 @@ Members::Found Members::look(const Share& share, const Placement& placement, std
             },
             &slack);
         slack_[static_cast<std::size_t>(t)] =
-            rounded_down * static_cast<float>(std::min(placement.slack_of_way() * slack, 1e30));
+            rounded_down * static_cast<float>(std::min(placement.slack_of_path() * slack, 1e30));
         found.triangle.push_back(static_cast<std::int32_t>(t));
         found.count.push_back(count);
     }
@@ -176,7 +176,7 @@ void Members::take(std::int32_t triangle, std::span<const std::int32_t> parts, s
 }
 
 std::int64_t Members::bytes_of_changes() {
-    tell_all_of_some();
+    send_some_whole();
     std::size_t rows = 0;
     for (const std::int32_t part : parts_) {
         const Changes& changes = changes_[static_cast<std::size_t>(part)];
@@ -212,7 +212,7 @@ void Members::make_rows(std::span<const std::int32_t> parts, const Share& share,
 }
 
 // Lists all members of parts with a new owner as added.
-void Members::tell_all_of_some() {
+void Members::send_some_whole() {
     if (std::find(anew_.begin(), anew_.end(), 1) == anew_.end()) return;
     for (std::size_t k = 0; k < anew_.size(); ++k)
         if (anew_[k]) changes_[k] = {}, list_[k] = {};

@@ -65,7 +65,7 @@ class Members {
     std::span<const std::int32_t> parts() const { return parts_; }
 
     /// Marks a part with a new owner, to which all members must be sent.
-    void tell_anew(std::int32_t part) { anew_[static_cast<std::size_t>(part)] = 1; }
+    void send_again(std::int32_t part) { anew_[static_cast<std::size_t>(part)] = 1; }
     /// Returns the approximate bytes of the deltas, after adding all members of parts with a new owner.
     std::int64_t bytes_of_changes();
     /// Makes the deltas of these parts.
@@ -107,7 +107,7 @@ class Members {
     bool may_have_reached_a_part(const PreparedScene& scene, std::int64_t t);
     Found look(const Share& share, const Placement& placement, std::int64_t begin, std::int64_t end);
     void take(std::int32_t triangle, std::span<const std::int32_t> parts, std::span<const std::uint64_t> masks);
-    void tell_all_of_some();
+    void send_some_whole();
     /// Index of each vertex in the list of the current part; valid if the vertex's stamp is that part.
     struct Places {
         std::vector<std::int32_t> place, stamp;

@@ -40,14 +40,14 @@ class Placement {
     std::vector<PartLevel> path(std::int32_t part) const { return centres_->path(part); }
     /// Sets the balls by which triangles are members of parts: those for a query about features, or if null, those for
     /// intersections.
-    void widen(const FeaturePartQuestion* question) {
+    void widen(const FeaturePartDemand* query) {
         balls_.reset();
-        if (question) balls_.emplace(*question, normalise_);
+        if (query) balls_.emplace(*query, normalise_);
     }
     PartBall ball(const PreparedScene& scene, std::int64_t t) const {
         return balls_ ? (*balls_)(scene, t) : PartBall(scene.triangle(t), normalise_);
     }
-    double slack_of_way() const { return balls_ ? balls_->slack_of_way() : 1; }
+    double slack_of_path() const { return balls_ ? balls_->slack_of_path() : 1; }
     const Normaliser& normaliser() const { return normalise_; }
 
    private:

@@ -33,25 +33,25 @@ bool PartSearch::any(const Part& part, const IntersectionQuery& query, std::uniq
     return found;
 }
 
-template <class Question, class Answer>
-const Answer& PartSearch::find_features(const Part& part, const Question& question,
-                                        std::unique_ptr<SceneMemory>& memory, std::stop_token stop, Answer& answer) {
-    bool frugal = false;
-    const auto attempt = [&] { features.find(*backend, part, question, frugal, answer); };
+template <class Query, class Answer>
+const Answer& PartSearch::find_features(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
+                                        std::stop_token stop, Answer& answer) {
+    bool low_memory = false;
+    const auto attempt = [&] { features.find(*backend, part, query, low_memory, answer); };
     backend->swap_memory(memory);
-    run(std::move(stop), attempt, [&](std::int64_t) { return frugal = true; });
+    run(std::move(stop), attempt, [&](std::int64_t) { return low_memory = true; });
     backend->swap_memory(memory);
     answer.statistics.peak_memory_bytes = meter.peak;
     return answer;
 }
 
-const Impacts& PartSearch::find(const Part& part, const ImpactQuery& question, std::unique_ptr<SceneMemory>& memory,
+const Impacts& PartSearch::find(const Part& part, const ImpactQuery& query, std::unique_ptr<SceneMemory>& memory,
                                 std::stop_token stop) {
-    return find_features(part, question, memory, std::move(stop), impacts);
+    return find_features(part, query, memory, std::move(stop), impacts);
 }
-const Proximities& PartSearch::find(const Part& part, const ProximityQuery& question,
-                                    std::unique_ptr<SceneMemory>& memory, std::stop_token stop) {
-    return find_features(part, question, memory, std::move(stop), nearby);
+const Proximities& PartSearch::find(const Part& part, const ProximityQuery& query, std::unique_ptr<SceneMemory>& memory,
+                                    std::stop_token stop) {
+    return find_features(part, query, memory, std::move(stop), nearby);
 }
 
 }  // namespace crumple::distribute

@@ -26,9 +26,9 @@ class PartSearch : private DetectorState {
              std::stop_token stop);
 
     /// Finds the pairs of features that the part owns, by id. Valid until the next call.
-    const Impacts& find(const Part& part, const ImpactQuery& question, std::unique_ptr<SceneMemory>& memory,
+    const Impacts& find(const Part& part, const ImpactQuery& query, std::unique_ptr<SceneMemory>& memory,
                         std::stop_token stop);
-    const Proximities& find(const Part& part, const ProximityQuery& question, std::unique_ptr<SceneMemory>& memory,
+    const Proximities& find(const Part& part, const ProximityQuery& query, std::unique_ptr<SceneMemory>& memory,
                             std::stop_token stop);
 
     /// See Detector::set_poll.
@@ -37,14 +37,14 @@ class PartSearch : private DetectorState {
     ParallelFor& workers() { return *backend; }
     /// Downloads a mesh. Throws Error unless the backend is cuda.
     void copy_to_host(const DeviceShape& there, HostShape& here) {
-        backend->features_there().copy_to_host(there, Copied::all, here);
+        backend->device_feature_search().copy_to_host(there, Copied::all, here);
     }
     MemoryMeter& memory() { return meter; }
     void release() { forget(); }
 
    private:
-    template <class Question, class Answer>
-    const Answer& find_features(const Part& part, const Question& question, std::unique_ptr<SceneMemory>& memory,
+    template <class Query, class Answer>
+    const Answer& find_features(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
                                 std::stop_token stop, Answer& answer);
     template <class Work>
     void guarded(const Part& part, const IntersectionQuery& query, std::unique_ptr<SceneMemory>& memory,

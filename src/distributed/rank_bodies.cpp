@@ -24,7 +24,7 @@ void check_total(std::int64_t total, const char* what) {
 }
 
 template <class Coordinates>
-void make_room(Coordinates& coordinates, bool float32, std::int64_t rows) {
+void reserve(Coordinates& coordinates, bool float32, std::int64_t rows) {
     const auto n = static_cast<std::size_t>(3 * rows);
     if (float32 != std::holds_alternative<std::vector<float>>(coordinates)) {
         if (float32)
@@ -83,7 +83,7 @@ void Bodies::fail_with_id(const Error& error, std::int64_t body, std::int64_t id
 void Bodies::outline(const WorldShare& share, const PairFilter& rules, bool moving) {
     given_ = share.body_ids;
     try {
-        look_at(share, rules, moving);
+        read_share(share, rules, moving);
     } catch (const Error& error) {
         const std::int64_t b = error.index;
         if (error.element != Element::body || b < 0 || b >= static_cast<std::int64_t>(given_.size())) throw;
@@ -91,7 +91,7 @@ void Bodies::outline(const WorldShare& share, const PairFilter& rules, bool movi
     }
 }
 
-void Bodies::look_at(const WorldShare& share, const PairFilter& rules, bool moving) {
+void Bodies::read_share(const WorldShare& share, const PairFilter& rules, bool moving) {
     // The outline gets only rules that refer to local bodies; excluded bodies have numbers over all ranks.
     check(!lies_on_device(share.world), "poses of ranks lie in host memory");
     PairFilter known;
@@ -117,8 +117,8 @@ void Bodies::look_at(const WorldShare& share, const PairFilter& rules, bool movi
     check_total(triangles, "triangles");
     check_total(vertices, "vertices");
     const auto m = static_cast<std::size_t>(triangles);
-    make_room(start_, float32, vertices);
-    make_room(end_, float32, moving ? vertices : 0);
+    reserve(start_, float32, vertices);
+    reserve(end_, float32, moving ? vertices : 0);
     corners_.resize(3 * m);
     groups_.resize(m);
     triangle_ids_.resize(m);
@@ -135,15 +135,15 @@ void Bodies::check_shape(const Shape& shape, std::int32_t body) const {
 }
 
 void Bodies::number(Transport& transport, Agreement& agree) {
-    if (!settle_ids(transport, agree)) tabulate(transport, agree);
+    if (!resolve_body_ids(transport, agree)) tabulate(transport, agree);
     agree(Phase::input, [&] {
-        settle_rules();
+        exchange_filters();
         give_numbers();
     });
 }
 
 // Checks ids of bodies. Returns true if the table of the previous call is still valid.
-bool Bodies::settle_ids(Transport& transport, Agreement& agree) {
+bool Bodies::resolve_body_ids(Transport& transport, Agreement& agree) {
     std::vector<std::int64_t> bodies(static_cast<std::size_t>(transport.size()) + 2, 0);
     const auto rank = static_cast<std::size_t>(transport.rank());
     bodies[rank] = outline_.bodies();
@@ -212,7 +212,7 @@ void Bodies::tabulate(Transport& transport, Agreement& agree) {
 }
 
 // Converts the pair filter to rules about groups of the local mesh. A body without self pairs is excluded with itself.
-void Bodies::settle_rules() {
+void Bodies::exchange_filters() {
     const auto n = static_cast<std::int64_t>(table_.size());
     for (const BodyPair& pair : rules_.excluded_bodies)
         for (const std::int32_t b : {pair.first, pair.second})
@@ -223,24 +223,24 @@ void Bodies::settle_rules() {
     const auto alone = [](const Row& row) { return row.self != 0; };
     const bool all_self = std::all_of(table_.begin(), table_.end(), alone),
                none_self = std::none_of(table_.begin(), table_.end(), alone);
-    group_rules_ = {};
+    group_filter_ = {};
     if (by_groups_) {
         check(all_self && rules_.bodies == PairScope::both && rules_.excluded_bodies.empty(),
               "rules about groups and rules about bodies (Body::self, too) exclude each other on ranks");
-        group_rules_.groups = rules_.groups;
-        group_rules_.excluded_groups = rules_.excluded_groups;
+        group_filter_.groups = rules_.groups;
+        group_filter_.excluded_groups = rules_.excluded_groups;
         return;
     }
-    group_rules_.groups = rules_.bodies;
+    group_filter_.groups = rules_.bodies;
     for (const BodyPair& pair : rules_.excluded_bodies)
-        group_rules_.excluded_groups.push_back({pair.first, pair.second});
+        group_filter_.excluded_groups.push_back({pair.first, pair.second});
     if (none_self && rules_.bodies == PairScope::both) {
-        group_rules_.groups = PairScope::between;
+        group_filter_.groups = PairScope::between;
         return;
     }
     if (rules_.bodies == PairScope::between) return;
     for (std::int32_t b = 0; b < n; ++b)
-        if (!alone(table_[static_cast<std::size_t>(b)])) group_rules_.excluded_groups.push_back({b, b});
+        if (!alone(table_[static_cast<std::size_t>(b)])) group_filter_.excluded_groups.push_back({b, b});
 }
 
 void Bodies::give_numbers() {

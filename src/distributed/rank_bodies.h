@@ -43,7 +43,7 @@ class Bodies {
     const MeshShare& share() const { return share_; }
     const VertexView& end() const { return end_view_; }
     /// Returns the pair filter of the world, as rules about the local mesh's groups.
-    const PairFilter& rules() const { return group_rules_; }
+    const PairFilter& rules() const { return group_filter_; }
     /// Returns the rank that provided a body.
     int rank_of(std::int32_t body) const { return static_cast<int>(table_[static_cast<std::size_t>(body)].rank); }
 
@@ -74,17 +74,17 @@ class Bodies {
     }
     /// Throws an error about one of this rank's bodies with the body's id.
     [[noreturn]] static void fail_with_id(const Error& error, std::int64_t body, std::int64_t id);
-    void look_at(const WorldShare& share, const PairFilter& rules, bool moving);
+    void read_share(const WorldShare& share, const PairFilter& rules, bool moving);
     void check_shape(const Shape& shape, std::int32_t body) const;
-    bool settle_ids(Transport& transport, Agreement& agree);
+    bool resolve_body_ids(Transport& transport, Agreement& agree);
     void tabulate(Transport& transport, Agreement& agree);
-    void settle_rules();
+    void exchange_filters();
     void give_numbers();
     void pose_body(std::int32_t body, std::int64_t first_vertex, std::int64_t first_triangle, ParallelFor& workers);
 
     WorldOutline outline_{nullptr};
     std::span<const std::int64_t> given_;
-    PairFilter rules_, group_rules_;
+    PairFilter rules_, group_filter_;
     bool by_groups_ = false;       ///< the pair filter refers to groups of triangles
     std::int64_t first_body_ = 0;  ///< number of this rank's first body, if no ids are given
 

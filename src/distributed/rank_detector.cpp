@@ -81,10 +81,10 @@ void RankDetector::answer(const MeshShare& share, const VertexView* end, Functio
             asked_ = ask();
             Share::check_shape(share);
         });
-        settle_question(share, end);
+        check_query_of_ranks(share, end);
         prepare();
         read(share, end);
-        settle_ids();
+        resolve_body_ids();
         place();
         list_members();
         deliver();
@@ -101,7 +101,7 @@ void RankDetector::answer(const MeshShare& share, const VertexView* end, Functio
 
 // One reduction compares what must be equal on all ranks (minima of x and -x) and combines flags; another one exchanges
 // counts.
-void RankDetector::settle_question(const MeshShare& share, const VertexView* end) {
+void RankDetector::check_query_of_ranks(const MeshShare& share, const VertexView* end) {
     std::vector<std::int64_t> told = asked_.told;
     told.push_back(options_.parts);
     told.push_back(options_.round_bytes);
@@ -188,7 +188,7 @@ void RankDetector::read(const MeshShare& share, const VertexView* end) {
     same_ = least[7] != 0;
 }
 
-void RankDetector::settle_ids() {
+void RankDetector::resolve_body_ids() {
     if (!same_) {
         if (triangle_ids_) check_each_once(rounds_, agree_, share_.triangles(), share_.scene().triangle_count());
         copies_.learn(rounds_, agree_, share_.vertices(), share_.scene().vertex_count());
@@ -202,7 +202,7 @@ void RankDetector::settle_ids() {
 }
 
 void RankDetector::place() {
-    const int parts = parts_wanted();
+    const int parts = requested_parts();
     const bool serves = placement_.serves(parts, box_);
     if (same_ && serves && asked_.features == demand_ && !on_any_rank(members_.stale())) return;
     same_ = false;
@@ -217,8 +217,8 @@ void RankDetector::place() {
 void RankDetector::list_members() {
     agree_(Phase::members, [&] {
         if (demand_) {
-            const FeaturePartQuestion question{demand_->moving, demand_->distance, demand_->share};
-            placement_.widen(&question);
+            const FeaturePartDemand query{demand_->moving, demand_->distance, demand_->share};
+            placement_.widen(&query);
         } else {
             placement_.widen(nullptr);
         }
@@ -249,8 +249,8 @@ std::vector<std::vector<int>> RankDetector::ranks_near_parts() {
     for (int round = 0; round < std::min<std::int64_t>(4, ranks); ++round) {
         // Packs count and rank into one number, so that one reduction finds the rank that has most.
         for (std::size_t k = 0; k < mine.size(); ++k) {
-            const bool is_told = std::find(near[k].begin(), near[k].end(), rank) != near[k].end();
-            next[k] = is_told || mine[k] == 0 ? -1 : (mine[k] << 32) + (ranks - 1 - rank);
+            const bool is_informed = std::find(near[k].begin(), near[k].end(), rank) != near[k].end();
+            next[k] = is_informed || mine[k] == 0 ? -1 : (mine[k] << 32) + (ranks - 1 - rank);
         }
         reduce(next, Reduction::max);
         for (std::size_t k = 0; k < mine.size(); ++k)
@@ -269,7 +269,7 @@ void RankDetector::give_out_anew() {
                     [&](std::size_t part) { return owners_.all().subspan(part, 1); });
     if (others.balance(expected_work_, transport_.size()) > 0.93 * balance) return;
     for (std::int32_t k = 0; k < placement_.parts(); ++k)
-        if (others.of(k) != owners_.of(k)) members_.tell_anew(k);
+        if (others.of(k) != owners_.of(k)) members_.send_again(k);
     owners_ = std::move(others);
     same_ = false;
 }
@@ -285,7 +285,7 @@ void RankDetector::own_parts() {
             continue;
         }
         mine.emplace_back(k, placement_.parts(), placement_.path(k), float32_, groups_);
-        if (demand_) mine.back().know_features(demand_->moving);
+        if (demand_) mine.back().set_feature_demand(demand_->moving);
         assemblies_.erase(k);
     }
     mine_ = std::move(mine);
@@ -352,7 +352,7 @@ void RankDetector::drop_parts() {
 
 // Two ranks are balanced with one part each. More ranks get several parts each, whose work averages out, as long as
 // parts have some thousand triangles: more parts overlap more (benchmark study "ranks").
-int RankDetector::parts_wanted() const {
+int RankDetector::requested_parts() const {
     if (options_.parts > 0) return options_.parts;
     const int ranks = transport_.size();
     if (ranks <= 2) return ranks;

@@ -76,17 +76,17 @@ class CRUMPLE_API RankDetector {
                 std::stop_token stop, FunctionRef<void()> work);
     void search_rows(const IntersectionQuery& query, RankOutput wants);
     void search_body_pairs(const IntersectionQuery& query);
-    void search_impacts(const ImpactQuery& question);
-    void search_near(const ProximityQuery& question);
+    void search_impacts(const ImpactQuery& query);
+    void search_near(const ProximityQuery& query);
     void name_bodies_of_rows();
     template <class Answer>
     void name_bodies_of_features(Answer& answer);
     template <class Each, class Result>
     void search_features(Each each, bool listed, bool cut_short, Result& result);
 
-    void settle_question(const MeshShare& share, const VertexView* end);
+    void check_query_of_ranks(const MeshShare& share, const VertexView* end);
     void read(const MeshShare& share, const VertexView* end);
-    void settle_ids();
+    void resolve_body_ids();
     void place();
     void list_members();
     void give_out();
@@ -105,7 +105,7 @@ class CRUMPLE_API RankDetector {
     void forget();
     void drop_parts();
 
-    int parts_wanted() const;
+    int requested_parts() const;
     bool on_any_rank(bool here);
     void reduce(std::span<std::int64_t> numbers, Reduction how) { transport_.reduce(numbers, how); }
 

@@ -42,7 +42,7 @@ constexpr const char* no_containment = "containment must be false: ranks find th
 
 }  // namespace
 
-Asked asked_by(const IntersectionQuery& query, RankOutput output) {
+Asked request_of_ranks(const IntersectionQuery& query, RankOutput output) {
     check(output != RankOutput::body_pairs, "body_pairs are those of bodies, and a share is no world");
     check(!query.containment, no_containment);
     Asked asked;
@@ -59,8 +59,8 @@ Asked asked_by(const IntersectionQuery& query, RankOutput output) {
     return asked;
 }
 
-RankOutput output_of(const IntersectionQuery& question) {
-    switch (question.output) {
+RankOutput output_of(const IntersectionQuery& query) {
+    switch (query.output) {
         case Output::any:
         case Output::any_by_world:  // all ranks share one world
             return RankOutput::any;
@@ -77,44 +77,43 @@ RankOutput output_of(const IntersectionQuery& question) {
     return RankOutput::pairs;
 }
 
-Asked asked_by(const IntersectionQuery& question) {
-    check(!question.index, "index must be false: ranks have no offsets by body");
-    check(!question.containment, no_containment);
+Asked request_of_ranks(const IntersectionQuery& query) {
+    check(!query.index, "index must be false: ranks have no offsets by body");
+    check(!query.containment, no_containment);
     Asked asked;
-    asked.told = {static_cast<std::int64_t>(Kind::of_bodies), static_cast<std::int64_t>(question.output),
-                  static_cast<std::int64_t>(question.neighbours), static_cast<std::int64_t>(question.kind),
-                  question.weld};
-    tell(question.filter, true, asked);
+    asked.told = {static_cast<std::int64_t>(Kind::of_bodies), static_cast<std::int64_t>(query.output),
+                  static_cast<std::int64_t>(query.neighbours), static_cast<std::int64_t>(query.kind), query.weld};
+    tell(query.filter, true, asked);
     return asked;
 }
 
-Asked asked_by(const ImpactQuery& question, bool world) {
-    check_question(question, false);
-    check(!question.triangle_pairs, "triangle_pairs must be false: ranks have none");
-    check(!question.index, "index must be false: ranks have no offsets by feature");
+Asked request_of_ranks(const ImpactQuery& query, bool world) {
+    check_query_options(query, false);
+    check(!query.triangle_pairs, "triangle_pairs must be false: ranks have none");
+    check(!query.index, "index must be false: ranks have no offsets by feature");
     Asked asked;
-    asked.told = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(question.output), question.weld,
-                  question.approaching_only};
-    tell(question.min_distance, asked.told);
-    tell(question.min_distance_share, asked.told);
-    asked.features = {true, question.min_distance, question.min_distance_share, question.weld};
-    tell(question.filter, world, asked);
+    asked.told = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(query.output), query.weld,
+                  query.approaching_only};
+    tell(query.min_distance, asked.told);
+    tell(query.min_distance_share, asked.told);
+    asked.features = {true, query.min_distance, query.min_distance_share, query.weld};
+    tell(query.filter, world, asked);
     return asked;
 }
 
-Asked asked_by(const ProximityQuery& question, bool world) {
-    check_question(question, false);
-    check(question.radii.empty(), "radii must be empty: ranks take one radius");
-    check(!question.rest.data && question.rest.rows == 0, "rest must be empty: ranks take no shape at rest");
-    check(question.rings == 0, "rings must be 0: ranks leave out features with a common vertex");
-    check(!question.least, "least must be false: ranks tell no least distances");
-    check(!question.index, "index must be false: ranks have no offsets by feature");
+Asked request_of_ranks(const ProximityQuery& query, bool world) {
+    check_query_options(query, false);
+    check(query.radii.empty(), "radii must be empty: ranks take one radius");
+    check(!query.rest.data && query.rest.rows == 0, "rest must be empty: ranks take no shape at rest");
+    check(query.rings == 0, "rings must be 0: ranks leave out features with a common vertex");
+    check(!query.least, "least must be false: ranks tell no least distances");
+    check(!query.index, "index must be false: ranks have no offsets by feature");
     Asked asked;
-    asked.told = {static_cast<std::int64_t>(Kind::nearness), static_cast<std::int64_t>(question.output),
-                  question.strict, question.closest, question.weld};
-    tell(question.radius, asked.told);
-    asked.features = {false, question.radius, 0, question.weld};
-    tell(question.filter, world, asked);
+    asked.told = {static_cast<std::int64_t>(Kind::nearness), static_cast<std::int64_t>(query.output), query.strict,
+                  query.closest, query.weld};
+    tell(query.radius, asked.told);
+    asked.features = {false, query.radius, 0, query.weld};
+    tell(query.filter, world, asked);
     return asked;
 }
 

@@ -23,12 +23,12 @@ struct Asked {
 };
 
 /// Converts a query. Throws Error (invalid_argument) if it is invalid, or not supported on ranks.
-Asked asked_by(const IntersectionQuery& query, RankOutput output);
+Asked request_of_ranks(const IntersectionQuery& query, RankOutput output);
 /// `world`: true for a query about bodies, whose pair filter may name them.
-Asked asked_by(const ImpactQuery& question, bool world);
-Asked asked_by(const ProximityQuery& question, bool world);
+Asked request_of_ranks(const ImpactQuery& query, bool world);
+Asked request_of_ranks(const ProximityQuery& query, bool world);
 /// Converts a query about bodies.
-Asked asked_by(const IntersectionQuery& question);
-RankOutput output_of(const IntersectionQuery& question);
+Asked request_of_ranks(const IntersectionQuery& query);
+RankOutput output_of(const IntersectionQuery& query);
 
 }  // namespace crumple::distribute

@@ -25,7 +25,7 @@ CRUMPLE_HD inline Ball ball_of(const Vec3f& p, const Vec3f& q, const Vec3f& r) {
 
 /// Returns a ball that contains a triangle's swept volume from the start to the end of a step, widened by the
 /// inflation.
-CRUMPLE_HD inline Ball ball_of_way(const Vec3f (&start)[3], const Vec3f (&end)[3], const Inflation& inflation) {
+CRUMPLE_HD inline Ball swept_ball(const Vec3f (&start)[3], const Vec3f (&end)[3], const Inflation& inflation) {
     const Vec3f c = (1.0f / 6.0f) * ((start[0] + start[1] + start[2]) + (end[0] + end[1] + end[2]));
     float r2 = 0, way2 = 0;
     for (int k = 0; k < 3; ++k) {
@@ -48,7 +48,7 @@ CRUMPLE_HD inline Ball ball_of_box(const Vec3f (&start)[3], const Vec3f (&end)[3
 }
 
 /// Returns twice the distance of two centres, widened for rounding errors.
-CRUMPLE_HD inline float bisector_reach(const Vec3f& between) {
+CRUMPLE_HD inline float bisector_extent(const Vec3f& between) {
     return 2.00001f * std::sqrt(dot(between, between)) + 1e-22f;
 }
 
@@ -57,7 +57,7 @@ inline constexpr float bisector_factor = 1.000002f;
 
 /// True if a ball of radius r may contain a point that is nearest to centre k. Bisector rule: d_k^2 - d_min^2 <= 2 r
 /// |v_k - v_min|, with factors that cover the roundings. `d2`, `nearest_d2`: squared distances of the ball's centre
-/// from centre k and from the nearest centre; `reach`: bisector_reach() of these centres.
+/// from centre k and from the nearest centre; `reach`: bisector_extent() of these centres.
 CRUMPLE_HD inline bool joins(float d2, float nearest_d2, float r, float reach) {
     return !(d2 > nearest_d2 * bisector_factor + r * reach);
 }

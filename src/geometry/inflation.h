@@ -20,26 +20,26 @@ CRUMPLE_HD inline float normalised_length(double length, const Normaliser& norma
 
 /// Bound on what the length of a trajectory loses if its squares underflow in float32: three squares of up to 2^-126
 /// each.
-inline constexpr float lost_way = 2e-19f;
+inline constexpr float lost_length = 2e-19f;
 
 /// Parameters of an inflation: half the requested distance, plus, for a share s of a pair's own distance at the start,
 /// s / (1 - s) times the longest way of the primitive's corners. Features that approach from distance d to s d have
 /// moved by (1 - s) d together (docs/features.md). If vertices have radii, the largest radius of the primitive's
 /// vertices replaces half the distance.
 struct Inflation {
-    float half = 0, of_way = 0;
+    float half = 0, path_share = 0;
     bool of_box = false;            ///< true if the axis-aligned box of the primitive's points is inflated
     const float* radius = nullptr;  ///< 1 per primitive, used instead of `half`, which is the largest of them; or null
 
-    CRUMPLE_HD bool none() const { return half == 0 && of_way == 0 && !of_box; }
+    CRUMPLE_HD bool none() const { return half == 0 && path_share == 0 && !of_box; }
     /// Returns the inflation of one primitive.
     CRUMPLE_HD Inflation of(std::int64_t primitive) const {
-        return {radius ? radius[primitive] : half, of_way, of_box, nullptr};
+        return {radius ? radius[primitive] : half, path_share, of_box, nullptr};
     }
     /// Returns the inflation of a primitive whose corners move by at most `way`, rounded up and limited to `farthest`,
     /// which suffices because coordinates are at most 1.
     CRUMPLE_HD float operator()(float way) const {
-        return min(farthest, (half + of_way * (way + lost_way)) * 1.000002f);
+        return min(farthest, (half + path_share * (way + lost_length)) * 1.000002f);
     }
 };
 

@@ -67,7 +67,7 @@ struct InFrame {
     }
 
     /// Returns the lower bound that this member sets on the leaf's reach.
-    CRUMPLE_HD float counted_reach() const { return big ? big_share * reach : reach; }
+    CRUMPLE_HD float counted_extent() const { return big ? big_share * reach : reach; }
 };
 
 }  // namespace crumple

@@ -8,7 +8,7 @@
 // than a wrong sign. They cost a few nanoseconds. Expansions are exact for coordinates that are 0 or between 2^-300 and
 // 2^300 in magnitude, which includes every float32 number: such coordinates are multiples of 2^-352, so products of
 // three differences are multiples of 2^-1056, and sums of six are below 2^906. So no rounding error is too small for
-// float64, and no term, even if split after Dekker, is too large. Beyond that range rational_intersection.h decides.
+// float64, and no term, even if split after Dekker, is too large. Beyond that range exact_intersection.h decides.
 //
 // The bounds: let ε = 2^-53. Each monomial of a determinant passes k roundings, those of the differences included, so
 // the result is off by at most ((1 + ε)^k − 1) P, where P is the sum of the monomials' magnitudes; computing P the same

@@ -42,8 +42,8 @@ std::variant<std::vector<float>, std::vector<double>> copy_positions(const Verte
 
 class FeatureCopy {
    public:
-    FeatureCopy(const PreparedScene& scene, const SceneFeatures& features, const FeaturePartQuestion& question)
-        : scene_(scene), features_(features), question_(question) {}
+    FeatureCopy(const PreparedScene& scene, const SceneFeatures& features, const FeaturePartDemand& query)
+        : scene_(scene), features_(features), question_(query) {}
 
     void operator()(std::span<const std::int32_t> ids, Part& part) const {
         PartFeatures& out = part.features.emplace();
@@ -71,9 +71,9 @@ class FeatureCopy {
         for (const std::int32_t t : ids) {
             for (int k = 0; k < 3; ++k) mesh.corners.push_back(position_of(out.vertices, corners(t)[k]));
             out.owned.push_back(features_.owned(t));
-            const std::int64_t carrier = t - features_.faces();
-            const std::int32_t face = carrier < 0 ? t : features_.face_of_carrier(carrier);
-            if (carrier >= 0) out.of_no_face.push_back(face < 0);
+            const std::int64_t proxy = t - features_.faces();
+            const std::int32_t face = proxy < 0 ? t : features_.face_of_proxy(proxy);
+            if (proxy >= 0) out.of_no_face.push_back(face < 0);
             if (!question_.groups.empty())
                 mesh.groups.push_back(face < 0 ? 0 : question_.groups[static_cast<std::size_t>(face)]);
         }
@@ -119,14 +119,14 @@ class FeatureCopy {
 
     void copy_vertices(PartFeatures& out) const {
         const FirstByName first = first_by_name(out);
-        if (features_.renames())
+        if (features_.is_welded())
             for (const std::int32_t v : out.vertices) out.names.push_back(named(first, features_.name(v)));
         const auto neighbour = [&](std::int32_t name) {
             const std::int32_t at = named(first, name);
             return name < 0 || at >= 0 ? at : elsewhere;
         };
         for (const std::int32_t v : out.vertices) {
-            if (features_.knows_neighbours()) {
+            if (features_.has_lone_edges()) {
                 const auto [one, another, more] = features_.neighbours(v);
                 out.joined.push_back({neighbour(one), neighbour(another), more});
             }
@@ -172,7 +172,7 @@ class FeatureCopy {
 
     const PreparedScene& scene_;
     const SceneFeatures& features_;
-    const FeaturePartQuestion& question_;
+    const FeaturePartDemand& question_;
 };
 
 void check_that(bool holds, const char* message, Element element = Element::option, std::size_t index = 0) {
@@ -199,10 +199,10 @@ double FeatureBalls::length(double x) const {
     return min(double{farthest}, x * normalise_.pre * normalise_.post) * 1.0000001 + 1e-30;
 }
 
-FeatureBalls::FeatureBalls(const FeaturePartQuestion& question, const Normaliser& normalise)
-    : normalise_(normalise), radii_(question.radii) {
-    if (question.distance > 0) half_ = length(question.distance) / 2;
-    if (question.share > 0) of_way_ = question.share / (1 - question.share) * 1.0000001;
+FeatureBalls::FeatureBalls(const FeaturePartDemand& query, const Normaliser& normalise)
+    : normalise_(normalise), radii_(query.radii) {
+    if (query.distance > 0) half_ = length(query.distance) / 2;
+    if (query.share > 0) of_way_ = query.share / (1 - query.share) * 1.0000001;
 }
 
 PartBall FeatureBalls::operator()(const PreparedScene& scene, std::int64_t t) const {
@@ -215,10 +215,10 @@ PartBall FeatureBalls::operator()(const PreparedScene& scene, std::int64_t t) co
 }
 
 std::vector<Part> make_feature_parts(const PreparedScene& scene, const SceneFeatures& features,
-                                     const FeaturePartQuestion& question, int count, ParallelFor& parallel) {
-    const FeatureBalls balls(question, Normaliser(scene.low, scene.high));
+                                     const FeaturePartDemand& query, int count, ParallelFor& parallel) {
+    const FeatureBalls balls(query, Normaliser(scene.low, scene.high));
     const auto ball = [&](std::int64_t t) { return balls(scene, t); };
-    return make_parts(scene, count, parallel, ball, FeatureCopy(scene, features, question));
+    return make_parts(scene, count, parallel, ball, FeatureCopy(scene, features, query));
 }
 
 void check_feature_part(const Part& part) {

@@ -19,7 +19,7 @@
 namespace crumple {
 
 /// Contents of a query that parts need, except for vertex positions.
-struct FeaturePartQuestion {
+struct FeaturePartDemand {
     bool moving = false;
     double distance = 0, share = 0;
     bool weld = false;
@@ -33,11 +33,11 @@ struct FeaturePartQuestion {
 /// distances of the query.
 class FeatureBalls {
    public:
-    FeatureBalls(const FeaturePartQuestion& question, const Normaliser& normalise);
+    FeatureBalls(const FeaturePartDemand& query, const Normaliser& normalise);
     PartBall operator()(const PreparedScene& scene, std::int64_t triangle) const;
     /// Returns the factor, at most 1, by which the slack of PartTree::mask() has to be multiplied, because a ball also
     /// grows with the longest way of a corner.
-    double slack_of_way() const { return 3 / (3 + 2 * of_way_); }
+    double slack_of_path() const { return 3 / (3 + 2 * of_way_); }
 
    private:
     double length(double x) const;
@@ -49,7 +49,7 @@ class FeatureBalls {
 
 /// Splits a scene, including its proxy triangles, into `count` parts. The result depends on the arguments only.
 std::vector<Part> make_feature_parts(const PreparedScene& scene, const SceneFeatures& features,
-                                     const FeaturePartQuestion& question, int count, ParallelFor& parallel);
+                                     const FeaturePartDemand& query, int count, ParallelFor& parallel);
 
 /// Throws Error (invalid_argument) if the part has no features, or if make_feature_parts() could not have made it. Does
 /// not look at vertex positions. Includes check_part().

@@ -80,7 +80,7 @@ std::vector<Node> split(const Node& node, std::span<const Vec3f> points, const C
     std::vector<std::int64_t> counts;
     counts.reserve(children.size());
     for (const Node& child : children) counts.push_back(static_cast<std::int64_t>(child.points.size()));
-    const std::vector<int> shares = share_out(node.parts, most, counts);
+    const std::vector<int> shares = distribute_centres(node.parts, most, counts);
     for (std::size_t k = 0; k < children.size(); ++k) children[k].parts = shares[k];
     return children;
 }
@@ -93,7 +93,7 @@ Vec3f PartSample::centroid(const Triangle& t, const Normaliser& normalise) {
 }
 
 // The next part goes to the cluster with the fewest parts per point, decided by integers alone.
-std::vector<int> share_out(int parts, int most, std::span<const std::int64_t> points) {
+std::vector<int> distribute_centres(int parts, int most, std::span<const std::int64_t> points) {
     std::vector<int> shares(points.size(), 1);
     for (int left = parts - static_cast<int>(points.size()); left > 0; --left) {
         std::size_t best = points.size();

@@ -50,7 +50,7 @@ class PartCentres {
 
     /// Returns a view, valid while this object lives and is not moved.
     PartTree tree() const;
-    /// Serializes everything except the normaliser.
+    /// Serialises everything except the normaliser.
     std::vector<std::byte> bytes() const;
 
     /// Returns the cluster of a part on each level, from the top; without masks.
@@ -70,6 +70,6 @@ class PartCentres {
 PartCentres place_parts(const PreparedScene& scene, int parts, ParallelFor& parallel);
 
 /// Distributes `parts` over clusters in proportion to their points: at least one and at most `most` to each.
-std::vector<int> share_out(int parts, int most, std::span<const std::int64_t> points);
+std::vector<int> distribute_centres(int parts, int most, std::span<const std::int64_t> points);
 
 }  // namespace crumple

@@ -37,8 +37,8 @@ struct PartBall {
     }
 
     /// Constructs the ball of a triangle's swept volume from the start to the end of a step, widened by `half`, and by
-    /// `of_way` times the longest way of a corner (inflation.h). The radius is at most `farthest`.
-    CRUMPLE_HD PartBall(const Triangle& start, const Vec3d (&end)[3], double half, double of_way,
+    /// `path_share` times the longest way of a corner (inflation.h). The radius is at most `farthest`.
+    CRUMPLE_HD PartBall(const Triangle& start, const Vec3d (&end)[3], double half, double path_share,
                         const Normaliser& normalise) {
         const Vec3d p[6] = {normalise(start.point[0]), normalise(start.point[1]), normalise(start.point[2]),
                             normalise(end[0]),         normalise(end[1]),         normalise(end[2])};
@@ -46,7 +46,7 @@ struct PartBall {
         double r2 = 0, way2 = 0;
         for (const Vec3d& corner : p) r2 = max(r2, dot(corner - centre, corner - centre));
         for (int k = 0; k < 3; ++k) way2 = max(way2, dot(p[3 + k] - p[k], p[3 + k] - p[k]));
-        radius = min(double{farthest}, std::sqrt(r2) + half + of_way * std::sqrt(way2));
+        radius = min(double{farthest}, std::sqrt(r2) + half + path_share * std::sqrt(way2));
     }
 };
 

@@ -62,10 +62,10 @@ void check_device_poses(const World& world) {
     }
 }
 
-void check_on_device(const IntersectionQuery& question) {
-    check(question.output != Output::body_pairs, "which bodies collide is told by find(), not by a launch");
-    check(!question.index, "index must be false: of a launch there are offsets of worlds only");
-    check(!question.containment, "containment must be false: launches find the surfaces that meet");
+void check_on_device(const IntersectionQuery& query) {
+    check(query.output != Output::body_pairs, "which bodies collide is told by find(), not by a launch");
+    check(!query.index, "index must be false: of a launch there are offsets of worlds only");
+    check(!query.containment, "containment must be false: launches find the surfaces that meet");
 }
 
 void check_blocks(std::int64_t block_rows) {
@@ -88,7 +88,7 @@ void check_in_blocks(const ProximityQuery& q) {
     check(!q.least, "least must be false: blocks have no least distances");
 }
 
-void check_question(const IntersectionQuery& q) {
+void check_query_options(const IntersectionQuery& q) {
     check(q.output <= Output::contacts && q.output != Output::first && q.output != Output::nearest,
           "output must be any, any_by_world, body_pairs, count, pairs or contacts");
     if (!q.containment) return;
@@ -106,7 +106,7 @@ void check_containment(const IntersectionQuery& q, const World& world) {
     check(q.filter.bodies != PairScope::within, "bodies must not be within with containment, which is between bodies");
 }
 
-void check_question(const ImpactQuery& q, bool world) {
+void check_query_options(const ImpactQuery& q, bool world) {
     check(q.output == Output::any || q.output == Output::any_by_world || q.output == Output::first ||
               q.output == Output::pairs,
           "output must be any, any_by_world, first or pairs");
@@ -115,7 +115,7 @@ void check_question(const ImpactQuery& q, bool world) {
     check(q.min_distance_share >= 0 && q.min_distance_share < 1, "min_distance_share must be 0 or more, and below 1");
 }
 
-void check_question(const ProximityQuery& q, bool world) {
+void check_query_options(const ProximityQuery& q, bool world) {
     check(q.output == Output::any || q.output == Output::any_by_world || q.output == Output::pairs,
           "output must be any, any_by_world or pairs");
     check(!world || !q.index, "offsets by feature are made of a single mesh");
@@ -127,20 +127,20 @@ void check_question(const ProximityQuery& q, bool world) {
     check(q.rest_radius >= 0 && std::isfinite(q.rest_radius), "rest_radius must be finite and 0 or more");
 }
 
-void check_question(const CandidateQuery& q, bool) {
+void check_query_options(const CandidateQuery& q, bool) {
     check(!q.kinds.empty(), "kinds names no kind of candidates");
     for (const CandidateKind kind : q.kinds)
         check(static_cast<int>(kind) < candidate_kinds, "kinds names a kind of candidates that there is not");
     check(q.inflation >= 0 && std::isfinite(q.inflation), "inflation must be finite and 0 or more");
 }
 
-void check_question(const DistanceQuery& q) {
+void check_query_options(const DistanceQuery& q) {
     check(q.output == Output::nearest || q.output == Output::pairs, "output must be nearest or pairs");
     check(q.radius >= 0, "radius must be 0 or more, or infinite");
     check(q.filter.bodies != PairScope::within, "bodies must not be within: distances are between bodies");
 }
 
-void check_question(const OverlapQuery& q, const World& world) {
+void check_query_options(const OverlapQuery& q, const World& world) {
     check(q.output == Output::any || q.output == Output::any_by_world || q.output == Output::body_pairs ||
               q.output == Output::pairs,
           "output must be any, any_by_world, body_pairs or pairs");
@@ -150,7 +150,7 @@ void check_question(const OverlapQuery& q, const World& world) {
 }
 
 void check_query(const MeshView& a, const MeshView* b, const IntersectionQuery& q) {
-    check_question(q);
+    check_query_options(q);
     check(q.filter.bodies == PairScope::both && q.filter.excluded_bodies.empty(),
           "a filter of bodies needs a world of bodies");
     check(q.filter.groups == PairScope::both || q.filter.groups == PairScope::between ||

@@ -20,14 +20,14 @@ void check_options(const Options& options);
 /// `b`: null for one mesh.
 void check_query(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
 /// `world`: true for a query about a world, false for a single mesh.
-void check_question(const IntersectionQuery& question);
+void check_query_options(const IntersectionQuery& query);
 /// Checks a query with containment about a world.
 void check_containment(const IntersectionQuery& query, const World& world);
-void check_question(const ImpactQuery& question, bool world);
-void check_question(const ProximityQuery& question, bool world);
-void check_question(const CandidateQuery& question, bool world);
-void check_question(const DistanceQuery& question);
-void check_question(const OverlapQuery& query, const World& world);
+void check_query_options(const ImpactQuery& query, bool world);
+void check_query_options(const ProximityQuery& query, bool world);
+void check_query_options(const CandidateQuery& query, bool world);
+void check_query_options(const DistanceQuery& query);
+void check_query_options(const OverlapQuery& query, const World& world);
 /// Checks the rules about groups for a single mesh with this number of triangles.
 void check_groups(const PairFilter& rules, std::int64_t triangles, bool has_groups);
 /// True if poses in device memory are given.
@@ -35,11 +35,11 @@ inline bool given(const DevicePoses& poses) { return poses.data || poses.count >
 inline bool lies_on_device(const World& world) { return given(world.device_poses) || given(world.device_end_poses); }
 void check_device_poses(const World& world);
 /// Rejects queries that launches of worlds do not support.
-void check_on_device(const IntersectionQuery& question);
+void check_on_device(const IntersectionQuery& query);
 void check_blocks(std::int64_t block_rows);
 /// Rejects queries whose results cannot be delivered in blocks.
-void check_in_blocks(const ImpactQuery& question);
-void check_in_blocks(const ProximityQuery& question);
+void check_in_blocks(const ImpactQuery& query);
+void check_in_blocks(const ProximityQuery& query);
 void check_in_blocks(const IntersectionQuery& query);
 inline void check_in_blocks(const CandidateQuery&) {}
 

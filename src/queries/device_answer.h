@@ -18,7 +18,7 @@ struct DeviceRows {
     const std::uint8_t* flag = nullptr;  ///< start, or touching; null for candidates
 };
 
-struct DeviceAnswer : DeviceFeatures {
+struct AnyDeviceResult : DeviceFeatures {
     bool any = false;
     FirstImpact first;
     std::array<DeviceRows, candidate_kinds> rows;  ///< by CandidateKind

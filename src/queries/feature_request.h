@@ -32,7 +32,7 @@ enum class Extent : std::uint8_t { any, first, all };
 
 /// Flags by CandidateKind, true for each kind of pairs that is listed. CandidateKind includes the kinds of FeatureKind,
 /// in the same order.
-using ListedKinds = std::array<bool, candidate_kinds>;
+using CodimensionalKinds = std::array<bool, candidate_kinds>;
 
 CRUMPLE_HD constexpr CandidateKind candidate_kind(FeatureKind kind) {
     constexpr CandidateKind kinds[feature_kinds] = {CandidateKind::vertex_face, CandidateKind::edge_edge,
@@ -43,14 +43,14 @@ CRUMPLE_HD constexpr CandidateKind candidate_kind(FeatureKind kind) {
 struct FeatureRequest {
     Criterion criterion = Criterion::proximity;
     Extent extent = Extent::all;  ///< always `all` for candidates
-    ListedKinds kinds{};
+    CodimensionalKinds kinds{};
     double distance = 0;            ///< the minimum distance, the radius, or the inflation
     double share = 0;               ///< ImpactQuery::min_distance_share
     bool approaching_only = false;  ///< ImpactQuery::approaching_only
     bool strict = false;            ///< ProximityQuery::strict
-    bool frugal = false;            ///< use as little memory as possible, in an amount that does not depend on threads
+    bool low_memory = false;        ///< use as little memory as possible, in an amount that does not depend on threads
     const SceneFeatures& features;
-    const GroupRule& rule;
+    const GroupFilter& rule;
     // Unused for candidates:
     std::span<const double> radii = {};  ///< ProximityQuery::radii of the scene's vertices; empty: `distance` applies
     const VertexRings* rings = nullptr;  ///< pairs to leave out beyond those with a common vertex; null: none

@@ -31,45 +31,45 @@ inline Extent extent(const CandidateQuery&) { return Extent::all; }
 
 /// Returns the kinds of pairs to list. If all features belong to triangles, vertex-edge and vertex-vertex pairs are
 /// redundant: whatever these touch, faces touch, too.
-inline ListedKinds listed_kinds(const SceneFeatures& features) {
+inline CodimensionalKinds listed_kinds(const SceneFeatures& features) {
     const bool others = !features.plain();
     return {true, true, false, false, others, others};
 }
-inline ListedKinds listed_kinds(const CandidateQuery& query) {
-    ListedKinds kinds{};
+inline CodimensionalKinds listed_kinds(const CandidateQuery& query) {
+    CodimensionalKinds kinds{};
     for (const CandidateKind kind : query.kinds) kinds[static_cast<std::size_t>(kind)] = true;
     return kinds;
 }
 
-inline FeatureRequest request_of(const ImpactQuery& query, bool frugal, const SceneFeatures& features,
-                                 const GroupRule& rule) {
+inline FeatureRequest request_of(const ImpactQuery& query, bool low_memory, const SceneFeatures& features,
+                                 const GroupFilter& rule) {
     return {.criterion = Criterion::impact,
             .extent = extent(query),
             .kinds = listed_kinds(features),
             .distance = query.min_distance,
             .share = query.min_distance_share,
             .approaching_only = query.approaching_only,
-            .frugal = frugal,
+            .low_memory = low_memory,
             .features = features,
             .rule = rule};
 }
-inline FeatureRequest request_of(const ProximityQuery& query, bool frugal, const SceneFeatures& features,
-                                 const GroupRule& rule) {
+inline FeatureRequest request_of(const ProximityQuery& query, bool low_memory, const SceneFeatures& features,
+                                 const GroupFilter& rule) {
     return {.criterion = Criterion::proximity,
             .extent = extent(query),
             .kinds = listed_kinds(features),
             .distance = query.radius,
             .strict = query.strict,
-            .frugal = frugal,
+            .low_memory = low_memory,
             .features = features,
             .rule = rule};
 }
-inline FeatureRequest request_of(const CandidateQuery& query, bool frugal, const SceneFeatures& features,
-                                 const GroupRule& rule) {
+inline FeatureRequest request_of(const CandidateQuery& query, bool low_memory, const SceneFeatures& features,
+                                 const GroupFilter& rule) {
     return {.criterion = Criterion::candidate,
             .kinds = listed_kinds(query),
             .distance = query.inflation,
-            .frugal = frugal,
+            .low_memory = low_memory,
             .features = features,
             .rule = rule};
 }

@@ -30,7 +30,7 @@ void check_radii(const std::string& which, std::span<const double> radii) {
 
 namespace {
 
-VertexReader reader_at_rest(const Shape& shape) {
+VertexReader static_reader(const Shape& shape) {
     return {static_cast<const std::byte*>(shape.rest.data), shape.rest.row_stride, shape.rest.column_stride,
             shape.rest.type == ScalarType::float32};
 }
@@ -52,11 +52,11 @@ void NearInput::release() {
     rings_.release();
 }
 
-void NearInput::begin(const WorldOutline& outline, const ProximityQuery& question, bool bodies, bool here,
+void NearInput::begin(const WorldOutline& outline, const ProximityQuery& query, bool bodies, bool here,
                       ParallelFor& workers, SceneBuffers& buffers) {
     any_radii_ = any_rest_ = false;
-    ring_count_ = question.rings;
-    rest_.radius = question.rest_radius;
+    ring_count_ = query.rings;
+    rest_.radius = query.rest_radius;
     bool any_vertices = false;
     const auto& shapes = outline.world().shapes;
     for (std::size_t s = 0; s < shapes.size(); ++s) {
@@ -72,15 +72,15 @@ void NearInput::begin(const WorldOutline& outline, const ProximityQuery& questio
         any_rest_ = any_rest_ || has_rest(shape);
         any_vertices = any_vertices || shape.vertices.rows > 0;
     }
-    if (any_radii_ && question.radius > 0)
+    if (any_radii_ && query.radius > 0)
         throw Error(ErrorCode::invalid_argument, "radius is not asked for beside radii", Element::option);
-    if (any_vertices && !any_rest_ && question.rest_radius > 0)
+    if (any_vertices && !any_rest_ && query.rest_radius > 0)
         throw Error(ErrorCode::invalid_argument, "rest_radius needs a shape at rest", Element::option);
 }
 
 void NearInput::place(const Shape& only) {
     radii_ = only.radii;
-    rest_.position = reader_at_rest(only);
+    rest_.position = static_reader(only);
     rest_.body = nullptr;
 }
 
@@ -98,7 +98,7 @@ void NearInput::place(const WorldOutline& outline, const WorldScene& scene) {
         const std::int64_t first = scene.first_vertex(i);
         if (any_radii_) std::copy(shape.radii.begin(), shape.radii.end(), given_radii_.begin() + first);
         if (!shape.rest.data) continue;
-        const VertexReader position = reader_at_rest(shape);
+        const VertexReader position = static_reader(shape);
         for (std::int64_t v = 0; v < shape.rest.rows; ++v) {
             const Vec3d p = position(v);
             for (int axis = 0; axis < 3; ++axis) points_[3 * (first + v) + axis] = p[axis];

@@ -29,8 +29,8 @@ class NearInput {
     /// Reads and checks the input of the query and the shapes. `bodies`: see FeatureSearch. `here`: true if the arrays
     /// are in host memory; otherwise their contents are not read. Throws Error (invalid_argument, not_finite) that
     /// names shape and vertex.
-    void begin(const WorldOutline& outline, const ProximityQuery& question, bool bodies, bool here,
-               ParallelFor& workers, SceneBuffers& buffers);
+    void begin(const WorldOutline& outline, const ProximityQuery& query, bool bodies, bool here, ParallelFor& workers,
+               SceneBuffers& buffers);
 
     /// Sets the scene: the only body, read in place, or a scene of several bodies.
     void place(const Shape& only);

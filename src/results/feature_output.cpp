@@ -84,18 +84,18 @@ void index_list(List& list, std::int64_t firsts, std::int64_t seconds) {
 }  // namespace
 
 template <class Answer>
-Answer metered_answer(MemoryMeter* meter) {
+Answer metered_result(MemoryMeter* meter) {
     Answer answer;
     for_each_array(answer, [&](auto& array) { array = std::decay_t<decltype(array)>(meter); });
     return answer;
 }
-template Impacts metered_answer(MemoryMeter*);
-template Proximities metered_answer(MemoryMeter*);
-template Candidates metered_answer(MemoryMeter*);
+template Impacts metered_result(MemoryMeter*);
+template Proximities metered_result(MemoryMeter*);
+template Candidates metered_result(MemoryMeter*);
 
-Impacts metered_impacts(MemoryMeter* meter) { return metered_answer<Impacts>(meter); }
-Proximities metered_nearby(MemoryMeter* meter) { return metered_answer<Proximities>(meter); }
-Candidates metered_candidates(MemoryMeter* meter) { return metered_answer<Candidates>(meter); }
+Impacts metered_impacts(MemoryMeter* meter) { return metered_result<Impacts>(meter); }
+Proximities metered_nearby(MemoryMeter* meter) { return metered_result<Proximities>(meter); }
+Candidates metered_candidates(MemoryMeter* meter) { return metered_result<Candidates>(meter); }
 
 void clear(Impacts& answer) {
     clear_arrays(answer);
@@ -112,18 +112,18 @@ void clear(ImpactList& list) { clear_each(list); }
 void clear(ProximityList& list) { clear_each(list); }
 void clear(CandidateList& list) { clear_each(list); }
 
-void hand_over(Impacts& mine, Impacts& theirs) {
+void swap_out(Impacts& mine, Impacts& theirs) {
     swap_arrays(mine, theirs);
     theirs.first = mine.first;
     theirs.lists_triangle_pairs = mine.lists_triangle_pairs;
     clear(mine);
 }
-void hand_over(Proximities& mine, Proximities& theirs) {
+void swap_out(Proximities& mine, Proximities& theirs) {
     swap_arrays(mine, theirs);
     clear(mine);
 }
 
-void hand_over(Candidates& mine, Candidates& theirs) {
+void swap_out(Candidates& mine, Candidates& theirs) {
     swap_arrays(mine, theirs);
     theirs.listed = mine.listed;
     clear(mine);

@@ -18,12 +18,12 @@ Proximities metered_nearby(MemoryMeter* meter);
 Candidates metered_candidates(MemoryMeter* meter);
 
 template <class Answer>
-Answer metered_answer(MemoryMeter* meter);
+Answer metered_result(MemoryMeter* meter);
 
 /// Moves the result `mine` to `theirs`. `mine` keeps the memory of `theirs`, emptied.
-void hand_over(Impacts& mine, Impacts& theirs);
-void hand_over(Proximities& mine, Proximities& theirs);
-void hand_over(Candidates& mine, Candidates& theirs);
+void swap_out(Impacts& mine, Impacts& theirs);
+void swap_out(Proximities& mine, Proximities& theirs);
+void swap_out(Candidates& mine, Candidates& theirs);
 
 /// Empties a result or a list, but keeps its memory.
 void clear(Impacts& answer);

@@ -23,7 +23,7 @@ void release(Intersections& result) {
     std::apply([](auto&... array) { (array.release(), ...); }, arrays(result));
 }
 
-void hand_over(Intersections& result, Intersections& other) {
+void swap_out(Intersections& result, Intersections& other) {
     const auto swap_all = [&](auto&... mine) {
         // Throws only under a limit, and then `other` has no memory to count.
         std::apply([&](auto&... theirs) { (mine.swap_elements(theirs), ...); }, arrays(other));

@@ -36,7 +36,7 @@ void release(Intersections& result);
 
 /// Moves `result` to `other`. `result` keeps the memory of `other`, emptied. Under a memory limit, `other` must own no
 /// memory.
-void hand_over(Intersections& result, Intersections& other);
+void swap_out(Intersections& result, Intersections& other);
 
 /// Makes offsets by first triangle and hit flags from result.pairs, which are sorted.
 void index_pairs(const PreparedScene& scene, Intersections& result);

@@ -67,7 +67,8 @@ void append_closest(const PreparedScene& scene, const SceneFeatures& features, F
 
 // Rounding is monotonic: the least distance of a feature is that of a pair whose rounded squared distance is least.
 // Only the distances of such pairs are computed.
-void tell_least(const PreparedScene& scene, const SceneFeatures& features, ParallelFor& workers, Proximities& answer) {
+void add_least_distances(const PreparedScene& scene, const SceneFeatures& features, ParallelFor& workers,
+                         Proximities& answer) {
     constexpr double none = std::numeric_limits<double>::infinity();
     const auto of = [&](FeatureKind kind, Array<double>& firsts, Array<double>& seconds) {
         const ProximityList& list = answer[kind];
@@ -100,7 +101,7 @@ void add_details(const PreparedScene& scene, const SceneFeatures& features, cons
                  ParallelFor& workers, Proximities& result) {
     for (std::size_t k = 0; query.closest && k < feature_kinds; ++k)
         append_closest(scene, features, static_cast<FeatureKind>(k), result.lists[k].pairs, &workers, result.lists[k]);
-    if (query.least) tell_least(scene, features, workers, result);
+    if (query.least) add_least_distances(scene, features, workers, result);
 }
 
 }  // namespace crumple

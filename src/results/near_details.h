@@ -18,7 +18,8 @@ void append_closest(const PreparedScene& scene, const SceneFeatures& features, F
                     const Array<Pair>& pairs, ParallelFor* workers, ProximityList& list);
 
 /// Makes the least distances of the features of a single mesh from its complete lists.
-void tell_least(const PreparedScene& scene, const SceneFeatures& features, ParallelFor& workers, Proximities& answer);
+void add_least_distances(const PreparedScene& scene, const SceneFeatures& features, ParallelFor& workers,
+                         Proximities& answer);
 
 /// Holds the least distances of a result while another search makes its lists: take() swaps them with those of the
 /// result.

@@ -24,7 +24,7 @@ Distances metered_nearest(MemoryMeter* meter) {
     return answer;
 }
 
-void hand_over(Distances& mine, Distances& theirs) {
+void swap_out(Distances& mine, Distances& theirs) {
     const auto swap = [](auto& one, auto& other) {
         one.swap_elements(other);
         one.clear();

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "crumple/distances.h"
-#include "exact/distance/rational_nearest.h"
+#include "exact/distance/exact_nearest.h"
 
 namespace crumple {
 
@@ -20,7 +20,7 @@ struct NearestRow {
 /// Returns an empty result whose arrays are counted by the meter.
 Distances metered_nearest(MemoryMeter* meter);
 /// Moves the result `mine` to `theirs`. `mine` keeps the memory of `theirs`, emptied.
-void hand_over(Distances& mine, Distances& theirs);
+void swap_out(Distances& mine, Distances& theirs);
 void clear(Distances& answer);
 
 /// Resizes all arrays to the number of rows in `answer.bodies`.

@@ -72,13 +72,13 @@ class OrderedBlocks {
         wait(lock, [&] { return unit != turn_ || !busy_; });  // until no thread delivers queued pieces of this unit
         if (unit != turn_) return;                            // the thread whose turn it is finishes this unit
         while (!failed_ && units_.contains(turn_)) {
-            Unit& of_turn = units_[turn_];
-            for (auto& piece : std::exchange(of_turn.pieces, {})) {
+            Unit& current_unit = units_[turn_];
+            for (auto& piece : std::exchange(current_unit.pieces, {})) {
                 kept_ -= work_.size(*piece);
                 deliver(lock, *piece);
                 if (failed_) return;
             }
-            if (!of_turn.finished) break;
+            if (!current_unit.finished) break;
             units_.erase(turn_++);
         }
         changed_.notify_all();

@@ -51,7 +51,7 @@ Overlaps metered_overlaps(MemoryMeter* meter) {
     return result;
 }
 
-void hand_over(Overlaps& mine, Overlaps& theirs) {
+void swap_out(Overlaps& mine, Overlaps& theirs) {
     for_each_array(mine, theirs, [](auto& one, auto& other) {
         one.swap_elements(other);
         one.clear();
@@ -127,7 +127,7 @@ OverlapNumbers undefined_numbers(const Vec3d& point) {
     return numbers;
 }
 
-bool is_listed(const OverlapQuery& query, const OverlapRow& row) {
+bool is_in_result(const OverlapQuery& query, const OverlapRow& row) {
     return row.exists && (query.min_volume == 0 || std::abs(row.numbers.volume.value) >= query.min_volume);
 }
 

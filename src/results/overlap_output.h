@@ -47,7 +47,7 @@ void orient(int first, int second, OverlapRow& row);
 /// Returns an empty result whose arrays are counted by the meter.
 Overlaps metered_overlaps(MemoryMeter* meter);
 /// Moves the result `mine` to `theirs`. `mine` keeps the memory of `theirs`, emptied.
-void hand_over(Overlaps& mine, Overlaps& theirs);
+void swap_out(Overlaps& mine, Overlaps& theirs);
 /// Empties a result, but keeps its memory.
 void clear(Overlaps& result);
 
@@ -59,7 +59,7 @@ void add_body(std::int32_t body, const OverlapRow& row, Overlaps& result);
 /// Returns the numbers for surfaces that are not closed: NaN, except for the torque point.
 OverlapNumbers undefined_numbers(const Vec3d& point);
 /// True if the query lists the row.
-bool is_listed(const OverlapQuery& query, const OverlapRow& row);
+bool is_in_result(const OverlapQuery& query, const OverlapRow& row);
 
 /// Lists the bodies that were skipped. `bodies` may contain duplicates.
 void add_skipped(std::vector<std::int32_t> bodies, Overlaps& result);

@@ -6,13 +6,13 @@
 
 namespace crumple {
 
-void clear(Intersections& result, const WorldOutline& outline, const IntersectionQuery& question) {
+void clear(Intersections& result, const WorldOutline& outline, const IntersectionQuery& query) {
     clear(result);
     result.statistics.triangles = outline.triangles();
     const auto worlds = static_cast<std::size_t>(outline.worlds());
-    if (question.output >= Output::any_by_world) result.world_hit.assign(worlds, 0);
-    if (question.output >= Output::count) result.world_counts.assign(worlds, 0);
-    if (question.output == Output::contacts) result.contacts.offsets.push_back(0);
+    if (query.output >= Output::any_by_world) result.world_hit.assign(worlds, 0);
+    if (query.output >= Output::count) result.world_counts.assign(worlds, 0);
+    if (query.output == Output::contacts) result.contacts.offsets.push_back(0);
 }
 
 void WorldBlocks::pass_on(Intersections& result, bool last) const {
@@ -32,17 +32,17 @@ void hit(std::int32_t pass, const WorldOutline& outline, Intersections& result) 
     if (pass < outline.worlds() && !result.world_hit.empty()) result.world_hit[pass] = 1;
 }
 
-void add_pair(const WorldOutline& outline, const IntersectionQuery& question, std::int32_t pass, BodyPair bodies,
+void add_pair(const WorldOutline& outline, const IntersectionQuery& query, std::int32_t pass, BodyPair bodies,
               Pair pair, Intersections& result) {
     hit(pass, outline, result);
-    if (question.output >= Output::count) {
+    if (query.output >= Output::count) {
         ++result.count;
         if (pass < outline.worlds()) ++result.world_counts[pass];
     }
-    if (question.output >= Output::pairs) {
+    if (query.output >= Output::pairs) {
         result.bodies.push_back(bodies);
         result.pairs.push_back(pair);
-    } else if (question.output == Output::body_pairs) {
+    } else if (query.output == Output::body_pairs) {
         if (result.bodies.empty() || result.bodies.back() != bodies) result.bodies.push_back(bodies);
     }
 }
@@ -62,13 +62,13 @@ void add_contained(std::span<const BodyPair> pairs, Intersections& result) {
                    [&](const BodyPair& pair) { return std::binary_search(pairs.begin(), pairs.end(), pair); });
 }
 
-void finish(const WorldOutline& outline, const IntersectionQuery& question, Intersections& result) {
-    if (question.output == Output::body_pairs) {
+void finish(const WorldOutline& outline, const IntersectionQuery& query, Intersections& result) {
+    if (query.output == Output::body_pairs) {
         std::sort(result.bodies.begin(), result.bodies.end());
         result.bodies.resize(
             static_cast<std::size_t>(std::unique(result.bodies.begin(), result.bodies.end()) - result.bodies.begin()));
     }
-    if (!question.index || question.output < Output::pairs) return;
+    if (!query.index || query.output < Output::pairs) return;
     const auto bodies = static_cast<std::size_t>(outline.bodies()), worlds = static_cast<std::size_t>(outline.worlds());
     result.first_triangle.resize_discard(bodies + 1);
     for (std::size_t b = 0; b <= bodies; ++b)

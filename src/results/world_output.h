@@ -23,14 +23,14 @@ struct WorldBlocks {
 };
 
 /// Empties the result and allocates its arrays by world.
-void clear(Intersections& result, const WorldOutline& outline, const IntersectionQuery& question);
+void clear(Intersections& result, const WorldOutline& outline, const IntersectionQuery& query);
 
 /// Records a collision with world index `pass`: in that world, or (pass = worlds()) among the bodies that are in all
 /// worlds.
 void hit(std::int32_t pass, const WorldOutline& outline, Intersections& result);
 
 /// Adds a colliding pair to the arrays of the query's output. Pairs must come in order.
-void add_pair(const WorldOutline& outline, const IntersectionQuery& question, std::int32_t pass, BodyPair bodies,
+void add_pair(const WorldOutline& outline, const IntersectionQuery& query, std::int32_t pass, BodyPair bodies,
               Pair pair, Intersections& result);
 /// Adds the contact of the last pair.
 void add_contact(ContactKind kind, std::span<const std::array<double, 3>> points, Intersections& result);
@@ -40,6 +40,6 @@ void add_contact(ContactKind kind, std::span<const std::array<double, 3>> points
 void add_contained(std::span<const BodyPair> pairs, Intersections& result);
 
 /// Completes the result: sorts pairs of bodies, and makes offsets and hit flags.
-void finish(const WorldOutline& outline, const IntersectionQuery& question, Intersections& result);
+void finish(const WorldOutline& outline, const IntersectionQuery& query, Intersections& result);
 
 }  // namespace crumple

@@ -2,7 +2,7 @@
 
 // Lower bound on the distance of boxes in the frames of two bodies, under both bodies' poses, and of posed triangles.
 //
-// Directions are those of box_separation.h: the columns of both poses, which are the axes of the boxes, and the line
+// Directions are those of separating_boxes.h: the columns of both poses, which are the axes of the boxes, and the line
 // through the middles of both shapes; and one known to the caller: from one body to the other where they are closest.
 // Here directions are scaled so that lengths along them are true lengths. Along the three axes of a frame, gaps are
 // components of one vector that is no longer than any distance of two points, so their squares add up. The columns of a
@@ -10,12 +10,12 @@
 // eigenvalues of their Gram matrix).
 //
 // The unit of length exceeds how far all boxes of both bodies extend, so the error bounds are those of
-// box_separation.h. Directions whose numbers leave float64's middle range separate nothing.
+// separating_boxes.h. Directions whose numbers leave float64's middle range separate nothing.
 
 #include <cmath>
 #include <limits>
 
-#include "scene/box_separation.h"
+#include "scene/separating_boxes.h"
 
 namespace crumple {
 

@@ -20,7 +20,7 @@ bool any_body(const WorldOutline& outline, const WorldScene& bodies, Lists lists
 
 }  // namespace
 
-ListedFeatures checked_lists(const Shape& shape, const std::string& which) {
+CodimensionalFeatures checked_lists(const Shape& shape, const std::string& which) {
     const std::int64_t n = shape.vertices.rows;
     const auto outside = [&](std::int32_t v) { return v < 0 || v >= n; };
     const auto named = [&](std::int32_t v) {
@@ -43,12 +43,12 @@ ListedFeatures checked_lists(const Shape& shape, const std::string& which) {
     return {shape.edges, shape.points};
 }
 
-ListedFeatures JoinedLists::join(const WorldOutline& outline, const WorldScene& bodies, const PreparedScene& scene,
-                                 ParallelFor& workers, SceneFeatures& features) {
+CodimensionalFeatures JoinedLists::join(const WorldOutline& outline, const WorldScene& bodies,
+                                        const PreparedScene& scene, ParallelFor& workers, SceneFeatures& features) {
     const auto lists_edges = [](const Shape& shape) { return shape.edges.has_value(); };
     const auto lists_points = [](const Shape& shape) { return shape.points.has_value(); };
     const bool edges = any_body(outline, bodies, lists_edges), points = any_body(outline, bodies, lists_points);
-    ListedFeatures listed;
+    CodimensionalFeatures listed;
     if (!edges && !points) return listed;
     for (std::size_t i = 0; i < bodies.added(); ++i) {
         const std::int32_t b = bodies.added_body(i);

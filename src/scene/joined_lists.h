@@ -16,7 +16,7 @@ namespace crumple {
 
 /// Returns the shape's lists, validated. Throws Error for an edge or a point that names no vertex of the shape, and for
 /// an edge with equal ends. `which`: prefix of messages, which names the body.
-ListedFeatures checked_lists(const Shape& shape, const std::string& which);
+CodimensionalFeatures checked_lists(const Shape& shape, const std::string& which);
 
 class JoinedLists {
    public:
@@ -25,8 +25,8 @@ class JoinedLists {
     /// Joins the lists of the bodies in `bodies`, from which `scene` was made, body after body. If some bodies list
     /// edges and others do not, prepares `features` for the scene's triangles without lists. The result is valid until
     /// the next call.
-    ListedFeatures join(const WorldOutline& outline, const WorldScene& bodies, const PreparedScene& scene,
-                        ParallelFor& workers, SceneFeatures& features);
+    CodimensionalFeatures join(const WorldOutline& outline, const WorldScene& bodies, const PreparedScene& scene,
+                               ParallelFor& workers, SceneFeatures& features);
 
    private:
     void join_edges(const WorldOutline& outline, const WorldScene& bodies, const Array<Edge>& of_triangles);

@@ -8,7 +8,7 @@
 
 #include "crumple/error.h"
 #include "crumple/world.h"
-#include "scene/body_rules.h"
+#include "scene/body_filter.h"
 
 namespace crumple {
 
@@ -25,7 +25,7 @@ inline void check_bodies_have_triangles(const World& world, const PairFilter& gi
         const auto shape = static_cast<std::size_t>(body.shape);
         return shape < world.shapes.size() ? &world.shapes[shape] : nullptr;
     };
-    BodyRules rules(nullptr);
+    BodyFilter rules(nullptr);
     rules.prepare(given);
     const auto meet = [&](std::size_t a, std::size_t b) {
         const Body &p = world.bodies[a], &q = world.bodies[b];

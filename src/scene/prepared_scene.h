@@ -24,7 +24,7 @@
 
 namespace crumple {
 
-class BodyRules;
+class BodyFilter;
 
 /// Reads coordinates in the caller's memory.
 struct VertexReader {
@@ -62,7 +62,7 @@ struct PreparedScene {
     const std::int32_t* corners = nullptr;      ///< 3 per triangle
     const std::int32_t* groups = nullptr;       ///< 1 per triangle, or null: all in group 0
     const std::int32_t* lone_groups = nullptr;  ///< 1 per vertex, for features without a triangle; null: all in group 0
-    const BodyRules* bodies = nullptr;          ///< for a world: the filter that decides; `groups` are its classes
+    const BodyFilter* bodies = nullptr;         ///< for a world: the filter that decides; `groups` are its classes
     /// For worlds side by side, which are never paired: first triangle of each of `worlds` worlds, and the end. Null: a
     /// single world.
     const std::int64_t* first_of_world = nullptr;

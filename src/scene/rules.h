@@ -1,35 +1,35 @@
 #pragma once
 
-// Pair filter of a query, by groups; for scenes made from worlds by the classes of body_rules.h.
+// Pair filter of a query, by groups; for scenes made from worlds by the classes of body_filter.h.
 
 #include <algorithm>
 #include <cstdint>
 
 #include "crumple/array.h"
 #include "crumple/query.h"
-#include "scene/body_rules.h"
+#include "scene/body_filter.h"
+#include "scene/pair_selection.h"
 #include "scene/prepared_scene.h"
-#include "scene/wanted_pairs.h"
 
 namespace crumple {
 
 /// Filter of groups of a query, prepared for look-up.
-class GroupRule {
+class GroupFilter {
    public:
-    explicit GroupRule(MemoryMeter* meter = nullptr) : excluded_(meter) {}
+    explicit GroupFilter(MemoryMeter* meter = nullptr) : excluded_(meter) {}
 
     /// Frees its memory.
     void release() { excluded_.release(); }
 
     /// `bodies`: for a scene whose groups are classes of bodies, the filter that then decides instead of the query's;
     /// else null.
-    void prepare(const PairFilter& filter, const BodyRules* bodies = nullptr) {
+    void prepare(const PairFilter& filter, const BodyFilter* bodies = nullptr) {
         bodies_ = bodies;
         classes_apart_ = bodies && bodies->classes_apart();
         wanted_ = filter.groups;
         excluded_.resize_discard(filter.excluded_groups.size());
         std::transform(filter.excluded_groups.begin(), filter.excluded_groups.end(), excluded_.begin(),
-                       [](GroupPair p) { return WantedGroups::key(p.first, p.second); });
+                       [](GroupPair p) { return GroupSelection::key(p.first, p.second); });
         std::sort(excluded_.begin(), excluded_.end());
     }
     /// True if every pair is selected: callers may skip the test.
@@ -39,17 +39,17 @@ class GroupRule {
     bool groups_apart() const { return bodies_ ? classes_apart_ : wanted_ == PairScope::between; }
 
     /// Returns a view of the filter; valid while this object is unchanged.
-    WantedPairs wanted() const { return bodies_ ? bodies_->wanted() : WantedPairs{of_groups(), {}, nullptr}; }
+    PairSelection wanted() const { return bodies_ ? bodies_->wanted() : PairSelection{of_groups(), {}, nullptr}; }
     bool operator()(std::int32_t g, std::int32_t h) const { return bodies_ ? (*bodies_)(g, h) : of_groups()(g, h); }
 
     /// Returns a view of the query's filter of groups; valid while this object is unchanged.
-    WantedGroups of_groups() const {
+    GroupSelection of_groups() const {
         return {wanted_ == PairScope::between, wanted_ == PairScope::within, excluded_.data(),
                 static_cast<std::int64_t>(excluded_.size())};
     }
 
    private:
-    const BodyRules* bodies_ = nullptr;
+    const BodyFilter* bodies_ = nullptr;
     bool classes_apart_ = false;
     PairScope wanted_ = PairScope::both;
     Array<std::uint64_t> excluded_;

@@ -22,7 +22,7 @@ bool same(const Array<T>& mine, bool given, const std::optional<std::span<const 
     return mine.size() == theirs->size() && same(mine, mine.size(), theirs->data());
 }
 
-void check_number(const PreparedScene& scene, const ListedFeatures& listed) {
+void check_number(const PreparedScene& scene, const CodimensionalFeatures& listed) {
     const auto edges = static_cast<std::int64_t>(listed.edges ? listed.edges->size() : 0);
     const auto points = static_cast<std::int64_t>(listed.points ? listed.points->size() : 0);
     constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
@@ -73,12 +73,13 @@ void SceneFeatures::release() {
     vertices_ = -1;
 }
 
-void SceneFeatures::prepare(const PreparedScene& scene, bool weld, ParallelFor& workers, const ListedFeatures& listed) {
+void SceneFeatures::prepare(const PreparedScene& scene, bool weld, ParallelFor& workers,
+                            const CodimensionalFeatures& listed) {
     check_number(scene, listed);
     if (!known(scene, listed)) {
         vertices_ = -1;  // invalid if memory runs out half-way
         ++revision_;
-        adopted_ = false;
+        is_copied_ = false;
         faces_ = scene.triangle_count();
         corners_.resize_discard(static_cast<std::size_t>(3 * faces_));
         std::copy_n(scene.corners, corners_.size(), corners_.data());
@@ -96,22 +97,22 @@ void SceneFeatures::prepare(const PreparedScene& scene, bool weld, ParallelFor& 
         sort_sides(scene, workers);
         if (lists_edges_) {
             find_owners_of_edges(workers);
-            add_carriers_of_edges();
+            add_proxies_of_edges();
         } else {
             make_edges(workers);
         }
         find_owned_vertices(scene.vertex_count());
-        if (lists_points_) add_carriers_of_points();
+        if (lists_points_) add_proxies_of_points();
         vertices_ = scene.vertex_count();
     }
-    if (weld || renames() || knows_neighbours()) ++revision_;  // representatives depend on positions
+    if (weld || is_welded() || has_lone_edges()) ++revision_;  // representatives depend on positions
     names_.clear();
     if (weld) name_equal_positions(scene, buffers_.table, names_);
-    find_neighbours();
+    find_adjacent();
 }
 
-bool SceneFeatures::known(const PreparedScene& scene, const ListedFeatures& listed) const {
-    return !adopted_ && vertices_ == scene.vertex_count() && faces_ == scene.triangle_count() &&
+bool SceneFeatures::known(const PreparedScene& scene, const CodimensionalFeatures& listed) const {
+    return !is_copied_ && vertices_ == scene.vertex_count() && faces_ == scene.triangle_count() &&
            same(corners_, static_cast<std::size_t>(3 * faces_), scene.corners) &&
            same(edges_, lists_edges_, listed.edges) && same(points_, lists_points_, listed.points);
 }
@@ -124,7 +125,7 @@ void SceneFeatures::adopt(const Part& part) {
     };
     vertices_ = -1;
     ++revision_;
-    adopted_ = true;
+    is_copied_ = true;
     lone_edges_ = false;  // adjacent vertices are given
     copy(given.edge_ends, edges_);
     copy(given.edges_of, edges_of_);
@@ -142,8 +143,8 @@ void SceneFeatures::adopt(const Part& part) {
     vertices_ = static_cast<std::int64_t>(given.vertices.size());
 }
 
-// Counting sort of all sides, followed by listed edges, by their lower vertex; then sorts the sides of each vertex by
-// the other end.
+// Counting sort of all sides, followed by codimensional edges, by their lower vertex; then sorts the sides of each
+// vertex by the other end.
 void SceneFeatures::sort_sides(const PreparedScene& scene, ParallelFor& workers) {
     const std::int64_t sides = 3 * faces_, vertices = scene.vertex_count();
     const std::int64_t slots = sides + static_cast<std::int64_t>(edges_.size());

@@ -32,7 +32,7 @@
 namespace crumple {
 
 /// Edges and points that the caller lists, as vertices of the scene; validated.
-struct ListedFeatures {
+struct CodimensionalFeatures {
     std::optional<std::span<const Edge>> edges = {};
     std::optional<std::span<const std::int32_t>> points = {};
 };
@@ -44,15 +44,15 @@ class SceneFeatures {
     /// Finds the features of the scene's triangles, or those listed. Results are cached while corners and lists stay
     /// the same; then the cost is a comparison, else O(triangles, edges, points), mostly on all threads. `weld`:
     /// vertices with equal positions, at the start and at the end, count as one for incident().
-    void prepare(const PreparedScene& scene, bool weld, ParallelFor& workers, const ListedFeatures& listed = {});
+    void prepare(const PreparedScene& scene, bool weld, ParallelFor& workers, const CodimensionalFeatures& listed = {});
 
-    /// True if prepare(), without welding, was last called for the same numbers of vertices, triangles, listed edges
-    /// and listed points.
+    /// True if prepare(), without welding, was last called for the same numbers of vertices, triangles, codimensional
+    /// edges and codimensional points.
     bool has_counts_of(const Shape& shape) const {
         const auto listed = [](bool lists, const auto& mine, const auto& theirs) {
             return lists == theirs.has_value() && (!lists || mine.size() == theirs->size());
         };
-        return !adopted_ && !renames() && vertices_ == shape.vertices.rows && faces_ == shape.triangles.rows &&
+        return !is_copied_ && !is_welded() && vertices_ == shape.vertices.rows && faces_ == shape.triangles.rows &&
                listed(lists_edges_, edges_, shape.edges) && listed(lists_points_, points_, shape.points);
     }
 
@@ -77,18 +77,18 @@ class SceneFeatures {
 
     /// Number of triangles of the scene; proxy triangles are numbered from there on.
     std::int64_t faces() const { return faces_; }
-    std::int64_t carriers() const { return static_cast<std::int64_t>(face_of_carrier_.size()); }
+    std::int64_t proxies() const { return static_cast<std::int64_t>(face_of_carrier_.size()); }
     /// Returns the lowest triangle that names the feature of proxy triangle i; -1 if none does.
-    std::int32_t face_of_carrier(std::int64_t i) const { return face_of_carrier_[i]; }
+    std::int32_t face_of_proxy(std::int64_t i) const { return face_of_carrier_[i]; }
     /// True if triangles alone have all tests: there are no proxy triangles, and points have the indices of their
     /// vertices.
-    bool plain() const { return carriers() == 0 && points_of_.empty(); }
+    bool plain() const { return proxies() == 0 && points_of_.empty(); }
     /// Corners of all triangles and proxy triangles.
     const std::int32_t* corners() const { return corners_.data(); }
-    PreparedScene with_carriers(PreparedScene scene) const;
+    PreparedScene with_proxies(PreparedScene scene) const;
 
     /// True if vertices have representatives other than themselves (see name()), because they are welded.
-    bool renames() const { return !names_.empty(); }
+    bool is_welded() const { return !names_.empty(); }
     const Array<std::int32_t>& names() const { return names_; }  ///< representative of each vertex; empty: itself
     std::int32_t name(std::int32_t vertex) const { return names_.empty() ? vertex : names_[vertex]; }
     /// incident(): true if a vertex and a face, a vertex and an edge, or two edges have a common vertex.
@@ -108,8 +108,8 @@ class SceneFeatures {
         return {edges_of_.data(), owned_.data(),    corners_.data(), any(names_),
                 any(points_of_),  any(neighbours_), faces_};
     }
-    /// The listed points, as vertices; empty: points are vertices.
-    const Array<std::int32_t>& listed_points() const { return points_; }
+    /// The codimensional points, as vertices; empty: points are vertices.
+    const Array<std::int32_t>& codimensional_points() const { return points_; }
     const Array<PointsOfTriangle>& points_of() const { return points_of_; }
     /// Changes whenever the features change.
     std::uint64_t revision() const { return revision_; }
@@ -118,23 +118,23 @@ class SceneFeatures {
     void release();
 
     using Neighbours = NamedNeighbours;
-    bool knows_neighbours() const { return !neighbours_.empty(); }  ///< true if there are lone edges
+    bool has_lone_edges() const { return !neighbours_.empty(); }  ///< true if there are lone edges
     const Neighbours& neighbours(std::int32_t vertex) const { return neighbours_[vertex]; }
 
    private:
     struct Side {
         std::int32_t other;  ///< the higher vertex
-        std::int32_t slot;   ///< 3 * triangle + side; listed edges follow after all sides
+        std::int32_t slot;   ///< 3 * triangle + side; codimensional edges follow after all sides
     };
-    bool known(const PreparedScene& scene, const ListedFeatures& listed) const;
+    bool known(const PreparedScene& scene, const CodimensionalFeatures& listed) const;
     void sort_sides(const PreparedScene& scene, ParallelFor& workers);
     void make_edges(ParallelFor& workers);
     void find_owners_of_edges(ParallelFor& workers);
     void find_owned_vertices(std::int64_t vertices);
-    void add_carriers_of_edges();
-    void add_carriers_of_points();
-    void add_carrier(const std::array<std::int32_t, 3>& corners, std::uint8_t owned, std::int32_t face);
-    void find_neighbours();
+    void add_proxies_of_edges();
+    void add_proxies_of_points();
+    void add_proxy(const std::array<std::int32_t, 3>& corners, std::uint8_t owned, std::int32_t face);
+    void find_adjacent();
 
     static constexpr std::int64_t chunk = 4096;  ///< lower vertices per chunk
     /// Calls visit(v, begin, end) with the sides of each edge whose lower vertex v is in the chunk.
@@ -159,7 +159,7 @@ class SceneFeatures {
     Array<std::int32_t> names_, corners_;  ///< corners_: cache key of all other members
     std::int64_t vertices_ = -1, faces_ = 0;
     std::uint64_t revision_ = 0;
-    bool lists_edges_ = false, lists_points_ = false, lone_edges_ = false, adopted_ = false;
+    bool lists_edges_ = false, lists_points_ = false, lone_edges_ = false, is_copied_ = false;
     Array<std::int32_t> points_;         ///< points as listed, by vertex
     Array<PointsOfTriangle> points_of_;  ///< per triangle, by corner; empty: points are vertices
     Array<std::int32_t> face_of_carrier_;

@@ -13,8 +13,8 @@
 #include <cstdint>
 
 #include "crumple/array.h"
-#include "scene/box_separation.h"
 #include "scene/placement.h"
+#include "scene/separating_boxes.h"
 #include "scene/world_outline.h"
 
 namespace crumple {
@@ -109,18 +109,18 @@ template <class Visit>
 struct PairWalk {
     struct At {
         std::int32_t node;
-        BoxSeparation::Reach reach;
+        SeparatingBoxes::Reach reach;
     };
 
     const ShapeTree &a, &b;
-    const BoxSeparation& separation;
+    const SeparatingBoxes& separation;
     Visit& visit;
     float extent_a = static_cast<float>(a.frame().unit), extent_b = static_cast<float>(b.frame().unit);
 
-    static At at(const ShapeTree& tree, const BoxSeparation::Side& side, std::int32_t node) {
+    static At at(const ShapeTree& tree, const SeparatingBoxes::Side& side, std::int32_t node) {
         return {node, side(tree.node(node).box)};
     }
-    static std::array<At, 2> children(const ShapeTree& tree, const BoxSeparation::Side& side, std::int32_t node) {
+    static std::array<At, 2> children(const ShapeTree& tree, const SeparatingBoxes::Side& side, std::int32_t node) {
         return {at(tree, side, node + 1), at(tree, side, tree.node(node).right)};
     }
 
@@ -152,7 +152,7 @@ template <class Visit>
 bool for_each_overlap(const ShapeTree& a, const Placement& pose_a, const ShapeTree& b, const Placement& pose_b,
                       Visit visit) {
     if (a.empty() || b.empty()) return true;
-    const BoxSeparation separation(pose_a, a.frame(), pose_b, b.frame());
+    const SeparatingBoxes separation(pose_a, a.frame(), pose_b, b.frame());
     return detail::PairWalk<Visit>{a, b, separation, visit}.begin();
 }
 

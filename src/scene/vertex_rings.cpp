@@ -8,7 +8,7 @@ namespace {
 constexpr std::int64_t chunk = 1024;
 
 std::span<const std::int32_t> corners_of(const SceneFeatures& features) {
-    return {features.corners(), static_cast<std::size_t>(3 * (features.faces() + features.carriers()))};
+    return {features.corners(), static_cast<std::size_t>(3 * (features.faces() + features.proxies()))};
 }
 
 bool same(std::span<const std::int32_t> a, std::span<const std::int32_t> b) {
@@ -53,7 +53,7 @@ void VertexRings::find_next(const SceneFeatures& features, std::int64_t vertices
     // Counts, then positions; finally v's entries begin at first_next_[v].
     std::int64_t* place = first_next_.data() + 1;
     const std::span<const std::int32_t> corners = corners_of(features);
-    const auto for_each_way = [&](auto visit) {
+    const auto for_each_direction = [&](auto visit) {
         for (std::size_t t = 0; t < corners.size(); t += 3)
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::int32_t a = features.name(corners[t + k]), b = features.name(corners[t + (k + 1) % 3]);
@@ -62,10 +62,10 @@ void VertexRings::find_next(const SceneFeatures& features, std::int64_t vertices
                 visit(b, a);
             }
     };
-    for_each_way([&](std::int32_t from, std::int32_t) { ++place[from + 1]; });
+    for_each_direction([&](std::int32_t from, std::int32_t) { ++place[from + 1]; });
     for (std::int64_t v = 0; v < vertices; ++v) place[v + 1] += place[v];
     next_.resize_discard(static_cast<std::size_t>(place[vertices]));
-    for_each_way([&](std::int32_t from, std::int32_t to) { next_[place[from]++] = to; });
+    for_each_direction([&](std::int32_t from, std::int32_t to) { next_[place[from]++] = to; });
 
     std::int32_t* end = next_.begin();
     for (std::int64_t v = 0; v < vertices; ++v) {

@@ -63,7 +63,7 @@ void check_body(const World& world, std::size_t b) {
     }
 }
 
-void check_rules(const PairFilter& rules, std::int64_t bodies) {
+void check_filter(const PairFilter& rules, std::int64_t bodies) {
     const auto known = [](PairScope w) {
         return w == PairScope::both || w == PairScope::between || w == PairScope::within;
     };
@@ -95,7 +95,7 @@ void WorldOutline::read(const World& world, const PairFilter& rules) {
         worlds = std::max(worlds, world.bodies[b].world + 1);
         first_triangle_[b + 1] = first_triangle_[b] + shape(static_cast<std::int32_t>(b)).triangles.rows;
     }
-    check_rules(rules, n);
+    check_filter(rules, n);
 
     first_body_.resize_discard(static_cast<std::size_t>(worlds) + 1);
     std::int32_t b = 0;

@@ -42,7 +42,7 @@ WorldScene::WorldScene(MemoryMeter* meter)
       row_(meter),
       buffers_(meter) {}
 
-void WorldScene::begin(bool float32, BodyRules& rules, bool moving) {
+void WorldScene::begin(bool float32, BodyFilter& rules, bool moving) {
     float32_ = float32;
     moving_ = moving;
     rules_ = &rules;
@@ -62,7 +62,7 @@ void WorldScene::grow_vertices(std::int64_t more) {
     if (n > std::numeric_limits<std::int32_t>::max())
         throw Error(ErrorCode::invalid_argument, "bodies that meet have more than 2147483647 vertices together");
     const auto grow = [&](auto& coordinates) {
-        coordinates.make_room_for(static_cast<std::size_t>(3 * more));
+        coordinates.grow_by(static_cast<std::size_t>(3 * more));
         coordinates.resize(static_cast<std::size_t>(3 * n));
     };
     for (auto* coordinates : {&start_, &end_}) {
@@ -128,9 +128,9 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
             if (moving_) put(end_, first + v, end_place(end_position(v)));
         }
     });
-    groups_.make_room_for(static_cast<std::size_t>(m));
-    triangle_.make_room_for(static_cast<std::size_t>(m));
-    corner_.make_room_for(static_cast<std::size_t>(3 * m));
+    groups_.grow_by(static_cast<std::size_t>(m));
+    triangle_.grow_by(static_cast<std::size_t>(m));
+    corner_.grow_by(static_cast<std::size_t>(3 * m));
     with_corner_reader(shape, [&](auto corner) {
         for (std::int64_t t = 0; t < m; ++t) {
             Row row{static_cast<std::int32_t>(t), {}};
@@ -188,9 +188,9 @@ PreparedScene WorldScene::scene(const WorldOutline& outline, bool weld, Parallel
 }
 
 // A proxy triangle whose feature a triangle names has that triangle's class; the others have a class of their body.
-PreparedScene WorldScene::with_carriers(const WorldOutline& outline, const SceneFeatures& features,
-                                        const PreparedScene& scene) {
-    if (features.carriers() == 0) return scene;
+PreparedScene WorldScene::with_proxies(const WorldOutline& outline, const SceneFeatures& features,
+                                       const PreparedScene& scene) {
+    if (features.proxies() == 0) return scene;
     lone_groups_.resize_discard(static_cast<std::size_t>(vertices()));
     for (std::size_t i = 0; i < added_.size(); ++i) {
         const auto [b, first, everywhere] = added_[i];
@@ -200,12 +200,12 @@ PreparedScene WorldScene::with_carriers(const WorldOutline& outline, const Scene
         const std::int64_t end = i + 1 < added_.size() ? added_[i + 1].first_vertex : vertices();
         std::fill(lone_groups_.begin() + first, lone_groups_.begin() + end, group);
     }
-    groups_.make_room_for(static_cast<std::size_t>(features.carriers()));
-    for (std::int64_t i = 0; i < features.carriers(); ++i) {
-        const std::int32_t face = features.face_of_carrier(i);
+    groups_.grow_by(static_cast<std::size_t>(features.proxies()));
+    for (std::int64_t i = 0; i < features.proxies(); ++i) {
+        const std::int32_t face = features.face_of_proxy(i);
         groups_.push_back(face < 0 ? lone_groups_[features.corners()[3 * (features.faces() + i)]] : groups_[face]);
     }
-    PreparedScene all = features.with_carriers(scene);
+    PreparedScene all = features.with_proxies(scene);
     all.groups = groups_.data();
     all.lone_groups = lone_groups_.data();
     return all;

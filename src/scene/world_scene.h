@@ -5,13 +5,13 @@
 //
 // Worlds are added one after the other, with their bodies in ascending order, and the triangles of each body in
 // ascending order, so that the scene's pairs are in the order of the result. The scene's groups are classes of
-// BodyRules.
+// BodyFilter.
 
 #include <cstdint>
 
 #include "base/parallel_for.h"
 #include "crumple/array.h"
-#include "scene/body_rules.h"
+#include "scene/body_filter.h"
 #include "scene/prepared_scene.h"
 #include "scene/scene_features.h"
 #include "scene/shape_tree.h"
@@ -25,7 +25,7 @@ class WorldScene {
 
     /// Starts a new scene, whose classes are stored in `rules`. `float32`: true if all shapes are float32. `moving`:
     /// bodies have end positions, too.
-    void begin(bool float32, BodyRules& rules, bool moving = false);
+    void begin(bool float32, BodyFilter& rules, bool moving = false);
 
     /// Adds body b: all of its triangles, or if `near` is not empty those whose box overlaps one of `near`.
     /// `everywhere`: see BodyClass. Throws Error that names the body, and the vertex or triangle.
@@ -43,7 +43,7 @@ class WorldScene {
     PreparedScene scene(const WorldOutline& outline, bool weld, ParallelFor& workers);
 
     /// Returns the scene with the features' proxy triangles, in the classes of their bodies. Valid until begin().
-    PreparedScene with_carriers(const WorldOutline& outline, const SceneFeatures& features, const PreparedScene& scene);
+    PreparedScene with_proxies(const WorldOutline& outline, const SceneFeatures& features, const PreparedScene& scene);
 
     std::int64_t first_of_world(std::size_t w) const { return first_of_world_[w]; }
     std::int64_t triangles() const { return static_cast<std::int64_t>(triangle_.size()); }
@@ -85,7 +85,7 @@ class WorldScene {
 
     bool float32_ = true, moving_ = false;
     Array<BodyClass>* classes_ = nullptr;
-    BodyRules* rules_ = nullptr;
+    BodyFilter* rules_ = nullptr;
     Coordinates start_, end_;
     Array<std::int32_t> corner_, groups_, triangle_;
     Array<std::int32_t> lone_groups_;  ///< class of each vertex, if there are proxy triangles

@@ -10,7 +10,7 @@ void ClearWorlds::release() {
     marks_ = {};
 }
 
-void ClearWorlds::read(const WorldOutline& outline, const BodyRules& rules, bool step, double reach) {
+void ClearWorlds::read(const WorldOutline& outline, const BodyFilter& rules, bool step, double reach) {
     forget();
     const auto& shapes = outline.world().shapes;
     const auto knows = [](const Shape& s) {

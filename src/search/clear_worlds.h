@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "crumple/array.h"
-#include "scene/body_rules.h"
+#include "scene/body_filter.h"
 #include "scene/near_bodies.h"
 #include "scene/shape_trees.h"
 #include "scene/world_outline.h"
@@ -28,7 +28,7 @@ class ClearWorlds {
     /// Reads a world in which features of two bodies are near if their distance is at most `reach`. `step`: at some
     /// time between start and end, else at the start. Has no effect unless all shapes have names and consist of
     /// triangles only.
-    void read(const WorldOutline& outline, const BodyRules& rules, bool step, double reach);
+    void read(const WorldOutline& outline, const BodyFilter& rules, bool step, double reach);
     /// Forgets the world: clear() then returns false, and marked() is empty.
     void forget() { known_ = false; }
 
@@ -54,7 +54,7 @@ class ClearWorlds {
 
     ShapeTrees& trees_;
     const WorldOutline* outline_ = nullptr;
-    const BodyRules* rules_ = nullptr;
+    const BodyFilter* rules_ = nullptr;
     bool known_ = false;
     double half_ = 0;  ///< half of `reach`, rounded up
     std::vector<Posed> bodies_;

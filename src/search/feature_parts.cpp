@@ -12,21 +12,21 @@
 namespace crumple {
 namespace {
 
-void check_asked(const PartFeatures& part, const ImpactQuery& question) {
+void check_part_query(const PartFeatures& part, const ImpactQuery& query) {
     check(part.moving, "the part was made for a question about nearness");
-    check(question.min_distance <= part.distance && question.min_distance_share <= part.share,
+    check(query.min_distance <= part.distance && query.min_distance_share <= part.share,
           "min_distance and min_distance_share must be at most those that the part was made for");
-    check(question.weld == part.weld, "weld must be as the part was made");
-    check(!question.triangle_pairs, "triangle_pairs must be false: parts of features have none");
+    check(query.weld == part.weld, "weld must be as the part was made");
+    check(!query.triangle_pairs, "triangle_pairs must be false: parts of features have none");
 }
-void check_asked(const PartFeatures& part, const ProximityQuery& question) {
+void check_part_query(const PartFeatures& part, const ProximityQuery& query) {
     check(!part.moving, "the part was made for a question about motion");
-    check(question.radius <= part.distance, "radius must be at most that which the part was made for");
-    check(question.weld == part.weld, "weld must be as the part was made");
-    check(question.rings == part.rings, "rings must be as the part was made");
-    check(question.radii.empty() && !question.rest.data && question.rest.rows == 0,
+    check(query.radius <= part.distance, "radius must be at most that which the part was made for");
+    check(query.weld == part.weld, "weld must be as the part was made");
+    check(query.rings == part.rings, "rings must be as the part was made");
+    check(query.radii.empty() && !query.rest.data && query.rest.rows == 0,
           "a part knows radii and the shape at rest: it was made with them");
-    check(question.rest_radius == 0 || !part.rest.empty() || part.vertices.empty(),
+    check(query.rest_radius == 0 || !part.rest.empty() || part.vertices.empty(),
           "rest_radius needs a part that was made with a shape at rest");
 }
 
@@ -78,8 +78,8 @@ PreparedScene FeatureSearch::prepare_part(BackendBase& backend, const Part& part
     const auto triangles = static_cast<std::size_t>(part.mesh.size());
     class_of_.resize_discard(triangles);
     for (std::size_t t = 0; t < triangles; ++t) {
-        const std::size_t carrier = t - static_cast<std::size_t>(given.faces);
-        const bool lone = t >= static_cast<std::size_t>(given.faces) && given.of_no_face[carrier] != 0;
+        const std::size_t proxy = t - static_cast<std::size_t>(given.faces);
+        const bool lone = t >= static_cast<std::size_t>(given.faces) && given.of_no_face[proxy] != 0;
         const std::int32_t group = groups.empty() ? 0 : groups[t];
         const auto at = lone ? distinct.end() : std::lower_bound(distinct.begin(), distinct.end(), group);
         class_of_[t] = static_cast<std::int32_t>(at - distinct.begin());
@@ -91,17 +91,17 @@ PreparedScene FeatureSearch::prepare_part(BackendBase& backend, const Part& part
 }
 
 template <class Query>
-void FeatureSearch::find(BackendBase& backend, const Part& part, const Query& query, bool frugal,
+void FeatureSearch::find(BackendBase& backend, const Part& part, const Query& query, bool low_memory,
                          typename Query::Result& result) {
     bodies_ = false;
-    frugal_ = frugal;
+    low_memory_ = low_memory;
     clear(result);
     const PreparedScene scene = prepare_part(backend, part, query.filter);
     const PartFeatures& given = *part.features;
-    check_asked(given, query);
+    check_part_query(given, query);
     RestShape rest;
     VertexRings rings(&meter_);
-    FeatureRequest request = request_of(query, frugal, features_, rule_);
+    FeatureRequest request = request_of(query, low_memory, features_, rule_);
     request.part = &part;
     if constexpr (is_near<Query>) {
         check_radii("", given.radii);
@@ -124,7 +124,7 @@ void FeatureSearch::find(BackendBase& backend, const Part& part, const Query& qu
             swap_found<Query>(result);
             backend.find(scene, all, found_);
             swap_found<Query>(result);
-            tell_least(scene, features_, backend, result);
+            add_least_distances(scene, features_, backend, result);
             least.take(result);
         }
     }

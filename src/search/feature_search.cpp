@@ -11,7 +11,7 @@ namespace {
 
 // True if one hit in any of the worlds is enough.
 template <class Query>
-bool wants_any(const Query& query) {
+bool is_any_output(const Query& query) {
     if constexpr (is_candidates<Query>)
         return false;
     else
@@ -27,7 +27,7 @@ void set_hit(std::int32_t world, bool hit, Result& result) {
 }
 
 // True if the filter selects every pair of the only body, as if there were no bodies.
-bool all_wanted(const PairFilter& rules) {
+bool selects_all(const PairFilter& rules) {
     return rules.bodies != PairScope::between && rules.groups == PairScope::both && rules.excluded_bodies.empty() &&
            rules.excluded_groups.empty();
 }
@@ -54,8 +54,8 @@ FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation, Sha
 
 void FeatureSearch::release() {
     outline_ = WorldOutline(&meter_);
-    rules_ = BodyRules(&meter_);
-    rule_ = GroupRule(&meter_);
+    rules_ = BodyFilter(&meter_);
+    rule_ = GroupFilter(&meter_);
     clear_.release();
     scene_ = WorldScene(&meter_);
     lists_ = JoinedLists(&meter_);
@@ -97,7 +97,7 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
     const auto worlds = static_cast<std::size_t>(outline_.worlds());
     if constexpr (is_candidates<Query>)
         result.listed = listed_kinds(query);
-    else if (!wants_any(query))
+    else if (!is_any_output(query))
         result.world_hit.assign(worlds, 0);
     if constexpr (is_motion<Query>) {
         if (extent(query) != Extent::any) result.world_first.assign(worlds, FirstImpact());
@@ -115,7 +115,7 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
         read_clear_worlds(backend, query);
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
             cancellation_.check();
-            if (wants_any(query) && result.any) break;
+            if (is_any_output(query) && result.any) break;
             if (clear_.clear(pass)) continue;
             search_world(backend, pass, query, clear_.marked(), result);
         }
@@ -159,7 +159,7 @@ void FeatureSearch::read(const World& world, const PairFilter& rules) {
 
 bool FeatureSearch::in_place(const PairFilter& rules) const {
     return outline_.bodies() == 1 && outline_.placement(0).identity() && outline_.end_placement(0).identity() &&
-           outline_.body(0).self && all_wanted(rules);
+           outline_.body(0).self && selects_all(rules);
 }
 
 PreparedScene FeatureSearch::prepare_in_place(BackendBase& backend, bool step, bool weld) {
@@ -169,7 +169,7 @@ PreparedScene FeatureSearch::prepare_in_place(BackendBase& backend, bool step, b
     if (step && shape.end.data) add_motion(shape.end, backend, buffers_, scene);
     rule_.prepare({});
     features_.prepare(scene, weld, backend, checked_lists(shape, bodies_ ? WorldOutline::name(0) : ""));
-    return features_.with_carriers(scene);
+    return features_.with_proxies(scene);
 }
 
 std::int32_t FeatureSearch::own_bodies(std::int32_t pass) const {
@@ -195,9 +195,9 @@ std::optional<PreparedScene> FeatureSearch::prepare_pass(BackendBase& backend, s
             for (std::int32_t b = everywhere; b < outline_.bodies(); ++b) scene_.add(outline_, b, true, backend);
     }
     const PreparedScene triangles = scene_.scene(outline_, false, backend);
-    const ListedFeatures listed = lists_.join(outline_, scene_, triangles, backend, features_);
+    const CodimensionalFeatures listed = lists_.join(outline_, scene_, triangles, backend, features_);
     features_.prepare(triangles, weld, backend, listed);
-    const PreparedScene scene = scene_.with_carriers(outline_, features_, triangles);
+    const PreparedScene scene = scene_.with_proxies(outline_, features_, triangles);
     rule_.prepare({}, &rules_);
     place_features();
     return scene;
@@ -228,7 +228,7 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Query& query, ty
     if (!there_) scene = prepare_in_place(backend, !is_near<Query>, query.weld);
     if constexpr (is_near<Query>) near_input_.place(outline_.shape(0));
     swap_found<Query>(result);
-    there_ ? find_rows_there(backend, query) : find_rows(backend, scene, query);
+    there_ ? find_rows_on_device(backend, query) : find_rows(backend, scene, query);
     swap_found<Query>(result);
     add_pass(found_.statistics, result.statistics);
     const std::int32_t world = outline_.body(0).world;
@@ -240,7 +240,7 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Query& query, ty
     }
     result.edges = features_.edges();
     result.first_edge.push_back(static_cast<std::int64_t>(result.edges.size()));
-    append_listed_points(0, result);
+    append_codimensional_points(0, result);
     if (extent(query) != Extent::all) return;
     const auto name_body = [&](auto& list) {
         if (bodies_) list.bodies.assign(list.pairs.size(), BodyPair{0, 0});
@@ -280,12 +280,12 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
         if (query.triangle_pairs)
             append_rows(types_of(CandidateKind::face_face), triangle_impacts_.rows(), false, result.triangle_pairs);
     if constexpr (is_near<Query>)
-        if (query.least) tell_least(scene, features_, backend, result);
+        if (query.least) add_least_distances(scene, features_, backend, result);
 }
 
 template <class Query>
 void FeatureSearch::find_rows(BackendBase& backend, const PreparedScene& scene, const Query& query) {
-    FeatureRequest request = request_of(query, frugal_, features_, rule_);
+    FeatureRequest request = request_of(query, low_memory_, features_, rule_);
     if constexpr (is_near<Query>) near_input_.tell(scene.vertex_count(), backend, cancellation_, request);
     backend.find(scene, request, found_);
     if constexpr (is_motion<Query>)
@@ -341,11 +341,11 @@ void FeatureSearch::place(FeatureTypes types, const Pair& found, Pair& pair, Bod
 
 template <class List>
 void FeatureSearch::append_rows(FeatureTypes types, const FeatureRows& rows, bool in_place, List& list) const {
-    list.pairs.make_room_for(rows.size());
-    if (bodies_) list.bodies.make_room_for(rows.size());
+    list.pairs.grow_by(rows.size());
+    if (bodies_) list.bodies.grow_by(rows.size());
     if constexpr (has_values<List>) {
-        values(list).make_room_for(rows.size());
-        flags(list).make_room_for(rows.size());
+        values(list).grow_by(rows.size());
+        flags(list).grow_by(rows.size());
     }
     for (std::size_t i = 0; i < rows.size(); ++i) {
         Pair pair = rows.pairs[i];

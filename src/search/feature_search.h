@@ -18,7 +18,7 @@
 #include "queries/feature_requests.h"
 #include "queries/near_input.h"
 #include "results/feature_output.h"
-#include "scene/body_rules.h"
+#include "scene/body_filter.h"
 #include "scene/joined_lists.h"
 #include "scene/rules.h"
 #include "scene/scene_features.h"
@@ -40,19 +40,19 @@ class FeatureSearch {
    public:
     FeatureSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& trees);
 
-    /// `bodies`: true if the result names bodies, else there is only one. `frugal`: low memory, see FeatureRequest.
+    /// `bodies`: true if the result names bodies, else there is only one. `low_memory`: low memory, see FeatureRequest.
     template <class Query>
-    void find(BackendBase& backend, const World& world, const Query& query, bool bodies, bool frugal,
+    void find(BackendBase& backend, const World& world, const Query& query, bool bodies, bool low_memory,
               typename Query::Result& result) {
         bodies_ = bodies;
-        frugal_ = frugal;
+        low_memory_ = low_memory;
         search(backend, world, query, result);
     }
 
     /// Delivers the result in blocks, each with all edges and points. Blocks are made in `result`, which has the number
     /// of rows and the statistics at the end.
     template <class Query>
-    void stream(BackendBase& backend, const World& world, const Query& query, bool bodies, bool frugal,
+    void stream(BackendBase& backend, const World& world, const Query& query, bool bodies, bool low_memory,
                 const FeatureBlocks<typename Query::Result>& blocks, typename Query::Result& result);
 
     /// Cuts the mesh that is the only body of a world into parts for this query.
@@ -61,32 +61,33 @@ class FeatureSearch {
 
     /// Finds the rows that a part owns, with the ids of the mesh that it was cut from.
     template <class Query>
-    void find(BackendBase& backend, const Part& part, const Query& query, bool frugal, typename Query::Result& result);
+    void find(BackendBase& backend, const Part& part, const Query& query, bool low_memory,
+              typename Query::Result& result);
 
-    // Queries about a mesh in device memory (features_there.cpp):
+    // Queries about a mesh in device memory (device_feature_search.cpp):
 
     /// True if the device can run the whole query; else the mesh is downloaded first.
-    static bool answers_there(const Shape& shape, const ImpactQuery& query);
-    static bool answers_there(const Shape& shape, const ProximityQuery& query);
-    static bool answers_there(const Shape& shape, const CandidateQuery& query);
+    static bool supports_on_device(const Shape& shape, const ImpactQuery& query);
+    static bool supports_on_device(const Shape& shape, const ProximityQuery& query);
+    static bool supports_on_device(const Shape& shape, const CandidateQuery& query);
     template <class Query>
-    void find_there(BackendBase& backend, const DeviceShape& mesh, const Query& query, bool frugal,
-                    typename Query::Result& result);
-    template <class Question>
-    LaunchNumber launch(BackendBase& backend, const DeviceShape& mesh, const Question& question);
-    DeviceAnswer wait(BackendBase& backend, LaunchNumber launch);
+    void find_on_device(BackendBase& backend, const DeviceShape& mesh, const Query& query, bool low_memory,
+                        typename Query::Result& result);
+    template <class Query>
+    LaunchNumber launch(BackendBase& backend, const DeviceShape& mesh, const Query& query);
+    AnyDeviceResult wait(BackendBase& backend, LaunchNumber launch);
 
     /// Frees all memory.
     void release();
 
    private:
-    template <class Question>
-    void look_there(BackendBase& backend, const DeviceShape& mesh, const Question& question);
-    void know(BackendBase& backend, const DeviceShape& mesh);
-    template <class Question, class Ask>
-    auto ask_there(BackendBase& backend, const DeviceShape& mesh, const Question& question, Ask ask);
     template <class Query>
-    void find_rows_there(BackendBase& backend, const Query& query);
+    void read_on_device(BackendBase& backend, const DeviceShape& mesh, const Query& query);
+    void know(BackendBase& backend, const DeviceShape& mesh);
+    template <class Query, class Ask>
+    auto run_on_device(BackendBase& backend, const DeviceShape& mesh, const Query& query, Ask ask);
+    template <class Query>
+    void find_rows_on_device(BackendBase& backend, const Query& query);
 
     PreparedScene prepare_part(BackendBase& backend, const Part& part, const PairFilter& rules);
 
@@ -142,9 +143,9 @@ class FeatureSearch {
     /// Appends the edges and points of the bodies of world `pass`, as own_bodies() counts them.
     template <class Result>
     void append_features(std::int32_t pass, Result& result);
-    /// Appends the listed points of a body.
+    /// Appends the codimensional points of a body.
     template <class Result>
-    void append_listed_points(std::int32_t body, Result& result);
+    void append_codimensional_points(std::int32_t body, Result& result);
     /// `in_place`: true if the scene's indices are those of the only body.
     template <class List>
     void append_rows(FeatureTypes types, const FeatureRows& rows, bool in_place, List& list) const;
@@ -163,11 +164,11 @@ class FeatureSearch {
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
-    bool bodies_ = false, frugal_ = false;  // of the current call
-    const DeviceShape* there_ = nullptr;    // mesh of the current call if it is in device memory
+    bool bodies_ = false, low_memory_ = false;  // of the current call
+    const DeviceShape* there_ = nullptr;        // mesh of the current call if it is in device memory
     WorldOutline outline_;
-    BodyRules rules_;
-    GroupRule rule_;
+    BodyFilter rules_;
+    GroupFilter rule_;
     ClearWorlds clear_;
     WorldScene scene_;
     JoinedLists lists_;
@@ -183,7 +184,7 @@ class FeatureSearch {
     /// Inputs of the last launches, by number, for queries that have to be run again.
     struct Launched {
         DeviceShape mesh;
-        std::variant<ImpactQuery, ProximityQuery, CandidateQuery> question;
+        std::variant<ImpactQuery, ProximityQuery, CandidateQuery> query;
     };
     std::array<Launched, most_in_flight> launched_;
 };
@@ -192,7 +193,7 @@ class FeatureSearch {
 template <class Result>
 void FeatureSearch::append_features(std::int32_t pass, Result& result) {
     const auto bodies = static_cast<std::size_t>(own_bodies(pass));
-    result.edges.make_room_for(static_cast<std::size_t>(first_edge_[bodies]));
+    result.edges.grow_by(static_cast<std::size_t>(first_edge_[bodies]));
     for (std::size_t i = 0; i < bodies; ++i) {
         const auto first = static_cast<std::int32_t>(scene_.first_vertex(i));
         for (std::int64_t e = first_edge_[i]; e < first_edge_[i + 1]; ++e) {
@@ -200,14 +201,14 @@ void FeatureSearch::append_features(std::int32_t pass, Result& result) {
             result.edges.push_back({edge.a - first, edge.b - first});
         }
         result.first_edge.push_back(static_cast<std::int64_t>(result.edges.size()));
-        append_listed_points(scene_.added_body(i), result);
+        append_codimensional_points(scene_.added_body(i), result);
     }
 }
 
 template <class Result>
-void FeatureSearch::append_listed_points(std::int32_t body, Result& result) {
+void FeatureSearch::append_codimensional_points(std::int32_t body, Result& result) {
     if (there_)
-        for (const std::int32_t v : features_.listed_points()) result.points.push_back(v);
+        for (const std::int32_t v : features_.codimensional_points()) result.points.push_back(v);
     else if (const auto& points = outline_.shape(body).points)
         for (const std::int32_t v : *points) result.points.push_back(v);
     result.first_point.push_back(static_cast<std::int64_t>(result.points.size()));

@@ -34,7 +34,7 @@ std::size_t size_of(const Rows& lists) {
 template <class Element>
 void append(Array<Element>& to, const Array<Element>& from, std::size_t begin, std::size_t end) {
     if (from.empty()) return;
-    to.make_room_for(end - begin);
+    to.grow_by(end - begin);
     for (std::size_t i = begin; i < end; ++i) to.push_back(from[i]);
 }
 
@@ -59,7 +59,7 @@ void append_rows(Rows& to, Rows& piece, std::size_t begin, std::size_t end) {
 
 // Delivers rows as a block.
 template <class Answer>
-void take_rows(Lists<Answer>& rows, const FeatureBlocks<Answer>& blocks, Answer& answer) {
+void consume_rows(Lists<Answer>& rows, const FeatureBlocks<Answer>& blocks, Answer& answer) {
     std::swap(answer.lists, rows);
     answer.count += static_cast<std::int64_t>(size_of(answer.lists));
     answer.any = true;
@@ -73,11 +73,11 @@ OrderedBlocks<Lists<Answer>> blocks_of(const FeatureBlocks<Answer>& blocks, Memo
     using Rows = Lists<Answer>;
     return {blocks.most,
             cancellation,
-            {.make = [&] { return std::make_unique<Rows>(metered_answer<Answer>(&meter).lists); },
+            {.make = [&] { return std::make_unique<Rows>(metered_result<Answer>(&meter).lists); },
              .size = [](const Rows& rows) { return size_of(rows); },
              .append = [](Rows& to, Rows& piece, std::size_t begin,
                           std::size_t end) { append_rows(to, piece, begin, end); },
-             .take = [&](Rows& rows) { take_rows(rows, blocks, answer); },
+             .take = [&](Rows& rows) { consume_rows(rows, blocks, answer); },
              .clear =
                  [](Rows& rows) {
                      for (auto& list : rows) clear(list);
@@ -106,10 +106,10 @@ class FeaturePieces final : public FeatureStream {
 }  // namespace
 
 template <class Query>
-void FeatureSearch::stream(BackendBase& backend, const World& world, const Query& query, bool bodies, bool frugal,
+void FeatureSearch::stream(BackendBase& backend, const World& world, const Query& query, bool bodies, bool low_memory,
                            const FeatureBlocks<typename Query::Result>& blocks, typename Query::Result& result) {
     bodies_ = bodies;
-    frugal_ = frugal;
+    low_memory_ = low_memory;
     read(world, query.filter);
     clear(result);
     result.statistics.triangles = outline_.triangles();
@@ -125,7 +125,7 @@ void FeatureSearch::stream(BackendBase& backend, const World& world, const Query
         if constexpr (is_near<Query>) near_input_.place(outline_.shape(0));
         result.edges = features_.edges();
         result.first_edge.push_back(static_cast<std::int64_t>(result.edges.size()));
-        append_listed_points(0, result);
+        append_codimensional_points(0, result);
         stream_scene(backend, scene, query, true, ordered, result.statistics);
     } else {
         const bool one_world = outline_.worlds() == 1 && own_bodies(1) == 0;
@@ -155,7 +155,7 @@ void FeatureSearch::list_features(BackendBase& backend, bool step, bool weld, Re
 template <class Query, class Blocks>
 void FeatureSearch::stream_scene(BackendBase& backend, const PreparedScene& scene, const Query& query, bool in_place,
                                  Blocks& blocks, Statistics& statistics) {
-    FeatureRequest request = request_of(query, frugal_, features_, rule_);
+    FeatureRequest request = request_of(query, low_memory_, features_, rule_);
     if constexpr (is_near<Query>) near_input_.tell(scene.vertex_count(), backend, cancellation_, request);
     const auto write = [&](const RowLists& found, Lists<typename Query::Result>& lists) {
         for (std::size_t k = 0; k < lists.size(); ++k) {

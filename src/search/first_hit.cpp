@@ -54,7 +54,7 @@ Bounds PosedGroup::box(int k) const {
     return {min(p, min(q, r)), max(p, max(q, r))};
 }
 
-std::span<const PosedGroup::Boxed> PosedGroup::boxes_within(const Bounds& other, Room& room) const {
+std::span<const PosedGroup::Boxed> PosedGroup::boxes_within(const Bounds& other, Buffers& room) const {
     // For each vertex one bit per side of `other` that it lies beyond.
     std::int64_t beyond[3 * ShapeTree::most_triangles];
     for (std::int32_t v = 0; v < 4 * group->blocks; v += 2) {
@@ -73,7 +73,7 @@ std::span<const PosedGroup::Boxed> PosedGroup::boxes_within(const Bounds& other,
     return {room.data(), n};
 }
 
-bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& question, const BodyRules& rules, std::int32_t a,
+bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& query, const BodyFilter& rules, std::int32_t a,
                  const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, std::int64_t& decided) {
     const Placement place_a = outline.placement(a), place_b = outline.placement(b);
     const auto group_of = [&](std::int32_t body, std::int32_t triangle) {
@@ -85,14 +85,14 @@ bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& question,
         if (of_a.index != group_a) of_a.pose(tree_a, place_a, group_a);
         if (of_b.index != group_b) of_b.pose(tree_b, place_b, group_b);
         if (!overlap(of_a.all, of_b.all)) return true;
-        PosedGroup::Room room_a, room_b;
+        PosedGroup::Buffers buffer_a, buffer_b;
         // Larger group first: a smaller fraction of its triangles is near the other.
         const bool a_first = largest(of_a.all.high - of_a.all.low) > largest(of_b.all.high - of_b.all.low);
-        const auto near_one = a_first ? of_a.boxes_within(of_b.all, room_a) : of_b.boxes_within(of_a.all, room_b);
+        const auto near_one = a_first ? of_a.boxes_within(of_b.all, buffer_a) : of_b.boxes_within(of_a.all, buffer_b);
         if (near_one.empty()) return true;
         Bounds reach = no_bounds;
         for (const auto& [box, i] : near_one) reach.widen(box);
-        const auto near_other = a_first ? of_b.boxes_within(reach, room_b) : of_a.boxes_within(reach, room_a);
+        const auto near_other = a_first ? of_b.boxes_within(reach, buffer_b) : of_a.boxes_within(reach, buffer_a);
         const auto &near_a = a_first ? near_one : near_other, &near_b = a_first ? near_other : near_one;
         for (const auto& [box_i, i] : near_a) {
             for (const auto& [box_j, j] : near_b) {
@@ -102,9 +102,9 @@ bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& question,
                     continue;
                 ++decided;
                 Triangle s = triangle_of(of_a, i, 0), t = triangle_of(of_b, j, 3 * ShapeTree::most_triangles);
-                if (question.weld) weld(s, t);
+                if (query.weld) weld(s, t);
                 DecisionCounts counts;
-                if (collide(s, t, question.neighbours, question.kind, counts)) return false;
+                if (collide(s, t, query.neighbours, query.kind, counts)) return false;
             }
         }
         return true;

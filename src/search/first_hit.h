@@ -8,7 +8,7 @@
 #include <span>
 
 #include "crumple/intersections.h"
-#include "scene/body_rules.h"
+#include "scene/body_filter.h"
 #include "scene/shape_tree.h"
 #include "scene/world_outline.h"
 
@@ -21,12 +21,12 @@ class PosedGroup {
         Bounds box;
         int triangle;
     };
-    using Room = std::array<Boxed, ShapeTree::most_triangles>;
+    using Buffers = std::array<Boxed, ShapeTree::most_triangles>;
 
     void pose(const ShapeTree& tree, const Placement& place, std::int32_t group);
     Bounds box(int triangle) const;
     /// Lists the triangles whose boxes overlap `other`.
-    std::span<const Boxed> boxes_within(const Bounds& other, Room& room) const;
+    std::span<const Boxed> boxes_within(const Bounds& other, Buffers& room) const;
 
     std::int32_t index = -1;  ///< index of the group, -1: none yet
     const ShapeTree::Group* group = nullptr;
@@ -37,7 +37,7 @@ class PosedGroup {
 };
 
 /// Thread-safe: accesses its arguments only. Adds the number of triangle pairs with overlapping boxes to `decided`.
-bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& question, const BodyRules& rules, std::int32_t a,
+bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& query, const BodyFilter& rules, std::int32_t a,
                  const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, std::int64_t& decided);
 
 }  // namespace crumple

@@ -53,7 +53,7 @@ NearestSearch::~NearestSearch() = default;
 
 void NearestSearch::release() {
     outline_ = WorldOutline(&meter_);
-    rules_ = BodyRules(&meter_);
+    rules_ = BodyFilter(&meter_);
     trees_.clear();
     of_call_.clear();
     idle_.clear();
@@ -62,26 +62,26 @@ void NearestSearch::release() {
     kept_.release();
 }
 
-void NearestSearch::find(ParallelFor& workers, const World& world, const DistanceQuery& question, bool frugal,
+void NearestSearch::find(ParallelFor& workers, const World& world, const DistanceQuery& query, bool low_memory,
                          Distances& answer) {
     named_.begin();
-    radius_ = question.radius;
-    outline_.read(world, question.filter);
-    rules_.prepare(question.filter);
+    radius_ = query.radius;
+    outline_.read(world, query.filter);
+    rules_.prepare(query.filter);
     clear(answer);
     answer.statistics.triangles = outline_.triangles();
     answer.statistics.backend = "cpu";
     answer.statistics.simd = "scalar";
     read_shapes();
     read_bodies();
-    list_pairs(question, answer);
+    list_pairs(query, answer);
     make_rows(answer);
     const std::size_t rows = answer.bodies.size();
     kept_.assign(rows, 0);
-    const bool nearest = question.output == Output::nearest;
+    const bool nearest = query.output == Output::nearest;
     std::atomic<std::int64_t> tests{0}, exact{0}, rational{0};
     const auto run = [&](std::size_t task) {
-        auto owned = take_walk();
+        auto owned = acquire_walk();
         NearestWalk& walk = *owned;
         if (nearest) {
             keep_nearest(walk, first_row_[task], first_row_[task + 1], answer);
@@ -94,7 +94,7 @@ void NearestSearch::find(ParallelFor& workers, const World& world, const Distanc
     };
     const std::size_t tasks =
         nearest ? static_cast<std::size_t>(outline_.worlds()) : (rows + body_pairs_of_task - 1) / body_pairs_of_task;
-    if (frugal || tasks <= 1)
+    if (low_memory || tasks <= 1)
         for (std::size_t task = 0; task < tasks; ++task) run(task);
     else
         workers.parallel_for(tasks, run);
@@ -167,7 +167,7 @@ const ShapeTree& NearestSearch::tree(std::int32_t body) const {
     return *trees_[static_cast<std::size_t>(outline_.body(body).shape)];
 }
 
-std::unique_ptr<NearestWalk> NearestSearch::take_walk() {
+std::unique_ptr<NearestWalk> NearestSearch::acquire_walk() {
     {
         const std::lock_guard lock(mutex_);
         if (!idle_.empty()) {

@@ -11,7 +11,7 @@
 #include "base/cancellation.h"
 #include "base/parallel_for.h"
 #include "crumple/distances.h"
-#include "scene/body_rules.h"
+#include "scene/body_filter.h"
 #include "scene/shape_trees.h"
 #include "scene/world_outline.h"
 
@@ -24,14 +24,14 @@ class NearestSearch {
     NearestSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named);
     ~NearestSearch();
 
-    /// `frugal`: low memory, one pair after the other, so that the memory does not depend on threads.
-    void find(ParallelFor& workers, const World& world, const DistanceQuery& question, bool frugal, Distances& answer);
+    /// `low_memory`: low memory, one pair after the other, so that the memory does not depend on threads.
+    void find(ParallelFor& workers, const World& world, const DistanceQuery& query, bool low_memory, Distances& answer);
 
     /// Frees all memory, except for named shapes.
     void release();
 
    private:
-    std::unique_ptr<NearestWalk> take_walk();
+    std::unique_ptr<NearestWalk> acquire_walk();
     void give_back(std::unique_ptr<NearestWalk> walk);
     void read_shapes();
     void read_bodies();
@@ -50,7 +50,7 @@ class NearestSearch {
     // State of the current call:
     double radius_ = 0;
     WorldOutline outline_;
-    BodyRules rules_;
+    BodyFilter rules_;
     std::vector<const ShapeTree*> trees_;              ///< by shape
     std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of shapes without a name
     Array<Bounds> box_;                                ///< per body; contains all posed vertices

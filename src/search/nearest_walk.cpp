@@ -116,7 +116,7 @@ void NearestWalk::descend(At a, At b) {
     visit(a_.tree->node(a.node).group, b_.tree->node(b.node).group);
 }
 
-NearestWalk::Side::Side(MemoryMeter* meter) : leaves(meter) { leaves.resize(leaves_kept); }
+NearestWalk::Side::Side(MemoryMeter* meter) : leaves(meter) { leaves.resize(cached_leaves); }
 
 void NearestWalk::Side::forget() { group.fill(-1); }
 
@@ -145,7 +145,7 @@ bool NearestWalk::comes_later(const At& a, const At& b) const {
 }
 
 const PosedLeaf& NearestWalk::posed(Side& side, std::int32_t group) {
-    const std::size_t place = static_cast<std::size_t>(group) % leaves_kept;
+    const std::size_t place = static_cast<std::size_t>(group) % cached_leaves;
     PosedLeaf& leaf = side.leaves[place];
     if (side.group[place] == group) return leaf;
     side.group[place] = group;
@@ -202,7 +202,7 @@ void NearestWalk::test(const PosedLeaf& a, std::size_t i, const PosedLeaf& b, st
     if (touching_) return test_contact(pair, points_a, points_b);
     const TriangleGap gap(points_a, points_b);
     if (gap.lower(direction_) > upper_) return;
-    const QuickNearest quick(points_a, points_b, gap, upper_);
+    const FilteredNearest quick(points_a, points_b, gap, upper_);
     if (quick.lower() > upper_) return;
     if (!(quick.lower() > 0)) {
         test_contact(pair, points_a, points_b);

@@ -10,7 +10,7 @@
 #include "base/cancellation.h"
 #include "exact/distance/decide_nearest.h"
 #include "results/nearest_output.h"
-#include "scene/body_rules.h"
+#include "scene/body_filter.h"
 #include "scene/box_distance.h"
 #include "scene/shape_tree.h"
 #include "scene/world_outline.h"
@@ -37,7 +37,7 @@ struct NearestCounts {
 /// Runs one walk after another, in one thread; reuses its memory.
 class NearestWalk {
    public:
-    NearestWalk(const WorldOutline& outline, const BodyRules& rules, Cancellation& cancellation, MemoryMeter* meter)
+    NearestWalk(const WorldOutline& outline, const BodyFilter& rules, Cancellation& cancellation, MemoryMeter* meter)
         : outline_(outline), rules_(rules), cancellation_(cancellation), a_(meter), b_(meter), candidates_(meter) {}
 
     /// True if the bodies have a pair of triangles that the filter selects, at most `radius` apart; `row` then has the
@@ -55,7 +55,7 @@ class NearestWalk {
 
    private:
     /// Cached posed groups per body: walks visit the same groups repeatedly. This many fit in a core's cache.
-    static constexpr std::size_t leaves_kept = 64;
+    static constexpr std::size_t cached_leaves = 64;
 
     struct At {
         std::int32_t node;
@@ -71,8 +71,8 @@ class NearestWalk {
         Placement place;
         float unit = 1;  ///< unit of the tree's boxes
         const BoxDistance::Side* boxes = nullptr;
-        Array<PosedLeaf> leaves;                        ///< cached groups, direct-mapped by group number
-        std::array<std::int32_t, leaves_kept> group{};  ///< the group in each entry of `leaves`; -1: none
+        Array<PosedLeaf> leaves;                          ///< cached groups, direct-mapped by group number
+        std::array<std::int32_t, cached_leaves> group{};  ///< the group in each entry of `leaves`; -1: none
     };
 
     bool begin(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, double radius);
@@ -96,7 +96,7 @@ class NearestWalk {
     void drop_far_candidates();
 
     const WorldOutline& outline_;
-    const BodyRules& rules_;
+    const BodyFilter& rules_;
     Cancellation& cancellation_;
     NearestCounts counts_;
     std::int64_t visits_ = 0;

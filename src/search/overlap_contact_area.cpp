@@ -17,7 +17,7 @@ struct EnclosedArea {
     Enclosed twice{0};
 
     void add(const Enclosed& x) { twice = twice + x; }
-    void add_share(const Enclosed& x, const Enclosed& start, const Enclosed& end) {
+    void add_part(const Enclosed& x, const Enclosed& start, const Enclosed& end) {
         const bool whole = end.value.high == 0 && end.error == 0;
         add(whole ? x : x * (start / (start - end)));
     }
@@ -29,7 +29,7 @@ struct RationalArea {
     int exponent;
 
     void add(const Integer& x) { twice.add(x, 1, 2 * exponent); }
-    void add_share(const Integer& x, const Integer& start, const Integer& end) {
+    void add_part(const Integer& x, const Integer& start, const Integer& end) {
         const Integer all = start - end, part = x * start;
         all < 0 ? twice.add(-part, -all, 2 * exponent) : twice.add(part, all, 2 * exponent);
     }

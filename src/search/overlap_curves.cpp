@@ -35,7 +35,7 @@ class RoundedCrossing {
             if (certain) return point;
         }
         was_exact = true;
-        const Rational share = share_of_edge(edge.from, edge.to, edge.face);
+        const Rational share = edge_parameter(edge.from, edge.to, edge.face);
         for (int axis = 0; axis < 3; ++axis) {
             RationalSum sum;
             sum.add(Rational(edge.from[axis]));

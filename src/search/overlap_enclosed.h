@@ -6,8 +6,8 @@
 #include <array>
 
 #include "exact/overlap/enclosed.h"
+#include "exact/overlap/exact_crossing.h"
 #include "exact/overlap/pair_terms.h"
-#include "exact/overlap/rational_crossing.h"
 #include "search/overlap_scene.h"
 
 namespace crumple {
@@ -33,7 +33,7 @@ inline Enclosed enclosed_share(const CrossingEdge& edge) {
                    to = dot(normal, enclosed_difference(edge.to, q[0]));
     const Enclosed share = from / (from - to);
     if (share.error <= largest_error && share.magnitude() >= least_share) return share;
-    return enclosed(share_of_edge(edge.from, edge.to, q));
+    return enclosed(edge_parameter(edge.from, edge.to, q));
 }
 
 /// Terms in double-double arithmetic, for bodies in its range.

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <map>
 
-#include "exact/overlap/quick_crossing.h"
-#include "exact/overlap/rational_crossing.h"
+#include "exact/overlap/exact_crossing.h"
+#include "exact/overlap/filtered_crossing.h"
 #include "search/overlap_enclosed.h"
 #include "search/overlap_row.h"
 
@@ -44,7 +44,7 @@ struct BothCrossings<Rational> {
 };
 template <>
 struct BothCrossings<Enclosed> {
-    std::array<QuickCrossing, 2> shifted;
+    std::array<FilteredCrossing, 2> shifted;
 
     BothCrossings(const FaceCorners& p, const FaceCorners& q) {
         const CrossedFace a(p), b(q);
@@ -53,7 +53,7 @@ struct BothCrossings<Enclosed> {
                 shifted[1] = shifted[0];
                 break;
             }
-            shifted[s] = cross_quickly(a, b, both_shifts[s]);
+            shifted[s] = filter_crossing(a, b, both_shifts[s]);
             if (shifted[s].certain) continue;
             const RationalCrossing exact = cross_rationally(p, q, both_shifts[s]);
             shifted[s].a = enclosed(exact.a);
@@ -144,21 +144,21 @@ std::vector<VertexVector> OverlapOfBodies::gradient(std::size_t side) {
 std::vector<VertexVector> OverlapOfBodies::rational_gradient(std::size_t side,
                                                              const std::vector<std::int32_t>& vertices) {
     was_exact_ = true;
-    const auto is_wanted = [&](std::int32_t vertex) {
+    const auto is_selected = [&](std::int32_t vertex) {
         return std::binary_search(vertices.begin(), vertices.end(), vertex);
     };
-    const auto has_wanted = [&](std::int32_t face) {
+    const auto is_selected_face = [&](std::int32_t face) {
         const std::int32_t* c = topology(side).corners(face);
-        return is_wanted(c[0]) || is_wanted(c[1]) || is_wanted(c[2]);
+        return is_selected(c[0]) || is_selected(c[1]) || is_selected(c[2]);
     };
     std::map<std::int32_t, std::array<RationalSum, 3>> sums;
-    const WeightedFaces<Rational> weighted = weigh<Rational>(side, has_wanted);
+    const WeightedFaces<Rational> weighted = weigh<Rational>(side, is_selected_face);
     for (const auto& [face, weights] : weighted.entries()) {
         cancellation_.check();
         const Vec3<Rational> normal = rational_normal(body(side).corners(face));
         for (std::size_t k = 0; k < 3; ++k) {
             const std::int32_t vertex = topology(side).corners(face)[k];
-            if (!is_wanted(vertex)) continue;
+            if (!is_selected(vertex)) continue;
             for (int axis = 0; axis < 3; ++axis)
                 sums[vertex][static_cast<std::size_t>(axis)].add(weights[k] * normal[axis]);
         }

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "exact/overlap/quick_crossing.h"
-#include "exact/overlap/rational_crossing.h"
+#include "exact/overlap/exact_crossing.h"
+#include "exact/overlap/filtered_crossing.h"
 #include "search/overlap_contact_area.h"
 #include "search/overlap_volumes.h"
 
@@ -131,7 +131,7 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
             }
             if (i == part * chunk || pair.a != pairs_[i - 1].a) a.emplace(p);
             const CrossedFace b(q);
-            QuickSigns signs(*a, b);
+            FilteredCrossingSigns signs(*a, b);
             add_pair(pair, decide_crossings(signs));
         }
     };

@@ -87,13 +87,13 @@ void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World&
 }
 
 // True if there is a single candidate: two different bodies with unnamed shapes and identity poses.
-bool OverlapSearch::is_one_pair_at_rest() const {
+bool OverlapSearch::is_one_unposed_pair() const {
     if (candidates_.size() != 1) return false;
     const auto [a, b] = candidates_[0].bodies;
-    const auto is_at_rest = [&](std::int32_t body) {
+    const auto is_unposed = [&](std::int32_t body) {
         return outline().placement(body).identity() && outline().shape(body).name == 0;
     };
-    return a != b && is_at_rest(a) && is_at_rest(b);
+    return a != b && is_unposed(a) && is_unposed(b);
 }
 
 // Backends search two meshes faster than a world.
@@ -125,7 +125,7 @@ void OverlapSearch::find_flags(BackendBase& backend, WorldSearch& worlds, const 
 }
 
 void OverlapSearch::find_rows(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result) {
-    if (is_one_pair_at_rest()) {
+    if (is_one_unposed_pair()) {
         find_pairs_of_two(backend);
     } else {
         IntersectionQuery intersections;
@@ -146,12 +146,13 @@ void OverlapSearch::find_rows(BackendBase& backend, WorldSearch& worlds, const W
         rows[i] = row_of(backend, candidates_[i], was_exact);
         memory.add(bytes_of(rows[i]));
         if (was_exact) rational.fetch_add(1, std::memory_order_relaxed);
-        if (query_.output == Output::any && is_listed(query_, rows[i])) enough.store(true, std::memory_order_relaxed);
+        if (query_.output == Output::any && is_in_result(query_, rows[i]))
+            enough.store(true, std::memory_order_relaxed);
     });
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const BodyPair& bodies = candidates_[i].bodies;
         if (bodies.first == bodies.second) add_body(bodies.first, rows[i], result);
-        if (is_listed(query_, rows[i])) add_row(query_, bodies, outline().body(bodies.first).world, rows[i], result);
+        if (is_in_result(query_, rows[i])) add_row(query_, bodies, outline().body(bodies.first).world, rows[i], result);
     }
     result.statistics.rational_tests += rational;
 }

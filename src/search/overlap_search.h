@@ -39,7 +39,7 @@ class OverlapSearch {
     };
 
     std::vector<std::int32_t> list_candidates();
-    bool is_one_pair_at_rest() const;
+    bool is_one_unposed_pair() const;
     void find_pairs_of_two(BackendBase& backend);
     void find_flags(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result);
     void sort_pairs();

@@ -10,7 +10,7 @@ namespace crumple {
 namespace {
 
 void append_pairs(Intersections& to, const Intersections& piece, std::size_t begin, std::size_t end) {
-    to.pairs.make_room_for(end - begin);
+    to.pairs.grow_by(end - begin);
     for (std::size_t i = begin; i < end; ++i) to.pairs.push_back(piece.pairs[i]);
     const Contacts& from = piece.contacts;
     if (from.kinds.empty()) return;

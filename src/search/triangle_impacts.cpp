@@ -51,7 +51,7 @@ PreparedScene TriangleImpacts::at_start(const PreparedScene& scene, const SceneF
     start.moving = false;
     start.end = {};
     start.triangles[0] = features.faces();
-    if (features.renames()) {
+    if (features.is_welded()) {
         corners_.resize_discard(static_cast<std::size_t>(3 * features.faces()));
         std::transform(scene.corners, scene.corners + 3 * features.faces(), corners_.begin(),
                        [&](std::int32_t vertex) { return features.name(vertex); });
@@ -67,10 +67,10 @@ bool TriangleImpacts::any_at_start(BackendBase& backend, const PreparedScene& sc
 }
 
 void TriangleImpacts::find(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features,
-                           const GroupRule& rule, const RowLists& found, Statistics& statistics) {
+                           const GroupFilter& rule, const RowLists& found, Statistics& statistics) {
     intersecting_.clear();
     const auto take = [&](const Array<Pair>& some) {
-        intersecting_.make_room_for(some.size());
+        intersecting_.grow_by(some.size());
         for (const Pair& pair : some) intersecting_.push_back(pair);
     };
     Statistics of_search;
@@ -113,7 +113,7 @@ std::span<const std::int32_t> TriangleImpacts::triangles_of(std::int32_t vertex)
 
 /// Calls visit(pair, toi, start) for each pair, some more than once.
 template <class Visit>
-void TriangleImpacts::for_each_pair(const PreparedScene& scene, const SceneFeatures& features, const GroupRule& rule,
+void TriangleImpacts::for_each_pair(const PreparedScene& scene, const SceneFeatures& features, const GroupFilter& rule,
                                     const RowLists& found, Visit visit) const {
     for (const Pair& pair : intersecting_) visit(pair, 0, 1);
     const auto tell = [&](std::int32_t s, std::int32_t t, double toi, std::uint8_t start) {

@@ -25,7 +25,7 @@ class TriangleImpacts {
 
     /// Makes rows() from all impacts of features and the pairs that intersect at the start: unique, sorted; the value
     /// is the first time, the flag is set if they intersect or touch at the start. O(triangles + rows), and one search.
-    void find(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features, const GroupRule& rule,
+    void find(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features, const GroupFilter& rule,
               const RowLists& found, Statistics& statistics);
 
     FeatureRows& rows() { return rows_; }
@@ -44,7 +44,7 @@ class TriangleImpacts {
     void list_triangles_of_vertices(const PreparedScene& scene, std::int64_t triangles);
     std::span<const std::int32_t> triangles_of(std::int32_t vertex) const;
     template <class Visit>
-    void for_each_pair(const PreparedScene& scene, const SceneFeatures& features, const GroupRule& rule,
+    void for_each_pair(const PreparedScene& scene, const SceneFeatures& features, const GroupFilter& rule,
                        const RowLists& found, Visit visit) const;
     void write_rows(ParallelFor& workers);
 

@@ -55,7 +55,7 @@ void WorldSearch::release() {
     trees_.clear();
     of_call_.clear();
     outline_ = WorldOutline(&meter_);
-    rules_ = BodyRules(&meter_);
+    rules_ = BodyFilter(&meter_);
     near_ = NearBodies(&meter_);
     marks_.release();
     neighbours_.release();
@@ -67,22 +67,22 @@ void WorldSearch::release() {
     most_joined_ = most_of_joined_worlds;
 }
 
-void WorldSearch::find(BackendBase& backend, const World& world, const IntersectionQuery& question,
-                       Intersections& result, const WorldBlocks* blocks) {
+void WorldSearch::find(BackendBase& backend, const World& world, const IntersectionQuery& query, Intersections& result,
+                       const WorldBlocks* blocks) {
     named_.begin();
-    question_ = question;
+    question_ = query;
     blocks_ = blocks;
-    outline_.read(world, question.filter);
-    rules_.prepare(question.filter);
-    clear(result, outline_, question);
+    outline_.read(world, query.filter);
+    rules_.prepare(query.filter);
+    clear(result, outline_, query);
     read_shapes();
     read_bodies();
-    if (is_flag(question.output) && boxes_) search_directly(backend, result);
+    if (is_flag(query.output) && boxes_) search_directly(backend, result);
     search_scenes(backend, result);
     if (blocks)
         blocks->pass_on(result, true);
     else
-        finish(outline_, question, result);
+        finish(outline_, query, result);
     of_call_.clear();
 }
 

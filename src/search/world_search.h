@@ -21,7 +21,7 @@
 #include "base/cancellation.h"
 #include "crumple/world.h"
 #include "results/world_output.h"
-#include "scene/body_rules.h"
+#include "scene/body_filter.h"
 #include "scene/near_bodies.h"
 #include "scene/shape_tree.h"
 #include "scene/shape_trees.h"
@@ -35,7 +35,7 @@ class WorldSearch {
     WorldSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named);
 
     /// Delivers blocks if `blocks` is not null.
-    void find(BackendBase& backend, const World& world, const IntersectionQuery& question, Intersections& result,
+    void find(BackendBase& backend, const World& world, const IntersectionQuery& query, Intersections& result,
               const WorldBlocks* blocks = nullptr);
 
     /// Frees all memory, except for named shapes.
@@ -93,7 +93,7 @@ class WorldSearch {
     IntersectionQuery question_;
     const WorldBlocks* blocks_ = nullptr;
     WorldOutline outline_;
-    BodyRules rules_;
+    BodyFilter rules_;
     bool float32_ = true;
     bool boxes_ = false;                               ///< true if bodies have boxes
     std::vector<const ShapeTree*> trees_;              ///< by shape; null: it has none

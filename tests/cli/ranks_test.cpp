@@ -235,8 +235,8 @@ TEST_F(Ranks, print_statistics_once) {
     const Outcome outcome = ranks(2, "detect a.ply --stats -o a.txt");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.out, "");
-    for (const char* word : {"query", "input", "members", "search", "rows", "2 ranks", "parts", "balance",
-                             "bytes sent", "triangles collide"})
+    for (const char* word : {"query", "input", "members", "search", "rows", "2 ranks", "parts", "balance", "bytes sent",
+                             "triangles collide"})
         EXPECT_TRUE(contains(outcome.err, word)) << word << outcome.err;
     EXPECT_EQ(outcome.err.find("balance"), outcome.err.rfind("balance"));
     EXPECT_TRUE(contains(ranks(2, "near a.ply --radius 0.3 --stats").err, "vertex-face"));

@@ -8,7 +8,7 @@
 
 #include "backends/cpu/intersections/intersection_records.h"
 #include "backends/cpu/stages/sort.h"
-#include "exact/intersection/rational_intersection.h"
+#include "exact/intersection/exact_intersection.h"
 #include "filters/intersection/pair_filters.h"
 #include "tables.h"
 
@@ -124,7 +124,7 @@ void check(const test::Tables& kernels, const Mesh& mesh, const std::vector<Rati
     for (std::size_t a = 0; a < n; ++a)
         for (std::size_t b = a + 1; b < n; ++b) {
             const bool expected =
-                collide(exact[a * n + b], policy.skip_neighbours ? Neighbours::skip : Neighbours::geometric,
+                collide(exact[a * n + b], policy.skip_adjacent ? Neighbours::skip : Neighbours::geometric,
                         policy.proper ? IntersectionKind::proper : IntersectionKind::all);
             if (expected) {
                 ASSERT_TRUE(found.hits.contains({a, b}) || found.undecided.contains({a, b}))
@@ -132,7 +132,7 @@ void check(const test::Tables& kernels, const Mesh& mesh, const std::vector<Rati
             } else {
                 ASSERT_FALSE(found.hits.contains({a, b}))
                     << kernels.name << ": " << a << ' ' << b << " do not collide, and were called a hit, policy "
-                    << policy.skip_neighbours << policy.proper;
+                    << policy.skip_adjacent << policy.proper;
             }
         }
 }

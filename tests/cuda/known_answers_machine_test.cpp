@@ -7,17 +7,17 @@
 #include <cfenv>
 #include <string>
 
-#include "backends/cuda/known_answers.h"
+#include "backends/cuda/comparison_cases.h"
 #include "backends/cuda/known_cases.h"
 #include "crumple/crumple.h"
 #include "crumple/error.h"
 #include "cuda_on_cpu/machine/launch.h"
 #include "cuda_on_cpu/machine/settings.h"
 #include "error_of.h"
-#include "exact/impact/quick_impact.h"
+#include "exact/impact/filtered_impact.h"
 #include "exact/intersection/contact_on_line.h"
 #include "exact/intersection/intersection_decision.h"
-#include "exact/proximity/quick_distance.h"
+#include "exact/proximity/filtered_distance.h"
 
 namespace crumple::test {
 namespace {
@@ -26,10 +26,10 @@ using cuda_on_cpu::settings;
 
 class KnownAnswersOfAMachine : public testing::Test {
    protected:
-    KnownAnswersOfAMachine() { cuda::reset_known_answers(); }
+    KnownAnswersOfAMachine() { cuda::reset_comparison_cases(); }
     ~KnownAnswersOfAMachine() override {
         settings().run_instead = nullptr;
-        cuda::reset_known_answers();
+        cuda::reset_comparison_cases();
     }
     // Makes the kernel launch after the first `before` ones do nothing.
     static void break_launch(int before) {
@@ -103,7 +103,7 @@ TEST_F(KnownAnswersOfAMachine, wrong_results_make_the_backend_unavailable) {
 
 // Counts the code paths that the cases take on the host.
 TEST_F(KnownAnswersOfAMachine, cases_cover_every_path_of_the_arithmetic) {
-    const cuda::KnownCases cases = cuda::make_known_cases(96);
+    const cuda::ComparisonCases cases = cuda::make_comparison_cases(96);
     int collide = 0, apart = 0, undecided_pairs = 0, expanded = 0, shared = 0;
     int rounded = 0, open_contacts = 0;
     std::array<int, 3> impacts{}, at_start{}, distances{};
@@ -130,10 +130,10 @@ TEST_F(KnownAnswersOfAMachine, cases_cover_every_path_of_the_arithmetic) {
         open_contacts += !is_known;
         const auto moving = [&](std::size_t k) { return MovingPoint{cases.start[6 * i + k], cases.end[6 * i + k]}; };
         const FourPoints points{moving(3), moving(0), moving(1), moving(2)};
-        const QuickImpact impact = quick_impact<FeaturePair::vertex_face>(points);
+        const FilteredImpact impact = filtered_impact<FeaturePair::vertex_face>(points);
         ++impacts[static_cast<std::size_t>(impact.verdict)];
         at_start[static_cast<std::size_t>(contact_at_start<FeaturePair::vertex_face>(points) > 0)]++;
-        const QuickDistance distance(
+        const FilteredDistance distance(
             {FeatureKinds::vertex_face, {points[0].start, points[1].start, points[2].start, points[3].start}});
         ++distances[static_cast<std::size_t>(distance.compare({1, 0}))];
     }

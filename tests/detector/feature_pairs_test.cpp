@@ -9,7 +9,7 @@
 
 #include "crumple/crumple.h"
 #include "error_of.h"
-#include "exact/impact/rational_separation.h"
+#include "exact/impact/exact_min_distance.h"
 #include "exact/proximity/rational_distance.h"
 
 namespace crumple {
@@ -41,7 +41,7 @@ constexpr std::array all_kinds{Kind{FeatureKind::vertex_face, FeatureKinds::vert
 
 Vec3d vec(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }
 
-Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, const Separation& separation) {
+Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, const MinDistance& separation) {
     if (kinds == FeatureKinds::vertex_face) return vertex_face(p[0], p[1], p[2], p[3], separation);
     if (kinds == FeatureKinds::edge_edge) return edge_edge(p[0], p[1], p[2], p[3], separation);
     if (kinds == FeatureKinds::vertex_edge) return vertex_edge(p[0], p[1], p[2], separation);

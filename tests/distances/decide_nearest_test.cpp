@@ -14,11 +14,11 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-TEST(QuickNearest, bounds_the_distance) {
+TEST(FilteredNearest, bounds_the_distance) {
     int apart_proven = 0, all = 0;
     for_triangles(1000, [&](RandomTriangles& random, double apart) {
         const TrianglePoints a = random(0), b = random(apart);
-        const QuickNearest quick(a, b);
+        const FilteredNearest quick(a, b);
         const RationalNearest exact(a, b);
         if (exact.touching()) {
             ASSERT_EQ(quick.lower(), 0);
@@ -31,11 +31,11 @@ TEST(QuickNearest, bounds_the_distance) {
     });
     EXPECT_GT(apart_proven, all * 99 / 100) << "nearly always the bounds meet";
 }
-TEST(QuickNearest, gives_no_bounds_for_huge_numbers) {
+TEST(FilteredNearest, gives_no_bounds_for_huge_numbers) {
     TrianglePoints a = RandomTriangles(Lattice::fine, 1)(0), b = RandomTriangles(Lattice::fine, 2)(5);
     for (TrianglePoints* t : {&a, &b})
         for (Vec3d& p : *t) p = 0x1p300 * p;
-    const QuickNearest quick(a, b);
+    const FilteredNearest quick(a, b);
     EXPECT_EQ(quick.lower(), 0);
     EXPECT_EQ(quick.upper(), infinity);
 }
@@ -46,7 +46,7 @@ TEST(ClosestParts, claimed_triangles_have_the_distance_of_the_parts) {
     for_triangles(300, [&](RandomTriangles& random, double) {
         const TrianglePoints some = random(0), more = random(0), far = random(6), farther = random(6);
         const TrianglePoints a{some[0], some[1], more[0]}, b{far[0], far[1], farther[0]};
-        const QuickNearest quick(a, b);
+        const FilteredNearest quick(a, b);
         const RationalNearest exact(a, b);
         const ClosestParts parts(a, b, quick);
         const TrianglePoints as[]{a, some, more, {some[0], more[0], more[1]}, {more[0], some[0], some[1]}};
@@ -79,7 +79,7 @@ void compare_with_rational(Array<NearestCandidate>& candidates, double radius) {
     for (NearestCandidate& candidate : candidates) {
         RationalNearest exact(candidate.a, candidate.b);
         if (exact.touching()) return;  // touching pairs are no candidates
-        const QuickNearest quick(candidate.a, candidate.b);
+        const FilteredNearest quick(candidate.a, candidate.b);
         candidate.lower = quick.lower();
         if (quick.upper() < upper) upper = quick.upper(), closest = &candidate;
         const int order = expected ? compare(exact, expected->least) : -1;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "distances/random_triangles.h"
-#include "exact/distance/rational_nearest.h"
+#include "exact/distance/exact_nearest.h"
 
 namespace crumple::test {
 namespace {

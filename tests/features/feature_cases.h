@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "backends/cpu/features/feature_kernels.h"
-#include "exact/impact/rational_separation.h"
+#include "exact/impact/exact_min_distance.h"
 #include "exact/proximity/rational_distance.h"
 #include "filters/features/feature_points.h"
 #include "impacts/moves.h"
@@ -65,7 +65,7 @@ struct FeatureCase {
         const bool face = kind == FeatureKind::vertex_face;
         if (moments == 1) return RationalDistance(at_start(kind, point)).within({distance, 0});
         if (distance == 0 && share == 0) return (face ? vertex_face(p, q, r, s) : edge_edge(p, q, r, s)).meets;
-        const Separation separation{distance, share};
+        const MinDistance separation{distance, share};
         return (face ? vertex_face(p, q, r, s, separation) : edge_edge(p, q, r, s, separation)).meets;
     }
 

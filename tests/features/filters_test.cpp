@@ -41,8 +41,8 @@ class Rows {
         const auto kind = static_cast<std::size_t>(cases.front().kind);
         std::vector<float> distances(cases.size() + cpu::padding);
         for (std::size_t i = 0; i < cases.size(); ++i) distances[i] = cases[i].distance;
-        const cpu::AskedDistance distance =
-            each ? cpu::AskedDistance(distances.data()) : requested_distance(cases.front());
+        const cpu::RequestedDistance distance =
+            each ? cpu::RequestedDistance(distances.data()) : requested_distance(cases.front());
         std::vector<FeatureTest> test;
         for (std::int32_t i = 0; i < static_cast<std::int32_t>(cases.size()); ++i)
             test.push_back({{i, i}, {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}});
@@ -83,9 +83,9 @@ class Rows {
             listed[i] = i << 4 | bit;
         }
         const cpu::PairsLeft<moments> pairs{rows.data(), columns.data(), packed.data(), packed.size()};
-        cpu::ListedTests tests{listed.data(), cases.size()};
+        cpu::CodimensionalTests tests{listed.data(), cases.size()};
         std::vector<FeatureTest> test(cases.size());
-        const std::size_t left = kernels.filter_listed[static_cast<std::size_t>(kind)](
+        const std::size_t left = kernels.filter_codimensional[static_cast<std::size_t>(kind)](
             points(), ends_, requested_distance(cases.front()), pairs, tests, test.data());
         std::vector<bool> kept(cases.size(), false);
         for (std::size_t i = 0; i < left; ++i) {
@@ -96,7 +96,7 @@ class Rows {
     }
 
    private:
-    static cpu::AskedDistance requested_distance(const FeatureCase& c) {
+    static cpu::RequestedDistance requested_distance(const FeatureCase& c) {
         return {c.distance, share_to_filter(c.share)};
     }
 

@@ -13,12 +13,12 @@ namespace crumple {
 namespace {
 
 /// Returns the inflation for coordinates that are already normalised.
-Inflation inflation_of(const Separation& separation) {
+Inflation inflation_of(const MinDistance& separation) {
     PreparedScene scene;
     scene.low = {-0.75, -0.75, -0.75};
     scene.high = {0.75, 0.75, 0.75};
     const SceneFeatures features(nullptr);
-    const GroupRule rule;
+    const GroupFilter rule;
     return cpu::inflation_of(
         scene, {.distance = separation.distance, .share = separation.share, .features = features, .rule = rule});
 }
@@ -29,7 +29,7 @@ Ball ball_of(const TriangleCase& c, std::size_t first, const Inflation& inflatio
         start[k] = to_float(c.corner[first + k].start);
         end[k] = to_float(c.corner[first + k].end);
     }
-    return ball_of_way(start, end, inflation);
+    return swept_ball(start, end, inflation);
 }
 
 bool balls_overlap(const TriangleCase& c, const Inflation& inflation) {

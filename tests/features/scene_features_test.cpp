@@ -50,7 +50,7 @@ void expect_listing(const MovingSoup<>& soup, const PreparedScene& scene, const 
     }
     for (std::int32_t v = 0; v < scene.vertex_count(); ++v) {
         std::int32_t lowest = v;
-        for (std::int32_t w = v; features.renames() && w-- > 0;)
+        for (std::int32_t w = v; features.is_welded() && w-- > 0;)
             if (scene.position(w) == scene.position(v) && scene.end_position(w) == scene.end_position(v)) lowest = w;
         EXPECT_EQ(features.name(v), lowest);
     }
@@ -129,7 +129,7 @@ TEST(SweptBalls, balls_hold_their_triangles_throughout_the_step) {
         }
         const Inflation inflation{draw.below(2) ? 0 : static_cast<float>(std::ldexp(draw.number(), -draw.below(30))),
                                   draw.below(2) ? 0 : static_cast<float>(std::ldexp(draw.number(), draw.below(20)))};
-        const Ball ball = ball_of_way(start, end, inflation);
+        const Ball ball = swept_ball(start, end, inflation);
         const auto value = [](const Vec3f& p) { return Vec3<Rational>{Rational(p.x), Rational(p.y), Rational(p.z)}; };
         const Vec3<Rational> centre = value({ball.x, ball.y, ball.z});
         Rational longest = 0;
@@ -140,7 +140,7 @@ TEST(SweptBalls, balls_hold_their_triangles_throughout_the_step) {
         for (int k = 0; k < 3; ++k)
             for (const Vec3f& p : {start[k], end[k]}) {
                 const Rational beyond = Rational(ball.r) - Rational(inflation.half);
-                const Rational share(inflation.of_way);
+                const Rational share(inflation.path_share);
                 const bool capped = ball.r >= 4;  // holds everything
                 // |p - c| + share * way <= beyond, without roots: compare squares twice.
                 const Rational d2 = squared(value(p) - centre), w2 = share * share * longest;

@@ -103,12 +103,12 @@ class Tangle {
             for (std::uint32_t j = i + 1; j < n; ++j) packed.push_back((i + j) % 2 ? j << 16 | i : i << 16 | j);
         const cpu::PairsLeft<1> pairs{records.data(), records.data(), packed.data(), packed.size()};
         std::vector<std::uint32_t> storage[2];
-        cpu::ListedTests tests[2];
+        cpu::CodimensionalTests tests[2];
         for (std::size_t k = 0; k < 2; ++k) {
             storage[k].resize(9 * packed.size() + cpu::padding);
             tests[k].test = storage[k].data();
         }
-        table.at_rest.list(pairs, features.renames() ? features.names().data() : nullptr, tests[0], tests[1]);
+        table.at_rest.list(pairs, features.is_welded() ? features.names().data() : nullptr, tests[0], tests[1]);
         std::array<std::vector<Line>, feature_kinds> lines;
         FeatureTest test;
         for (std::size_t i = 0; i < tests[0].count; ++i) {
@@ -128,7 +128,7 @@ class Tangle {
 
    private:
     bool same(std::int32_t v, std::int32_t w) const {
-        return v == w || (features.renames() && scene.position(v) == scene.position(w));
+        return v == w || (features.is_welded() && scene.position(v) == scene.position(w));
     }
     FeatureRecord<1> record(std::int32_t t) const {
         FeatureRecord<1> r{};

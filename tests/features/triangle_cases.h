@@ -15,7 +15,7 @@ namespace crumple {
 struct TriangleCase {
     int moments;
     std::array<MovingPoint, 6> corner;
-    Separation separation{};
+    MinDistance separation{};
     std::array<std::int32_t, 6> vertex{0, 1, 2, 3, 4, 5};
 
     /// Makes a corner of the first triangle the same vertex as one of the second.

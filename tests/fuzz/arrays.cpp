@@ -13,8 +13,8 @@ void put(std::byte* at, Value value) {
 /// Lays out rows of three values of `size` bytes: contiguous, by column, in records, with rows reversed, unaligned, or
 /// with columns reversed. Sets the address and the strides of `view`; `store(row, column, at)` writes a value.
 template <class View, class Store>
-void lay_out(std::vector<std::byte>& block, View& view, int arrangement, std::int64_t rows, std::int64_t size,
-             Store store) {
+void place_arrays(std::vector<std::byte>& block, View& view, int arrangement, std::int64_t rows, std::int64_t size,
+                  Store store) {
     std::int64_t row = 3 * size, column = size, begin = 0, bytes = 3 * size * rows;
     switch (arrangement) {
         case 1:
@@ -48,23 +48,23 @@ void lay_out(std::vector<std::byte>& block, View& view, int arrangement, std::in
 
 Arrays::Arrays(const Mesh& mesh) : groups_(mesh.groups) {
     view_.vertices.type = mesh.single ? ScalarType::float32 : ScalarType::float64;
-    lay_out(vertices_, view_.vertices, mesh.layout.vertices, static_cast<std::int64_t>(mesh.vertices.size()),
-            mesh.single ? 4 : 8, [&](std::int64_t r, std::int64_t c, std::byte* at) {
-                const double x = mesh.vertices[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)];
-                if (mesh.single)
-                    put(at, static_cast<float>(x));
-                else
-                    put(at, x);
-            });
+    place_arrays(vertices_, view_.vertices, mesh.layout.vertices, static_cast<std::int64_t>(mesh.vertices.size()),
+                 mesh.single ? 4 : 8, [&](std::int64_t r, std::int64_t c, std::byte* at) {
+                     const double x = mesh.vertices[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)];
+                     if (mesh.single)
+                         put(at, static_cast<float>(x));
+                     else
+                         put(at, x);
+                 });
     view_.triangles.type = mesh.layout.index;
-    lay_out(triangles_, view_.triangles, mesh.layout.triangles, static_cast<std::int64_t>(mesh.triangles.size()),
-            mesh.layout.index == IndexType::int64 ? 8 : 4, [&](std::int64_t r, std::int64_t c, std::byte* at) {
-                const std::int64_t i = mesh.triangles[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)];
-                if (mesh.layout.index == IndexType::int64)
-                    put(at, i);
-                else
-                    put(at, static_cast<std::int32_t>(i));
-            });
+    place_arrays(triangles_, view_.triangles, mesh.layout.triangles, static_cast<std::int64_t>(mesh.triangles.size()),
+                 mesh.layout.index == IndexType::int64 ? 8 : 4, [&](std::int64_t r, std::int64_t c, std::byte* at) {
+                     const std::int64_t i = mesh.triangles[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)];
+                     if (mesh.layout.index == IndexType::int64)
+                         put(at, i);
+                     else
+                         put(at, static_cast<std::int32_t>(i));
+                 });
     view_.groups = groups_;
 }
 

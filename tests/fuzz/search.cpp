@@ -14,7 +14,7 @@
 
 #include "crumple/crumple.h"
 #include "exact/intersection/contact.h"
-#include "exact/intersection/rational_intersection.h"
+#include "exact/intersection/exact_intersection.h"
 #include "fuzz/decode.h"
 #include "fuzz/fail.h"
 #include "fuzz/instruction_sets.h"

@@ -118,13 +118,13 @@ CRUMPLE_HD FilterResult filter_result(const Leaf& leaf) {
     corners(1, q);
     const InFrame<3> a(p, leaf.frame), b(q, leaf.frame);
     Record first = record_of(p, leaf.id, a), second = record_of(q, leaf.id + 3, b);
-    const float reach = max(a.counted_reach(), b.counted_reach());
+    const float reach = max(a.counted_extent(), b.counted_extent());
     scale_plane(first, plane_scale(reach));
     scale_plane(second, plane_scale(reach));
     FilterResult result{};
     result.verdict = filter_pair(first, second, {}, points, reach);
     result.ball = ball_of(to_float(points[leaf.id[0]]), to_float(points[leaf.id[1]]), to_float(points[leaf.id[2]]));
-    result.joins = joins(dot(a.low, a.low), 1.0f, result.ball.r, bisector_reach(b.high));
+    result.joins = joins(dot(a.low, a.low), 1.0f, result.ball.r, bisector_extent(b.high));
     return result;
 }
 

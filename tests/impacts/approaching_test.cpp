@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "exact/impact/decide_separation.h"
-#include "exact/impact/quick_closing.h"
+#include "exact/impact/decide_min_distance.h"
+#include "exact/impact/filtered_closing.h"
 #include "impacts/separated_moves.h"
 
 namespace crumple {
@@ -16,12 +16,12 @@ namespace {
 
 constexpr Impact none{};
 constexpr Impact at_once{true, 0, true};
-constexpr Separation within_two{.distance = 2, .approaching_only = true};
+constexpr MinDistance within_two{.distance = 2, .approaching_only = true};
 
 MovingPoint still(double x, double y, double z) { return {{x, y, z}, {x, y, z}}; }
 
 /// Returns the impact of a vertex on the face with corners (0, 0, 0), (4, 0, 0), (0, 4, 0).
-Impact to_face(Vec3d start, Vec3d end, const Separation& separation = within_two) {
+Impact to_face(Vec3d start, Vec3d end, const MinDistance& separation = within_two) {
     return vertex_face({start, end}, still(0, 0, 0), still(4, 0, 0), still(0, 4, 0), separation);
 }
 
@@ -77,7 +77,7 @@ TEST(ApproachingOnly, decides_by_the_second_derivative_where_the_first_is_zero) 
 
 TEST(ApproachingOnly, leaves_out_features_that_touch_at_the_start) {
     for (const double distance : {0., 1.}) {
-        const Separation separation{.distance = distance, .approaching_only = true};
+        const MinDistance separation{.distance = distance, .approaching_only = true};
         for (const double height : {-1., 0., 1.}) EXPECT_EQ(to_face({1, 1, 0}, {1, 1, height}, separation), none);
     }
     EXPECT_EQ(to_face({1, 1, 1}, {1, 1, -1}, {.approaching_only = true}), (Impact{true, 0.5, false}));
@@ -91,18 +91,18 @@ TEST(ApproachingOnly, decides_parallel_edges_by_the_ends_that_approach) {
     EXPECT_EQ(edge_edge(a, b, {{0, 0, 1}, {1, 0, 1}}, {{4, 0, 1}, {5, 0, 1}}, within_two), none);
 }
 
-QuickImpact quickly(const Move& move) {
+FilteredImpact quickly(const Move& move) {
     switch (move.feature) {
         case Feature::vertex_face:
-            return quick_closing<FeatureKinds::vertex_face>(move.point);
+            return filtered_closing<FeatureKinds::vertex_face>(move.point);
         case Feature::edge_edge:
-            return quick_closing<FeatureKinds::edge_edge>(move.point);
+            return filtered_closing<FeatureKinds::edge_edge>(move.point);
         case Feature::vertex_edge:
-            return quick_closing<FeatureKinds::vertex_edge>(move.point);
+            return filtered_closing<FeatureKinds::vertex_edge>(move.point);
         case Feature::vertex_vertex:
             break;
     }
-    return quick_closing<FeatureKinds::vertex_vertex>(move.point);
+    return filtered_closing<FeatureKinds::vertex_vertex>(move.point);
 }
 
 /// Numbers of moves by verdict.
@@ -113,15 +113,15 @@ struct Tally {
 void check(const Move& move, Tally& tally) {
     const SeparatedMove query{move, {.distance = 1e30, .approaching_only = true}};
     const Impact exact = query.impact();
-    const QuickImpact quick = quickly(move);
+    const FilteredImpact quick = quickly(move);
     ++(quick.verdict == Certainty::unknown ? tally.unknown
        : quick.verdict == Certainty::apart ? tally.apart
                                            : tally.start);
     if (quick.verdict != Certainty::unknown) {
         ASSERT_EQ((Impact{quick.verdict == Certainty::meets, quick.toi, quick.start}), exact) << query;
     }
-    SeparationCounts counts;
-    ASSERT_EQ(decide_separation(static_cast<FeatureKinds>(move.feature), move.point, query.separation, counts), exact)
+    MinDistanceCounts counts;
+    ASSERT_EQ(decide_min_distance(static_cast<FeatureKinds>(move.feature), move.point, query.separation, counts), exact)
         << query;
 }
 

@@ -3,15 +3,15 @@
 // Functions that decide the moves of tests in float64.
 
 #include "exact/impact/decide_impact.h"
-#include "exact/impact/quick_impact.h"
+#include "exact/impact/filtered_impact.h"
 #include "impacts/moves.h"
 
 namespace crumple {
 
 /// Returns the float64 verdict on a vertex and a face, or on two edges.
-inline QuickImpact quickly(const Move& move) {
-    return move.feature == Feature::vertex_face ? quick_impact<FeaturePair::vertex_face>(move.point)
-                                                : quick_impact<FeaturePair::edge_edge>(move.point);
+inline FilteredImpact quickly(const Move& move) {
+    return move.feature == Feature::vertex_face ? filtered_impact<FeaturePair::vertex_face>(move.point)
+                                                : filtered_impact<FeaturePair::edge_edge>(move.point);
 }
 
 inline bool surely_apart(const Move& move) {

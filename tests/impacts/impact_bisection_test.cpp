@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "exact/intersection/rational_intersection.h"
+#include "exact/intersection/exact_intersection.h"
 #include "impacts/random_moves.h"
 
 namespace crumple {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "exact/intersection/rational_intersection.h"
+#include "exact/intersection/exact_intersection.h"
 #include "impacts/random_moves.h"
 #include "rounds.h"
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <ostream>
 
-#include "exact/impact/rational_impact.h"
+#include "exact/impact/exact_impact.h"
 
 namespace crumple {
 

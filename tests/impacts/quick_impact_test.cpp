@@ -22,7 +22,7 @@ struct Tally {
 
 /// Fails if float64 is certain of a wrong verdict.
 void check(const Move& move, Tally& tally) {
-    const QuickImpact quick = quickly(move);
+    const FilteredImpact quick = quickly(move);
     if (quick.verdict == Certainty::unknown) {
         ++tally.unknown;
         ASSERT_FALSE(surely_apart(move)) << move;
@@ -50,7 +50,7 @@ void change_coordinates(Move& move, Change change) {
     }
 }
 
-TEST(QuickImpact, is_right_for_degenerate_moves) {
+TEST(FilteredImpact, is_right_for_degenerate_moves) {
     for (const Feature feature : quick_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 23);
@@ -65,7 +65,7 @@ TEST(QuickImpact, is_right_for_degenerate_moves) {
     }
 }
 
-TEST(QuickImpact, is_right_within_a_few_ulps_of_contact) {
+TEST(FilteredImpact, is_right_within_a_few_ulps_of_contact) {
     // Most of the small integers' moves touch on a border, at the start or the end, twice at once, or nearly.
     for (const Feature feature : quick_features) {
         for (const Lattice lattice : all_lattices) {
@@ -86,7 +86,7 @@ TEST(QuickImpact, is_right_within_a_few_ulps_of_contact) {
     }
 }
 
-TEST(QuickImpact, is_right_where_it_underflows_or_overflows) {
+TEST(FilteredImpact, is_right_where_it_underflows_or_overflows) {
     for (const Feature feature : quick_features) {
         for (const Lattice lattice : all_lattices) {
             for (const int exponent : {-1074, -1070, -1000, -520, -345, -340, -330, -320, -300, 290, 299, 301, 1015}) {
@@ -103,7 +103,7 @@ TEST(QuickImpact, is_right_where_it_underflows_or_overflows) {
     }
 }
 
-TEST(QuickImpact, is_right_for_mixed_magnitudes) {
+TEST(FilteredImpact, is_right_for_mixed_magnitudes) {
     for (const Feature feature : quick_features) {
         RandomMoves random(Lattice::wide, 37);
         Tally tally;
@@ -117,7 +117,7 @@ TEST(QuickImpact, is_right_for_mixed_magnitudes) {
     }
 }
 
-TEST(QuickImpact, is_right_for_volumes_with_nearly_double_roots) {
+TEST(FilteredImpact, is_right_for_volumes_with_nearly_double_roots) {
     // A face that is a segment at some time, or nearly: the vertex, which is in its plane then, may be hit before,
     // after, twice, or not at all.
     RandomMoves random(Lattice::wide, 41);
@@ -144,7 +144,7 @@ double with_bits(RandomMoves& random, int bits) {
     return random.below(8) - 4 + std::ldexp(random.below(1 << 15), -15) + std::ldexp(random.below(1 << 15), -bits);
 }
 
-TEST(QuickImpact, is_right_where_a_root_is_a_float64_number) {
+TEST(FilteredImpact, is_right_where_a_root_is_a_float64_number) {
     // At 1/2 the vertex is in the face, or on an edge of it. Products of three coordinates exceed double words.
     RandomMoves random(Lattice::tiny, 61);
     Tally tally;
@@ -162,7 +162,7 @@ TEST(QuickImpact, is_right_where_a_root_is_a_float64_number) {
     }
 }
 
-TEST(QuickImpact, rounds_down_roots_next_to_float64_numbers) {
+TEST(FilteredImpact, rounds_down_roots_next_to_float64_numbers) {
     // All of the face goes through the vertex's place at 1/2, but the vertex is a little above or below. The planes are
     // steep, so that the volume is a small difference of large products.
     RandomMoves random(Lattice::tiny, 67);
@@ -190,7 +190,7 @@ TEST(QuickImpact, rounds_down_roots_next_to_float64_numbers) {
     EXPECT_GT(tally.unknown, 0) << "not at the edge";
 }
 
-TEST(QuickImpact, is_right_within_rounding_of_a_border) {
+TEST(FilteredImpact, is_right_within_rounding_of_a_border) {
     // Contact at any time, at a border, some way from it, or at a corner, as nearly as rounding allows.
     RandomMoves random(Lattice::tiny, 89);
     for (const Feature feature : quick_features) {
@@ -227,7 +227,7 @@ TEST(QuickImpact, is_right_within_rounding_of_a_border) {
     }
 }
 
-TEST(QuickImpact, is_right_for_collinear_edges) {
+TEST(FilteredImpact, is_right_for_collinear_edges) {
     // At t = 5/16 the edges are on one line, and an end of one is at an end of the other.
     RandomMoves random(Lattice::tiny, 71);
     Tally tally;
@@ -246,7 +246,7 @@ TEST(QuickImpact, is_right_for_collinear_edges) {
     }
 }
 
-TEST(QuickImpact, decides_border_impacts_in_axis_aligned_planes) {
+TEST(FilteredImpact, decides_border_impacts_in_axis_aligned_planes) {
     // Three points stay in an axis-aligned plane, exactly or nearly, so that the features can only meet on one line.
     for (const bool exact : {true, false}) {
         for (const Feature feature : quick_features) {
@@ -277,7 +277,7 @@ TEST(QuickImpact, decides_border_impacts_in_axis_aligned_planes) {
     }
 }
 
-TEST(QuickImpact, recognises_coincident_vertices_at_the_start) {
+TEST(FilteredImpact, recognises_coincident_vertices_at_the_start) {
     for (const Feature feature : quick_features) {
         RandomMoves random(Lattice::wide, 43);
         for (int i = 0; i < 12; ++i) {
@@ -286,14 +286,14 @@ TEST(QuickImpact, recognises_coincident_vertices_at_the_start) {
             const std::size_t other = feature == Feature::vertex_face ? static_cast<std::size_t>(1 + i % 3)
                                                                       : static_cast<std::size_t>(2 + i % 2);
             move.point[one].start = move.point[other].start;
-            const QuickImpact quick = quickly(move);
+            const FilteredImpact quick = quickly(move);
             EXPECT_EQ(quick.verdict, Certainty::meets) << move;
             EXPECT_TRUE(quick.start && quick.toi == 0) << move;
         }
     }
 }
 
-TEST(QuickImpact, separates_features_that_slide_in_one_plane) {
+TEST(FilteredImpact, separates_features_that_slide_in_one_plane) {
     // A point beside a face in the same plane; all points slide in the plane.
     const auto slide = [](double x, double y) { return MovingPoint{{x, y, 0.3}, {x + 0.1, y - 0.7, 0.3}}; };
     const Move beside{Feature::vertex_face, {slide(1.1, 1.2), slide(0, 0), slide(2, 0), slide(0.1, 2)}};
@@ -302,7 +302,7 @@ TEST(QuickImpact, separates_features_that_slide_in_one_plane) {
     EXPECT_EQ(quickly(edges).verdict, Certainty::apart);
 }
 
-TEST(QuickImpact, is_undecided_for_nan_and_infinity) {
+TEST(FilteredImpact, is_undecided_for_nan_and_infinity) {
     RandomMoves random(Lattice::wide, 47);
     for (const Feature feature : quick_features) {
         for (const double odd : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),

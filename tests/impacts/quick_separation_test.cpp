@@ -1,14 +1,14 @@
 // Compares float64 decisions about minimum distances with rational arithmetic in hard cases, at the edge of the error
 // bounds.
 
-#include "exact/impact/quick_separation.h"
+#include "exact/impact/filtered_min_distance.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "exact/impact/decide_separation.h"
+#include "exact/impact/decide_min_distance.h"
 #include "impacts/separated_moves.h"
 
 namespace crumple {
@@ -16,19 +16,19 @@ namespace {
 
 FeatureKinds kinds_of(Feature feature) { return static_cast<FeatureKinds>(feature); }
 
-QuickImpact quickly(const SeparatedMove& query) {
+FilteredImpact quickly(const SeparatedMove& query) {
     const auto& points = query.move.point;
     switch (query.move.feature) {
         case Feature::vertex_face:
-            return quick_separation<FeatureKinds::vertex_face>(points, query.separation);
+            return filtered_min_distance<FeatureKinds::vertex_face>(points, query.separation);
         case Feature::edge_edge:
-            return quick_separation<FeatureKinds::edge_edge>(points, query.separation);
+            return filtered_min_distance<FeatureKinds::edge_edge>(points, query.separation);
         case Feature::vertex_edge:
-            return quick_separation<FeatureKinds::vertex_edge>(points, query.separation);
+            return filtered_min_distance<FeatureKinds::vertex_edge>(points, query.separation);
         case Feature::vertex_vertex:
             break;
     }
-    return quick_separation<FeatureKinds::vertex_vertex>(points, query.separation);
+    return filtered_min_distance<FeatureKinds::vertex_vertex>(points, query.separation);
 }
 
 /// Numbers of moves by verdict.
@@ -39,7 +39,7 @@ struct Tally {
 
 /// Fails if float64 is certain of a wrong verdict.
 void check(const SeparatedMove& query, Tally& tally) {
-    const QuickImpact quick = quickly(query);
+    const FilteredImpact quick = quickly(query);
     if (quick.verdict == Certainty::unknown) {
         ++tally.unknown;
         return;
@@ -210,7 +210,7 @@ TEST(SurelyFarther, is_never_true_of_edges_that_come_close) {
     for (int i = 0; i < 1'000; ++i) {
         const SeparatedMove query = separated(random, Lattice::wide, Feature::edge_edge);
         const Impact impact = edge_edge(query.move.point[0], query.move.point[1], query.move.point[2],
-                                        query.move.point[3], Separation{query.separation.distance, 0});
+                                        query.move.point[3], MinDistance{query.separation.distance, 0});
         const bool surely = surely_farther<FeatureKinds::edge_edge>(query.move.point, query.separation.distance);
         ASSERT_FALSE(surely && impact.meets) << query;
         farther += surely;
@@ -224,10 +224,10 @@ TEST(DecideSeparation, is_exact) {
     for (const Feature feature : all_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 83);
-            SeparationCounts counts;
+            MinDistanceCounts counts;
             for (int i = 0; i < 60; ++i) {
                 const SeparatedMove query = separated(random, lattice, feature);
-                ASSERT_EQ(decide_separation(kinds_of(feature), query.move.point, query.separation, counts),
+                ASSERT_EQ(decide_min_distance(kinds_of(feature), query.move.point, query.separation, counts),
                           query.impact())
                     << query;
             }

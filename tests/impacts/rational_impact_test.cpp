@@ -1,6 +1,6 @@
 // Tests on handmade moves with evident results, for every way in which features can be degenerate.
 
-#include "exact/impact/rational_impact.h"
+#include "exact/impact/exact_impact.h"
 
 #include <gtest/gtest.h>
 

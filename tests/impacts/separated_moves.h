@@ -4,12 +4,12 @@
 
 #include <ostream>
 
-#include "exact/impact/rational_separation.h"
+#include "exact/impact/exact_min_distance.h"
 #include "impacts/random_moves.h"
 
 namespace crumple {
 
-inline std::ostream& operator<<(std::ostream& out, const Separation& separation) {
+inline std::ostream& operator<<(std::ostream& out, const MinDistance& separation) {
     const auto precision = out.precision(17);
     out << "distance " << separation.distance << ", share " << separation.share;
     if (separation.approaching_only) out << ", approaching only";
@@ -19,7 +19,7 @@ inline std::ostream& operator<<(std::ostream& out, const Separation& separation)
 
 struct SeparatedMove {
     Move move;
-    Separation separation;
+    MinDistance separation;
 
     Impact impact() const {
         const auto& [p, q, r, s] = move.point;
@@ -47,7 +47,7 @@ inline SeparatedMove separated(RandomMoves& random, Lattice lattice, Feature fea
     const double unit = lattice == Lattice::wide ? 8 : 1;
     constexpr double distances[] = {0.25, 0.5, 1, 1, 1.5, 2, 3, 0.1};
     constexpr double shares[] = {0.5, 0.25, 0.75, 0.9};
-    Separation separation;
+    MinDistance separation;
     const int kind = random.below(4);
     if (kind < 3) separation.distance = unit * distances[random.below(8)];
     if (kind > 1) separation.share = shares[random.below(4)];

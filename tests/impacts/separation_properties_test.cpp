@@ -41,7 +41,7 @@ SeparatedMove with_positions(SeparatedMove query, Change change) {
     return query;
 }
 
-TEST(Separation, of_zero_is_an_impact) {
+TEST(MinDistance, of_zero_is_an_impact) {
     for_separated(3, [](SeparatedMove query, const Impact&) {
         query.separation = {};
         const Impact impact = query.move.impact();
@@ -51,7 +51,7 @@ TEST(Separation, of_zero_is_an_impact) {
     });
 }
 
-TEST(Separation, comes_no_later_for_more_distance) {
+TEST(MinDistance, comes_no_later_for_more_distance) {
     for_separated(5, [](SeparatedMove query, const Impact& impact) {
         Impact closer = impact;
         for (int i = 0; i < 3; ++i) {
@@ -68,7 +68,7 @@ TEST(Separation, comes_no_later_for_more_distance) {
     });
 }
 
-TEST(Separation, is_the_earlier_of_distance_and_share) {
+TEST(MinDistance, is_the_earlier_of_distance_and_share) {
     for_separated(7, [](const SeparatedMove& query, const Impact& impact) {
         SeparatedMove distance = query, share = query;
         distance.separation.share = 0;
@@ -79,10 +79,10 @@ TEST(Separation, is_the_earlier_of_distance_and_share) {
     });
 }
 
-TEST(Separation, does_not_depend_on_the_order_of_points) {
+TEST(MinDistance, does_not_depend_on_the_order_of_points) {
     for_separated(11, [](const SeparatedMove& query, const Impact& impact) {
         const auto& [p, q, r, s] = query.move.point;
-        const Separation& separation = query.separation;
+        const MinDistance& separation = query.separation;
         if (query.move.feature == Feature::vertex_face) {
             ASSERT_EQ(vertex_face(p, r, s, q, separation), impact) << query;
             ASSERT_EQ(vertex_face(p, r, q, s, separation), impact) << query;
@@ -98,7 +98,7 @@ TEST(Separation, does_not_depend_on_the_order_of_points) {
     });
 }
 
-TEST(Separation, does_not_depend_on_the_axes) {
+TEST(MinDistance, does_not_depend_on_the_axes) {
     for_separated(13, [](const SeparatedMove& query, const Impact& impact) {
         ASSERT_EQ(with_positions(query, [](Vec3d p) { return Vec3d{p.y, -p.z, p.x}; }).impact(), impact) << query;
         // Turned and scaled by 3, 4, 5, so that distances are 5 times as long.
@@ -111,7 +111,7 @@ TEST(Separation, does_not_depend_on_the_axes) {
     });
 }
 
-TEST(Separation, does_not_depend_on_the_unit) {
+TEST(MinDistance, does_not_depend_on_the_unit) {
     for_separated(17, [](const SeparatedMove& query, const Impact& impact) {
         for (const double unit : {0x1p-900, 0x1p-3, 0x1p900}) {
             SeparatedMove scaled = with_positions(query, [&](Vec3d p) { return unit * p; });
@@ -121,7 +121,7 @@ TEST(Separation, does_not_depend_on_the_unit) {
     });
 }
 
-TEST(Separation, does_not_depend_on_the_origin) {
+TEST(MinDistance, does_not_depend_on_the_origin) {
     for_separated(19, [](const SeparatedMove& query, const Impact& impact) {
         const Vec3d shift{0x1p40, -1e6, 0.25};
         ASSERT_EQ(with_positions(query, [&](Vec3d p) { return p + shift; }).impact(), impact) << query;
@@ -131,7 +131,7 @@ TEST(Separation, does_not_depend_on_the_origin) {
     });
 }
 
-TEST(Separation, of_half_the_move_comes_at_twice_the_time) {
+TEST(MinDistance, of_half_the_move_comes_at_twice_the_time) {
     for_separated(23, [](const SeparatedMove& query, const Impact& impact) {
         SeparatedMove half = query;
         for (MovingPoint& p : half.move.point) p.end = 0.5 * (p.start + p.end);
@@ -145,7 +145,7 @@ TEST(Separation, of_half_the_move_comes_at_twice_the_time) {
     });
 }
 
-TEST(Separation, is_reached_if_the_reversed_move_reaches_it) {
+TEST(MinDistance, is_reached_if_the_reversed_move_reaches_it) {
     for_separated(29, [](const SeparatedMove& query, const Impact&) {
         SeparatedMove forward = query, back = query;
         forward.separation.share = back.separation.share = 0;  // which would refer to another start
@@ -156,10 +156,10 @@ TEST(Separation, is_reached_if_the_reversed_move_reaches_it) {
     });
 }
 
-TEST(Separation, of_smaller_features_is_that_of_collapsed_ones) {
+TEST(MinDistance, of_smaller_features_is_that_of_collapsed_ones) {
     for_separated(31, [](const SeparatedMove& query, const Impact& impact) {
         const auto& [p, q, r, s] = query.move.point;
-        const Separation& separation = query.separation;
+        const MinDistance& separation = query.separation;
         if (query.move.feature == Feature::vertex_edge) {
             ASSERT_EQ(vertex_face(p, q, r, r, separation), impact) << query;
             ASSERT_EQ(vertex_face(p, r, q, r, separation), impact) << query;
@@ -172,12 +172,12 @@ TEST(Separation, of_smaller_features_is_that_of_collapsed_ones) {
     });
 }
 
-TEST(Separation, of_an_edge_is_that_of_its_halves) {
+TEST(MinDistance, of_an_edge_is_that_of_its_halves) {
     // The point that halves it moves on a straight line, too.
     for_separated(37, [](const SeparatedMove& query, const Impact&) {
         if (query.move.feature != Feature::vertex_edge) return;
         const auto& [p, q, r, s] = query.move.point;
-        const Separation separation{query.separation.distance};
+        const MinDistance separation{query.separation.distance};
         const MovingPoint middle{0.5 * (q.start + r.start), 0.5 * (q.end + r.end)};
         const Impact left = vertex_edge(p, q, middle, separation), right = vertex_edge(p, middle, r, separation);
         const Impact whole = vertex_edge(p, q, r, separation);

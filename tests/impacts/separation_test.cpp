@@ -1,6 +1,6 @@
 // Tests on handmade moves with evident results, for each kind of sub-features that come within a distance first.
 
-#include "exact/impact/rational_separation.h"
+#include "exact/impact/exact_min_distance.h"
 
 #include <gtest/gtest.h>
 
@@ -19,8 +19,8 @@ constexpr Impact at(double toi) { return {true, toi, false}; }
 constexpr double third = 1.0 / 3, two_thirds = 2.0 / 3;
 constexpr double large = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::denorm_min();
 
-Separation within(double distance) { return {.distance = distance, .share = 0}; }
-Separation share(double share) { return {.distance = 0, .share = share}; }
+MinDistance within(double distance) { return {.distance = distance, .share = 0}; }
+MinDistance share(double share) { return {.distance = 0, .share = share}; }
 
 MovingPoint still(double x, double y, double z) { return {{x, y, z}, {x, y, z}}; }
 MovingPoint move(Vec3d start, Vec3d end) { return {start, end}; }
@@ -28,7 +28,7 @@ MovingPoint move(Vec3d start, Vec3d end) { return {start, end}; }
 const MovingPoint origin = still(0, 0, 0), right = still(4, 0, 0), up = still(0, 4, 0);
 
 /// Returns the impact of a vertex on the face with corners (0, 0, 0), (4, 0, 0), (0, 4, 0).
-Impact to_face(Vec3d start, Vec3d end, const Separation& separation) {
+Impact to_face(Vec3d start, Vec3d end, const MinDistance& separation) {
     return vertex_face({start, end}, origin, right, up, separation);
 }
 

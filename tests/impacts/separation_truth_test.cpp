@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "exact/impact/decide_separation.h"
+#include "exact/impact/decide_min_distance.h"
 #include "impacts/scene_impacts.h"
 #include "impacts/separated_moves.h"
 
@@ -45,8 +45,8 @@ std::vector<NearMove> read_near_moves(const SceneStep& step, const std::string& 
     return moves;
 }
 
-Impact decide(const Move& move, const Separation& separation, SeparationCounts& counts) {
-    return decide_separation(static_cast<FeatureKinds>(move.feature), move.point, separation, counts);
+Impact decide(const Move& move, const MinDistance& separation, MinDistanceCounts& counts) {
+    return decide_min_distance(static_cast<FeatureKinds>(move.feature), move.point, separation, counts);
 }
 
 class SeparationTruth : public testing::TestWithParam<std::size_t> {
@@ -73,7 +73,7 @@ TEST_P(SeparationTruth, of_zero_is_an_impact) {
 }
 
 TEST_P(SeparationTruth, starts_at_the_exact_distance) {
-    SeparationCounts within, beyond;
+    MinDistanceCounts within, beyond;
     std::int64_t touching = 0;
     for (std::size_t i = 0; i < near_.size(); ++i) {
         const auto& [move, squared] = near_[i];
@@ -89,13 +89,13 @@ TEST_P(SeparationTruth, starts_at_the_exact_distance) {
 }
 
 TEST_P(SeparationTruth, float64_impacts_match_to_the_last_bit) {
-    SeparationCounts counts;
+    MinDistanceCounts counts;
     std::int64_t queries = 0, later = 0;
     for (std::size_t i = 0; i < near_.size(); ++i) {
         const auto& [move, squared] = near_[i];
         if (squared == 0) continue;
         const double distance = std::sqrt(squared);
-        for (const Separation& separation : {Separation{0.5 * distance, 0}, {0.9 * distance, 0}, {0, 0.1}}) {
+        for (const MinDistance& separation : {MinDistance{0.5 * distance, 0}, {0.9 * distance, 0}, {0, 0.1}}) {
             const Impact impact = decide(move, separation, counts);
             ++queries;
             later += impact.meets;

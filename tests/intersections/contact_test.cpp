@@ -9,7 +9,7 @@
 
 #include "base/float_environment.h"
 #include "crumple/crumple.h"
-#include "exact/intersection/rational_intersection.h"
+#include "exact/intersection/exact_intersection.h"
 #include "geometry/callers_mode.h"
 #include "intersections/named_pairs.h"
 

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "base/float_environment.h"
+#include "exact/intersection/exact_intersection.h"
 #include "exact/intersection/intersection_decision.h"
-#include "exact/intersection/rational_intersection.h"
 #include "geometry/callers_mode.h"
 #include "intersections/named_pairs.h"
 

@@ -46,7 +46,7 @@ struct FilteredPair {
         const auto member = [&](const Triangle& t) {
             const Vec3d p[3] = {points()[t.vertex[0]], points()[t.vertex[1]], points()[t.vertex[2]]};
             const InFrame<3> member(p, frame);
-            reach = std::max(reach, member.counted_reach());
+            reach = std::max(reach, member.counted_extent());
             return record_of(p, t.vertex.data(), member);
         };
         a = member(pair.a);
@@ -61,7 +61,7 @@ struct FilteredPair {
 
 bool expected(const TrianglePair& pair, const NarrowPolicy& policy) {
     DecisionCounts counts;
-    return collide(pair.a, pair.b, policy.skip_neighbours ? Neighbours::skip : Neighbours::geometric,
+    return collide(pair.a, pair.b, policy.skip_adjacent ? Neighbours::skip : Neighbours::geometric,
                    policy.proper ? IntersectionKind::proper : IntersectionKind::all, counts);
 }
 
@@ -94,7 +94,7 @@ TEST_P(Filters, are_right_where_they_are_certain) {
                 if (verdict != Verdict::undecided) {
                     ASSERT_EQ(verdict == Verdict::collides, expected(pair, policy))
                         << pair << ", origin " << origin.x << ' ' << origin.y << ' ' << origin.z << ", policy "
-                        << policy.skip_neighbours << policy.proper;
+                        << policy.skip_adjacent << policy.proper;
                 } else if (!policy.proper && big == everything) {
                     ++undecided;
                 }

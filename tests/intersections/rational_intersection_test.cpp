@@ -1,4 +1,4 @@
-#include "exact/intersection/rational_intersection.h"
+#include "exact/intersection/exact_intersection.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "crumple/io.h"
-#include "exact/intersection/rational_intersection.h"
+#include "exact/intersection/exact_intersection.h"
 #include "geometry/random_pairs.h"
 #include "io/files.h"
 

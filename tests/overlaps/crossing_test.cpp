@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "base/float_environment.h"
-#include "exact/overlap/quick_crossing.h"
-#include "exact/overlap/rational_crossing.h"
+#include "exact/overlap/exact_crossing.h"
+#include "exact/overlap/filtered_crossing.h"
 #include "geometry/random_pairs.h"
 
 namespace crumple {
@@ -45,7 +45,7 @@ TEST_P(CrossingOfEachKind, signs_are_exact_and_bounds_hold) {
         if (!in_range(pair.a) || !in_range(pair.b)) continue;
         for (const Shift shift : {Shift::forward, Shift::backward}) {
             const RationalCrossing exact = truth(pair, shift);
-            const QuickCrossing quick = cross_quickly(CrossedFace(pair.a.point), CrossedFace(pair.b.point), shift);
+            const FilteredCrossing quick = filter_crossing(CrossedFace(pair.a.point), CrossedFace(pair.b.point), shift);
             ASSERT_EQ(quick.jumps.a, exact.jumps.a) << pair;
             ASSERT_EQ(quick.jumps.b, exact.jumps.b) << pair;
             ASSERT_EQ(quick.jumps.segment, exact.jumps.segment) << pair;
@@ -72,7 +72,8 @@ TEST_P(CrossingOfEachKind, untied_pairs_cross_alike_under_both_shifts) {
         const TrianglePair pair = random();
         if (!in_range(pair.a) || !in_range(pair.b)) continue;
         const CrossedFace a(pair.a.point), b(pair.b.point);
-        const QuickCrossing one = cross_quickly(a, b, Shift::forward), other = cross_quickly(a, b, Shift::backward);
+        const FilteredCrossing one = filter_crossing(a, b, Shift::forward),
+                               other = filter_crossing(a, b, Shift::backward);
         EXPECT_EQ(one.tied, other.tied) << pair;
         if (one.tied) continue;
         EXPECT_EQ(one.jumps.a, other.jumps.a) << pair;
@@ -99,7 +100,7 @@ TEST(Crossing, weights_are_those_of_the_corner_that_is_cut_off) {
     // The plane x = 1/2 with its outside towards larger x cuts the corner (1, 0, 0) off: inside is what has x < 1/2.
     const CrossedFace a({Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}}),
         b({Vec3d{0.5, -4, -4}, {0.5, 4, -4}, {0.5, 0, 8}});
-    const QuickCrossing crossing = cross_quickly(a, b, Shift::forward);
+    const FilteredCrossing crossing = filter_crossing(a, b, Shift::forward);
     ASSERT_TRUE(crossing.jumps.segment);
     EXPECT_EQ(crossing.jumps.a, (EdgeJumps{-1, 1, 0}));
     double sum = 0;

@@ -8,7 +8,7 @@
 #include "backends/cpu/overlaps/overlap_lanes.h"
 #include "base/float_environment.h"
 #include "crumple/error.h"
-#include "exact/overlap/quick_crossing.h"
+#include "exact/overlap/filtered_crossing.h"
 #include "geometry/random_pairs.h"
 #include "search/overlap_blocks.h"
 #include "search/overlap_exact.h"
@@ -107,7 +107,7 @@ TEST_P(LanesOfEachKind, SumsAreWithinTheirBounds) {
             faces.push_back({f, times});
             terms.add_face(a.placed.corners(f), times, of_faces);
             const CrossedFace p(a.placed.corners(f)), q(b.placed.corners(f));
-            QuickSigns signs(p, q);
+            FilteredCrossingSigns signs(p, q);
             const DecidedCrossings both = decide_crossings(signs);
             for (const DecidedCrossing* crossing : {&both.forward, &both.backward}) {
                 if (!crossing->jumps.segment || segments.size() == SegmentBlock::size) continue;

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "exact/intersection/rational_intersection.h"
+#include "exact/intersection/exact_intersection.h"
 #include "geometry/exact.h"
 #include "proximities/random_features.h"
 

@@ -188,14 +188,14 @@ TEST_P(NearPairs, are_as_many_as_in_the_list) {
         const auto corners = mesh.face(f);
         if (std::find(corners.begin(), corners.end(), v) != corners.end()) return;
         const Features features = mesh.vertex_and_face(v, f);
-        within += !surely_beyond(features, reach) && Distance(features, counts).within(reach);
+        within += !surely_out_of_reach(features, reach) && Distance(features, counts).within(reach);
     });
     for_close_intervals(edges, edges, reach.a, [&](std::int32_t e, std::int32_t f) {
         const auto [a, b] = edge[static_cast<std::size_t>(e)];
         const auto [c, d] = edge[static_cast<std::size_t>(f)];
         if (e >= f || a == c || a == d || b == c || b == d) return;
         const Features features = mesh.edges(a, b, c, d);
-        within += !surely_beyond(features, reach) && Distance(features, counts).within(reach);
+        within += !surely_out_of_reach(features, reach) && Distance(features, counts).within(reach);
     });
     EXPECT_EQ(within, lines_.size());
 }

@@ -1,7 +1,7 @@
 // Checks that floating-point decisions about distances agree with rational arithmetic, and that floating-point
 // arithmetic nearly always decides.
 
-#include "exact/proximity/quick_distance.h"
+#include "exact/proximity/filtered_distance.h"
 
 #include <gtest/gtest.h>
 
@@ -73,7 +73,7 @@ void for_reaches(double distance, Check check) {
 void expect_exact_results(const Features& features, Shares& shares) {
     const RationalDistance exact(features);
     const double down = exact.rounded_down();
-    const QuickDistance quick(features);
+    const FilteredDistance quick(features);
     const detail::Differences differences(features);
     const detail::Guess guess = detail::guess_closest(differences);
     const Vec3d g = differences.w + guess.s * differences.u + guess.t * differences.v;
@@ -84,7 +84,7 @@ void expect_exact_results(const Features& features, Shares& shares) {
         if (differences.within(g, radius)) {
             ASSERT_TRUE(exact.within(reach)) << features << " at " << radius;
         }
-        if (differences.beyond(g, radius) || surely_beyond(features, reach)) {
+        if (differences.beyond(g, radius) || surely_out_of_reach(features, reach)) {
             ASSERT_FALSE(exact.within(reach)) << features << " at " << radius;
         }
         const Proximity proximity = quick.compare(reach);
@@ -226,7 +226,7 @@ INSTANTIATE_TEST_SUITE_P(Of, QuickResults, testing::ValuesIn(disturbances), [](c
 });
 
 // Kernels that decide anything decide nearly all features in general position.
-TEST(QuickDistance, is_nearly_always_decided_in_lanes) {
+TEST(FilteredDistance, is_nearly_always_decided_in_lanes) {
     const auto tables = cpu::all_feature_kernels();
     std::vector<Share> shares(tables.size());
     for_features(31, 60, [&](Features features, RandomFeatures& random) {
@@ -241,7 +241,7 @@ TEST(QuickDistance, is_nearly_always_decided_in_lanes) {
 }
 
 // A batch can hold any number of features of all kinds.
-TEST(QuickDistance, in_lanes_does_not_depend_on_the_batch) {
+TEST(FilteredDistance, in_lanes_does_not_depend_on_the_batch) {
     for (const auto* table : cpu::all_feature_kernels())
         for (std::size_t count = 0; count <= cpu::GuessBatch::most; ++count) {
             RandomFeatures random(Points::wide, 37);
@@ -260,7 +260,7 @@ TEST(QuickDistance, in_lanes_does_not_depend_on_the_batch) {
 }
 
 // On a lattice nothing is rounded, so ties are no reason for rationals.
-TEST(QuickDistance, decides_ties_of_lattices_without_rationals) {
+TEST(FilteredDistance, decides_ties_of_lattices_without_rationals) {
     const Vec3d o{0, 0, 0}, x{4, 0, 0}, y{0, 4, 0};
     const struct {
         Features features;
@@ -311,12 +311,12 @@ TEST(QuickDistance, decides_ties_of_lattices_without_rationals) {
 }
 
 // Correct bounds could still be too wide.
-TEST(QuickDistance, is_enclosed_tightly) {
+TEST(FilteredDistance, is_enclosed_tightly) {
     double closest_to_bound = 0;
     for_features(29, 60, [&](Features features, RandomFeatures& random) {
         features = with_points(
             features, [&](Vec3d p) { return each(p, [&](double x) { return x + std::sin(random.below(1 << 30)); }); });
-        const detail::Enclosure enclosure = QuickDistance(features).enclosure();
+        const detail::Enclosure enclosure = FilteredDistance(features).enclosure();
         const Rational square = exact_square(RationalDistance(features)), f = value(enclosure.squared());
         ASSERT_LE(Rational(enclosure.below() + enclosure.above()), square * Rational(0x1p-70)) << features;
         const Rational part = square < f ? Rational((f - square) / Rational(enclosure.below()))

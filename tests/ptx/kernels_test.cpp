@@ -10,7 +10,7 @@
 
 #include "agreement/compare.h"
 #include "agreement/hard_soups.h"
-#include "backends/cuda/known_answers.h"
+#include "backends/cuda/comparison_cases.h"
 #include "crumple/crumple.h"
 #include "cuda_on_cpu/machine/settings.h"
 #include "features/compare_features.h"
@@ -74,7 +74,7 @@ class KernelsByTheirPtx : public testing::Test {
 };
 
 TEST_F(KernelsByTheirPtx, known_answers_are_right) {
-    cuda::reset_known_answers();
+    cuda::reset_comparison_cases();
     Detector({.backend = Backend::cuda});  // throws if a known answer is wrong
     // Kernels of codimensional features are launched only to reserve their stacks.
     for (const auto& [name, launches] : kernels_.launches) {

@@ -77,7 +77,7 @@ TEST(NearContact, without_a_direction_is_an_error) {
     EXPECT_EQ(finder.find(one_above(0.05), 0.1).size(), 1u);
 }
 
-TEST(FreeWay, is_the_whole_step_if_nothing_is_met) {
+TEST(FreePath, is_the_whole_step_if_nothing_is_met) {
     const std::vector<Vec3d> start = one_above(0.5), end = one_above(0.25);
     std::vector<Vec3d> reached = end;
     const auto way = NearContactFinder(two, {}).shorten(start, reached, none_held(start));
@@ -86,7 +86,7 @@ TEST(FreeWay, is_the_whole_step_if_nothing_is_met) {
     EXPECT_EQ(reached, end);
 }
 
-TEST(FreeWay, ends_before_an_impact_and_spares_other_points) {
+TEST(FreePath, ends_before_an_impact_and_spares_other_points) {
     // The upper triangle falls through the lower one; a third one falls beside them.
     Triangles triangles = two;
     triangles.push_back({6, 7, 8});
@@ -108,7 +108,7 @@ TEST(FreeWay, ends_before_an_impact_and_spares_other_points) {
     for (std::size_t i = 6; i < 9; ++i) EXPECT_EQ(reached[i], end[i]) << i;
 }
 
-TEST(FreeWay, is_shortened_for_all_if_driven_points_would_meet) {
+TEST(FreePath, is_shortened_for_all_if_driven_points_would_meet) {
     const std::vector<Vec3d> start = one_above(0.5);
     std::vector<Vec3d> reached = one_above(-0.5);
     const std::vector<std::uint8_t> held(start.size(), 1);
@@ -120,7 +120,7 @@ TEST(FreeWay, is_shortened_for_all_if_driven_points_would_meet) {
     EXPECT_GE(reached[3].z, 0.05);
 }
 
-TEST(FreeWay, is_shortened_if_a_pair_meets_at_its_very_end) {
+TEST(FreePath, is_shortened_if_a_pair_meets_at_its_very_end) {
     const std::vector<Vec3d> start = one_above(0.5), end = one_above(0.05);  // a tenth of the distance, exactly
     std::vector<Vec3d> reached = end;
     const auto way = NearContactFinder(two, {}).shorten(start, reached, none_held(start));
@@ -129,7 +129,7 @@ TEST(FreeWay, is_shortened_if_a_pair_meets_at_its_very_end) {
     EXPECT_GT(reached[3].z, 0.05);
 }
 
-TEST(FreeWay, holds_back_a_face_that_hits_a_vertex) {
+TEST(FreePath, holds_back_a_face_that_hits_a_vertex) {
     const std::vector<Vec3d> start = one_above(0.5);
     std::vector<Vec3d> reached = start;
     for (std::size_t i = 0; i < 3; ++i) reached[i].z = 1;
@@ -140,7 +140,7 @@ TEST(FreeWay, holds_back_a_face_that_hits_a_vertex) {
     EXPECT_EQ(reached[3], start[3]);
 }
 
-TEST(FreeWay, ends_before_points_that_are_held_back) {
+TEST(FreePath, ends_before_points_that_are_held_back) {
     // The second of three falls on the first; the third, which would have been free, falls on the second.
     const Triangles three{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
     const auto stack = [](double second, double third) {
@@ -228,7 +228,7 @@ TEST(FreeCloth, passes_through_nothing) {
     std::vector<Vec3d> last = fall.points();
     int cut = 0;
     for (int frame = 1; frame <= 30; ++frame) {
-        fall.advance(frame, 1, 20, [&](const StepTaken& step) {
+        fall.advance(frame, 1, 20, [&](const StepLength& step) {
             EXPECT_GT(step.toi, 0) << "frame " << frame;
             EXPECT_LE(step.toi, 1) << "frame " << frame;
             EXPECT_EQ(step.share, 1) << "frame " << frame;  // nothing is driven: single points are enough
@@ -251,7 +251,7 @@ TEST(FreeCloth, stops_at_obstacles_at_any_speed) {
     Detector detector;
     double first = 1;
     for (int frame = 1; frame <= 3; ++frame) {
-        fall.advance(frame, 1, 5, [&](const StepTaken& step) { first = std::min(first, step.toi); });
+        fall.advance(frame, 1, 5, [&](const StepLength& step) { first = std::min(first, step.toi); });
         EXPECT_FALSE(detector.any(fall.mesh())) << "frame " << frame;
         for (const Vec3d& p : fall.points()) EXPECT_GE(p.z, 0) << "frame " << frame;
     }
@@ -264,7 +264,7 @@ TEST(FreeCloth, gains_no_energy) {
         const double start = fall.energy();
         double last = start;
         for (int frame = 1; frame <= 45; ++frame) {
-            fall.advance(frame, 2, 10, [](const StepTaken&) {});
+            fall.advance(frame, 2, 10, [](const StepLength&) {});
             const double most = springs > 0 ? start : last + 1e-5 * start;  // springs give back what they took
             EXPECT_LE(fall.energy(), most) << "frame " << frame << ", springs " << springs;
             last = fall.energy();
@@ -275,7 +275,7 @@ TEST(FreeCloth, gains_no_energy) {
 
 std::uint64_t bits_after(int frames) {
     Fall fall(12);
-    for (int frame = 1; frame <= frames; ++frame) fall.advance(frame, 2, 10, [](const StepTaken&) {});
+    for (int frame = 1; frame <= frames; ++frame) fall.advance(frame, 2, 10, [](const StepLength&) {});
     std::uint64_t hash = 0;
     for (const Vec3d& p : fall.points()) {
         for (int axis = 0; axis < 3; ++axis) hash = mix(hash ^ std::bit_cast<std::uint64_t>(p[axis]));
@@ -300,7 +300,7 @@ TEST(FreeCloth, is_carried_by_a_moving_obstacle) {
         for (std::size_t i = 0; i < 3; ++i) at[i] = plate[i] + way;
     };
     for (int frame = 0; frame < 60; ++frame) {
-        solver.advance_freely(frame / 30.0, 1 / 30.0, 2, 10, place, [](const StepTaken&) {});
+        solver.advance_freely(frame / 30.0, 1 / 30.0, 2, 10, place, [](const StepLength&) {});
     }
     EXPECT_LT(length(solver.points.back() - (plate[2] + Vec3d{0.5, 0, 1})), 1e-9);
     Vec3d middle{};
@@ -321,7 +321,7 @@ TEST(FreeCloth, separates_slowly_if_too_near) {
     }
     solver.add_obstacle(std::vector<Vec3d>{{-2, -2, 0}, {2, -2, 0}, {0, 3, 0}}, Triangles{{0, 1, 2}}, 0.1);
     solver.advance_freely(
-        0, 0.01, 1, 10, [](double, std::span<Vec3d>) {}, [](const StepTaken&) {});
+        0, 0.01, 1, 10, [](double, std::span<Vec3d>) {}, [](const StepLength&) {});
     for (std::size_t i = 0; i < fabric.flat.size(); ++i) EXPECT_NEAR(solver.points[i].z, 0.01 + 0.003, 1e-9) << i;
 }
 
@@ -336,7 +336,7 @@ TEST(FreeCloth, has_no_obstacles_after_a_change_of_fabric) {
     for (std::size_t i = 0; i < small.flat.size(); ++i) solver.points[i] = {small.flat[i][0], small.flat[i][1], 0.01};
     solver.advance_freely(
         0, 0.1, 10, 2, [](double, std::span<Vec3d> at) { EXPECT_TRUE(at.empty()); },
-        [](const StepTaken& step) { EXPECT_EQ(step.contacts, 0u); });
+        [](const StepLength& step) { EXPECT_EQ(step.contacts, 0u); });
     for (const Vec3d& p : solver.points) EXPECT_LT(p.z, 0);
 }
 
@@ -349,9 +349,9 @@ TEST(FreeCloth, keeps_the_speed_of_the_shortened_step) {
         solver.held[i] = i < 3;
         if (i >= 3) solver.velocities[i] = {0, 0, -1};
     }
-    StepTaken taken{};
+    StepLength taken{};
     solver.advance_freely(
-        0, 1, 1, 1, [](double, std::span<Vec3d>) {}, [&](const StepTaken& step) { taken = step; });
+        0, 1, 1, 1, [](double, std::span<Vec3d>) {}, [&](const StepLength& step) { taken = step; });
     EXPECT_NEAR(taken.toi, 0.09, 1e-9);
     EXPECT_EQ(taken.held_back, 3u);
     for (std::size_t i = 3; i < 6; ++i) {
@@ -377,7 +377,7 @@ TEST(FreeCloth, is_not_pierced_by_a_driven_spike) {
     };
     for (int frame = 0; frame < 8; ++frame) {
         solver.advance_freely(frame / 30.0, 1 / 30.0, 1, 5, place,
-                              [&](const StepTaken& step) { share = std::min(share, step.share); });
+                              [&](const StepLength& step) { share = std::min(share, step.share); });
     }
     EXPECT_GT(share, 0);
     EXPECT_LT(share, 1);

@@ -8,8 +8,8 @@
 #include <memory>
 #include <tuple>
 
-#include "exact/impact/rational_separation.h"
-#include "exact/intersection/rational_intersection.h"
+#include "exact/impact/exact_min_distance.h"
+#include "exact/intersection/exact_intersection.h"
 #include "filters/features/feature_points.h"
 #include "geometry/exact.h"
 #include "soups.h"
@@ -64,7 +64,7 @@ class StageCase {
    private:
     bool come_close(std::int32_t i, std::int32_t j) const {
         const std::int32_t *a = scene.corners + 3 * i, *b = scene.corners + 3 * j;
-        const Separation within{query_distance, 0};
+        const MinDistance within{query_distance, 0};
         const auto at = [&](std::int32_t v) { return moving_point(scene, v); };
         for (int axis = 0; axis < 3; ++axis) {
             const auto extent = [&](const std::int32_t* c) {

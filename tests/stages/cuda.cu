@@ -18,8 +18,8 @@ struct NoRecords {
                         const Frame&) const {}
 };
 struct KeepAll {
-    struct Room {};
-    __device__ bool keeps(bool has, const Candidate&, Room&) const { return has; }
+    struct Buffer {};
+    __device__ bool keeps(bool has, const Candidate&, Buffer&) const { return has; }
 };
 
 namespace {
@@ -74,13 +74,13 @@ class StagesOfPass : public IntersectionPass {
         plan.units = plan.survivors = plan.undecided = plan.beyond = plan.hits = 64 * n * n;
         MemoryMeter meter;
         Block kept(meter), work(meter);
-        lay_out(kept, [&](Cutter& c) { guides.cut(c, plan); });
-        lay_out(work, [&](Cutter& c) { cut(c); });
+        place_arrays(kept, [&](Cutter& c) { warm_starts.cut(c, plan); });
+        place_arrays(work, [&](Cutter& c) { cut(c); });
         pass_once();
         if (warm_) {
             beside = &branch_;
             plan.cold = false;
-            plan.guided = true;
+            plan.warm_started = true;
             pass_once();
         }
         test::StageState state = download_state(host);
@@ -90,9 +90,9 @@ class StagesOfPass : public IntersectionPass {
 
    private:
     void pass_once() {
-        Clearing clearing;
-        clear(clearing);
-        clearing.launch(geometry_, stream_);
+        BatchedClear batch;
+        clear(batch);
+        batch.launch(geometry_, stream_);
         bounds();
         subdivide_scene();
         subdivide_clusters(~std::uint64_t{0});
@@ -101,7 +101,7 @@ class StagesOfPass : public IntersectionPass {
                      members_[last_level()], frames(), ownership(), sorted_, AtRest{}, NoRecords{}, units(), counters);
         cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), wanted, KeepAll{},
                     {survivors_, &counters->survivors, plan.survivors}, {}, counters);
-        if (plan.guided) branch_.join(stream_);
+        if (plan.warm_started) branch_.join(stream_);
         CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
         const Counters counted = to_host(counters, 1)[0];
         if (counted.unplaced[0] + counted.unplaced[1] > 0) throw std::runtime_error("a member has no place");
@@ -113,13 +113,13 @@ class StagesOfPass : public IntersectionPass {
         MemoryMeter meter;
         Answer answer(geometry_, stream_, meter);
         Block storage(meter);
-        lay_out(storage, [&](Cutter& c) { answer.cut(c, scene, plan.hits); });
-        Clearing clearing;
-        clearing.add(counters->members, sizeof *counters - offsetof(Counters, members));
-        clearing.add(&counters->units, sizeof counters->units);
-        cuda::clear(clearing, sorted_, plan.leaves());
-        answer.clear(clearing, scene);
-        clearing.launch(geometry_, stream_);
+        place_arrays(storage, [&](Cutter& c) { answer.cut(c, scene, plan.hits); });
+        BatchedClear batch;
+        batch.add(counters->members, sizeof *counters - offsetof(Counters, members));
+        batch.add(&counters->units, sizeof counters->units);
+        cuda::clear(batch, sorted_, plan.leaves());
+        answer.clear(batch, scene);
+        batch.launch(geometry_, stream_);
         sort();
         sweep({});
         narrow({Hits::Mode::list, hits(), answer.output.offsets, nullptr});
@@ -149,7 +149,7 @@ class StagesOfPass : public IntersectionPass {
         const auto count = to_host(members_of(last_level()).count, plan.leaves());
         const auto rows = static_cast<std::int64_t>(first.back());
         const auto row = to_host(sorted_.row, rows);
-        const auto frame = to_host(guides.now.frame, plan.leaves());
+        const auto frame = to_host(warm_starts.now.frame, plan.leaves());
         const auto upper = plan.levels() == 2 ? to_host(mask_[0], host.triangle_count()) : std::vector<std::uint64_t>();
         state.leaves.resize(static_cast<std::size_t>(plan.leaves()));
         std::vector<std::size_t> leaf_of(static_cast<std::size_t>(rows));

@@ -14,9 +14,9 @@ NB_MODULE(_mpi, module) {
     module.doc() = "C++ library of crumple.mpi. Private.";
     nanobind::set_leak_warnings(false);  // daemon threads may hold objects at exit
     crumple::python::WithoutGil::watch_exit();
-    crumple::python::know_main_thread();
+    crumple::python::remember_main_thread();
     crumple::python::translate_errors();
     crumple::python::bind_rank_results(module);
-    crumple::python::bind_world_share(module);
+    crumple::python::bind_local_world(module);
     crumple::python::bind_rank_detector(module);
 }

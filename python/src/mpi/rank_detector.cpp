@@ -75,8 +75,8 @@ DistributedOptions distributed_options(const nb::dict& detector, nb::handle part
 
 }  // namespace
 
-BorrowedShare::BorrowedShare(const RankDetector& detector, const nb::tuple& given, nb::handle triangles,
-                             nb::handle vertices)
+BorrowedLocalMesh::BorrowedLocalMesh(const RankDetector& detector, const nb::tuple& given, nb::handle triangles,
+                                     nb::handle vertices)
     : mesh(given),
       triangle_ids(triangles, "triangle", mesh.view().triangles.rows),
       vertex_ids(vertices, "vertex", mesh.view().vertices.rows) {
@@ -204,14 +204,14 @@ template <class Query>
 void bind_query(nb::module_& module, nb::class_<RankDetector>& detector, const char* name) {
     nb::class_<Query>(module, name, "Query of all ranks.")
         .def("__init__", make_query<Query>, "query"_a, "excluded"_a.none());
-    const auto bind_share = [&]<class Share>(const Share*) {
+    const auto bind_local_mesh = [&]<class Share>(const Share*) {
         using Result = RankShown<typename Query::DistributedResult>;
         const auto find = [](RankDetector& d, const Share& s, const Query& q) { return Result{d.find(s, q)}; };
         const auto any = [](RankDetector& d, const Share& s, const Query& q) { return d.any(s, q); };
         detector.def("find", find, "share"_a, "query"_a).def("any", any, "share"_a, "query"_a);
     };
-    bind_share(static_cast<const BorrowedShare*>(nullptr));
-    bind_share(static_cast<const BorrowedWorldShare*>(nullptr));
+    bind_local_mesh(static_cast<const BorrowedLocalMesh*>(nullptr));
+    bind_local_mesh(static_cast<const BorrowedLocalWorld*>(nullptr));
 }
 
 }  // namespace
@@ -227,7 +227,7 @@ void bind_rank_detector(nb::module_& module) {
                 new (self) DistributedOptions(distributed_options(detector, parts, round_bytes));
             },
             "detector"_a, "parts"_a.none(), "round_bytes"_a.none());
-    nb::class_<BorrowedShare>(module, "Share", "Local mesh of a rank.")
+    nb::class_<BorrowedLocalMesh>(module, "Share", "Local mesh of a rank.")
         .def(nb::init<const RankDetector&, const nb::tuple&, nb::handle, nb::handle>(), "detector"_a, "mesh"_a,
              "triangle_ids"_a.none(), "vertex_ids"_a.none());
     nb::class_<RankDetector> detector(module, "Detector",

@@ -18,10 +18,10 @@ namespace crumple::python {
 class RankDetector;
 
 /// View of the local mesh of a rank. Construct and destroy it with the GIL.
-struct BorrowedShare {
+struct BorrowedLocalMesh {
     /// `mesh` is a crumple.Mesh. Throws Error if the detector cannot read the memory of the arrays.
-    BorrowedShare(const RankDetector& detector, const nanobind::tuple& mesh, nanobind::handle triangle_ids,
-                  nanobind::handle vertex_ids);
+    BorrowedLocalMesh(const RankDetector& detector, const nanobind::tuple& mesh, nanobind::handle triangle_ids,
+                      nanobind::handle vertex_ids);
     MeshShare view() const {
         return {end ? mesh.view().moving_to(end->view()) : mesh.view(), triangle_ids.view(), vertex_ids.view()};
     }

@@ -45,9 +45,9 @@ void bind_statistics(nb::module_& module) {
 }
 
 template <class Result>
-struct Binding : HeldBinding<RankShown<Result>> {
+struct Binding : SharedBinding<RankShown<Result>> {
     Binding(nb::module_& module, const char* name, const char* description)
-        : HeldBinding<RankShown<Result>>(module, name, description) {
+        : SharedBinding<RankShown<Result>>(module, name, description) {
         this->value("any", [](const Result& r) { return r.any; });
         this->value("count", [](const Result& r) { return r.count; });
         this->value("statistics", [](const Result& r) { return DistributedStatistics(r.statistics); });

@@ -5,7 +5,7 @@ using namespace nb::literals;
 
 namespace crumple::python {
 
-BorrowedWorldShare::BorrowedWorldShare(nb::handle world, nb::handle body_ids)
+BorrowedLocalWorld::BorrowedLocalWorld(nb::handle world, nb::handle body_ids)
     : bodies_(given_world(world).bodies),
       ids_(body_ids, "body", static_cast<std::int64_t>(bodies_->bodies.size())),
       start_(given_world(world).poses),
@@ -14,8 +14,8 @@ BorrowedWorldShare::BorrowedWorldShare(nb::handle world, nb::handle body_ids)
     if (end_.given()) at_end_ = end_.read(*bodies_, end_buffer_);
 }
 
-void bind_world_share(nb::module_& module) {
-    nb::class_<BorrowedWorldShare>(module, "WorldShare", "Local bodies of a rank.")
+void bind_local_world(nb::module_& module) {
+    nb::class_<BorrowedLocalWorld>(module, "WorldShare", "Local bodies of a rank.")
         .def(nb::init<nb::handle, nb::handle>(), "world"_a, "body_ids"_a.none());
 }
 

@@ -13,10 +13,10 @@
 namespace crumple::python {
 
 /// View of a crumple.World and the numbers of its bodies. Construct and destroy it with the GIL.
-class BorrowedWorldShare {
+class BorrowedLocalWorld {
    public:
     /// `world` is a crumple.World; `body_ids` may be None.
-    BorrowedWorldShare(nanobind::handle world, nanobind::handle body_ids);
+    BorrowedLocalWorld(nanobind::handle world, nanobind::handle body_ids);
 
     WorldShare view() const { return {{bodies_->shapes, bodies_->bodies, at_start_, at_end_}, ids_.view()}; }
 
@@ -28,6 +28,6 @@ class BorrowedWorldShare {
     std::span<const Pose> at_start_, at_end_;
 };
 
-void bind_world_share(nanobind::module_& module);
+void bind_local_world(nanobind::module_& module);
 
 }  // namespace crumple::python

@@ -98,8 +98,8 @@ class CpuBackend final : public BackendBase {
     const OverlapKernels* overlap_kernels() const override { return overlaps_; }
 
     void swap_memory(std::unique_ptr<SceneMemory>& memory) override {
-        if (!memory) memory = std::make_unique<Remembered>();
-        std::swap(static_cast<Remembered&>(*memory).centres, kept_->buffers.warm);
+        if (!memory) memory = std::make_unique<SceneCache>();
+        std::swap(static_cast<SceneCache&>(*memory).centres, kept_->buffers.warm);
     }
 
     void release() override {
@@ -108,7 +108,7 @@ class CpuBackend final : public BackendBase {
     }
 
    private:
-    struct Remembered : SceneMemory {
+    struct SceneCache : SceneMemory {
         WarmCentres centres;
     };
     /// Data cached between calls.
@@ -120,7 +120,7 @@ class CpuBackend final : public BackendBase {
               leaves(m, workers, kernels),
               output(m),
               features(m, workers, features, candidates) {}
-        GroupRule rule;
+        GroupFilter rule;
         Buffers buffers;
         IntersectLeaves leaves;
         OutputScratch output;
@@ -142,7 +142,7 @@ class CpuBackend final : public BackendBase {
                   options_,  kernels_,      workers_,
                   *this,     cancellation_, meter_,
                   k.buffers, statistics_,   leaves_of(scene, request, k.features)};
-        call.frugal = request.frugal;
+        call.low_memory = request.low_memory;
         call.inflation = request.radii.empty() ? inflation_of(scene, request)
                                                : inflation_of_radii(scene, request.radii, workers_, k.features);
         return call;
@@ -153,7 +153,7 @@ class CpuBackend final : public BackendBase {
         statistics_ = {};
         meter_.peak = meter_.used.load();
         IntersectCall call = make_call(scene, query, part);
-        call.frugal = true;
+        call.low_memory = true;
         return call;
     }
     void find_in_chunks(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,

@@ -27,16 +27,16 @@ void cut_into_tiles(const SortedLeaf& leaf, Array<std::int64_t>& tile_begin) {
 
 }  // namespace
 
-void make_room_for_workers(const Call& call) {
+void reserve_for_workers(const Call& call) {
     if (call.meter.limit > 0 || call.workers.workers() == 1) return;
     std::int64_t largest = 0;
     for (const Leaf& leaf : call.buffers.subdivision.leaves) largest = std::max(largest, leaf.size);
     largest = std::min<std::int64_t>(largest, 4 * call.options.leaf_size);
     for (std::size_t w = 0; w < call.buffers.worker.size(); ++w) {
         WorkerBuffers& worker = *call.buffers.worker[w];
-        worker.members.make_room(static_cast<std::size_t>(largest));
-        make_room(largest, call.scene.between, worker.sort, worker.leaf);
-        call.question.make_room(call, largest, worker.leaf.rows, w);
+        worker.members.reserve(static_cast<std::size_t>(largest));
+        reserve(largest, call.scene.between, worker.sort, worker.leaf);
+        call.query.reserve(call, largest, worker.leaf.rows, w);
     }
 }
 
@@ -60,7 +60,7 @@ bool align_leaf(const Call& call, const Leaf& leaf, Ownership& ownership, std::s
                            scene.moving ? scene.vertex_count() : 0,
                            call.inflation};
     const FlushToZero mode;
-    call.question.build(input, members, w);
+    call.query.build(input, members, w);
     worker.statistics[Stage::align] += watch.lap();
     return true;
 }
@@ -70,7 +70,7 @@ void sort_leaf(const Call& call, std::size_t w) {
     Stopwatch watch;
     const FlushToZero mode;
     sort_leaf(worker.members, call.kernels, worker.sort, worker.leaf);
-    call.question.place(worker.leaf, w);
+    call.query.place(worker.leaf, w);
     worker.statistics.interval_tests += worker.leaf.work;
     worker.statistics[Stage::sort] += watch.lap();
 }
@@ -80,13 +80,13 @@ void sweep_leaf(const Call& call, const Ownership& ownership, bool in_tiles, std
     const SortedLeaf& leaf = worker.leaf;
     // Units of a stream must not depend on the number of workers.
     if (!in_tiles || (!call.units && (call.workers.workers() == 1 || leaf.work <= tile_work))) {
-        call.question.sweep(leaf, ownership, 0, leaf.rows, w, w);
+        call.query.sweep(leaf, ownership, 0, leaf.rows, w, w);
         return;
     }
     const Array<std::int64_t>& begin = worker.tile_begin;
     cut_into_tiles(leaf, worker.tile_begin);
     for_each_unit(call, begin.size() - 1, [&](std::size_t tile, std::size_t helper) {
-        call.question.sweep(leaf, ownership, begin[tile], begin[tile + 1], w, helper);
+        call.query.sweep(leaf, ownership, begin[tile], begin[tile + 1], w, helper);
     });
 }
 

@@ -9,7 +9,7 @@ namespace crumple::cpu {
 
 /// Reserves each worker's scratch for the largest ordinary leaf, so that warm calls allocate nothing; an unusually
 /// large leaf grows its worker's scratch later. Does nothing under a memory limit or with one worker.
-void make_room_for_workers(const Call& call);
+void reserve_for_workers(const Call& call);
 
 /// Runs `align` of a leaf. Returns false if the leaf has fewer than two members. Prepares `ownership` for its members.
 bool align_leaf(const Call& call, const Leaf& leaf, Ownership& ownership, std::size_t worker);

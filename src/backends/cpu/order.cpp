@@ -24,7 +24,7 @@ Levels choose_triangles(const Call& call) {
     Levels levels = call.levels;
     b.included.clear();
     if (call.scene.between) exclude_far(call.scene, call.workers, b.balls, b.included);
-    call.question.leave_out(call, levels);
+    call.query.leave_out(call, levels);
     return levels;
 }
 
@@ -42,7 +42,7 @@ std::size_t leaves_alone(const Call& call) {
 template <class Work>
 void for_each_leaf(const Call& call, Work work) {
     const Array<Leaf>& leaves = call.buffers.subdivision.leaves;
-    if (call.frugal) {
+    if (call.low_memory) {
         if (call.units)
             for_each_unit(call, leaves.size(), [&](std::size_t l, std::size_t w) { work(leaves[l], w, false); });
         else
@@ -73,25 +73,25 @@ void search(const Call& call) {
     const StageKernels& kernels = call.kernels;
     Workers& workers = call.workers;
     Statistics& statistics = call.statistics;
-    LeafQuestion& question = call.question;
+    LeafQuery& query = call.query;
     Buffers& b = call.buffers;
     const std::int64_t n = scene.triangle_count();
     Stopwatch watch;
-    question.begin(call);
+    query.begin(call);
     for (const auto& worker : b.worker) worker->statistics = {};
-    if (call.frugal) b.warm = {};  // so that each pass makes the same leaves
+    if (call.low_memory) b.warm = {};  // so that each pass makes the same leaves
     const Levels levels = choose_triangles(call);
     statistics[Stage::bounds] += watch.lap();
     place_clusters(b.balls, n, b.included_or_null(), call.options, kernels, workers, b.warm, b.subdivision);
     statistics.clusters = b.subdivision.clusters;
 
-    const int together = call.frugal ? 1 : b.subdivision.clusters;
-    for (int k = 0; k < b.subdivision.clusters && !question.stop(); k += together) {
+    const int together = call.low_memory ? 1 : b.subdivision.clusters;
+    for (int k = 0; k < b.subdivision.clusters && !query.stop(); k += together) {
         gather_leaves(b.balls, n, k, k + together, call.options, kernels, workers, b.warm, b.subdivision);
         statistics[Stage::subdivide] += watch.lap();
-        if (!call.frugal) make_room_for_workers(call);
+        if (!call.low_memory) reserve_for_workers(call);
         for_each_leaf(call, [&](const Leaf& leaf, std::size_t worker, bool in_tiles) {
-            if (leaf.size < 2 || question.stop()) return;
+            if (leaf.size < 2 || query.stop()) return;
             Ownership ownership(scene, levels, b.subdivision, leaf);
             if (!align_leaf(call, leaf, ownership, worker)) return;
             sort_leaf(call, worker);
@@ -100,7 +100,7 @@ void search(const Call& call) {
         watch.lap();
     }
     for (const auto& worker : b.worker) add(worker->statistics, statistics);
-    question.finish(statistics);
+    query.finish(statistics);
 }
 
 }  // namespace crumple::cpu

@@ -6,7 +6,7 @@
 #include <atomic>
 
 #include "backends/cpu/buffers.h"
-#include "backends/cpu/leaf_question.h"
+#include "backends/cpu/leaf_query.h"
 #include "backends/cpu/parallel.h"
 #include "partition/levels.h"
 #include "scene/rules.h"
@@ -16,7 +16,7 @@ namespace crumple::cpu {
 /// Request, settings and resources of one call.
 struct Call {
     const PreparedScene& scene;
-    const GroupRule& rule;
+    const GroupFilter& rule;
     Levels levels;  ///< levels above the scene
     const Options& options;
     const StageKernels& kernels;
@@ -26,9 +26,9 @@ struct Call {
     MemoryMeter& meter;
     Buffers& buffers;
     Statistics& statistics;
-    LeafQuestion& question;
+    LeafQuery& query;
 
-    bool frugal = false;            ///< low memory: one cluster after another, on one worker
+    bool low_memory = false;        ///< low memory: one cluster after another, on one worker
     std::int64_t* units = nullptr;  ///< number of units that a stream has begun; null: no stream
     Inflation inflation = {};       ///< inflation of every triangle
 
@@ -51,16 +51,16 @@ void for_each_unit(const Call& call, std::size_t n, Task task) {
         try {
             for (std::size_t i; (i = next.fetch_add(1)) < n;) {
                 call.cancellation.check();
-                call.question.begin_unit(first + static_cast<std::int64_t>(i), worker);
+                call.query.begin_unit(first + static_cast<std::int64_t>(i), worker);
                 task(i, worker);
-                call.question.end_unit(worker);
+                call.query.end_unit(worker);
             }
         } catch (...) {
-            call.question.fail();
+            call.query.fail();
             throw;
         }
     };
-    if (call.frugal) return work(0);
+    if (call.low_memory) return work(0);
     call.workers.parallel_for(std::min(n, static_cast<std::size_t>(call.workers.workers())),
                               [&](std::size_t, std::size_t worker) { work(worker); });
 }

@@ -1,7 +1,7 @@
 // The cuda backend: uploads scenes, downloads results, and synchronizes our stream with those of callers.
 //
 // launch() enqueues a whole pass on the caller's stream and returns; wait() reads its counters. At most two launches
-// are in flight (device/flights.h). In a capture the pass becomes part of the caller's graph, and wait() reads the
+// are in flight (device/launch_queue.h). In a capture the pass becomes part of the caller's graph, and wait() reads the
 // result of its last replay (engine/launches.h).
 
 #include "backends/backend.h"
@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "backends/cuda/comparison_cases.h"
 #include "backends/cuda/device/cuda_device.h"
 #include "backends/cuda/engine/launches.h"
 #include "backends/cuda/features/device_feature_queries.h"
@@ -21,7 +22,6 @@
 #include "backends/cuda/input/host_shape.h"
 #include "backends/cuda/intersections/intersection_finder.h"
 #include "backends/cuda/intersections/posed_world_calls.h"
-#include "backends/cuda/known_answers.h"
 #include "crumple/error.h"
 #include "partition/levels.h"
 #include "partition/parts_of_scene.h"
@@ -36,7 +36,7 @@ class CudaBackend final : public BackendBase {
     CudaBackend(const Options& options, MemoryMeter& meter, Cancellation& cancellation)
         : state_(options, meter, cancellation) {
         reserve_stacks();
-        check_known_answers(state_.device, state_.stream.get());
+        check_comparison_cases(state_.device, state_.stream.get());
     }
     ~CudaBackend() override {
         const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);  // else waiting would invalidate captures
@@ -79,7 +79,7 @@ class CudaBackend final : public BackendBase {
     void find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) override {
         features_.find(scene, request, result);
     }
-    DeviceFeatureCalls& features_there() override { return features_; }
+    DeviceFeatureCalls& device_feature_search() override { return features_; }
 
     bool any(const PreparedScene& scene, const IntersectionQuery& query) override {
         return on_device(
@@ -121,12 +121,12 @@ class CudaBackend final : public BackendBase {
         return make_parts(prepare_scene(first, b ? &second : nullptr, false, *this, buffers), count, *this);
     }
 
-    bool find(const World& world, const IntersectionQuery& question, Intersections& result) override {
+    bool find(const World& world, const IntersectionQuery& query, Intersections& result) override {
         constexpr int several = 2;  // fewer worlds may fit where these do not
         return on_device(
             [&] {
                 follow(world.device_poses);
-                return worlds_.find(world, question, *this, result);
+                return worlds_.find(world, query, *this, result);
             },
             several);
     }
@@ -140,21 +140,21 @@ class CudaBackend final : public BackendBase {
     LaunchNumber launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) override {
         const auto stream = static_cast<cudaStream_t>(a.stream);
         const auto other = b ? static_cast<cudaStream_t>(b->stream) : stream;
-        const auto bind = [&](std::size_t slot, Room room) {
-            finder_.view(slot, a, b, query.weld, room);
-            finder_.adopt(query, room);
+        const auto bind = [&](std::size_t slot, Growth growth) {
+            finder_.view(slot, a, b, query.weld, growth);
+            finder_.adopt(query, growth);
         };
         return launch(stream, other, bind, false);
     }
-    LaunchNumber launch(const World& world, const IntersectionQuery& question) override {
+    LaunchNumber launch(const World& world, const IntersectionQuery& query) override {
         const auto stream = static_cast<cudaStream_t>(world.device_poses.stream);
-        const auto bind = [&](std::size_t slot, Room room) {
-            const auto bodies = worlds_.bodies_of(world, question.filter, *this, room);
+        const auto bind = [&](std::size_t slot, Growth growth) {
+            const auto bodies = worlds_.bodies_of(world, query.filter, *this, growth);
             if (!bodies)
                 throw Error(ErrorCode::invalid_argument,
                             "a launch takes at most 65535 worlds, and 16777216 triangles together");
-            finder_.pose(slot, bodies, world.device_poses, question.weld, question.output >= Output::pairs, room);
-            finder_.adopt(question, room);
+            finder_.pose(slot, bodies, world.device_poses, query.weld, query.output >= Output::pairs, growth);
+            finder_.adopt(query, growth);
         };
         return launch(stream, stream, bind, true);
     }
@@ -248,7 +248,7 @@ class CudaBackend final : public BackendBase {
         MemoryMeter unlimited;
         Block block(unlimited);
         Counters* counters = nullptr;
-        lay_out(block, [&](Cutter& c) { counters = c.take<Counters>(1); });
+        place_arrays(block, [&](Cutter& c) { counters = c.take<Counters>(1); });
         fill(stream, counters, 0, sizeof *counters);
         reserve_exact_stack(state_.geometry, stream, counters);
         reserve_contact_stack(state_.geometry, stream);
@@ -270,8 +270,8 @@ class CudaBackend final : public BackendBase {
         });
     }
 
-    LaunchNumber launch(cudaStream_t stream, cudaStream_t other, FunctionRef<void(std::size_t slot, Room room)> bind,
-                        bool of_worlds) {
+    LaunchNumber launch(cudaStream_t stream, cudaStream_t other,
+                        FunctionRef<void(std::size_t slot, Growth growth)> bind, bool of_worlds) {
         const LaunchNumber launched =
             on_device([&] { return launches_.launch(finder_, stream, other, bind, of_worlds); });
         DeviceIntersections& shown = shown_[launched % most_in_flight] = {};

@@ -1,6 +1,6 @@
 #pragma once
 
-// Small cases that exercise every path of the exact arithmetic, to compare a device with the host (known_answers.h).
+// Small cases that exercise every path of the exact arithmetic, to compare a device with the host (comparison_cases.h).
 // Each case is a pair of moving triangles that may share one or two vertices. Most start on a small integer grid, where
 // signs are often 0 or can be decided only with expansions.
 
@@ -12,7 +12,7 @@
 
 namespace crumple::cuda {
 
-struct KnownCases {
+struct ComparisonCases {
     /// Vertices at the start and at the end of the motion, six a case.
     std::vector<Vec3d> start, end;
     /// Vertex indices, three a triangle; triangles 2i and 2i + 1 are case i. Vertices replaced by shared ones are not
@@ -23,7 +23,7 @@ struct KnownCases {
 };
 
 /// Returns pseudo-random cases, identical on every machine.
-inline KnownCases make_known_cases(std::size_t count) {
+inline ComparisonCases make_comparison_cases(std::size_t count) {
     std::uint64_t state = 1;
     const auto below = [&](std::uint64_t n) {  // after Vigna's splitmix64
         std::uint64_t z = state += 0x9e3779b97f4a7c15;
@@ -35,7 +35,7 @@ inline KnownCases make_known_cases(std::size_t count) {
         const double x = below(width), y = below(width);
         return Vec3d{x, y, below(width)};
     };
-    KnownCases cases;
+    ComparisonCases cases;
     for (std::size_t i = 0; i < count; ++i) {
         std::array<Vec3d, 6> p;
         for (Vec3d& corner : p) corner = on_grid(4);

@@ -9,7 +9,7 @@
 #include "backends/pair_budget.h"
 #include "backends/reference/reference_features.h"
 #include "base/stopwatch.h"
-#include "exact/intersection/rational_intersection.h"
+#include "exact/intersection/exact_intersection.h"
 #include "partition/levels.h"
 #include "results/intersection_output.h"
 #include "scene/rules.h"
@@ -109,7 +109,7 @@ class Reference final : public BackendBase {
     }
 
     void release() override {
-        rule_ = GroupRule(&meter_);
+        rule_ = GroupFilter(&meter_);
         boxes_ = Array<Box>(&meter_);
     }
 
@@ -186,7 +186,7 @@ class Reference final : public BackendBase {
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
-    GroupRule rule_;
+    GroupFilter rule_;
     Array<Box> boxes_;
 };
 

@@ -68,7 +68,7 @@ PosedBodies::PosedBodies(const World& world, const PairFilter& filter, bool weld
     for (std::int32_t b = 0; b < outline_.bodies(); ++b) bodies_.push_back(posed_body(outline_, b, weld));
 }
 
-bool PosedBodies::is_wanted(std::int32_t a, std::int32_t b, bool self) const {
+bool PosedBodies::is_selected(std::int32_t a, std::int32_t b, bool self) const {
     const Body &one = outline_.body(a), &other = outline_.body(b);
     if (one.world != other.world && other.world != -1) return false;
     return (a == b ? rules_.within(a, self) : rules_.between(a, b)) && rules_.groups(one.group, other.group);
@@ -78,7 +78,7 @@ std::vector<BodyPair> PosedBodies::near_pairs(bool self) const {
     std::vector<BodyPair> pairs;
     for (std::int32_t a = 0; a < outline_.bodies(); ++a)
         for (std::int32_t b = self ? a : a + 1; b < outline_.bodies(); ++b)
-            if (is_wanted(a, b, self) && (a == b || overlap((*this)[a].box, (*this)[b].box))) pairs.push_back({a, b});
+            if (is_selected(a, b, self) && (a == b || overlap((*this)[a].box, (*this)[b].box))) pairs.push_back({a, b});
     return pairs;
 }
 

@@ -10,7 +10,7 @@
 
 #include "crumple/query.h"
 #include "crumple/world.h"
-#include "scene/body_rules.h"
+#include "scene/body_filter.h"
 #include "scene/open_surface.h"
 #include "scene/world_outline.h"
 
@@ -47,10 +47,10 @@ class PosedBodies {
     std::vector<std::int32_t> open_bodies(const BodyPair& pair, OpenSurfaces open, const char* query) const;
 
    private:
-    bool is_wanted(std::int32_t a, std::int32_t b, bool self) const;
+    bool is_selected(std::int32_t a, std::int32_t b, bool self) const;
 
     WorldOutline outline_;
-    BodyRules rules_;
+    BodyFilter rules_;
     std::vector<PosedBody> bodies_;
 };
 

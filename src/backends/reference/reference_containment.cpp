@@ -6,7 +6,7 @@
 
 #include "backends/reference/reference_bodies.h"
 #include "backends/reference/reference_worlds.h"
-#include "exact/overlap/rational_crossing.h"
+#include "exact/overlap/exact_crossing.h"
 #include "results/intersection_output.h"
 #include "results/world_output.h"
 

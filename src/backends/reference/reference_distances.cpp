@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "exact/distance/rational_nearest.h"
+#include "exact/distance/exact_nearest.h"
 #include "results/nearest_output.h"
-#include "scene/body_rules.h"
+#include "scene/body_filter.h"
 #include "scene/world_outline.h"
 #include "scene/world_scene.h"
 
@@ -47,7 +47,7 @@ std::vector<PosedTriangle> triangles_of(const WorldOutline& outline, std::int32_
 }
 
 void add_bodies(const std::vector<PosedTriangle>& all_a, const std::vector<PosedTriangle>& all_b,
-                const BodyRules& rules, double radius, Cancellation& cancellation, Distances& answer) {
+                const BodyFilter& rules, double radius, Cancellation& cancellation, Distances& answer) {
     std::optional<RationalNearest> least;
     Pair triangles{};
     for (const PosedTriangle& a : all_a) {
@@ -88,17 +88,17 @@ void keep_nearest(const World& world, std::int32_t worlds, Distances& answer) {
 
 }  // namespace
 
-void find_nearest_by_brute_force(const World& world, const DistanceQuery& question, MemoryMeter& meter,
+void find_nearest_by_brute_force(const World& world, const DistanceQuery& query, MemoryMeter& meter,
                                  Cancellation& cancellation, Distances& answer) {
     WorldOutline outline(&meter);
-    outline.read(world, question.filter);
-    BodyRules rules(&meter);
-    rules.prepare(question.filter);
+    outline.read(world, query.filter);
+    BodyFilter rules(&meter);
+    rules.prepare(query.filter);
     clear(answer);
     answer.statistics.backend = "reference";
     answer.statistics.simd = "scalar";
     answer.statistics.triangles = outline.triangles();
-    const bool nearest = question.output == Output::nearest;
+    const bool nearest = query.output == Output::nearest;
     std::vector<std::vector<PosedTriangle>> bodies;
     bodies.reserve(static_cast<std::size_t>(outline.bodies()));
     for (std::int32_t b = 0; b < outline.bodies(); ++b) bodies.push_back(triangles_of(outline, b));
@@ -107,7 +107,7 @@ void find_nearest_by_brute_force(const World& world, const DistanceQuery& questi
             const std::int32_t world_a = world.bodies[a].world, world_b = world.bodies[b].world;
             if (nearest && world_a == -1) continue;
             if (world_b == world_a || world_b == -1)
-                add_bodies(bodies[a], bodies[b], rules, question.radius, cancellation, answer);
+                add_bodies(bodies[a], bodies[b], rules, query.radius, cancellation, answer);
         }
     }
     if (nearest) keep_nearest(world, outline.worlds(), answer);

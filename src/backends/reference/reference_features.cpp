@@ -4,8 +4,8 @@
 #include <set>
 #include <vector>
 
-#include "exact/impact/rational_impact.h"
-#include "exact/impact/rational_separation.h"
+#include "exact/impact/exact_impact.h"
+#include "exact/impact/exact_min_distance.h"
 #include "exact/integer.h"
 #include "exact/proximity/rational_distance.h"
 #include "filters/features/feature_points.h"
@@ -288,10 +288,10 @@ class Search {
         if (query_.criterion == Criterion::proximity) {
             const RationalDistance distance(at_start(kind, p));
             const Reach one{query_.distance, 0, query_.strict}, sum{a.radius, b.radius, query_.strict};
-            if (!distance.within(query_.radii.empty() ? one : sum) || close_at_rest(kind, a, b)) return {};
+            if (!distance.within(query_.radii.empty() ? one : sum) || close_in_rest_shape(kind, a, b)) return {};
             return {true, distance.squared(), distance.touching()};
         }
-        const Separation separation{query_.distance, query_.share, query_.approaching_only};
+        const MinDistance separation{query_.distance, query_.share, query_.approaching_only};
         const Impact impact = separation.contact_only() ? first_contact(kind, p) : first_approach(kind, p, separation);
         if (separation.contact_only() && separation.approaching_only && impact.start) return {};  // they touch already
         return {impact.meets, impact.toi, impact.start};
@@ -310,7 +310,7 @@ class Search {
         }
         return vertex_vertex(p[0], p[1]);
     }
-    static Impact first_approach(FeatureKind kind, const FeaturePoints& p, const Separation& separation) {
+    static Impact first_approach(FeatureKind kind, const FeaturePoints& p, const MinDistance& separation) {
         switch (kind) {
             case FeatureKind::vertex_face:
                 return vertex_face(p[0], p[1], p[2], p[3], separation);
@@ -324,7 +324,7 @@ class Search {
         return vertex_vertex(p[0], p[1], separation);
     }
 
-    bool close_at_rest(FeatureKind kind, const Feature& a, const Feature& b) const {
+    bool close_in_rest_shape(FeatureKind kind, const Feature& a, const Feature& b) const {
         if (!query_.rest || !query_.rest->knows(a.vertices[0], b.vertices[0])) return false;
         Features features{kinds_of(kind), {}};
         std::size_t n = 0;

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "backends/reference/reference_bodies.h"
-#include "exact/intersection/rational_intersection.h"
+#include "exact/intersection/exact_intersection.h"
+#include "exact/overlap/exact_crossing.h"
 #include "exact/overlap/overlap_totals.h"
 #include "exact/overlap/pair_terms.h"
-#include "exact/overlap/rational_crossing.h"
 #include "exact/overlap/rational_sum.h"
 #include "results/joined_curves.h"
 #include "results/overlap_output.h"
@@ -399,7 +399,7 @@ void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query,
         orient(orientation(a), orientation(b), row);
         if (!query.gradient) row.gradient = {};
         if (!query.windings) row.windings = {};
-        if (is_listed(query, row)) add_row(query, {a, b}, outline.body(a).world, row, result);
+        if (is_in_result(query, row)) add_row(query, {a, b}, outline.body(a).world, row, result);
     }
     add_skipped(std::move(skipped), result);
     result.count = static_cast<std::int64_t>(result.bodies.size());

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "exact/intersection/decide_intersection.h"
-#include "exact/intersection/rational_intersection.h"
+#include "exact/intersection/exact_intersection.h"
 #include "results/world_output.h"
-#include "scene/body_rules.h"
+#include "scene/body_filter.h"
 #include "scene/world_scene.h"
 
 namespace crumple {
@@ -84,16 +84,16 @@ void add_contact(const Triangle& a, const Triangle& b, Intersections& result) {
 
 }  // namespace
 
-void find_by_brute_force(const World& world, const IntersectionQuery& question, MemoryMeter& meter,
+void find_by_brute_force(const World& world, const IntersectionQuery& query, MemoryMeter& meter,
                          Cancellation& cancellation, Intersections& result, const WorldBlocks* blocks) {
     WorldOutline outline(&meter);
-    outline.read(world, question.filter);
-    BodyRules rules(&meter);
-    rules.prepare(question.filter);
-    clear(result, outline, question);
+    outline.read(world, query.filter);
+    BodyFilter rules(&meter);
+    rules.prepare(query.filter);
+    clear(result, outline, query);
     result.statistics.backend = "reference";
     result.statistics.simd = "scalar";
-    const Everything everything(outline, question.weld);
+    const Everything everything(outline, query.weld);
     const std::vector<PosedTriangle>& all = everything.elements();
     for (std::size_t i = 0; i < all.size(); ++i) {
         cancellation.check();
@@ -104,17 +104,17 @@ void find_by_brute_force(const World& world, const IntersectionQuery& question, 
             if (!overlap(all[i].box, all[j].box) || !rules(all[i].of, all[j].of)) continue;
             ++result.statistics.box_overlaps;
             const RationalIntersection intersection = intersect_rationally(all[i].triangle, all[j].triangle);
-            if (!collide(intersection, question.neighbours, question.kind)) continue;
-            add_pair(outline, question, world_a == -1 ? outline.worlds() : world_a, {all[i].of.body, all[j].of.body},
+            if (!collide(intersection, query.neighbours, query.kind)) continue;
+            add_pair(outline, query, world_a == -1 ? outline.worlds() : world_a, {all[i].of.body, all[j].of.body},
                      {all[i].index, all[j].index}, result);
-            if (question.output == Output::contacts) add_contact(all[i].triangle, all[j].triangle, result);
+            if (query.output == Output::contacts) add_contact(all[i].triangle, all[j].triangle, result);
             if (blocks) blocks->pass_on(result);
         }
     }
     if (blocks)
         blocks->pass_on(result, true);
     else
-        finish(outline, question, result);
+        finish(outline, query, result);
 }
 
 }  // namespace crumple

@@ -9,7 +9,7 @@ namespace crumple {
 /// Finds intersections in a world by brute force: poses all triangles of all bodies, and decides all pairs that the
 /// filter keeps and whose boxes overlap, in rational arithmetic. Delivers blocks if `blocks` is not null. Shares with
 /// other engines how a world is read, the poses and the pair filter.
-void find_by_brute_force(const World& world, const IntersectionQuery& question, MemoryMeter& meter,
+void find_by_brute_force(const World& world, const IntersectionQuery& query, MemoryMeter& meter,
                          Cancellation& cancellation, Intersections& result, const WorldBlocks* blocks = nullptr);
 
 }  // namespace crumple

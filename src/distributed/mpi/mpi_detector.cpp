@@ -87,16 +87,16 @@ Fair fair_share(MPI_Comm communicator) {
 }
 
 // Chooses threads and device. Examines the machine only if some rank needs it. Collective.
-DistributedOptions settled(DistributedOptions options, MPI_Comm communicator) {
+DistributedOptions is_decided(DistributedOptions options, MPI_Comm communicator) {
     Options& own = options.detector;
-    const bool asks_threads = own.threads == 0 && !own.executor;
+    const bool chooses_threads = own.threads == 0 && !own.executor;
     const std::size_t devices =
         own.backend == Backend::cuda || own.backend == Backend::automatic ? list_devices().devices.size() : 0;
-    int asks = asks_threads || devices > 0;
+    int asks = chooses_threads || devices > 0;
     check_mpi(MPI_Allreduce(MPI_IN_PLACE, &asks, 1, MPI_INT, MPI_MAX, communicator), "MPI_Allreduce");
     if (!asks) return options;
     const Fair fair = fair_share(communicator);
-    if (asks_threads) own.threads = fair.threads;
+    if (chooses_threads) own.threads = fair.threads;
     // An invalid device is refused later, with all other options.
     if (devices > 0 && own.device >= 0)
         own.device =
@@ -113,7 +113,9 @@ struct Detector::Implementation {
     std::function<void()> poll;
 
     Implementation(MPI_Comm of, const DistributedOptions& options)
-        : communicator(of), transport(communicator.get()), detector(transport, settled(options, communicator.get())) {
+        : communicator(of),
+          transport(communicator.get()),
+          detector(transport, is_decided(options, communicator.get())) {
         // Runs within a collective error check: if the thread of one rank may not call MPI, the call ends on all ranks.
         detector.set_hook([this](Phase phase) {
             if (phase == Phase::query) check_thread();

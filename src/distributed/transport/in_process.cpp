@@ -7,7 +7,7 @@
 
 namespace crumple::distribute {
 
-void Hub::tell_of_change() {
+void Hub::notify_change() {
     ++changes_;
     changes_.notify_all();
 }
@@ -15,7 +15,7 @@ void Hub::tell_of_change() {
 void Hub::leave() {
     const std::lock_guard lock(mutex_);
     left_ = true;
-    tell_of_change();
+    notify_change();
 }
 
 template <class Ready>
@@ -35,7 +35,7 @@ void Hub::meet() {
     if (++here_ == size_) {
         here_ = 0;
         ++meetings_;
-        tell_of_change();
+        notify_change();
         return;
     }
     wait(lock, [&] { return meetings_ != meeting; });
@@ -82,7 +82,7 @@ void InProcess::exchange(std::span<const Outgoing> out, std::span<const Incoming
     std::unique_lock lock(hub_->mutex_);
     for (const Outgoing& message : out)
         if (!message.bytes.empty()) hub_->box(rank_, message.rank).bytes = message.bytes.data();
-    hub_->tell_of_change();
+    hub_->notify_change();
     for (const Incoming& message : in) {
         if (message.bytes.empty()) continue;
         Hub::Box& box = hub_->box(message.rank, rank_);
@@ -91,7 +91,7 @@ void InProcess::exchange(std::span<const Outgoing> out, std::span<const Incoming
         std::memcpy(message.bytes.data(), box.bytes, message.bytes.size());
         lock.lock();
         box.bytes = nullptr;
-        hub_->tell_of_change();
+        hub_->notify_change();
     }
     for (const Outgoing& message : out)
         if (!message.bytes.empty()) hub_->wait(lock, [&] { return hub_->box(rank_, message.rank).bytes == nullptr; });

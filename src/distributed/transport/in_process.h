@@ -32,7 +32,7 @@ class Hub {
     /// Barrier: returns when all ranks have called it.
     void meet();
     /// Wakes all waiting ranks. Requires the lock.
-    void tell_of_change();
+    void notify_change();
     template <class Ready>
     void wait(std::unique_lock<std::mutex>& lock, Ready ready);
     Box& box(int from, int to) {

@@ -32,7 +32,7 @@ class Rounds {
     template <class Row, class Pack, class Unpack>
     void exchange(const Traffic& traffic, Pack pack, Unpack unpack) {
         const auto self = static_cast<std::size_t>(transport_.rank());
-        hand_over<Row>(static_cast<int>(self), traffic.out[self], pack, unpack);
+        swap_out<Row>(static_cast<int>(self), traffic.out[self], pack, unpack);
         const std::int64_t most = rows_at_once(sizeof(Row));
         std::int64_t rounds = 0;
         for (std::size_t r = 0; r < traffic.out.size(); ++r)
@@ -82,7 +82,7 @@ class Rounds {
    private:
     // Passes a rank's rows for itself through a buffer that fits into the CPU's cache.
     template <class Row, class Pack, class Unpack>
-    void hand_over(int self, std::int64_t count, Pack pack, Unpack unpack) {
+    void swap_out(int self, std::int64_t count, Pack pack, Unpack unpack) {
         constexpr auto at_once =
             static_cast<std::int64_t>(std::max<std::size_t>(1, (std::size_t{1} << 16) / sizeof(Row)));
         std::vector<Row> rows(static_cast<std::size_t>(std::min(count, at_once)));

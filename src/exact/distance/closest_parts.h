@@ -1,13 +1,13 @@
 #pragma once
 
 // Closest parts (vertices, edges, faces) of two triangles, identified by their points, so that equal parts of different
-// triangles are recognized without arithmetic: the six or more triangles at a mesh vertex are often equally close to
+// triangles are recognised without arithmetic: the six or more triangles at a mesh vertex are often equally close to
 // another triangle. Host only.
 
 #include <algorithm>
 #include <span>
 
-#include "exact/distance/quick_nearest.h"
+#include "exact/distance/filtered_nearest.h"
 #include "exact/proximity/decide_distance.h"
 
 namespace crumple {
@@ -31,7 +31,7 @@ struct TrianglePart {
 class ClosestParts {
    public:
     /// Constructs the parts that `quick` has found for the triangles a and b.
-    ClosestParts(const TrianglePoints& a, const TrianglePoints& b, const QuickNearest& quick)
+    ClosestParts(const TrianglePoints& a, const TrianglePoints& b, const FilteredNearest& quick)
         : direction_(quick.direction()), error_(quick.error()) {
         const std::size_t k = quick.feature();
         if (k < 3) {

@@ -39,7 +39,7 @@ LeastDistance decide_nearest(Array<NearestCandidate>& candidates, const NearestC
                              double radius, std::int64_t& rational) {
     std::sort(candidates.begin(), candidates.end(),
               [](const auto& x, const auto& y) { return x.triangles < y.triangles; });
-    const ClosestParts parts(closest.a, closest.b, QuickNearest(closest.a, closest.b));
+    const ClosestParts parts(closest.a, closest.b, FilteredNearest(closest.a, closest.b));
     std::optional<Pair> first;  // first pair whose distance is certainly that of the parts
     std::optional<RationalNearest> least;
     Pair least_triangles{};

@@ -8,7 +8,7 @@
 #include "crumple/array.h"
 #include "crumple/intersections.h"
 #include "exact/distance/closest_parts.h"
-#include "exact/distance/rational_nearest.h"
+#include "exact/distance/exact_nearest.h"
 
 namespace crumple {
 

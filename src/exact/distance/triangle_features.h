@@ -7,7 +7,7 @@
 #include <array>
 #include <cstddef>
 
-#include "exact/proximity/resting_features.h"
+#include "exact/proximity/static_features.h"
 
 namespace crumple {
 

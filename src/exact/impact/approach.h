@@ -53,7 +53,7 @@ CRUMPLE_HD inline Vec3d cross_magnitude(const Vec3d& a, const Vec3d& b) {
 template <FeaturePair pair>
 struct Approach {
     MovingVector u, v, w;
-    Vec3d reach_u, reach_v, reach_w;
+    Vec3d extent_u, extent_v, extent_w;
     double reach;      ///< bounds the sum of all magnitudes
     double slack;      ///< exceeds the underflow error of anything computed from the vectors
     double magnitude;  ///< bounds the sum of the magnitudes of the monomials of (u x v) . w
@@ -71,12 +71,12 @@ struct Approach {
         : u(x[0]),
           v(x[1]),
           w(x[2]),
-          reach_u(u.reach()),
-          reach_v(v.reach()),
-          reach_w(w.reach()),
+          extent_u(u.reach()),
+          extent_v(v.reach()),
+          extent_w(w.reach()),
           reach(u.sum() + v.sum() + w.sum()),
           slack(0x1p-1022 * (1 + reach) * (1 + reach)),
-          magnitude(dot(cross_magnitude(reach_u, reach_v), reach_w)) {}
+          magnitude(dot(cross_magnitude(extent_u, extent_v), extent_w)) {}
 };
 
 }  // namespace crumple

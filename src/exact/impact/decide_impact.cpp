@@ -1,7 +1,7 @@
 #include "exact/impact/decide_impact.h"
 
-#include "exact/impact/quick_impact.h"
-#include "exact/impact/rational_impact.h"
+#include "exact/impact/exact_impact.h"
+#include "exact/impact/filtered_impact.h"
 
 namespace crumple {
 namespace {
@@ -58,7 +58,7 @@ Impact decide(const FourPoints& points, ImpactCounts& counts, Filtered filtered)
         const Volume volume(x);
         if (filtered == Filtered::no && surely_apart(x, volume)) return {};
         ++counts.roots;
-        const QuickImpact quick = first_impact(points, x, volume);
+        const FilteredImpact quick = first_impact(points, x, volume);
         if (quick.verdict != Certainty::unknown) return {quick.verdict == Certainty::meets, quick.toi, quick.start};
     } else {
         ++counts.roots;

@@ -6,7 +6,7 @@ namespace crumple {
 
 /// Requested minimum distance, the larger of `distance` and a share of the distance at the start. The result is the
 /// first time at which the distance of two features is at most this.
-struct Separation {
+struct MinDistance {
     double distance = 0;  ///< Euclidean, finite and not negative
     double share = 0;     ///< share of the distance at the start, in [0, 1)
     /// True if features that start within the minimum distance only count once they come closer than at the start

@@ -12,7 +12,7 @@
 #include <array>
 
 #include "exact/impact/impact.h"
-#include "exact/proximity/resting_features.h"
+#include "exact/proximity/static_features.h"
 
 namespace crumple::detail {
 

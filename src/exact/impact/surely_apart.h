@@ -23,7 +23,7 @@ CRUMPLE_HD inline int side(double u, double v, double w, double bound) {
 /// True if a direction certainly separates the features at all times. Any direction is valid.
 template <FeaturePair pair>
 CRUMPLE_HD inline bool separates(const Vec3d& direction, const Approach<pair>& x) {
-    const double bound = 8 * epsilon * dot(abs(direction), x.reach_u + x.reach_v + x.reach_w) + x.slack;
+    const double bound = 8 * epsilon * dot(abs(direction), x.extent_u + x.extent_v + x.extent_w) + x.slack;
     const int start =
         side<pair>(dot(direction, x.u.start), dot(direction, x.v.start), dot(direction, x.w.start), bound);
     return start != 0 &&

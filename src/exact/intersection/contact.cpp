@@ -4,7 +4,7 @@
 #include "exact/intersection/contact.h"
 
 #include "exact/intersection/contact_on_line.h"
-#include "exact/intersection/rational_intersection.h"
+#include "exact/intersection/exact_intersection.h"
 
 namespace crumple {
 namespace {

@@ -1,7 +1,7 @@
 #include "exact/intersection/decide_intersection.h"
 
+#include "exact/intersection/exact_intersection.h"
 #include "exact/intersection/intersection_decision.h"
-#include "exact/intersection/rational_intersection.h"
 
 namespace crumple {
 

@@ -46,7 +46,7 @@ int sign_on_line(const Point& p, const Point& q, int axis) {
 }  // namespace detail
 
 /// Adds twice the common area of the projections of a and b, neither of which may be degenerate, to `sum`. Calls
-/// sum.add(x), and sum.add_share(x, start, end) to add x · start / (start − end).
+/// sum.add(x), and sum.add_part(x, start, end) to add x · start / (start − end).
 template <class Projection, class Corners, class Sum>
 void add_common_area(const Projection& projection, Corners a, Corners b, Sum& sum) {
     const std::array<Corners*, 2> faces{&a, &b};
@@ -78,7 +78,7 @@ void add_common_area(const Projection& projection, Corners a, Corners b, Sum& su
         for (std::size_t j = 0; j < 3; ++j) {
             if (side[of][i][j] == side[of][next][j] || side[1 - of][j][i] == side[1 - of][next_corner(j)][i]) continue;
             const bool leaves = side[of][i][j] > 0;
-            sum.add_share(leaves ? cone : -cone, value(of, i, j), value(of, next, j));
+            sum.add_part(leaves ? cone : -cone, value(of, i, j), value(of, next, j));
         }
     };
     add_edge(0, 1, projection.value(a[0], a[1], a[2]));

@@ -64,7 +64,7 @@ class FixedSum {
         2110 / digit_bits + 5;  ///< 2^-1074 to beyond 2^1024 times any number of terms
     static constexpr std::int64_t most_additions = std::int64_t{1} << 30;
 
-    /// Normalizes all digits but the last used one to 0 .. 2^32 - 1.
+    /// Normalises all digits but the last used one to 0 .. 2^32 - 1.
     void carry();
     /// Carries, and replaces the sum by its absolute value. Returns true if it was negative.
     bool make_magnitude();

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/cancellation.h"
-#include "exact/overlap/rational_crossing.h"
+#include "exact/overlap/exact_crossing.h"
 #include "exact/overlap/scaled.h"
 
 namespace crumple {

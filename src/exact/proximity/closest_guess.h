@@ -10,7 +10,7 @@
 // bound, and if it is right, both bounds meet.
 
 #include "exact/proximity/double_word_vec.h"
-#include "exact/proximity/resting_features.h"
+#include "exact/proximity/static_features.h"
 
 namespace crumple {
 
@@ -155,7 +155,7 @@ CRUMPLE_HD inline Guess guess_closest(const Differences& d) {
 
 /// True if the distance certainly exceeds the reach. This is the cheapest test, of one direction, from middle to
 /// middle. False proves nothing.
-CRUMPLE_HD inline bool surely_beyond(const Features& features, const Reach& reach) {
+CRUMPLE_HD inline bool surely_out_of_reach(const Features& features, const Reach& reach) {
     const detail::Differences d(features);
     const double share = d.kinds == FeatureKinds::vertex_face ? 1.0 / 3 : 0.5;
     return d.beyond(d.w + share * (d.u + d.v), reach.a + reach.b);

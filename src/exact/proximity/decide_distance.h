@@ -1,12 +1,12 @@
 #pragma once
 
-// Exact distance of two static features: by quick_distance.h, and by rational arithmetic where that filter is not
+// Exact distance of two static features: by filtered_distance.h, and by rational arithmetic where that filter is not
 // certain. Host only.
 
 #include <cstdint>
 #include <optional>
 
-#include "exact/proximity/quick_distance.h"
+#include "exact/proximity/filtered_distance.h"
 #include "exact/proximity/rational_distance.h"
 
 namespace crumple {
@@ -41,7 +41,7 @@ class Distance {
     const RationalDistance& exact();
 
     Features features_;
-    QuickDistance quick_;
+    FilteredDistance quick_;
     std::optional<detail::Enclosure> enclosure_;
     std::optional<RationalDistance> exact_;
     DistanceCounts& counts_;

@@ -59,7 +59,7 @@ class Enclosure {
     /// Return true if the features certainly have a point in common (touching), or certainly have none (apart).
     CRUMPLE_HD bool touching() {
         if (certainly_touching()) return true;
-        return !apart() && settle() && certainly_touching();
+        return !apart() && decide_type() && certainly_touching();
     }
     CRUMPLE_HD bool apart() const { return below_ < 0.5 * squared_.high; }
 
@@ -75,7 +75,7 @@ class Enclosure {
             rounded = squared_.high + (squared_.low + above_);
             return squared_.high + (squared_.low - below_) == rounded;
         };
-        return certain() || (settle() && certain());
+        return certain() || (decide_type() && certain());
     }
 
     /// True if it is certain which float64 is the largest not above the distance; then sets `rounded` to it.
@@ -100,7 +100,7 @@ class Enclosure {
             if (precise.type_certain() && precise.parameters(points.at)) return true;
         }
         points.type = type_;
-        return settle() && settled_type_certain() && parameters(points.at);
+        return decide_type() && is_type_certain() && parameters(points.at);
     }
 
    private:
@@ -255,14 +255,14 @@ class Enclosure {
                      slack = 16 * epsilon * epsilon * square.high + near_slack;
         if (difference.high > 0 && size > below_ + slack) return 1;
         if (difference.high < 0 && size > above_ + slack) return -1;
-        if (!in_expansion_range(x.high) || !in_expansion_range(x.low) || !settle()) return undecided;
+        if (!in_expansion_range(x.high) || !in_expansion_range(x.low) || !decide_type()) return undecided;
         return compare_with_square_exactly(squared_, x);
     }
 
     CRUMPLE_HD bool certainly_touching() const { return squared_.high == 0 && above_ == 0; }
 
     /// True if nothing was rounded. Then the enclosure shrinks to one number.
-    CRUMPLE_HD bool settle() {
+    CRUMPLE_HD bool decide_type() {
         if (settled_ == Settled::untried) {
             const bool exact = certainly_touching() || (s_low_ == 0 && t_low_ == 0 && is_exact(seen_, g_, squared_));
             settled_ = exact ? Settled::yes : Settled::no;
@@ -273,14 +273,14 @@ class Enclosure {
 
     /// True if the type is certain after settle() has returned true. As nothing was rounded, the guess is a closest
     /// point. It is the only one if f is curved, and on no smaller part if it is inside.
-    CRUMPLE_HD bool settled_type_certain() const {
+    CRUMPLE_HD bool is_type_certain() const {
         if (certainly_touching() && seen_.free == 0) return true;
         const double s = seen_.s, t = seen_.t;
         const bool inside = (seen_.free < 1 || (s > 0 && s < 1)) && (seen_.free < 2 || (t > 0 && t < 1));
         return inside && (kinds_ == FeatureKinds::vertex_edge ? uu_ > least_squared : curved());
     }
 
-    SeenFromGuess seen_;
+    VectorsFromGuess seen_;
     double s_low_ = 0, t_low_ = 0;  ///< corrections to the guess
     Vec3dw g_{};                    ///< w + s u + t v
     double error_ = 0;              ///< bound on the sum of its components' errors

@@ -1,7 +1,7 @@
 #pragma once
 
 // Batch of static features that are known to be near, in columns for SIMD lanes (squared_distances-inl.h). Values are
-// those of SeenFromGuess, except that differences are not computed yet.
+// those of VectorsFromGuess, except that differences are not computed yet.
 
 #include <algorithm>
 #include <cstddef>

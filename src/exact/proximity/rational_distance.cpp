@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "exact/intersection/rational_intersection.h"
+#include "exact/intersection/exact_intersection.h"
 
 namespace crumple {
 namespace {
@@ -34,7 +34,7 @@ std::uint8_t number(Type type) {
 }
 
 /// Replaces `best` by `other` if that is closer, or equally close and of lower type.
-void take_closer(Parts& best, Parts&& other) {
+void keep_closer(Parts& best, Parts&& other) {
     if (other.squared < best.squared || (other.type < best.type && other.squared == best.squared)) {
         best = std::move(other);
     }
@@ -73,10 +73,10 @@ Parts vertex_face(const Point& p, const Point& a, const Point& b, const Point& c
     Parts best = edge(a, b, {P_T0, P_T1, P_E0});
     Parts second = edge(b, c, {P_T1, P_T2, P_E1});
     second.at = {complement(second.at[0]), second.at[0]};
-    take_closer(best, std::move(second));
+    keep_closer(best, std::move(second));
     Parts third = edge(c, a, {P_T2, P_T0, P_E2});
     third.at = {Quotient{0}, complement(third.at[0])};
-    take_closer(best, std::move(third));
+    keep_closer(best, std::move(third));
     return best;
 }
 
@@ -102,9 +102,9 @@ Parts edge_edge(const Point& a, const Point& b, const Point& c, const Point& d) 
         return parts;
     };
     Parts best = on_second(a, Quotient{0}, {EA0_EB0, EA0_EB1, EA0_EB});
-    take_closer(best, on_second(b, Quotient{1}, {EA1_EB0, EA1_EB1, EA1_EB}));
-    take_closer(best, on_first(c, Quotient{0}, {EA0_EB0, EA1_EB0, EA_EB0}));
-    take_closer(best, on_first(d, Quotient{1}, {EA0_EB1, EA1_EB1, EA_EB1}));
+    keep_closer(best, on_second(b, Quotient{1}, {EA1_EB0, EA1_EB1, EA1_EB}));
+    keep_closer(best, on_first(c, Quotient{0}, {EA0_EB0, EA1_EB0, EA_EB0}));
+    keep_closer(best, on_first(d, Quotient{1}, {EA0_EB1, EA1_EB1, EA_EB1}));
     return best;
 }
 

@@ -4,7 +4,7 @@
 // faster versions, and their fallback. The derivation is in docs/nearness_algebra.md. Host only.
 
 #include "exact/integer.h"
-#include "exact/proximity/resting_features.h"
+#include "exact/proximity/static_features.h"
 
 namespace crumple {
 

@@ -31,12 +31,12 @@ CRUMPLE_HD inline Numbering numbering(FeatureKinds kinds, std::uint8_t type) {
 }
 
 /// Exact w, u and v, and the guess. Two vertices have u = v = 0, a vertex and an edge v = 0.
-struct SeenFromGuess {
+struct VectorsFromGuess {
     Vec3dw w{}, u{}, v{};
     double s = 0, t = 0;
     std::uint8_t free;
 
-    CRUMPLE_HD SeenFromGuess(const Features& features, const Guess& guess) {
+    CRUMPLE_HD VectorsFromGuess(const Features& features, const Guess& guess) {
         const Numbering order = numbering(features.kinds, guess.type);
         const auto point = [&](std::size_t i) { return features.point[order.point[i]]; };
         w = exact_difference(point(0), point(2));

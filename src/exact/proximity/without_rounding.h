@@ -20,7 +20,7 @@ CRUMPLE_HD inline Expansion<6> exact_product(const Vec3dw& p, const Vec3dw& q) {
 }
 
 /// True if g = w + s u + t v exactly.
-CRUMPLE_HD inline bool is_combination(const SeenFromGuess& seen, const Vec3dw& g) {
+CRUMPLE_HD inline bool is_combination(const VectorsFromGuess& seen, const Vec3dw& g) {
     for (int axis = 0; axis < 3; ++axis) {
         const auto moved =
             Expansion<2>(two_product(seen.s, seen.u[axis].high)) + Expansion<2>(two_product(seen.t, seen.v[axis].high));
@@ -31,7 +31,7 @@ CRUMPLE_HD inline bool is_combination(const SeenFromGuess& seen, const Vec3dw& g
 
 /// True if the features are closest exactly at the guess, g is the difference there, and `squared` is its square. False
 /// also if numbers are not plain().
-CRUMPLE_HD_COLD inline bool is_exact(const SeenFromGuess& seen, const Vec3dw& g, DoubleWord squared) {
+CRUMPLE_HD_COLD inline bool is_exact(const VectorsFromGuess& seen, const Vec3dw& g, DoubleWord squared) {
     if (!plain(seen.w) || !plain(seen.u) || !plain(seen.v) || !plain(g)) return false;
     if (!in_expansion_range(seen.s) || !in_expansion_range(seen.t) || !is_combination(seen, g)) return false;
     const int along_u = exact_product(g, seen.u).sign(), along_v = exact_product(g, seen.v).sign();

@@ -22,7 +22,7 @@ struct FeatureBox {
 
 /// Returns the box of `count` vertices or, if the scene moves, of their trajectories. Exact: reads the caller's
 /// coordinates.
-inline FeatureBox box_of_way(const PreparedScene& scene, const std::int32_t* vertex, int count) {
+inline FeatureBox swept_box(const PreparedScene& scene, const std::int32_t* vertex, int count) {
     FeatureBox box(scene.position(vertex[0]));
     for (int k = 0; k < count; ++k) {
         if (k > 0) box.add(scene.position(vertex[k]));
@@ -44,7 +44,7 @@ CRUMPLE_HD inline bool reaches(double low, double high, double r) {
     return lost_in_sum(low, -r) <= lost_in_sum(high, r);
 }
 
-CRUMPLE_HD inline bool grown_boxes_overlap(const FeatureBox& a, const FeatureBox& b, double r) {
+CRUMPLE_HD inline bool inflated_boxes_overlap(const FeatureBox& a, const FeatureBox& b, double r) {
     for (int axis = 0; axis < 3; ++axis)
         if (!reaches(a.low[axis], b.high[axis], r) || !reaches(b.low[axis], a.high[axis], r)) return false;
     return true;

@@ -21,7 +21,7 @@ inline constexpr float place_error = 10 * unit_roundoff, volume_error = 14 * uni
 inline constexpr float place_slack = 1e-30f, volume_slack = 1e-32f;
 
 template <int moments>
-struct SeenFeatures {
+struct FeatureVectors {
     Vec3f to[moments][3];
 
     /// Returns bounds on the |components| of vector i at all times.
@@ -45,7 +45,7 @@ CRUMPLE_HD int side(float place1, float place2, float place3, float gap) {
 /// Returns true if a direction separates the features by more than `distance` at each time sample, on the same side.
 /// `reach`: sum of seen.reach() of the three vectors.
 template <FeatureKind kind, int moments>
-CRUMPLE_HD bool separates(const Vec3f& direction, const SeenFeatures<moments>& seen, const Vec3f& reach,
+CRUMPLE_HD bool separates(const Vec3f& direction, const FeatureVectors<moments>& seen, const Vec3f& reach,
                           float distance) {
     const float gap = place_error * dot(abs(direction), reach) + place_slack + distance * up * length(direction);
     const auto side_at = [&](int m) {
@@ -71,7 +71,7 @@ CRUMPLE_HD inline float share_to_filter(double share) {
 /// Returns an upper bound on the distance at the start: the least distance between two vertices or between the middles.
 /// The vectors compared err by less than 6 u of the sum of all magnitudes.
 template <FeatureKind kind, int moments>
-CRUMPLE_HD float most_at_start(const SeenFeatures<moments>& seen) {
+CRUMPLE_HD float most_at_start(const FeatureVectors<moments>& seen) {
     const Vec3f(&to)[3] = seen.to[0];
     const auto square = [](const Vec3f& v) { return dot(v, v); };
     float least = min(square(to[1]), square(to[2]));
@@ -107,7 +107,7 @@ CRUMPLE_HD inline Vec3f product_magnitudes(const Vec3f& a, const Vec3f& b) {
 
 /// Returns true if the four points are coplanar at no time: the Bernstein coefficients of six times their volume, a
 /// cubic in time, have one sign. `magnitude`: bound on the sum of the magnitudes of a determinant's monomials.
-CRUMPLE_HD inline bool never_in_a_plane(const SeenFeatures<2>& seen, float magnitude) {
+CRUMPLE_HD inline bool never_in_a_plane(const FeatureVectors<2>& seen, float magnitude) {
     const Vec3f(&p)[3] = seen.to[0], (&q)[3] = seen.to[1];
     const Vec3f start = cross(p[0], p[1]), mixed = cross(p[0], q[1]) + cross(q[0], p[1]), end = cross(q[0], q[1]);
     const float b0 = dot(start, p[2]), b3 = dot(end, q[2]);
@@ -120,12 +120,12 @@ CRUMPLE_HD inline bool never_in_a_plane(const SeenFeatures<2>& seen, float magni
 /// Returns true if static features are further apart than `distance` by a plane: the vertex from the face's plane, or
 /// the two parallel planes that hold an edge each.
 template <FeatureKind kind>
-CRUMPLE_HD bool plane_is_far(const SeenFeatures<1>& seen, float magnitude, float distance) {
+CRUMPLE_HD bool plane_is_far(const FeatureVectors<1>& seen, float magnitude, float distance) {
     const Vec3f(&p)[3] = seen.to[0];
     const Vec3f a = first_edge<kind>(p), b = second_edge<kind>(p);
-    const Vec3f reach_a = kind == FeatureKind::vertex_face ? abs(p[0]) + abs(p[1]) : abs(p[0]);
-    const Vec3f reach_b = kind == FeatureKind::vertex_face ? abs(p[0]) + abs(p[2]) : abs(p[1]) + abs(p[2]);
-    const Vec3f n = cross(a, b), off = product_magnitudes(reach_a, reach_b);
+    const Vec3f extent_a = kind == FeatureKind::vertex_face ? abs(p[0]) + abs(p[1]) : abs(p[0]);
+    const Vec3f extent_b = kind == FeatureKind::vertex_face ? abs(p[0]) + abs(p[2]) : abs(p[1]) + abs(p[2]);
+    const Vec3f n = cross(a, b), off = product_magnitudes(extent_a, extent_b);
     const float most = up * length(n) + normal_error * (off.x + off.y + off.z) + volume_slack;
     return std::abs(dot(cross(p[0], p[1]), p[2])) > distance * up * most + volume_error * magnitude + volume_slack;
 }
@@ -133,7 +133,7 @@ CRUMPLE_HD bool plane_is_far(const SeenFeatures<1>& seen, float magnitude, float
 /// Returns true if the features are certainly further apart than `distance` at all times; false decides nothing. Cheap
 /// tests, which find most such pairs.
 template <FeatureKind kind, int moments>
-CRUMPLE_HD bool surely_far_coarse(const SeenFeatures<moments>& seen, float distance) {
+CRUMPLE_HD bool surely_far_coarse(const FeatureVectors<moments>& seen, float distance) {
     const Vec3f reach[3] = {seen.reach(0), seen.reach(1), seen.reach(2)};
     const Vec3f all = reach[0] + reach[1] + reach[2];
     const float magnitude = dot(product_magnitudes(reach[0], reach[1]), reach[2]);
@@ -151,7 +151,7 @@ CRUMPLE_HD bool surely_far_coarse(const SeenFeatures<moments>& seen, float dista
 /// Tries more directions, for pairs that the coarse tests leave. Closest points often lie on an edge, so these
 /// directions are mostly perpendicular to one.
 template <FeatureKind kind, int moments>
-CRUMPLE_HD bool surely_far_fine(const SeenFeatures<moments>& seen, float distance) {
+CRUMPLE_HD bool surely_far_fine(const FeatureVectors<moments>& seen, float distance) {
     const Vec3f all = seen.reach(0) + seen.reach(1) + seen.reach(2);
     for (int m = 0; m < moments; ++m) {
         const Vec3f(&to)[3] = seen.to[m];
@@ -165,7 +165,7 @@ CRUMPLE_HD bool surely_far_fine(const SeenFeatures<moments>& seen, float distanc
 }
 
 template <FeatureKind kind, int moments>
-CRUMPLE_HD bool surely_far(const SeenFeatures<moments>& seen, float distance) {
+CRUMPLE_HD bool surely_far(const FeatureVectors<moments>& seen, float distance) {
     return surely_far_coarse<kind>(seen, distance) || surely_far_fine<kind>(seen, distance);
 }
 

@@ -7,7 +7,7 @@
 
 #include "crumple/features.h"
 #include "exact/impact/impact.h"
-#include "exact/proximity/resting_features.h"
+#include "exact/proximity/static_features.h"
 #include "scene/prepared_scene.h"
 
 namespace crumple {

@@ -9,8 +9,8 @@ namespace crumple {
 
 /// Returns the limit on the distance of a pair of features: the largest radius of each feature's vertices or, if there
 /// are no radii, all of `distance` as the first feature's.
-CRUMPLE_HD inline Reach reach_of(FeatureKind kind, const std::int32_t (&vertex)[4], const double* radii,
-                                 double distance, bool strict) {
+CRUMPLE_HD inline Reach distance_limit_of(FeatureKind kind, const std::int32_t (&vertex)[4], const double* radii,
+                                          double distance, bool strict) {
     if (!radii) return {distance, 0, strict};
     const double r[4] = {radii[vertex[0]], radii[vertex[1]], radii[vertex[2]], radii[vertex[3]]};
     const double last = max(r[2], r[3]);

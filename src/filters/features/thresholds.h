@@ -11,7 +11,7 @@ namespace crumple {
 CRUMPLE_HD inline Inflation inflation_of(const Normaliser& normaliser, double distance, double share) {
     Inflation inflation;
     if (distance > 0) inflation.half = normalised_length(distance, normaliser) * 0.500001f + 1e-30f;
-    if (share > 0) inflation.of_way = static_cast<float>(min(1e30, share / (1 - share))) * 1.000001f;
+    if (share > 0) inflation.path_share = static_cast<float>(min(1e30, share / (1 - share))) * 1.000001f;
     return inflation;
 }
 

@@ -10,7 +10,7 @@ namespace crumple {
 
 /// Options of a query that the filters depend on.
 struct NarrowPolicy {
-    bool skip_neighbours = false;
+    bool skip_adjacent = false;
     bool proper = false;
     friend bool operator==(const NarrowPolicy&, const NarrowPolicy&) = default;
 };
@@ -59,7 +59,7 @@ CRUMPLE_HD inline PairKind classify(const PairSigns& s, const NarrowPolicy& poli
     const auto single = [](unsigned corners) { return corners == 1 || corners == 2 || corners == 4; };
     const auto next_corner = [](unsigned corner) { return corner == 4 ? 1u : 2 * corner; };
     const bool neighbours = s.shared_b != 0;
-    if (neighbours && policy.skip_neighbours) return PairKind::apart;
+    if (neighbours && policy.skip_adjacent) return PairKind::apart;
     // Duplicated faces are left to the exact test.
     if (s.shared_b != 7 && ((s.above_a | s.shared_b) == 7 || (s.below_a | s.shared_b) == 7 ||
                             (s.above_b | s.shared_a) == 7 || (s.below_b | s.shared_a) == 7))

@@ -35,7 +35,7 @@ class Expander {
             if (size_ == out_.size()) grow();
             status = step();
         }
-        if (size_ > most_) fail_beyond_measure();
+        if (size_ > most_) fail_too_large();
         out_.resize(size_);
         return std::move(out_);
     }
@@ -64,11 +64,11 @@ class Expander {
     }
 
     void grow() {
-        if (size_ > most_) fail_beyond_measure();
+        if (size_ > most_) fail_too_large();
         out_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(2 * std::uint64_t{size_}, most_ + 1)));
     }
 
-    [[noreturn]] void fail_beyond_measure() const {
+    [[noreturn]] void fail_too_large() const {
         fail("the file expands beyond measure: it is " + std::string(expansion_rule));
     }
     /// Throws Error (format) that names the current byte of the compressed data.

@@ -20,14 +20,14 @@ class Sink {
     Sink& operator=(const Sink&) = delete;
     ~Sink() {
         try {
-            make_room(buffer_.size());
+            reserve(buffer_.size());
         } catch (...) {
             // A stream that throws has also set its state, which its owner checks.
         }
     }
 
     Sink& operator<<(char c) {
-        make_room(1);
+        reserve(1);
         buffer_[used_++] = c;
         return *this;
     }
@@ -39,7 +39,7 @@ class Sink {
 
     template <class Number>
     requires std::is_arithmetic_v<Number> Sink& operator<<(Number value) {
-        make_room(longest_number);
+        reserve(longest_number);
         char* const begin = buffer_.data() + used_;
         used_ += static_cast<std::size_t>(std::to_chars(begin, begin + longest_number, value).ptr - begin);
         return *this;
@@ -51,7 +51,7 @@ class Sink {
     }
 
     void bytes(const char* data, std::size_t size) {
-        make_room(size);
+        reserve(size);
         if (size > buffer_.size()) {
             out_.write(data, static_cast<std::streamsize>(size));
         } else {
@@ -67,7 +67,7 @@ class Sink {
     void binary(const std::array<char, size>& value) {
         bytes(value.data(), size);
     }
-    void make_room(std::size_t size) {
+    void reserve(std::size_t size) {
         if (used_ + size <= buffer_.size()) return;
         out_.write(buffer_.data(), static_cast<std::streamsize>(used_));
         used_ = 0;

@@ -85,11 +85,12 @@ void read_list(const Source& source, const ListReader& reader) {
     const FloatEnvironment environment;
     const std::string extension = extension_of(source.name());
     try {
-        if (extension == ".csv") return read_csv_rows(source, reader.rows, reader.take_row);
-        if (extension == ".json") return reader.take_arrays(read_list_json(source, reader.arrays));
-        if (extension == ".npz") return reader.take_arrays(read_list_npz(source, reader.arrays));
-        if (extension == ".npy" && reader.reads_npy) return reader.take_arrays(read_list_npy(source, reader.arrays[0]));
-        read_txt_rows(source, reader.rows, reader.take_row);
+        if (extension == ".csv") return read_csv_rows(source, reader.rows, reader.consume_row);
+        if (extension == ".json") return reader.consume_arrays(read_list_json(source, reader.arrays));
+        if (extension == ".npz") return reader.consume_arrays(read_list_npz(source, reader.arrays));
+        if (extension == ".npy" && reader.reads_npy)
+            return reader.consume_arrays(read_list_npy(source, reader.arrays[0]));
+        read_txt_rows(source, reader.rows, reader.consume_row);
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::file, "cannot read " + source.name() + ": its rows do not fit in memory");
     }

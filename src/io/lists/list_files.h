@@ -48,9 +48,9 @@ class ListWriter {
 /// Table that a file must hold, and the functions that consume what is read.
 struct ListReader {
     RowTable rows;  ///< for .txt and .csv
-    TakeRow take_row;
+    TakeRow consume_row;
     std::vector<ListArray> arrays;  ///< for .json and .npz
-    std::function<void(const NumbersByName&)> take_arrays;
+    std::function<void(const NumbersByName&)> consume_arrays;
     bool reads_npy = false;  ///< true if .npy files are read: they hold the first of the arrays
 };
 /// Reads a list. The extension of the source's name selects the format, text by default. Throws Error (file, format).

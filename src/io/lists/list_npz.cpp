@@ -11,7 +11,7 @@ namespace crumple::io {
 namespace {
 
 template <class T>
-void take_numbers(const std::string& bytes, const NpyHeader& header, ArrayChecker& to) {
+void read_numbers(const std::string& bytes, const NpyHeader& header, ArrayChecker& to) {
     const std::size_t count = bytes.size() / sizeof(T), width = to.array().width, rows = count / width;
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t place = header.by_column ? i % width * rows + i / width : i;
@@ -35,7 +35,7 @@ void read_array(Npy& npy, ArrayChecker& to) {
     const auto take = [&]<class Number>(Number) {
         const std::string bytes = npy.read(static_cast<std::size_t>(shape[0]) * width * sizeof(Number));
         if (!npy.at_end()) fail("is longer than its header says");
-        take_numbers<Number>(bytes, *header, to);
+        read_numbers<Number>(bytes, *header, to);
     };
     if (kind == "i4") return take(std::int32_t{});
     if (kind == "u4") return take(std::uint32_t{});

@@ -60,11 +60,11 @@ std::vector<ListMember> members_of(const Intersections& collisions) {
 
 std::vector<Pair> read(const Source& source) {
     std::vector<Pair> pairs;
-    const auto take_row = [&](std::size_t, std::span<const ListValue> values) -> std::string {
+    const auto consume_row = [&](std::size_t, std::span<const ListValue> values) -> std::string {
         pairs.push_back({std::get<ListId>(values[0]).index, std::get<ListId>(values[1]).index});
         return {};
     };
-    const auto take_arrays = [&](const NumbersByName& arrays) {
+    const auto consume_arrays = [&](const NumbersByName& arrays) {
         const auto found = arrays.find(pairs_name);
         if (found == arrays.end())
             throw Error(ErrorCode::format, source.name() + ": there is no array 'pairs' that can be read");
@@ -74,7 +74,7 @@ std::vector<Pair> read(const Source& source) {
     };
     RowTable rows = pair_rows(false);
     rows.may_have_more = true;
-    read_list(source, {rows, take_row, {pairs_array()}, take_arrays, true});
+    read_list(source, {rows, consume_row, {pairs_array()}, consume_arrays, true});
     return pairs;
 }
 

@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view csv_blanks = " \t\r";
 
 /// Removes the number at the start of a word and returns it; nothing if there is none.
-std::optional<std::int32_t> take_index(std::string_view& word) {
+std::optional<std::int32_t> read_index(std::string_view& word) {
     std::int32_t index = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
     if (error != std::errc() || index < 0) return std::nullopt;
@@ -23,11 +23,11 @@ std::optional<std::int32_t> take_index(std::string_view& word) {
 
 std::optional<ListId> id_of(std::string_view word, bool may_have_body) {
     if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
-    const auto first = take_index(word);
+    const auto first = read_index(word);
     if (first && word.empty()) return ListId{*first};
     if (!first || !may_have_body || !word.starts_with(':')) return std::nullopt;
     word.remove_prefix(1);
-    const auto second = take_index(word);
+    const auto second = read_index(word);
     return second && word.empty() ? std::optional(ListId{*second, first}) : std::nullopt;
 }
 
@@ -59,7 +59,7 @@ class RowReader {
             const std::string_view line(line_, static_cast<std::size_t>(end - line_));
             split(line);
             const bool heading = line_ == source_.text_begin() && is_heading();
-            if (!heading && line.find_first_not_of(csv_blanks) != line.npos) take_csv();
+            if (!heading && line.find_first_not_of(csv_blanks) != line.npos) parse_csv_row();
             line_ = end == source_.end() ? end : end + 1;
         }
     }
@@ -92,7 +92,7 @@ class RowReader {
         for (bool ended = false; !ended;) {
             line.remove_prefix(std::min(line.find_first_not_of(csv_blanks), line.size()));
             const bool quoted = line.starts_with('"');
-            if (quoted) take_quoted(line);
+            if (quoted) read_quoted(line);
             const std::size_t comma = line.find(',');
             std::string_view word = line.substr(0, comma);
             word = word.substr(0, word.find_last_not_of(csv_blanks) + 1);
@@ -104,7 +104,7 @@ class RowReader {
     }
 
     /// Moves the quoted word at the start of the line to `unquoted_`. A doubled quote stands for one quote of the word.
-    void take_quoted(std::string_view& line) {
+    void read_quoted(std::string_view& line) {
         std::string& word = unquoted_.emplace_back();
         for (line.remove_prefix(1);;) {
             const std::size_t quote = line.find('"');
@@ -130,7 +130,7 @@ class RowReader {
     }
 
     /// Picks the words of the section's fields from those of all columns, and consumes the row.
-    void take_csv() {
+    void parse_csv_row() {
         const std::size_t section = section_of(words_[0]), most = table_.columns.size();
         const std::size_t least = most - table_.may_lack;
         if (!table_.may_have_more && (words_.size() < least || words_.size() > most))

@@ -20,14 +20,14 @@ constexpr std::string_view production = "http://schemas.microsoft.com/3dmanufact
 constexpr std::string_view beams = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02|beamlattice";
 constexpr const char* path_attribute = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06|path";
 /// Extensions that a file may require: they are read, or do not change the positions of triangles.
-constexpr std::string_view known_extensions[] = {core, production,
-                                                 "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
-                                                 "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
+constexpr std::string_view supported_extensions[] = {
+    core, production, "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
+    "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
 
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 /// Removes the next word from the text and returns it; empty if none is left.
-std::string_view take_word(std::string_view& text) {
+std::string_view next_word(std::string_view& text) {
     const auto begin = std::find_if_not(text.begin(), text.end(), is_blank);
     const auto end = std::find_if(begin, text.end(), is_blank);
     const std::string_view word(begin, static_cast<std::size_t>(end - begin));
@@ -118,11 +118,11 @@ class ModelReader : public XmlReader {
 
     void begin_model(const XmlAttributes& attributes) {
         std::string_view required = attributes.find("requiredextensions").value_or("");
-        for (std::string_view prefix = take_word(required); !prefix.empty(); prefix = take_word(required)) {
+        for (std::string_view prefix = next_word(required); !prefix.empty(); prefix = next_word(required)) {
             const auto found = namespaces_.find(std::string(prefix));
             if (found == namespaces_.end()) fail("a required extension, " + in_quotes(prefix) + ", has no namespace");
-            if (std::find(std::begin(known_extensions), std::end(known_extensions), found->second) ==
-                std::end(known_extensions))
+            if (std::find(std::begin(supported_extensions), std::end(supported_extensions), found->second) ==
+                std::end(supported_extensions))
                 fail("the extension " + in_quotes(found->second, longest_namespace) +
                      " is required, which is not read");
         }
@@ -190,11 +190,11 @@ class ModelReader : public XmlReader {
     Pose pose(std::string_view text) const {
         std::array<double, 12> m{};
         for (double& value : m) {
-            const std::string_view word = take_word(text);
+            const std::string_view word = next_word(text);
             if (word.empty()) fail("a transform has less than 12 numbers");
             value = real<double>(word);
         }
-        if (!take_word(text).empty()) fail("a transform has more than 12 numbers");
+        if (!next_word(text).empty()) fail("a transform has more than 12 numbers");
         Pose pose;
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t k = 0; k < 4; ++k) pose.rows[4 * i + k] = m[3 * k + i];

@@ -41,7 +41,7 @@ class Reader {
         seen_.assign(nodes_, false);
         place_nodes(roots());
         for (std::size_t n = 0; n < nodes_; ++n) add_body(n);
-        world_.shapes = meshes_.take_shapes();
+        world_.shapes = meshes_.release_shapes();
         world_.unit = Unit::metre;
         for (TriangleMesh& shape : world_.shapes) shape.unit = world_.unit;
         warn();

@@ -20,7 +20,7 @@ class GltfMeshes {
 
     /// Returns the shape of a mesh that `node` names, and reads it on first use. Throws Error (format, file).
     std::int32_t shape_of(std::int64_t mesh, const GltfObject& node);
-    std::vector<TriangleMesh> take_shapes() { return std::move(shapes_); }
+    std::vector<TriangleMesh> release_shapes() { return std::move(shapes_); }
 
     // Objects of one kind that are not supported: the place of the first, and their number.
     struct Left {

@@ -10,7 +10,7 @@ ClosedBodies::ClosedBodies(MemoryMeter& meter, Cancellation& cancellation)
 
 void ClosedBodies::release() {
     outline_ = WorldOutline(&meter_);
-    rules_ = BodyRules(&meter_);
+    rules_ = BodyFilter(&meter_);
     near_ = NearBodies(&meter_);
     buffers_ = SceneBuffers(&meter_);
     surfaces_.clear();

@@ -14,7 +14,7 @@
 #include "backends/backend.h"
 #include "base/cancellation.h"
 #include "crumple/query.h"
-#include "scene/body_rules.h"
+#include "scene/body_filter.h"
 #include "scene/closed_surface.h"
 #include "scene/near_bodies.h"
 #include "scene/orientation.h"
@@ -71,7 +71,7 @@ class ClosedBodies {
     MemoryMeter& meter_;
     Cancellation& cancellation_;
     WorldOutline outline_;
-    BodyRules rules_;
+    BodyFilter rules_;
     NearBodies near_;
     SceneBuffers buffers_;
     std::vector<std::unique_ptr<Surface>> surfaces_;  ///< by shape; cached

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
-#include "exact/overlap/quick_crossing.h"
-#include "exact/overlap/rational_crossing.h"
+#include "exact/overlap/exact_crossing.h"
+#include "exact/overlap/filtered_crossing.h"
 
 namespace crumple {
 namespace {
 
 /// Returns the contribution of a face to the winding number at p of its surface, which is shifted: by filters and
 /// expansions.
-int quick_winding_along_ray(const Vec3d& p, const FaceCorners& face, Shift shift) {
+int filtered_winding_along_ray(const Vec3d& p, const FaceCorners& face, Shift shift) {
     const int along = orient2d(face[0], face[1], face[2], 0);
     if (along == 0) return 0;
     const auto sign = [](double x, double y) { return (x > y) - (x < y); };
@@ -53,7 +53,7 @@ void cast(std::span<WindingRay> rays, const PlacedSurface& surface, Shift shift,
             if (misses_ray(ray->from, face)) continue;
             const bool quick = surface.in_range && in_double_word_range(ray->from);
             ray->winding +=
-                quick ? quick_winding_along_ray(ray->from, face, shift) : winding_along_ray(ray->from, face, shift);
+                quick ? filtered_winding_along_ray(ray->from, face, shift) : winding_along_ray(ray->from, face, shift);
         }
     }
 }

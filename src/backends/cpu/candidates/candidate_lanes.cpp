@@ -30,7 +30,7 @@ using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 using D = hn::CappedTag<float, candidate_lanes>;
 
 // Boxes of a row, in the order of the rounds.
-struct RowOfRounds {
+struct ScheduledRow {
     alignas(64) float low[Rounds::most][3][candidate_lanes], high[Rounds::most][3][candidate_lanes];
 
     HWY_INLINE void read(const CandidateRecord& a, const Rounds& rounds) {
@@ -56,7 +56,7 @@ struct RowOfRounds {
 };
 
 // Returns the largest gap on any axis in round j, for lanes from `first` on.
-HWY_INLINE hn::Vec<D> gap(const RowOfRounds& a, int j, const CandidateRecord& b, std::size_t first) {
+HWY_INLINE hn::Vec<D> gap(const ScheduledRow& a, int j, const CandidateRecord& b, std::size_t first) {
     const D d;
     const auto on_axis = [&](int axis) HWY_ATTR {
         const auto after = hn::Sub(hn::Load(d, b.low[axis] + first), hn::Load(d, a.high[j][axis] + first));
@@ -77,21 +77,21 @@ HWY_INLINE std::size_t shared_corners(const CandidateRecord& a, const CandidateR
 
 // Runs the tests round by round. `known`: the number of rounds if known at compile time, else 0.
 template <int known>
-HWY_INLINE std::size_t find_in_rounds(const CandidateRecord* record, const CandidateChunk& candidates,
-                                      std::int64_t begin, std::int64_t end, const Rounds& rounds, PairEnds& ends,
-                                      UnsureHit* unsure) {
+HWY_INLINE std::size_t find_by_schedule(const CandidateRecord* record, const CandidateChunk& candidates,
+                                        std::int64_t begin, std::int64_t end, const Rounds& rounds, PairEnds& ends,
+                                        UnsureHit* unsure) {
     const D d;
     const auto zero = hn::Zero(d);
     const CandidateRecord* rows = record + candidates.rows;
     const CandidateRecord* columns = record + candidates.columns;
-    const int round_count = known ? known : rounds.count;
+    const int step_count = known ? known : rounds.count;
     struct Hit {
         std::uint64_t certain;
         std::uint16_t row, column;
     };
     Hit hits[CandidateKernels::most + 1];
     std::size_t hit = 0;
-    RowOfRounds row;
+    ScheduledRow row;
     std::int64_t last = -1;  // index of the row that `row` holds
     std::size_t count = 0;
     for (std::int64_t k = begin; k < end; ++k) {
@@ -100,7 +100,7 @@ HWY_INLINE std::size_t find_in_rounds(const CandidateRecord* record, const Candi
         const CandidateRecord &a = rows[i], &b = columns[j];
         if (i != last) row.read(a, rounds), last = i;
         std::uint64_t overlap = 0, equal = 0;
-        for (int round = 0; round < round_count; ++round)
+        for (int round = 0; round < step_count; ++round)
             for (std::size_t first = 0; first < candidate_lanes; first += hn::MaxLanes(d)) {
                 const auto between = gap(row, round, b, first);
                 const std::size_t shift = 8 * static_cast<std::size_t>(round) + first;
@@ -138,7 +138,7 @@ struct Impacts {
                     incident[shared] = static_cast<std::uint16_t>(incident[shared] | 1 << bit);
     }
     /// Converts bits of Impacts to bits of Rounds.
-    std::uint64_t in_rounds(unsigned bits, const Rounds& rounds) const {
+    std::uint64_t in_schedule(unsigned bits, const Rounds& rounds) const {
         std::uint64_t out = 0;
         for (; bits; bits &= bits - 1) {
             const int slot = std::countr_zero(bits);
@@ -220,7 +220,7 @@ std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& ca
         write(first, second, certain & Impacts::edges, edges);
         write(first, second, certain & Impacts::faces, faces);
         if (const unsigned perhaps = h.overlaps & h.equal; HWY_UNLIKELY(perhaps))
-            unsure[count++] = {impacts.in_rounds(perhaps, rounds), h.row, h.column};
+            unsure[count++] = {impacts.in_schedule(perhaps, rounds), h.row, h.column};
     }
     ends[static_cast<std::size_t>(CandidateKind::vertex_face)] = faces;
     ends[static_cast<std::size_t>(CandidateKind::edge_edge)] = edges;
@@ -235,8 +235,8 @@ std::size_t find(const CandidateRecord* record, const CandidateChunk& candidates
     if (rounds.of_impacts) return find_impacts(record, candidates, begin, end, rounds, next, unsure);
 #endif
     // Three rounds: vertex_face and edge_edge, the usual kinds.
-    return rounds.count == 3 ? find_in_rounds<3>(record, candidates, begin, end, rounds, next, unsure)
-                             : find_in_rounds<0>(record, candidates, begin, end, rounds, next, unsure);
+    return rounds.count == 3 ? find_by_schedule<3>(record, candidates, begin, end, rounds, next, unsure)
+                             : find_by_schedule<0>(record, candidates, begin, end, rounds, next, unsure);
 }
 
 const CandidateKernels table{find};

@@ -60,8 +60,8 @@ bool CandidateLeaves::stop() const {
     return false;
 }
 
-CandidateLeaves::GrownBox CandidateLeaves::write_member(std::int32_t triangle, const CandidateKey& key,
-                                                        CandidateRecord& record) const {
+CandidateLeaves::InflatedBox CandidateLeaves::write_member(std::int32_t triangle, const CandidateKey& key,
+                                                           CandidateRecord& record) const {
     const SceneFeatures& features = query_->features;
     const std::int32_t* corner = call_->scene.corners + 3 * std::int64_t{triangle};
     const TriangleEdges& edges = features.edges_of(triangle);
@@ -75,7 +75,7 @@ CandidateLeaves::GrownBox CandidateLeaves::write_member(std::int32_t triangle, c
         record.name[k] = features.name(corner[k]);
         record.id[k] = features.point_of(triangle, k);
         record.id[3 + k] = edges[static_cast<std::size_t>(k)];
-        const FeatureBox box = box_of_way(call_->scene, corner + k, 1);
+        const FeatureBox box = swept_box(call_->scene, corner + k, 1);
         low[k] = key(box.low - Vec3d{r, r, r});
         high[k] = key(box.high + Vec3d{r, r, r});
     }
@@ -87,7 +87,7 @@ CandidateLeaves::GrownBox CandidateLeaves::write_member(std::int32_t triangle, c
         write(k, low[k], high[k]);
         write(3 + k, min(low[k], low[(k + 1) % 3]), max(high[k], high[(k + 1) % 3]));
     }
-    const GrownBox box{min(low[0], min(low[1], low[2])), max(high[0], max(high[1], high[2]))};
+    const InflatedBox box{min(low[0], min(low[1], low[2])), max(high[0], max(high[1], high[2]))};
     write(6, box.low, box.high);
     return box;
 }
@@ -121,7 +121,7 @@ void CandidateLeaves::build(const BuildInput& input, LeafMembers& members, std::
             fetch(scene.reader[0], ahead[k]);
             if (scene.moving) fetch(scene.end, ahead[k]);
         }
-        const GrownBox box = write_member(input.triangle[i], key, worker.built[i]);
+        const InflatedBox box = write_member(input.triangle[i], key, worker.built[i]);
         Vec3f low, high;
         for (int axis = 0; axis < 3; ++axis) {
             low[axis] = box.low[(first + axis) % 3];
@@ -151,11 +151,11 @@ void CandidateLeaves::sweep(const SortedLeaf& leaf, const Ownership& ownership, 
     Worker& worker = *worker_[w];
     Statistics& statistics = worker.statistics;
     Stopwatch watch;
-    const auto asked_to_stop = [&] {
+    const auto should_stop = [&] {
         watch.lap();
         return stop();
     };
-    sweep_chunks(call_->kernels, leaf, first, last, worker.candidates, asked_to_stop, [&] {
+    sweep_chunks(call_->kernels, leaf, first, last, worker.candidates, should_stop, [&] {
         statistics[Stage::sweep] += watch.lap();
         if (worker.candidates.pairs == 0) return;
         statistics.box_overlaps += worker.candidates.pairs;
@@ -168,7 +168,7 @@ void CandidateLeaves::sweep(const SortedLeaf& leaf, const Ownership& ownership, 
 // Turns candidates that another leaf owns, or that the pair filter excludes, into padding.
 void CandidateLeaves::drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const {
     const PreparedScene& scene = call_->scene;
-    const GroupRule& rule = call_->rule;
+    const GroupFilter& rule = call_->rule;
     CandidateChunk& candidates = worker.candidates;
     for (std::int64_t k = 0; k < candidates.count; ++k) {
         if (candidates.column[k] == candidates.dummy) continue;
@@ -194,7 +194,7 @@ void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
         for (std::size_t k = 0; k < candidate_kinds; ++k) {
             if (!query_->kinds[k]) continue;
             Array<Pair>& pairs = worker.found.lists[k].pairs;
-            pairs.make_room_for(most[k] * batch + candidate_lanes);
+            pairs.grow_by(most[k] * batch + candidate_lanes);
             next[k] = pairs.end();
         }
         const std::size_t unsure = kernels_.find(record, candidates, begin, end, rounds_, next, worker.unsure.data());
@@ -223,7 +223,7 @@ void CandidateLeaves::list(const UnsureHit& hit, const CandidateRecord& a, const
     for (std::uint64_t bits = hit.bits; bits; bits &= bits - 1) {
         const int bit = std::countr_zero(bits);
         const Rounds::Listed& lanes = rounds_.listed[bit];
-        if (grown_boxes_overlap(box(a, lanes.row), box(b, lanes.column), query_->distance))
+        if (inflated_boxes_overlap(box(a, lanes.row), box(b, lanes.column), query_->distance))
             overlaps |= std::uint64_t{1} << bit;
     }
     list_pairs(overlaps, rounds_, a, b, next);
@@ -234,7 +234,7 @@ FeatureBox CandidateLeaves::box(const CandidateRecord& record, int lane) const {
     int count = 0;
     for (unsigned corners = corners_of(lane); corners; corners &= corners - 1)
         vertex[count++] = record.vertex[std::countr_zero(corners)];
-    return box_of_way(call_->scene, vertex, count);
+    return swept_box(call_->scene, vertex, count);
 }
 
 void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::size_t w) {
@@ -257,7 +257,7 @@ void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::s
             for (int b = a + 1; b < 6; ++b) {
                 const CandidateKind kind = b < 3 ? CandidateKind::vertex_vertex : CandidateKind::vertex_edge;
                 if (!(owned >> b & 1) || !query_->lists(kind) || shared.incident(a, b)) continue;
-                if (grown_boxes_overlap(box(record, a), box(record, b), query_->distance)) list(record, a, b);
+                if (inflated_boxes_overlap(box(record, a), box(record, b), query_->distance)) list(record, a, b);
             }
         }
         pass_on(worker);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Candidate query as a LeafQuestion. Triangles are swept as boxes along a coordinate axis. For each pair of triangles
+// Candidate query as a LeafQuery. Triangles are swept as boxes along a coordinate axis. For each pair of triangles
 // whose boxes overlap, the features that one owns are tested against those that the other owns.
 
 #include <atomic>
@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "backends/cpu/candidates/candidate_kernels.h"
-#include "backends/cpu/leaf_question.h"
+#include "backends/cpu/leaf_query.h"
 #include "filters/candidates/box_test.h"
 #include "geometry/normaliser.h"
 #include "queries/feature_request.h"
 
 namespace crumple::cpu {
 
-class CandidateLeaves final : public LeafQuestion {
+class CandidateLeaves final : public LeafQuery {
    public:
     CandidateLeaves(MemoryMeter* meter, int workers, const CandidateKernels& kernels);
 
@@ -59,11 +59,11 @@ class CandidateLeaves final : public LeafQuestion {
         Statistics statistics;
     };
 
-    struct GrownBox {
+    struct InflatedBox {
         Vec3f low, high;
     };
     /// Writes a triangle's record, and returns its inflated box.
-    GrownBox write_member(std::int32_t triangle, const CandidateKey& key, CandidateRecord& record) const;
+    InflatedBox write_member(std::int32_t triangle, const CandidateKey& key, CandidateRecord& record) const;
     unsigned owned_lanes(std::int32_t triangle) const;
     void drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const;
     void narrow(const Worker& builder, Worker& worker) const;

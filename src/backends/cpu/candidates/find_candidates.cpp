@@ -9,7 +9,7 @@ namespace {
 void search_within(const Call& call, const FeatureRequest& query, CandidateLeaves& leaves) {
     if (!query.lists(CandidateKind::vertex_vertex) && !query.lists(CandidateKind::vertex_edge)) return;
     const std::int64_t n = call.scene.triangle_count();
-    if (call.frugal && !call.units) return leaves.search_within(0, n, 0);
+    if (call.low_memory && !call.units) return leaves.search_within(0, n, 0);
     constexpr std::int64_t chunk = 4096;
     for_each_unit(call, static_cast<std::size_t>((n + chunk - 1) / chunk), [&](std::size_t c, std::size_t w) {
         const std::int64_t begin = static_cast<std::int64_t>(c) * chunk;
@@ -22,12 +22,12 @@ void sort_candidates(const Call& call, const FeatureRequest& query, CandidateKin
                      Array<Pair>& pairs) {
     const auto count = [&](FeatureType type) { return static_cast<std::int32_t>(count_of(query.features, type)); };
     const FeatureTypes types = types_of(kind);
-    const PairCounts counts{count(types.first), count(types.second), 0, call.frugal};
+    const PairCounts counts{count(types.first), count(types.second), 0, call.low_memory};
     const auto nothing = [](std::span<const std::span<const Pair>>) {};
     // In low memory, the first worker has found all pairs; the lists of others would make memory depend on their
     // number.
     const auto found = buffers.leaves.found(kind);
-    sort_pairs(call.workers, call.frugal ? found.first(1) : found, counts, buffers.sorting, pairs, buffers.offsets,
+    sort_pairs(call.workers, call.low_memory ? found.first(1) : found, counts, buffers.sorting, pairs, buffers.offsets,
                nothing);
 }
 

@@ -40,7 +40,7 @@ HWY_INLINE void geometry_rows(D d, const LocalCorners<V>& c, V& X, V& Y, V& Z) {
 template <int moments>
 class Widenings {
    public:
-    explicit Widenings(const BuildInput& in) : in_(in), same_(!in.inflation.radius && in.inflation.of_way == 0) {}
+    explicit Widenings(const BuildInput& in) : in_(in), same_(!in.inflation.radius && in.inflation.path_share == 0) {}
 
     template <class D>
     HWY_INLINE hn::Vec<D> operator()(D d, std::int64_t i) const {
@@ -73,7 +73,7 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& start, const Poin
         write_geometry<moments>(p, member, record[i]);
         boxes.low[static_cast<std::size_t>(i)] = {member.low.x, member.low.y, member.low.z, 0};
         boxes.high[static_cast<std::size_t>(i)] = {member.high.x, member.high.y, member.high.z, 0};
-        bounds.reach = max(bounds.reach, member.counted_reach());
+        bounds.reach = max(bounds.reach, member.counted_extent());
     };
     for (std::int64_t i = 0; i < in.members; i += blocks) {
         const std::int32_t* corner[blocks];
@@ -90,7 +90,7 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& start, const Poin
         }
         BoxLanes::Box box{hn::Set(d, LeafBounds::most), hn::Set(d, -LeafBounds::most)};
         V size = hn::Zero(d), row[8] = {};
-        const auto add_moment = [&](const Points& points, int m) HWY_ATTR {
+        const auto add_time_sample = [&](const Points& points, int m) HWY_ATTR {
             const LocalCorners<V> c = points.corners(d, corner);
             const V t0 = lanes.turn(c.q0), t1 = lanes.turn(c.q1), t2 = lanes.turn(c.q2);
             box.low = hn::Min(box.low, hn::Min(t0, hn::Min(t1, t2)));
@@ -98,8 +98,8 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& start, const Poin
             size = hn::Max(size, hn::Max(hn::Abs(c.q0), hn::Max(hn::Abs(c.q1), hn::Abs(c.q2))));
             geometry_rows(d, c, row[m], row[moments + m], row[2 * moments + m]);
         };
-        add_moment(start, 0);
-        if constexpr (moments == 2) add_moment(end, 1);
+        add_time_sample(start, 0);
+        if constexpr (moments == 2) add_time_sample(end, 1);
         V more = widenings(d, i);
         box.low = hn::Sub(box.low, more);
         box.high = hn::Add(box.high, more);
@@ -116,7 +116,7 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& start, const Poin
         for (int b = 0; b < blocks; ++b) write_names(in, in.triangle[i + b], features, record[i + b]);
 
         if (lanes.any_big(size)) {
-            lanes.take_out_big(in, i, box, size, boxes, bounds, rewrite_big);
+            lanes.replace_big(in, i, box, size, boxes, bounds, rewrite_big);
             more = hn::IfThenElseZero(hn::Le(box.low, box.high), more);  // big members no longer count
         }
         lanes.count(box, hn::Add(size, more));

@@ -22,16 +22,16 @@ namespace crumple::cpu {
 /// Distance requested in tests, in normalised coordinates, rounded up: `all` for all tests, or `each` with one per test
 /// and `padding` more that may be read; filters move these along with the tests. Or `share` of the test's own distance
 /// at the start, if that is more.
-struct AskedDistance {
+struct RequestedDistance {
     float all = 0;
     float* each = nullptr;
     float share = 0;
 
-    AskedDistance(float distance, float share = 0) : all(distance), share(share) {}
-    explicit AskedDistance(float* of_each) : each(of_each) {}
+    RequestedDistance(float distance, float share = 0) : all(distance), share(share) {}
+    explicit RequestedDistance(float* of_each) : each(of_each) {}
     bool contact() const { return !each && all == 0 && share == 0; }
     template <FeatureKind kind, int moments>
-    float of(std::size_t test, const SeenFeatures<moments>& seen) const {
+    float of(std::size_t test, const FeatureVectors<moments>& seen) const {
         const float distance = each ? each[test] : all;
         return share > 0 ? std::max(distance, share * most_at_start<kind>(seen)) : distance;
     }
@@ -50,7 +50,7 @@ struct PairsLeft {
 
 /// Tests of one kind of such pairs, of which there are fewer than 2^28: index of the pair << 4 | the test's bit of
 /// TestsOfPair.
-struct ListedTests {
+struct CodimensionalTests {
     std::uint32_t* test = nullptr;  ///< `padding` more may be written
     std::size_t count = 0;
 
@@ -60,7 +60,7 @@ struct ListedTests {
 
 /// Writes listed test i as a FeatureTest.
 template <FeatureKind kind, int moments>
-void write_test(const PairsLeft<moments>& pairs, const ListedTests& listed, std::size_t i, FeatureTest& test) {
+void write_test(const PairsLeft<moments>& pairs, const CodimensionalTests& listed, std::size_t i, FeatureTest& test) {
     const std::size_t pair = listed.pair(i);
     write_test<kind>(pairs.row(pair), pairs.column(pair), listed.bit(i), test);
 }
@@ -83,17 +83,18 @@ struct FeatureKernels {
 
     /// Lists the tests of pairs. `names`: representative vertices, by which two vertices are compared; null: vertices
     /// themselves.
-    void (*list)(const PairsLeft<moments>& pairs, const std::int32_t* names, ListedTests& vertex_face,
-                 ListedTests& edge_edge);
+    void (*list)(const PairsLeft<moments>& pairs, const std::int32_t* names, CodimensionalTests& vertex_face,
+                 CodimensionalTests& edge_edge);
 
     /// For vertex_face and edge_edge: writes the listed tests that the filters do not drop to `test`, and returns their
     /// number. Overwrites the list. `ends`: see BuildInput.
-    std::size_t (*filter_listed[2])(const PointRows& points, std::int64_t ends, AskedDistance distance,
-                                    const PairsLeft<moments>& pairs, ListedTests& listed, FeatureTest* test);
+    std::size_t (*filter_codimensional[2])(const PointRows& points, std::int64_t ends, RequestedDistance distance,
+                                           const PairsLeft<moments>& pairs, CodimensionalTests& listed,
+                                           FeatureTest* test);
 
     /// By FeatureKind: moves the tests that the filters do not drop to the front, in order, and returns their number.
     /// The last two kinds are filtered as a vertex and a face that is collapsed to an edge or a vertex.
-    std::size_t (*filter[feature_kinds])(const PointRows& points, std::int64_t ends, AskedDistance distance,
+    std::size_t (*filter[feature_kinds])(const PointRows& points, std::int64_t ends, RequestedDistance distance,
                                          FeatureTest* test, std::size_t count);
 };
 

@@ -46,10 +46,10 @@ std::size_t separate(const FeatureRecord<moments>* record, const CandidateChunk&
 }
 
 template <int moments>
-void list(const PairsLeft<moments>& pairs, const std::int32_t* names, ListedTests& vertex_face,
-          ListedTests& edge_edge) {
+void list(const PairsLeft<moments>& pairs, const std::int32_t* names, CodimensionalTests& vertex_face,
+          CodimensionalTests& edge_edge) {
     const auto name = [&](std::int32_t vertex) { return names ? names[vertex] : vertex; };
-    const auto add = [](ListedTests& listed, std::size_t pair, unsigned bits) {
+    const auto add = [](CodimensionalTests& listed, std::size_t pair, unsigned bits) {
         for (; bits; bits &= bits - 1)
             listed.test[listed.count++] =
                 static_cast<std::uint32_t>(pair << 4) | static_cast<unsigned>(__builtin_ctz(bits));
@@ -62,11 +62,11 @@ void list(const PairsLeft<moments>& pairs, const std::int32_t* names, ListedTest
 }
 
 template <FeatureKind kind, int moments>
-std::size_t filter(const PointRows& points, std::int64_t ends, AskedDistance distance, FeatureTest* test,
+std::size_t filter(const PointRows& points, std::int64_t ends, RequestedDistance distance, FeatureTest* test,
                    std::size_t count) {
     std::size_t left = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        SeenFeatures<moments> seen;
+        FeatureVectors<moments> seen;
         for (int m = 0; m < moments; ++m) {
             const auto at = [&](int k) { return points[static_cast<std::int32_t>(test[i].vertex[k] + m * ends)]; };
             for (int k = 0; k < 3; ++k) seen.to[m][k] = to_float(at(k + 1) - at(0));
@@ -77,8 +77,8 @@ std::size_t filter(const PointRows& points, std::int64_t ends, AskedDistance dis
 }
 
 template <FeatureKind kind, int moments>
-std::size_t filter_listed(const PointRows& points, std::int64_t ends, AskedDistance distance,
-                          const PairsLeft<moments>& pairs, ListedTests& listed, FeatureTest* test) {
+std::size_t filter_codimensional(const PointRows& points, std::int64_t ends, RequestedDistance distance,
+                                 const PairsLeft<moments>& pairs, CodimensionalTests& listed, FeatureTest* test) {
     for (std::size_t i = 0; i < listed.count; ++i) write_test<kind>(pairs, listed, i, test[i]);
     return filter<kind, moments>(points, ends, distance, test, listed.count);
 }
@@ -89,7 +89,7 @@ constexpr FeatureKernels<moments> table{
     scatter<moments>,
     separate<moments>,
     list<moments>,
-    {filter_listed<FeatureKind::vertex_face, moments>, filter_listed<FeatureKind::edge_edge, moments>},
+    {filter_codimensional<FeatureKind::vertex_face, moments>, filter_codimensional<FeatureKind::edge_edge, moments>},
     {filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::edge_edge, moments>,
      filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::vertex_face, moments>}};
 

@@ -32,7 +32,8 @@ FeatureKernels<moments> kernels() {
             plain.scatter,
             separate<moments>,
             list<moments>,
-            {filter_listed<FeatureKind::vertex_face, moments>, filter_listed<FeatureKind::edge_edge, moments>},
+            {filter_codimensional<FeatureKind::vertex_face, moments>,
+             filter_codimensional<FeatureKind::edge_edge, moments>},
             {filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::edge_edge, moments>,
              filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::vertex_face, moments>}};
 }

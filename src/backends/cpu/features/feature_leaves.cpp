@@ -8,8 +8,8 @@
 #include "backends/cpu/order.h"
 #include "base/float_environment.h"
 #include "base/stopwatch.h"
+#include "filters/features/codimensional_tests.h"
 #include "filters/features/separating_direction.h"
-#include "filters/features/tests_of_listed.h"
 #include "results/intersection_output.h"
 
 namespace crumple::cpu {
@@ -125,11 +125,11 @@ void FeatureLeaves<moments>::sweep(const SortedLeaf& leaf, const Ownership& owne
     CandidateChunk& candidates = worker.candidates;
     Statistics& statistics = worker.statistics;
     Stopwatch watch;
-    const auto asked_to_stop = [&] {
+    const auto should_stop = [&] {
         watch.lap();
         return stop();
     };
-    sweep_chunks(call_->kernels, leaf, first, last, candidates, asked_to_stop, [&] {
+    sweep_chunks(call_->kernels, leaf, first, last, candidates, should_stop, [&] {
         statistics[Stage::sweep] += watch.lap();
         if (candidates.pairs == 0) return;
         statistics.box_overlaps += candidates.pairs;
@@ -175,7 +175,7 @@ template <int moments>
 std::size_t FeatureLeaves<moments>::own_pairs(const SortedLeaf& leaf, const Ownership& ownership, std::size_t left,
                                               Worker& worker) const {
     const PreparedScene& scene = call_->scene;
-    const GroupRule& rule = call_->rule;
+    const GroupFilter& rule = call_->rule;
     const auto foreign = [&](std::uint32_t packed) {
         const std::int64_t row = worker.candidates.rows + (packed & 0xffff),
                            column = worker.candidates.columns + (packed >> 16);
@@ -192,22 +192,23 @@ template <int moments>
 void FeatureLeaves<moments>::find_tests(const PairsLeft<moments>& pairs, Worker& worker) const {
     const SceneFeatures& features = query_->features;
     if (!features.plain()) {
-        list_tests_of_listed(pairs, worker);
+        list_codimensional_tests(pairs, worker);
         for (std::size_t k = 0; k < feature_kinds; ++k) filter_tests(static_cast<FeatureKind>(k), worker);
         return;
     }
     constexpr std::size_t most[] = {6, 9};
-    ListedTests listed[2];
+    CodimensionalTests listed[2];
     for (std::size_t k = 0; k < 2; ++k)
         listed[k].test = worker.listed[k].resize_discard(most[k] * pairs_at_once + padding);
-    kernels_.list(pairs, features.renames() ? features.names().data() : nullptr, listed[0], listed[1]);
-    filter_listed<FeatureKind::vertex_face>(pairs, listed[0], worker);
-    filter_listed<FeatureKind::edge_edge>(pairs, listed[1], worker);
+    kernels_.list(pairs, features.is_welded() ? features.names().data() : nullptr, listed[0], listed[1]);
+    filter_codimensional<FeatureKind::vertex_face>(pairs, listed[0], worker);
+    filter_codimensional<FeatureKind::edge_edge>(pairs, listed[1], worker);
 }
 
 template <int moments>
 template <FeatureKind kind>
-void FeatureLeaves<moments>::filter_listed(const PairsLeft<moments>& pairs, ListedTests& listed, Worker& worker) const {
+void FeatureLeaves<moments>::filter_codimensional(const PairsLeft<moments>& pairs, CodimensionalTests& listed,
+                                                  Worker& worker) const {
     constexpr auto k = static_cast<std::size_t>(kind);
     Array<FeatureTest>& tests = worker.tests[k];
     FeatureTest* test = tests.resize_discard(listed.count);
@@ -217,20 +218,20 @@ void FeatureLeaves<moments>::filter_listed(const PairsLeft<moments>& pairs, List
     }
     worker.statistics.edge_tests += static_cast<std::int64_t>(listed.count);
     const FlushToZero mode;
-    tests.resize(kernels_.filter_listed[k](call_->points(), ends(), {distance_, share_}, pairs, listed, test));
-    drop_neighbours(kind, tests);
+    tests.resize(kernels_.filter_codimensional[k](call_->points(), ends(), {distance_, share_}, pairs, listed, test));
+    drop_adjacent(kind, tests);
 }
 
 // Lists the tests of pairs if the caller lists edges and points.
 template <int moments>
-void FeatureLeaves<moments>::list_tests_of_listed(const PairsLeft<moments>& pairs, Worker& worker) const {
+void FeatureLeaves<moments>::list_codimensional_tests(const PairsLeft<moments>& pairs, Worker& worker) const {
     constexpr std::size_t most[feature_kinds] = {6, 9, 4, 1};
     const FeatureTable features = query_->features.table();
     const auto name = [&](std::int32_t vertex) { return features.name(vertex); };
     std::array<FeatureTest*, feature_kinds> next;
     for (std::size_t k = 0; k < feature_kinds; ++k) next[k] = worker.tests[k].resize_discard(most[k] * pairs_at_once);
     for (std::size_t pair = 0; pair < pairs.count; ++pair)
-        crumple::list_tests_of_listed(pairs.row(pair), pairs.column(pair), features, name, next);
+        crumple::list_codimensional_tests(pairs.row(pair), pairs.column(pair), features, name, next);
     for (std::size_t k = 0; k < feature_kinds; ++k)
         worker.tests[k].resize(static_cast<std::size_t>(next[k] - worker.tests[k].data()));
 }
@@ -242,9 +243,10 @@ void FeatureLeaves<moments>::filter_tests(FeatureKind kind, Worker& worker) cons
     worker.statistics.edge_tests += static_cast<std::int64_t>(tests.size());
     const FlushToZero mode;
     if (radius_) add_radii(kind, tests, radius_, worker.distance);
-    const AskedDistance asked = radius_ ? AskedDistance(worker.distance.data()) : AskedDistance(distance_, share_);
+    const RequestedDistance asked =
+        radius_ ? RequestedDistance(worker.distance.data()) : RequestedDistance(distance_, share_);
     tests.resize(kernels_.filter[k](call_->points(), ends(), asked, tests.data(), tests.size()));
-    drop_neighbours(kind, tests);
+    drop_adjacent(kind, tests);
 }
 
 // Returns BuildInput::ends.
@@ -254,9 +256,9 @@ std::int64_t FeatureLeaves<moments>::ends() const {
 }
 
 template <int moments>
-void FeatureLeaves<moments>::drop_neighbours(FeatureKind kind, Array<FeatureTest>& tests) const {
+void FeatureLeaves<moments>::drop_adjacent(FeatureKind kind, Array<FeatureTest>& tests) const {
     if (!query_->rings) return;
-    const auto neighbours = [&](const FeatureTest& test) { return are_neighbours(kind, test.vertex, *query_); };
+    const auto neighbours = [&](const FeatureTest& test) { return are_adjacent(kind, test.vertex, *query_); };
     tests.resize(static_cast<std::size_t>(std::remove_if(tests.begin(), tests.end(), neighbours) - tests.begin()));
 }
 

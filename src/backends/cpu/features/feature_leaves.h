@@ -1,6 +1,6 @@
 #pragma once
 
-// Queries about features as a LeafQuestion. A leaf's candidates are pairs of triangles. Those that no direction
+// Queries about features as a LeafQuery. A leaf's candidates are pairs of triangles. Those that no direction
 // separates stand for tests of features; filters drop most tests, and the rest is decided exactly.
 
 #include <atomic>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "backends/cpu/features/feature_kernels.h"
-#include "backends/cpu/leaf_question.h"
+#include "backends/cpu/leaf_query.h"
 #include "backends/cpu/stages/sweep.h"
 #include "backends/decide_features.h"
 #include "queries/feature_request.h"
@@ -18,7 +18,7 @@ namespace crumple::cpu {
 
 /// Query about features. `moments`: number of time samples, 1 if static, 2 for motion.
 template <int moments>
-class FeatureLeaves final : public LeafQuestion {
+class FeatureLeaves final : public LeafQuery {
    public:
     FeatureLeaves(MemoryMeter* meter, int workers, const FeatureTables& kernels);
 
@@ -67,7 +67,7 @@ class FeatureLeaves final : public LeafQuestion {
         CandidateChunk candidates;
         Array<std::uint32_t> left;                   ///< candidates that no direction separates, packed
         Array<float> distance;                       ///< requested distance of each test, if vertices have radii
-        std::array<Array<std::uint32_t>, 2> listed;  ///< see ListedTests
+        std::array<Array<std::uint32_t>, 2> listed;  ///< see CodimensionalTests
         std::array<Array<FeatureTest>, feature_kinds> tests;
         RowLists hits;
         std::int64_t unit = 0;  ///< unit of a stream that the hits belong to
@@ -80,10 +80,10 @@ class FeatureLeaves final : public LeafQuestion {
     std::size_t own_pairs(const SortedLeaf& leaf, const Ownership& ownership, std::size_t left, Worker& worker) const;
     void find_tests(const PairsLeft<moments>& pairs, Worker& worker) const;
     template <FeatureKind kind>
-    void filter_listed(const PairsLeft<moments>& pairs, ListedTests& listed, Worker& worker) const;
-    void list_tests_of_listed(const PairsLeft<moments>& pairs, Worker& worker) const;
+    void filter_codimensional(const PairsLeft<moments>& pairs, CodimensionalTests& listed, Worker& worker) const;
+    void list_codimensional_tests(const PairsLeft<moments>& pairs, Worker& worker) const;
     void filter_tests(FeatureKind kind, Worker& worker) const;
-    void drop_neighbours(FeatureKind kind, Array<FeatureTest>& tests) const;
+    void drop_adjacent(FeatureKind kind, Array<FeatureTest>& tests) const;
     bool is_later(FeatureKind kind, const FeatureTest& test) const;
     void decide_tests(FeatureKind kind, Worker& worker);
     void measure_tests(FeatureKind kind, Worker& worker);

@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::features {
 namespace HWY_NAMESPACE {
 
-/// Counterpart of SeenFeatures for one test per lane.
+/// Counterpart of FeatureVectors for one test per lane.
 template <class V, int moments>
 struct Seen {
     Point<V> to[moments][3];
@@ -38,8 +38,8 @@ HWY_INLINE V4 row_difference(const Points64& points, std::int64_t to, std::int64
 }
 
 template <int moments, class D, class Points, class V = hn::Vec<D>>
-HWY_INLINE void load_seen(D d, const Points& points, std::int64_t ends, const std::int32_t* const* vertices,
-                          Seen<V, moments>& seen) {
+HWY_INLINE void load_vectors(D d, const Points& points, std::int64_t ends, const std::int32_t* const* vertices,
+                             Seen<V, moments>& seen) {
     for (int m = 0; m < moments; ++m)
         for (int k = 0; k < 3; ++k) {
             V row[4], unused;
@@ -151,9 +151,9 @@ HWY_INLINE auto plane_is_far(const Seen<V, 1>& seen, V magnitude, V distance) {
     const hn::DFromV<V> d;
     const Point<V>(&p)[3] = seen.to[0];
     const Point<V> a = first_edge<kind>(p), b = second_edge<kind>(p);
-    const Point<V> reach_a = face ? add(abs(p[0]), abs(p[1])) : abs(p[0]);
-    const Point<V> reach_b = face ? add(abs(p[0]), abs(p[2])) : add(abs(p[1]), abs(p[2]));
-    const Point<V> n = cross(a, b), off = product_magnitudes(reach_a, reach_b);
+    const Point<V> extent_a = face ? add(abs(p[0]), abs(p[1])) : abs(p[0]);
+    const Point<V> extent_b = face ? add(abs(p[0]), abs(p[2])) : add(abs(p[1]), abs(p[2]));
+    const Point<V> n = cross(a, b), off = product_magnitudes(extent_a, extent_b);
     const V most = hn::Add(hn::MulAdd(hn::Set(d, up), length(n), hn::Set(d, volume_slack)),
                            hn::Mul(hn::Set(d, normal_error), hn::Add(hn::Add(off.x, off.y), off.z)));
     return hn::Gt(hn::Abs(dot(cross(p[0], p[1]), p[2])), hn::MulAdd(distance, most, volume_bound(magnitude)));
@@ -161,7 +161,7 @@ HWY_INLINE auto plane_is_far(const Seen<V, 1>& seen, V magnitude, V distance) {
 
 /// Input of the filters, one test per lane.
 template <class V, int moments>
-struct SeenTests {
+struct TestBatch {
     Seen<V, moments> seen;
     Point<V> reach;  ///< sum of seen.reach() of the three vectors
     V magnitude;     ///< see never_in_a_plane()
@@ -170,7 +170,7 @@ struct SeenTests {
 
 /// Counterpart of surely_far_coarse() for one test per lane.
 template <FeatureKind kind, int moments, class V>
-HWY_INLINE auto surely_far_coarse(const SeenTests<V, moments>& tests, bool contact) {
+HWY_INLINE auto surely_far_coarse(const TestBatch<V, moments>& tests, bool contact) {
     const auto& [seen, reach, magnitude, distance] = tests;
     const hn::DFromV<V> d;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
@@ -198,7 +198,7 @@ HWY_INLINE Point<V> beside(const Point<V>& way, const Point<V>& edge) {
 
 /// Counterpart of surely_far_fine() for one test per lane, limited to the directions of one time sample.
 template <FeatureKind kind, int moments, class V>
-HWY_INLINE auto surely_far_fine(const SeenTests<V, moments>& tests, int moment) {
+HWY_INLINE auto surely_far_fine(const TestBatch<V, moments>& tests, int moment) {
     const auto& [seen, reach, magnitude, distance] = tests;
     const Point<V>(&to)[3] = seen.to[moment];
     const Point<V> way = between_middles<kind>(to), u = first_edge<kind>(to), v = second_edge<kind>(to);
@@ -213,7 +213,7 @@ HWY_INLINE auto surely_far_fine(const SeenTests<V, moments>& tests, int moment) 
     return far;
 }
 template <FeatureKind kind, int moments, class V>
-HWY_INLINE auto surely_far_fine(const SeenTests<V, moments>& tests) {
+HWY_INLINE auto surely_far_fine(const TestBatch<V, moments>& tests) {
     auto far = surely_far_fine<kind>(tests, 0);
     if constexpr (moments == 2) far = hn::Or(far, surely_far_fine<kind>(tests, 1));
     return far;
@@ -223,7 +223,7 @@ HWY_INLINE auto surely_far_fine(const SeenTests<V, moments>& tests) {
 /// number. `vertices_of(i, room)` returns the vertices of test i; `room` is memory for them, if they are not stored
 /// elsewhere.
 template <FeatureKind kind, int moments, class D, class Points, class VerticesOf, class Far, class Keep>
-HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, AskedDistance distance,
+HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, RequestedDistance distance,
                                  std::size_t count, VerticesOf vertices_of, Far far, Keep keep) {
     using V = hn::Vec<D>;
     constexpr std::size_t lanes = hn::MaxLanes(d);
@@ -234,8 +234,8 @@ HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, A
         const std::int32_t* vertices[lanes];
         for (std::size_t lane = 0; lane < lanes; ++lane)
             vertices[lane] = vertices_of(std::min(first + lane, count - 1), room[lane]);
-        SeenTests<V, moments> tests;
-        load_seen<moments>(d, points, ends, vertices, tests.seen);
+        TestBatch<V, moments> tests;
+        load_vectors<moments>(d, points, ends, vertices, tests.seen);
         const Point<V> reach[3] = {tests.seen.reach(0), tests.seen.reach(1), tests.seen.reach(2)};
         tests.reach = add(add(reach[0], reach[1]), reach[2]);
         tests.magnitude = dot(product_magnitudes(reach[0], reach[1]), reach[2]);
@@ -255,7 +255,7 @@ HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, A
 
 /// Moves the tests that are not `far` to the front, and returns their number.
 template <FeatureKind kind, int moments, class D, class Points, class Far>
-HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, AskedDistance distance,
+HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, RequestedDistance distance,
                                  FeatureTest* test, std::size_t count, Far far) {
     return keep_near<kind, moments>(
         d, points, ends, distance, count, [&](std::size_t i, std::int32_t*) { return test[i].vertex; }, far,
@@ -271,9 +271,9 @@ HWY_INLINE std::size_t with_points(const PointRows& points, Filter filter) {
 }
 
 template <FeatureKind kind, int moments>
-std::size_t filter(const PointRows& points, std::int64_t ends, AskedDistance distance, FeatureTest* test,
+std::size_t filter(const PointRows& points, std::int64_t ends, RequestedDistance distance, FeatureTest* test,
                    std::size_t count) {
-    using Tests = SeenTests<hn::Vec<hn::ScalableTag<float>>, moments>;
+    using Tests = TestBatch<hn::Vec<hn::ScalableTag<float>>, moments>;
     const bool contact = distance.contact();
     return with_points(points, [&](auto d, const auto& rows) HWY_ATTR {
         count = keep_near<kind, moments>(d, rows, ends, distance, test, count, [&](const Tests& tests) HWY_ATTR {
@@ -286,9 +286,9 @@ std::size_t filter(const PointRows& points, std::int64_t ends, AskedDistance dis
 
 /// Writes out only the listed tests that pass the coarse filter, which are few; the fine filter then reads these.
 template <FeatureKind kind, int moments>
-std::size_t filter_listed(const PointRows& points, std::int64_t ends, AskedDistance distance,
-                          const PairsLeft<moments>& pairs, ListedTests& listed, FeatureTest* test) {
-    using Tests = SeenTests<hn::Vec<hn::ScalableTag<float>>, moments>;
+std::size_t filter_codimensional(const PointRows& points, std::int64_t ends, RequestedDistance distance,
+                                 const PairsLeft<moments>& pairs, CodimensionalTests& listed, FeatureTest* test) {
+    using Tests = TestBatch<hn::Vec<hn::ScalableTag<float>>, moments>;
     const auto vertices_of = [&](std::size_t i, std::int32_t(&room)[4]) -> const std::int32_t* {
         const std::size_t pair = listed.pair(i);
         vertices_of_test<kind>(pairs.row(pair), pairs.column(pair), listed.bit(i), room);

@@ -125,7 +125,7 @@ Inflation inflation_of_radii(const PreparedScene& scene, std::span<const double>
     return {largest == triangle.end() ? 0 : *largest, 0, false, triangle.data()};
 }
 
-LeafQuestion& leaves_of(const PreparedScene& scene, const FeatureRequest& query, FeatureBuffers& buffers) {
+LeafQuery& leaves_of(const PreparedScene& scene, const FeatureRequest& query, FeatureBuffers& buffers) {
     if (query.criterion == Criterion::candidate) return buffers.candidates.leaves;
     if (scene.moving) return buffers.moving;
     return buffers.at_rest;

@@ -39,7 +39,7 @@ Inflation inflation_of_radii(const PreparedScene& scene, std::span<const double>
                              FeatureBuffers& buffers);
 
 /// Returns the leaves in `buffers` that serve the request, for Call::question.
-LeafQuestion& leaves_of(const PreparedScene& scene, const FeatureRequest& query, FeatureBuffers& buffers);
+LeafQuery& leaves_of(const PreparedScene& scene, const FeatureRequest& query, FeatureBuffers& buffers);
 
 /// Runs all stages. call.question must be leaves_of().
 void find(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureResult& result);

@@ -77,8 +77,8 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& points, Record* H
 
         V size = hn::Max(hn::Abs(q0), hn::Max(hn::Abs(q1), hn::Abs(q2)));
         if (lanes.any_big(size))
-            lanes.take_out_big(in, i, box, size, boxes, bounds,
-                               [&](std::int64_t member) { rewrite_big(in, member, record[member]); });
+            lanes.replace_big(in, i, box, size, boxes, bounds,
+                              [&](std::int64_t member) { rewrite_big(in, member, record[member]); });
         lanes.count(box, size);
     }
     lanes.finish(bounds);

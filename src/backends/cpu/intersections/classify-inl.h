@@ -50,7 +50,7 @@ HWY_INLINE V code_of(D d, V above_a, V below_a, V above_b, V below_b, V same0, V
                         hn::Or(all(hn::Or(above_b, shared_a)), all(hn::Or(below_b, shared_a))));
     apart = hn::And(apart, hn::Ne(shared_b, seven));  // duplicated faces are left to the exact test
     const auto neighbours = some(shared_b);
-    if (policy.skip_neighbours) apart = hn::Or(apart, neighbours);
+    if (policy.skip_adjacent) apart = hn::Or(apart, neighbours);
 
     const auto certain =
         all(hn::And(hn::Or(hn::Or(above_a, below_a), shared_b), hn::Or(hn::Or(above_b, below_b), shared_a)));

@@ -52,13 +52,13 @@ HWY_INLINE void flat_test_with(const Record* record, const CandidateChunk& candi
         const VI shared_b = hn::And(shared, seven), shared_a = hn::ShiftRight<3>(shared);
         const VI apex_a = hn::Xor(shared_a, seven), apex_b = hn::Xor(shared_b, seven);
         const auto edge = hn::And(is_single(apex_a), is_single(apex_b));  // two shared vertices in each triangle
-        const auto settled = hn::Or(edge, hn::And(is_single(shared_a), is_single(shared_b)));
+        const auto is_decided = hn::Or(edge, hn::And(is_single(shared_a), is_single(shared_b)));
 
         // v: the shared vertex; of a shared edge, the one that follows the apex, so that p is its other end and q the
         // apex. Lanes without either get corner 0; their results are ignored.
         const auto pivot = [&](VI e, VI apex) {
             const VI corner = hn::IfThenElse(edge, next(hn::ShiftRight<1>(apex)), hn::ShiftRight<1>(e));
-            return hn::IfThenElseZero(settled, corner);
+            return hn::IfThenElseZero(is_decided, corner);
         };
         const VI v_a = pivot(shared_a, apex_a), p_a = next(v_a), q_a = next(p_a);
         const VI v_b = pivot(shared_b, apex_b), t_b = next(next(v_b)), r_b = hn::IfThenElse(edge, t_b, next(v_b));
@@ -100,7 +100,7 @@ HWY_INLINE void flat_test_with(const Record* record, const CandidateChunk& candi
         const auto by_any = hn::Or(hn::Or(by_p, by_q), hn::Or(by_r, by_t));
         const auto on_edge = hn::RebindMask(d, edge);
         const auto separated =
-            hn::And(hn::RebindMask(d, settled), hn::Or(hn::And(on_edge, by_p), hn::And(hn::Not(on_edge), by_any)));
+            hn::And(hn::RebindMask(d, is_decided), hn::Or(hn::And(on_edge, by_p), hn::And(hn::Not(on_edge), by_any)));
         const auto open = hn::And(hn::FirstN(d, count - k), hn::Not(separated));
         undecided += compress_to(du, packed, hn::RebindMask(du, open), out.undecided.data() + undecided);
     }

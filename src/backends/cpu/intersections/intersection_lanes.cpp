@@ -34,9 +34,9 @@ inline void filter(const Record* record, const CandidateChunk& candidates, const
     classify(candidates, policy, verdicts);
     flat_test(record, candidates, points, reach, verdicts);
     edge_test(record, candidates, reach, policy.proper, verdicts);
-    separation_test_float(record, candidates, points, reach, verdicts);
+    separating_test_float(record, candidates, points, reach, verdicts);
     verdicts.double_tests = static_cast<std::int64_t>(verdicts.undecided.size());
-    separation_test_double(record, candidates, points, verdicts);
+    separating_test_double(record, candidates, points, verdicts);
 }
 
 const IntersectKernels table{hwy::TargetName(HWY_TARGET), build, scatter, filter, name_pairs};

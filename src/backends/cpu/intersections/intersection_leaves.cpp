@@ -36,13 +36,13 @@ void IntersectLeaves::leave_out(const Call& call, Levels& levels) {
 }
 
 // Also reserves for twice the worker's average share of the last call's pairs.
-void IntersectLeaves::make_room(const Call&, std::int64_t members, std::int64_t rows, std::size_t worker) {
+void IntersectLeaves::reserve(const Call&, std::int64_t members, std::int64_t rows, std::size_t worker) {
     std::int64_t most = 0;
     for (const auto& each : worker_) most = std::max(most, each->narrow.most_candidates);
     Worker& mine = *worker_[worker];
-    mine.records.make_room(members, rows);
-    cpu::make_room(rows, mine.narrow.candidates);
-    if (most > 0) mine.narrow.verdicts.make_room(most);
+    mine.records.reserve(members, rows);
+    cpu::reserve(rows, mine.narrow.candidates);
+    if (most > 0) mine.narrow.verdicts.reserve(most);
     mine.narrow.pairs.reserve(2 * pairs_before / worker_.size());
 }
 

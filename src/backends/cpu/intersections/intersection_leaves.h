@@ -1,6 +1,6 @@
 #pragma once
 
-// Intersection query as a LeafQuestion: records from `align` to `narrow`, and the pairs found.
+// Intersection query as a LeafQuery: records from `align` to `narrow`, and the pairs found.
 
 #include <atomic>
 #include <memory>
@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "backends/cpu/intersections/intersection_narrow.h"
-#include "backends/cpu/leaf_question.h"
+#include "backends/cpu/leaf_query.h"
 #include "backends/cpu/stages/copies.h"
 #include "queries/row_stream.h"
 
 namespace crumple::cpu {
 
-class IntersectLeaves final : public LeafQuestion {
+class IntersectLeaves final : public LeafQuery {
    public:
     IntersectLeaves(MemoryMeter* meter, int workers, const IntersectKernels& kernels);
 
@@ -30,7 +30,7 @@ class IntersectLeaves final : public LeafQuestion {
 
     void begin(const Call& call) override;
     void leave_out(const Call& call, Levels& levels) override;
-    void make_room(const Call& call, std::int64_t members, std::int64_t rows, std::size_t worker) override;
+    void reserve(const Call& call, std::int64_t members, std::int64_t rows, std::size_t worker) override;
     bool stop() const override { return context_->stop(); }
     void build(const BuildInput& input, LeafMembers& members, std::size_t worker) override;
     void place(const SortedLeaf& leaf, std::size_t worker) override;

@@ -27,7 +27,7 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
         hits.resize(static_cast<std::size_t>(std::remove_if(hits.begin(), hits.end(), foreign) - hits.begin()));
     }
     const std::size_t before = scratch.pairs.size();
-    scratch.pairs.make_room_for(hits.size() + undecided.size() + padding);
+    scratch.pairs.grow_by(hits.size() + undecided.size() + padding);
     Pair* next = scratch.pairs.data() + before;
     context.kernels.name_pairs(hits.data(), hits.size(), leaf.link.data() + candidates.rows,
                                leaf.link.data() + candidates.columns, next);

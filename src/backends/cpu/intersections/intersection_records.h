@@ -14,7 +14,7 @@ struct LeafRecords {
     float reach = 0;       ///< the leaf's largest |coordinate|
 
     /// Reserves memory for a leaf with these numbers of members and, with dummies, of rows.
-    void make_room(std::int64_t members, std::int64_t rows) {
+    void reserve(std::int64_t members, std::int64_t rows) {
         built.resize_discard(static_cast<std::size_t>(members + padding));
         sorted.resize_discard(static_cast<std::size_t>(rows + padding));
     }

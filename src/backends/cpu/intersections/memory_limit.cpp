@@ -16,7 +16,7 @@ void for_each_pair(IntersectCall call, Visit visit) {
         scratch.pairs.clear();
     };
     const PairSink sink = take;
-    call.frugal = true;
+    call.low_memory = true;
     call.sink = &sink;
     measure(call);
     search_pairs(call);

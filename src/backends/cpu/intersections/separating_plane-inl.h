@@ -119,7 +119,7 @@ HWY_INLINE void drop_undecided(D d, Verdicts& out, Apart apart) {
 
 // Drops pairs that an edge line separates in float32; corners come from triangles_of(record of each lane).
 template <class TrianglesOf>
-HWY_INLINE void separation_test_with(const Record* record, const CandidateChunk& candidates, float delta,
+HWY_INLINE void separating_test_with(const Record* record, const CandidateChunk& candidates, float delta,
                                      TrianglesOf triangles_of, Verdicts& out) {
     const hn::ScalableTag<float> d;
     using D = hn::ScalableTag<float>;
@@ -143,10 +143,10 @@ HWY_INLINE void separation_test_with(const Record* record, const CandidateChunk&
 
 /// Drops pairs that an edge line separates in float32. Reads corners from the normalised rows if these are float32, and
 /// so exact; otherwise from the records, whose corners were rounded when the leaf's origin was subtracted.
-inline void separation_test_float(const Record* record, const CandidateChunk& candidates, const PointRows& points,
+inline void separating_test_float(const Record* record, const CandidateChunk& candidates, const PointRows& points,
                                   float reach, Verdicts& out) {
     with_triangles(points, reach, [&](float difference_error, auto triangles_of) {
-        separation_test_with(record, candidates, difference_error, triangles_of, out);
+        separating_test_with(record, candidates, difference_error, triangles_of, out);
     });
 }
 
@@ -192,7 +192,7 @@ HWY_INLINE hn::Mask<Doubles> separated_by_plane(const Corners<Doubles>& t, const
 }
 
 /// Drops pairs that a plane or an edge line separates in float64.
-inline void separation_test_double(const Record* record, const CandidateChunk& candidates, const PointRows& points,
+inline void separating_test_double(const Record* record, const CandidateChunk& candidates, const PointRows& points,
                                    Verdicts& out) {
     const Doubles d;
     const hn::Rebind<std::int32_t, Doubles> ids;

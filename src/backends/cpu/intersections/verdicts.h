@@ -51,7 +51,7 @@ struct Verdicts {
           edge_signs(m),
           flat(m),
           flat_shared(m) {}
-    void make_room(std::int64_t candidates) {
+    void reserve(std::int64_t candidates) {
         const auto n = static_cast<std::size_t>(candidates + 2 * padding);
         signs.resize(candidates);
         code.reserve(n);

@@ -62,8 +62,8 @@ class BoxLanes {
     /// and removes them from `box` and `size`. Kept out of the loop, and static, so that the vectors of *this stay in
     /// registers.
     template <class Rewrite>
-    static HWY_NOINLINE void take_out_big(const BuildInput& in, std::int64_t first, Box& box, V& size, Boxes& boxes,
-                                          LeafBounds& bounds, Rewrite rewrite) {
+    static HWY_NOINLINE void replace_big(const BuildInput& in, std::int64_t first, Box& box, V& size, Boxes& boxes,
+                                         LeafBounds& bounds, Rewrite rewrite) {
         HWY_ALIGN float sizes[4 * blocks];
         HWY_ALIGN std::uint32_t small[4 * blocks];
         hn::Store(size, D(), sizes);

@@ -14,7 +14,7 @@ namespace crumple::cpu {
 
 /// Returns the Highway targets that this machine supports. Cached, since in a virtual machine the query takes some 10
 /// us.
-inline std::int64_t targets_here() {
+inline std::int64_t supported_targets() {
     static const std::int64_t targets = hwy::SupportedTargets();
     return targets;
 }
@@ -26,7 +26,7 @@ struct Table {
     Simd simd;
     const Kernels* kernels;
 
-    bool runs_here() const { return (targets_here() & target) != 0; }
+    bool is_supported() const { return (supported_targets() & target) != 0; }
 };
 
 /// Returns the first table, in order of preference, that runs here and suits `simd`, or the plain one. Throws Error
@@ -35,7 +35,7 @@ template <class Kernels>
 const Kernels& choose(std::span<const Table<Kernels>> tables, const Kernels& plain, Simd simd) {
     if (simd == Simd::scalar) return plain;
     for (const auto& table : tables)
-        if (table.runs_here() && (simd == Simd::automatic || simd == table.simd)) return *table.kernels;
+        if (table.is_supported() && (simd == Simd::automatic || simd == table.simd)) return *table.kernels;
     if (simd == Simd::automatic) return plain;
     throw Error(ErrorCode::backend_unavailable,
                 "the instruction set asked for is not one that both this build and this machine have", Element::option);
@@ -46,7 +46,7 @@ template <class Kernels>
 std::vector<const Kernels*> all_of(std::span<const Table<Kernels>> tables, const Kernels& plain) {
     std::vector<const Kernels*> all{&plain};
     for (const auto& table : tables)
-        if (table.runs_here()) all.push_back(table.kernels);
+        if (table.is_supported()) all.push_back(table.kernels);
     return all;
 }
 

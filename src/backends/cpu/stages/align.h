@@ -21,7 +21,7 @@ template <int corners>
 void add_box(const InFrame<corners>& member, std::int64_t i, Boxes& boxes, LeafBounds& bounds) {
     boxes.low[static_cast<std::size_t>(i)] = {member.low.x, member.low.y, member.low.z, 0};
     boxes.high[static_cast<std::size_t>(i)] = {member.high.x, member.high.y, member.high.z, 0};
-    bounds.reach = max(bounds.reach, member.counted_reach());
+    bounds.reach = max(bounds.reach, member.counted_extent());
     bounds.big += member.big;
     if (member.big) return;
     bounds.low = min(bounds.low, member.low);

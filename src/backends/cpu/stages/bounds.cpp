@@ -42,7 +42,7 @@ void swept_balls(const PreparedScene& scene, const PointRows& rows, const Inflat
             start[k] = to_float(rows[v]);
             stop[k] = to_float(rows[static_cast<std::int32_t>(v + ends)]);
         }
-        ball[t] = inflation.of_box ? ball_of_box(start, stop, inflation) : ball_of_way(start, stop, inflation.of(t));
+        ball[t] = inflation.of_box ? ball_of_box(start, stop, inflation) : swept_ball(start, stop, inflation.of(t));
     }
 }
 
@@ -64,7 +64,7 @@ bool compute_bounds(const PreparedScene& scene, const Inflation& inflation, cons
     workers.parallel_for(chunks(n), [&](std::size_t part, std::size_t) {
         const std::int64_t begin = static_cast<std::int64_t>(part) * corners_at_once,
                            end = std::min(n, begin + corners_at_once);
-        if (inflation.of_box || inflation.radius || inflation.of_way > 0)
+        if (inflation.of_box || inflation.radius || inflation.path_share > 0)
             swept_balls(scene, rows, inflation, begin, end, balls.data());
         else
             kernels.balls(rows, scene.corners, begin, end, scene.moving ? scene.vertex_count() : 0, inflation(0),

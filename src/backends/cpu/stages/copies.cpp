@@ -4,7 +4,7 @@
 
 namespace crumple::cpu {
 
-void Copies::find(const PreparedScene& scene, const GroupRule& rule, const Levels& levels,
+void Copies::find(const PreparedScene& scene, const GroupFilter& rule, const Levels& levels,
                   const std::uint8_t* included) {
     next_.clear();
     const auto n = static_cast<std::int32_t>(scene.triangle_count());

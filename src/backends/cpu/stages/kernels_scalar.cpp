@@ -17,7 +17,7 @@ void balls(const PointRows& points, const std::int32_t* corners, std::int64_t be
         const Vec3f start[3] = {at(c[0]), at(c[1]), at(c[2])};
         if (ends) {
             const Vec3f stop[3] = {at(c[0] + ends), at(c[1] + ends), at(c[2] + ends)};
-            ball[t] = ball_of_way(start, stop, {});
+            ball[t] = swept_ball(start, stop, {});
         } else {
             ball[t] = ball_of(start[0], start[1], start[2]);
         }
@@ -35,7 +35,7 @@ bool repeats_corner(const std::int32_t* corners, std::int64_t begin, std::int64_
 void assign(const Ball* ball, std::int64_t n, const Centres& centres, std::uint64_t* mask, std::int64_t* count) {
     float reach[max_clusters][max_clusters];
     for (int j = 0; j < centres.count; ++j)
-        for (int k = 0; k < centres.count; ++k) reach[j][k] = bisector_reach(centres[j] - centres[k]);
+        for (int k = 0; k < centres.count; ++k) reach[j][k] = bisector_extent(centres[j] - centres[k]);
     for (std::int64_t i = 0; i < n; ++i) {
         float d2[max_clusters], best = std::numeric_limits<float>::infinity();
         int nearest = 0;

@@ -5,7 +5,7 @@
 
 namespace crumple::cpu {
 
-void LeafMembers::make_room(std::size_t n) {
+void LeafMembers::reserve(std::size_t n) {
     triangle.resize_discard(n + padding);
     member.resize_discard(n);
     lower.resize_discard(n);
@@ -14,7 +14,7 @@ void LeafMembers::make_room(std::size_t n) {
 
 void LeafMembers::gather(const PreparedScene& scene, const Subdivision& s, const Leaf& leaf) {
     const auto n = static_cast<std::size_t>(leaf.size);
-    make_room(n);
+    reserve(n);
     if (leaf.child < 0)
         std::iota(member.begin(), member.end(), static_cast<std::int32_t>(leaf.begin));
     else

@@ -21,7 +21,7 @@ struct LeafMembers {
 
     std::int64_t size() const { return static_cast<std::int64_t>(member.size()); }
 
-    void make_room(std::size_t n);
+    void reserve(std::size_t n);
 
     /// Lists the leaf's members, by id, and reserves the arrays that the next stages write.
     void gather(const PreparedScene& scene, const Subdivision& subdivision, const Leaf& leaf);

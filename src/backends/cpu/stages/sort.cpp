@@ -76,7 +76,7 @@ std::int64_t place(const LeafMembers& in, SortScratch& scratch, SortedLeaf& s) {
 
 }  // namespace
 
-void make_room(std::int64_t members, bool between, SortScratch& scratch, SortedLeaf& s) {
+void reserve(std::int64_t members, bool between, SortScratch& scratch, SortedLeaf& s) {
     const auto n = static_cast<std::size_t>(members);
     scratch.box.resize_discard(n + padding);
     s.position.resize_discard(n + padding);
@@ -105,7 +105,7 @@ void sort_leaf(const LeafMembers& in, const StageKernels& kernels, SortScratch& 
         by.base_high[axis] = base - margin;
         by.scale[axis] = 65530.0f / (high - low + 4 * margin);
     }
-    make_room(members, in.between, scratch, s);
+    reserve(members, in.between, scratch, s);
     kernels.quantise(in.boxes, members, by, scratch.box.data());
 
     for_each_dummy(s, [&](std::int64_t row) { write_dummy(scratch, s, row); });

@@ -22,7 +22,7 @@ struct SortScratch {
 };
 
 /// Sizes the arrays for a leaf with this number of members.
-void make_room(std::int64_t members, bool between, SortScratch& scratch, SortedLeaf& sorted);
+void reserve(std::int64_t members, bool between, SortScratch& scratch, SortedLeaf& sorted);
 
 void sort_leaf(const LeafMembers& members, const StageKernels& kernels, SortScratch& scratch, SortedLeaf& sorted);
 

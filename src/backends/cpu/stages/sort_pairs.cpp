@@ -124,7 +124,7 @@ void sort(Workers& workers, std::span<const Array<Pair>* const> found, PairCount
     // less memory.
     std::int64_t largest = 0;
     for (std::size_t b = 0; b < buckets; ++b) largest = std::max(largest, begin[b + 1] - begin[b]);
-    const bool by_worker = !counts.frugal && largest * workers.workers() < total;
+    const bool by_worker = !counts.low_memory && largest * workers.workers() < total;
     keys.resize_discard(static_cast<std::size_t>(total + (by_worker ? largest * workers.workers() : total)));
     workers.parallel_for(pieces, [&](std::size_t p, std::size_t) {
         std::int64_t* next = scratch.histogram.data() + p * buckets;

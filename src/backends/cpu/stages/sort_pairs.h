@@ -26,7 +26,7 @@ struct PairSorting {
 struct PairCounts {
     std::int32_t firsts, seconds;     ///< exclusive upper bounds of the indices
     std::int32_t before_seconds = 0;  ///< subtracted from second indices
-    bool frugal = false;              ///< low memory: memory must not depend on the number of workers
+    bool low_memory = false;          ///< low memory: memory must not depend on the number of workers
 };
 
 /// Task that one thread runs while others sort the buckets.

@@ -14,7 +14,7 @@ namespace crumple::cpu {
 inline constexpr std::int64_t chunk_columns = 1 << 14;
 
 /// Reserves memory for a chunk of candidates of a leaf with this number of rows.
-inline void make_room(std::int64_t rows, CandidateChunk& candidates) {
+inline void reserve(std::int64_t rows, CandidateChunk& candidates) {
     const auto longest_row = static_cast<std::size_t>(std::min<std::int64_t>(rows, block_stride));
     candidates.column.resize_discard(static_cast<std::size_t>(chunk_columns) + longest_row + 4 * padding);
     candidates.row.resize_discard(candidates.column.size());
@@ -25,7 +25,7 @@ inline void make_room(std::int64_t rows, CandidateChunk& candidates) {
 template <class Stop, class Narrow>
 void sweep_chunks(const StageKernels& kernels, const SortedLeaf& leaf, std::int64_t first, std::int64_t last,
                   CandidateChunk& candidates, Stop stop, Narrow narrow) {
-    make_room(leaf.rows, candidates);
+    reserve(leaf.rows, candidates);
     for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
         const std::int64_t block_end = std::min(block + block_stride, leaf.rows) - 1;  // without the dummy
         const auto dummy = static_cast<std::uint16_t>(block_end - block);

@@ -12,21 +12,21 @@ void CandidateFinder::release() {
     for (CandidateSlot& slot : own_) slot.values.release();
 }
 
-void CandidateFinder::bring_request(const FeatureRequest& request, bool, Room room) {
+void CandidateFinder::upload_request(const FeatureRequest& request, bool, Growth growth) {
     CandidateSlot& own = this->own();
     const PreparedScene& scene = input().scene();
     own.firsts = firsts_of(request);
-    lay_out(
+    place_arrays(
         own.values,
         [&](Cutter& c) {
             own.widening = c.take<Inflation>(1);
             own.normaliser = c.take<Normaliser>(1);
         },
-        room);
+        growth);
     own.asked = {};
     for (std::size_t k = 0; k < candidate_kinds; ++k) own.asked.wanted |= unsigned{request.kinds[k]} << k;
     own.asked.inflation = request.distance;
-    own.asked.features = features_.bring(request.features, scene.vertex_count(), room);
+    own.asked.features = features_.bring(request.features, scene.vertex_count(), growth);
     own.asked.normaliser = own.normaliser;
     own.asked.points = {scene, is_aligned(scene)};
 }
@@ -45,7 +45,7 @@ void CandidateFinder::choose_chunks(Plan& plan, std::int64_t bytes) const {
 
 void CandidateFinder::cut_rows(Cutter& c) { own().output.cut(c, own().firsts, pass_.plan.hits); }
 
-void CandidateFinder::clear_rows(Clearing& clearing) const { own().output.clear(clearing); }
+void CandidateFinder::clear_rows(BatchedClear& batch) const { own().output.clear(batch); }
 
 void CandidateFinder::make_ready() {
     make_normaliser(stream_, pass_.box, pass_.asked.inflation, own().widening, own().normaliser);
@@ -59,22 +59,22 @@ void CandidateFinder::narrow() {
 }
 
 bool CandidateFinder::write_rows(Counters* host_counters) {
-    write_answer(geometry_, stream_, hits(), own().output, pass_.counters, host_counters);
+    write_candidates(geometry_, stream_, hits(), own().output, pass_.counters, host_counters);
     return true;
 }
 
 void CandidateFinder::find_in_chunks() {
     begin_on_host();
-    lay_out(slot().rows, [&](Cutter& c) { own().output.cut(c, own().firsts, 0); });
+    place_arrays(slot().rows, [&](Cutter& c) { own().output.cut(c, own().firsts, 0); });
     Array<RankedCandidate> found(&meter_);
     bool first = true;
     over_chunks([&] {
         pass_.narrow(hits());
-        take_hits(found);
+        download_hits(found);
         if (first) {  // pairs within single triangles: once; the list holds them all
             pass_.clear_counters();
             pass_.search_within(hits());
-            take_hits(found);
+            download_hits(found);
         }
         first = false;
         return true;
@@ -86,7 +86,7 @@ void CandidateFinder::find_in_chunks() {
     this->found().any = !found.empty();
 }
 
-void CandidateFinder::take_hits(Array<RankedCandidate>& found) {
+void CandidateFinder::download_hits(Array<RankedCandidate>& found) {
     const Counters counters = read_counters();
     count(counters, pass_.plan);
     download(stream_, pass_.hits(), static_cast<std::size_t>(counters.hits), found);

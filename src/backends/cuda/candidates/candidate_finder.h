@@ -16,7 +16,7 @@ struct CandidateSlot {
     Block values;
     Inflation* widening = nullptr;
     Normaliser* normaliser = nullptr;
-    AskedOfCandidates asked;
+    CandidateConditions asked;
     FirstOfKind firsts;
     CandidateOutput output{};
 };
@@ -31,23 +31,23 @@ class CandidateFinder final : public RowFinder {
     CandidateSlot& own() { return own_[current()]; }
     const CandidateSlot& own() const { return own_[current()]; }
     CandidateHits hits() const;
-    void take_hits(Array<RankedCandidate>& found);
+    void download_hits(Array<RankedCandidate>& found);
 
-    void bring_request(const FeatureRequest& request, bool viewed, Room room) override;
+    void upload_request(const FeatureRequest& request, bool viewed, Growth growth) override;
     RowsByKind& rows() override { return own().output; }
     void bind() override;
     KernelParameters parameters() const override { return CandidateParameters{own().asked, own().firsts}; }
     void choose_plan(Plan& plan) const override;
     void choose_chunks(Plan& plan, std::int64_t bytes) const override;
     void cut_rows(Cutter& cutter) override;
-    void clear_rows(Clearing& clearing) const override;
+    void clear_rows(BatchedClear& batch) const override;
     void make_ready() override;
     void narrow() override;
     bool write_rows(Counters* host_counters) override;
     void find_in_chunks() override;
 
     CandidatePass pass_;
-    std::array<CandidateSlot, Flights::slots> own_;
+    std::array<CandidateSlot, LaunchQueue::slots> own_;
 };
 
 }  // namespace crumple::cuda

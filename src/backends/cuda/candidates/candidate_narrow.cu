@@ -14,7 +14,7 @@ template void sort_members(const Geometry&, cudaStream_t, const PreparedScene&, 
                            const Members&, const Frames&, const Ownership&, const Sorted&, const Widened<2>&,
                            const CandidateRows&, const List<Unit>&, Counters*);
 template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<Unit>&,
-                    const Ownership&, const WantedPairs&, const OverlapAlone&, const List<Candidate>&, const Slice&,
+                    const Ownership&, const PairSelection&, const OverlapAlone&, const List<Candidate>&, const Slice&,
                     Counters*);
 template void make_offsets(const Geometry&, cudaStream_t, std::size_t, const CandidateOutput&, Counters*);
 template void order_buckets(const Geometry&, cudaStream_t, std::size_t, const CandidateOutput&, Counters*, Counters*);
@@ -62,11 +62,11 @@ struct PairShared {
 };
 
 // Requested pairs of lanes, one bit each: bit lanes * a + b for lane a of the first triangle and lane b of the second.
-class WantedLanes {
+class SelectedLanes {
    public:
     static constexpr int lanes = candidate_lanes - 1;
 
-    __device__ explicit WantedLanes(const AskedOfCandidates& asked) {
+    __device__ explicit SelectedLanes(const CandidateConditions& asked) {
         for (int a = 0; a < lanes; ++a)
             for (int b = 0; b < lanes; ++b) wanted_ |= std::uint64_t{asked.wants(kind_of(a, b))} << (lanes * a + b);
     }
@@ -93,12 +93,12 @@ class WantedLanes {
 // features to test, few of 49. These wait in a queue until there is one per lane of the warp.
 template <int threads>
 __global__ void __launch_bounds__(threads)
-    pair_kernel(AskedOfCandidates asked, const CandidateRow* row, List<Candidate> survivors, CandidateHits hits,
-                unsigned long long* listed_count) {
+    pair_kernel(CandidateConditions asked, const CandidateRow* row, List<Candidate> survivors, CandidateHits hits,
+                unsigned long long* codimensional_count) {
     auto& shared = dynamic_shared<PairShared<threads>>().warp[threadIdx.x / 32];
     WarpQueue<LanePair> pairs(shared.pairs);
     HitQueue found(shared.hits, hits.list);
-    const WantedLanes wanted(asked);
+    const SelectedLanes wanted(asked);
     unsigned long long tests = 0;
     const auto test = [&] {
         LanePair p{};
@@ -110,8 +110,9 @@ __global__ void __launch_bounds__(threads)
             const CandidateRow &a = row[p.rows.row], &b = row[p.rows.column];
             const CandidateBox box_a = a.box[of_a], box_b = b.box[of_b];
             const float between = gap(box_a, box_b);
-            is_hit = between < 0 || (between == 0 && grown_boxes_overlap(asked.box(a.vertex, of_a),
-                                                                         asked.box(b.vertex, of_b), asked.inflation));
+            is_hit = between < 0 ||
+                     (between == 0 &&
+                      inflated_boxes_overlap(asked.box(a.vertex, of_a), asked.box(b.vertex, of_b), asked.inflation));
             pair = listed(of_a, box_a.id, of_b, box_b.id);
         }
         tests += taken;
@@ -123,17 +124,17 @@ __global__ void __launch_bounds__(threads)
         std::uint64_t left = i < n ? wanted.of(row[c.row], row[c.column]) : 0;
         while (const unsigned having = __ballot_sync(whole_warp, left != 0)) {
             const auto both = static_cast<std::uint32_t>(__ffsll(static_cast<long long>(left)) - 1);
-            pairs.add(left != 0, {c, both / WantedLanes::lanes, both % WantedLanes::lanes}, having);
+            pairs.add(left != 0, {c, both / SelectedLanes::lanes, both % SelectedLanes::lanes}, having);
             left &= left - 1;
             if (pairs.size() >= 32) test();
         }
     }
     while (pairs.size()) test();
     found.move();
-    if (threadIdx.x % 32 == 0 && tests) atomicAdd(listed_count, tests);
+    if (threadIdx.x % 32 == 0 && tests) atomicAdd(codimensional_count, tests);
 }
 
-__global__ void within_kernel(PreparedScene scene, WantedPairs pairs, AskedOfCandidates asked, CandidateHits hits) {
+__global__ void within_kernel(PreparedScene scene, PairSelection pairs, CandidateConditions asked, CandidateHits hits) {
     const auto n = static_cast<std::size_t>(scene.triangle_count()), warps_end = (n + 31) / 32 * 32;
     for (std::size_t i = grid_thread(); i < warps_end; i += grid_stride()) {
         const auto t = static_cast<std::int32_t>(i);
@@ -156,7 +157,7 @@ __global__ void within_kernel(PreparedScene scene, WantedPairs pairs, AskedOfCan
             for (int b = a + 1; b < 6; ++b) {
                 const CandidateKind kind = kind_of(a, b);
                 const bool is_hit = (owned >> a & owned >> b & 1) && asked.wants(kind) && !incident(a, b) &&
-                                    grown_boxes_overlap(asked.box(corner, a), asked.box(corner, b), asked.inflation);
+                                    inflated_boxes_overlap(asked.box(corner, a), asked.box(corner, b), asked.inflation);
                 add(hits, is_hit, kind, is_hit ? listed(a, id(a), b, id(b)) : Pair{});
             }
     }
@@ -178,7 +179,7 @@ __global__ void normaliser_kernel(const SceneBox* box, double inflation, Inflati
 
 }  // namespace
 
-void find_candidates(const Geometry& geometry, cudaStream_t stream, const AskedOfCandidates& asked,
+void find_candidates(const Geometry& geometry, cudaStream_t stream, const CandidateConditions& asked,
                      const CandidateRow* row, const List<Candidate>& survivors, const CandidateHits& hits,
                      Counters* counters) {
     const auto find = [&]<int threads>() {
@@ -190,20 +191,20 @@ void find_candidates(const Geometry& geometry, cudaStream_t stream, const AskedO
     geometry.threads == 64 ? find.template operator()<64>() : find.template operator()<256>();
 }
 
-void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const WantedPairs& pairs,
-                 const AskedOfCandidates& asked, const CandidateHits& hits) {
+void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const PairSelection& pairs,
+                 const CandidateConditions& asked, const CandidateHits& hits) {
     if (!asked.wants(CandidateKind::vertex_vertex) && !asked.wants(CandidateKind::vertex_edge)) return;
     Launch{stream, geometry.blocks(static_cast<std::size_t>(scene.triangle_count())), geometry.threads}(
         within_kernel, scene, pairs, asked, hits);
 }
 
-void CandidateOutput::cut(Cutter& c, const FirstOfKind& features, std::size_t room) {
-    RowsByKind::cut(c, features, room, false);
-    bucketed = c.take<BucketedPair>(room);
+void CandidateOutput::cut(Cutter& c, const FirstOfKind& features, std::size_t most) {
+    RowsByKind::cut(c, features, most, false);
+    bucketed = c.take<BucketedPair>(most);
 }
 
-void write_answer(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,
-                  const CandidateOutput& output, Counters* counters, Counters* told) {
+void write_candidates(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,
+                      const CandidateOutput& output, Counters* counters, Counters* told) {
     make_offsets(geometry, stream, output.firsts.all(), output, counters);
     Launch{stream, geometry.blocks(hits.list.capacity), geometry.threads}(bucket_kernel, hits, output);
     order_buckets(geometry, stream, output.firsts.all(), output, counters, told);

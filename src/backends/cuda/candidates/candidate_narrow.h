@@ -6,15 +6,15 @@
 #include "backends/cuda/candidates/candidate_records.h"
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/features/rows_by_kind.h"
+#include "backends/cuda/stages/batched_clear.h"
 #include "backends/cuda/stages/bounds.h"
-#include "backends/cuda/stages/clearing.h"
 #include "backends/cuda/stages/output.h"
 
 namespace crumple::cuda {
 
 /// Parameters of kernels, part of a graph's key (engine/graph_key.h).
 struct CandidateParameters {
-    AskedOfCandidates asked;
+    CandidateConditions asked;
     FirstOfKind firsts;
     friend bool operator==(const CandidateParameters&, const CandidateParameters&) = default;
     void forget_places() {
@@ -36,18 +36,18 @@ struct CandidateHits {
 };
 
 /// Lists the hits among features of two triangles.
-void find_candidates(const Geometry& geometry, cudaStream_t stream, const AskedOfCandidates& asked,
+void find_candidates(const Geometry& geometry, cudaStream_t stream, const CandidateConditions& asked,
                      const CandidateRow* row, const List<Candidate>& survivors, const CandidateHits& hits,
                      Counters* counters);
 /// Lists the hits within single triangles: two vertices, or a vertex and the opposite edge.
-void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const WantedPairs& pairs,
-                 const AskedOfCandidates& asked, const CandidateHits& hits);
+void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const PairSelection& pairs,
+                 const CandidateConditions& asked, const CandidateHits& hits);
 
 struct CandidateOutput : RowsByKind {
     using Key = std::int32_t;
     BucketedPair* bucketed;  ///< unsorted within a bucket
 
-    void cut(Cutter& cutter, const FirstOfKind& features, std::size_t room);
+    void cut(Cutter& cutter, const FirstOfKind& features, std::size_t most);
 
     __device__ std::int32_t first_of(unsigned long long i) const { return bucketed[i].first; }
     __device__ Key key(unsigned long long i) const { return bucketed[i].second; }
@@ -59,8 +59,8 @@ struct CandidateOutput : RowsByKind {
 };
 
 /// Turns the listed hits, which are counted by first feature, into rows of the result. `told`: see order_buckets().
-void write_answer(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,
-                  const CandidateOutput& output, Counters* counters, Counters* told);
+void write_candidates(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,
+                      const CandidateOutput& output, Counters* counters, Counters* told);
 
 /// Computes the normaliser of the scene's box, and the inflation in normalised coordinates.
 void make_normaliser(cudaStream_t stream, const SceneBox* box, double inflation, Inflation* widening,

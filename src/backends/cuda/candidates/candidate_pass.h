@@ -11,7 +11,7 @@ class CandidatePass : public Pass {
    public:
     using Pass::Pass;
 
-    AskedOfCandidates asked;
+    CandidateConditions asked;
 
     void cut(Cutter& c) override {
         Pass::cut(c);

@@ -11,14 +11,14 @@
 namespace crumple::cuda {
 
 /// Parameters of the query for kernels. Pointers refer to device memory.
-struct AskedOfCandidates {
+struct CandidateConditions {
     unsigned wanted = 0;  ///< a bit for each CandidateKind
     double inflation = 0;
     FeatureTable features;
     ExactPoints points;
     const Normaliser* normaliser = nullptr;
 
-    friend bool operator==(const AskedOfCandidates&, const AskedOfCandidates&) = default;
+    friend bool operator==(const CandidateConditions&, const CandidateConditions&) = default;
     /// See GraphKey::shape().
     void forget_places() {
         features = {};
@@ -65,7 +65,7 @@ struct alignas(64) CandidateRow {
 
 struct CandidateRows {
     CandidateRow* row;
-    AskedOfCandidates asked;
+    CandidateConditions asked;
 
     __device__ void put(std::uint32_t place, std::int32_t triangle, const Vec3d*, const std::int32_t id[3],
                         const InFrame<6>&, const Frame& frame) const {
@@ -102,8 +102,8 @@ struct CandidateRows {
 };
 
 struct OverlapAlone {
-    struct Room {};
-    __device__ bool keeps(bool has, const Candidate&, Room&) const { return has; }
+    struct Buffer {};
+    __device__ bool keeps(bool has, const Candidate&, Buffer&) const { return has; }
 };
 
 }  // namespace crumple::cuda

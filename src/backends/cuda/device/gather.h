@@ -26,7 +26,7 @@ class Gathered {
     void each(const Pair* pairs, std::size_t n, std::int32_t second, Use use) {
         std::vector<Triangle> host(2 * std::min(n, batch));
         Triangle* device = nullptr;
-        lay_out(block_, [&](Cutter& c) { device = cut(c, n); });
+        place_arrays(block_, [&](Cutter& c) { device = cut(c, n); });
         // Initialises the padding of the Triangles, which is downloaded, too.
         fill(stream_, device, 0, host.size() * sizeof(Triangle));
         for (std::size_t begin = 0; begin < n; begin += batch) {

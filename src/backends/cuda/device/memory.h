@@ -109,17 +109,17 @@ class Cutter {
 
 /// Permission of a block to grow. Blocks are fixed for work that goes into a caller's capture, during which nothing may
 /// be allocated.
-enum class Room : std::uint8_t { grows, fixed };
+enum class Growth : std::uint8_t { grows, fixed };
 /// Thrown if memory would have to grow, or data to be uploaded, in spite of Room::fixed.
-struct NoRoom {};
+struct CapacityError {};
 
 /// Makes the arena layout of a block. Calls cut(cutter), which takes one array after the other, twice: to measure, then
 /// to place them.
 template <class Cut>
-void lay_out(Block& block, Cut cut, Room room = Room::grows) {
+void place_arrays(Block& block, Cut cut, Growth growth = Growth::grows) {
     Cutter measure;
     cut(measure);
-    if (room == Room::fixed && measure.used() > block.capacity()) throw NoRoom{};
+    if (growth == Growth::fixed && measure.used() > block.capacity()) throw CapacityError{};
     Cutter cutter(block.resize(measure.used()));
     cut(cutter);
 }

@@ -16,15 +16,15 @@ class Mirror {
    public:
     explicit Mirror(MemoryMeter& meter) : block_(meter), there_(&meter) {}
 
-    /// Returns the device's copy of `host`, which need not outlive the call. Throws NoRoom if an upload is needed, but
-    /// `room` is fixed.
-    const T* bring(cudaStream_t stream, std::span<const T> host, Room room = Room::grows) {
+    /// Returns the device's copy of `host`, which need not outlive the call. Throws CapacityError if an upload is
+    /// needed, but `room` is fixed.
+    const T* bring(cudaStream_t stream, std::span<const T> host, Growth growth = Growth::grows) {
         const void* const before = block_.data();
         T* device = nullptr;
-        lay_out(
-            block_, [&](Cutter& c) { device = c.take<T>(host.size()); }, room);
+        place_arrays(
+            block_, [&](Cutter& c) { device = c.take<T>(host.size()); }, growth);
         if (block_.data() == before && std::ranges::equal(there_, host)) return device;
-        if (room == Room::fixed) throw NoRoom{};
+        if (growth == Growth::fixed) throw CapacityError{};
         there_.clear();  // if the copy fails, the contents are unknown
         copy_now(stream, device, host.data(), host.size(), cudaMemcpyHostToDevice);
         std::ranges::copy(host, there_.resize_discard(host.size()));

@@ -14,7 +14,7 @@ namespace crumple::cuda {
 
 /// Shared memory for one record per lane. All lanes of the warp call its functions together.
 template <class Record>
-class GatherRoom {
+class GatherBuffer {
    public:
     /// Starts to copy record[index]. Lanes that need none pass any valid index.
     __device__ void start(const Record* record, std::uint32_t index) {
@@ -55,21 +55,21 @@ class GatherRoom {
     Piece piece_[32 * pieces];
 };
 
-/// Two records of each lane. gathered_pair() gathers them one after the other through the same GatherRoom.
+/// Two records of each lane. gathered_pair() gathers them one after the other through the same GatherBuffer.
 template <class Record>
 struct RecordPair {
     Record a, b;
 };
 template <class Record>
 __device__ RecordPair<Record> gathered_pair(const Record* record, std::uint32_t a, std::uint32_t b,
-                                            GatherRoom<Record>& room) {
+                                            GatherBuffer<Record>& buffer) {
     RecordPair<Record> pair;
     for (Record* of : {&pair.a, &pair.b}) {
-        room.start(record, of == &pair.a ? a : b);
+        buffer.start(record, of == &pair.a ? a : b);
         __pipeline_commit();
         __pipeline_wait_prior(0);
         __syncwarp();
-        *of = room.own();
+        *of = buffer.own();
         __syncwarp();
     }
     return pair;

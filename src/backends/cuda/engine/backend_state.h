@@ -7,7 +7,7 @@
 
 #include "backends/cuda/device/captures.h"
 #include "backends/cuda/device/cuda_device.h"
-#include "backends/cuda/device/flights.h"
+#include "backends/cuda/device/launch_queue.h"
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/input/device_input.h"
 #include "base/cancellation.h"
@@ -35,10 +35,10 @@ struct BackendState {
     const Geometry geometry = device.geometry();
     const Stream stream = make_stream(device);  ///< the backend's own stream
     const Event before = make_event(device);
-    Flights flights{device};
+    LaunchQueue flights{device};
     /// Inputs by slot. A slot belongs to one launch at a time, of any query.
-    std::array<Input, Flights::slots> inputs{Input(device.index(), stream.get(), meter),
-                                             Input(device.index(), stream.get(), meter)};
+    std::array<Input, LaunchQueue::slots> inputs{Input(device.index(), stream.get(), meter),
+                                                 Input(device.index(), stream.get(), meter)};
 };
 
 }  // namespace crumple::cuda

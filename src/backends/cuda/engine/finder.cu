@@ -17,23 +17,23 @@ Finder::Finder(BackendState& state, Pass& stages)
       beside_(state.device),
       graphs_(state.device, stream_),
       capture_(state.device, stream_, beside_),
-      guides_(state.meter),
+      warm_starts_(state.meter),
       work_(state.meter) {}
 
 // ---- A pass: the whole of [MZ] Algorithm 1, enqueued on our stream. `watch` is null if stages are not timed.
 
 void Finder::enqueue(StageEvents* watch) {
     Counters* const host_counters = slot().counters.get();
-    Clearing clearing;
-    clear_rows(clearing);
-    enqueue_until_sorted(clearing, watch);
+    BatchedClear batch;
+    clear_rows(batch);
+    enqueue_until_sorted(batch, watch);
     begin(watch, Stage::sweep);
     stages_.sweep({});
     begin(watch, Stage::narrow);
     narrow();
     begin(watch, Stage::output);
     const bool are_copied = write_rows(host_counters);
-    if (stages_.plan.guided) beside_.join(stream_);
+    if (stages_.plan.warm_started) beside_.join(stream_);
     if (watch) watch->end(stream_);
     if (!are_copied)
         CRUMPLE_CUDA(
@@ -41,10 +41,10 @@ void Finder::enqueue(StageEvents* watch) {
 }
 
 // Leaves the side branch of a warm-started pass forked, but not joined.
-void Finder::enqueue_until_sorted(Clearing& clearing, StageEvents* watch) {
-    stages_.clear(clearing);
-    input().clear(clearing);
-    clearing.launch(geometry_, stream_);
+void Finder::enqueue_until_sorted(BatchedClear& batch, StageEvents* watch) {
+    stages_.clear(batch);
+    input().clear(batch);
+    batch.launch(geometry_, stream_);
     begin(watch, Stage::bounds);
     input().enqueue(geometry_, stream_, stages_.counters);
     make_ready();
@@ -65,16 +65,16 @@ void Finder::begin(StageEvents* watch, Stage stage) {
 bool Finder::pass_without_rows(FunctionRef<void()> rounds, Counters& counters) {
     cancellation_.check();
     plan();
-    lay_out_lists();
+    place_lists();
     lists_of_ = nobody;
-    Clearing clearing;
-    enqueue_until_sorted(clearing, nullptr);
+    BatchedClear batch;
+    enqueue_until_sorted(batch, nullptr);
     rounds();
-    if (stages_.plan.guided) beside_.join(stream_);
+    if (stages_.plan.warm_started) beside_.join(stream_);
     counters = read_counters();
     input().throw_error(counters);
     const bool complete = stages_.plan.accepts(counters, scene().triangle_count(), options_, false);
-    if (complete) guide_next();
+    if (complete) prepare_warm_start();
     return complete;
 }
 
@@ -84,34 +84,34 @@ bool Finder::accept() {
     input().throw_error(counters);
     Plan plan = slot().plan;
     const bool latest = stages_.plan == plan;
-    const bool complete = plan.accepts(counters, scene().triangle_count(), options_, !wants_any());
+    const bool complete = plan.accepts(counters, scene().triangle_count(), options_, !is_any_output());
     if (latest) stages_.plan = plan;
     // If one hit is enough, lists may have been too short: any hit found is valid by itself.
-    const bool proven = wants_any() && counters.hits > 0;
+    const bool proven = is_any_output() && counters.hits > 0;
     if (!complete && !proven) return false;
     unsigned long long total = counters.hits;
-    if (counters.beyond > 0 && !proven && !add_beyond(counters, total)) return false;
+    if (counters.beyond > 0 && !proven && !add_unresolved(counters, total)) return false;
     count(counters, plan);
-    if (complete && latest) guide_next();
+    if (complete && latest) prepare_warm_start();
     read_rows(total);
     return true;
 }
 
 // Decides on the host what the device could not, and adds the hits to the rows. Returns false if the list cannot hold
 // them, or if a later pass has overwritten it.
-bool Finder::add_beyond(const Counters& counters, unsigned long long& total) {
+bool Finder::add_unresolved(const Counters& counters, unsigned long long& total) {
     if (lists_of_ != now_) return false;
-    const std::size_t decided = decide_beyond(static_cast<std::size_t>(counters.beyond));
+    const std::size_t decided = decide_unresolved(static_cast<std::size_t>(counters.beyond));
     total += decided;
-    if (wants_any() || decided == 0) return true;
+    if (is_any_output() || decided == 0) return true;
     if (!stages_.plan.accepts_hits(total)) {
         slot().counters->hits = total;  // an incomplete replay reports it
         return false;
     }
-    Clearing clearing;
-    clear_rows(clearing);
-    clearing.add(&stages_.counters->parts, sizeof stages_.counters->parts);
-    clearing.launch(geometry_, stream_);
+    BatchedClear batch;
+    clear_rows(batch);
+    batch.add(&stages_.counters->parts, sizeof stages_.counters->parts);
+    batch.launch(geometry_, stream_);
     append_decided(decided, counters.hits);
     write_rows(nullptr);
     CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
@@ -119,9 +119,9 @@ bool Finder::add_beyond(const Counters& counters, unsigned long long& total) {
 }
 
 // Makes the next pass warm-start from what this one, which was complete, has left.
-void Finder::guide_next() {
+void Finder::prepare_warm_start() {
     stages_.plan.cold = false;
-    stages_.plan.guided = true;
+    stages_.plan.warm_started = true;
 }
 
 Counters Finder::read_counters() {
@@ -145,7 +145,7 @@ void Finder::count(const Counters& c, const Plan& plan) {
 
 void Finder::find() {
     statistics_ = {};
-    state_.flights.settle();  // passes in flight use the same lists
+    state_.flights.synchronize();  // passes in flight use the same lists
     if (slot().low_memory || !fits_at_once([&] { find_at_once(); })) {
         refuse_worlds();
         in_chunks([&] { find_in_chunks(); });
@@ -167,7 +167,7 @@ void Finder::launch(cudaStream_t stream) {
     const auto pass = [&] { enqueue(nullptr); };
     slot().lost = !fits_at_once([&] {
         prepare_pass();
-        if (stages_.plan.guided)
+        if (stages_.plan.warm_started)
             graphs_.run(key(), stream, pass);
         else
             graphs_.run_once(stream, pass);
@@ -182,8 +182,8 @@ bool Finder::accept_launched(std::uint64_t revision) {
 
 void Finder::capture(cudaStream_t stream) {
     plan();
-    if (!stages_.plan.guided || laid_out_ != layout()) throw NoRoom{};
-    lay_out_rows(Room::fixed);
+    if (!stages_.plan.warm_started || layout_done_ != layout()) throw CapacityError{};
+    place_rows(Growth::fixed);
     has_replayed();
     capture_.add(stream, [&] { enqueue(nullptr); });
     captured_ = true;
@@ -202,18 +202,18 @@ bool Finder::accept_replay() {
         complete = accept();
     } catch (const MeshChanged&) {  // a graph is bound to its features
     }
-    if (!complete) grown_ = std::exchange(stages_.plan, slot().plan);
+    if (!complete) has_grown_ = std::exchange(stages_.plan, slot().plan);
     return complete;
 }
 
 GraphKey Finder::key() const {
-    return {scene(),      stages_.wanted,     stages_.plan,   input().work(),       parameters(),
-            work_.data(), slot().rows.data(), guides_.data(), slot().counters.get()};
+    return {scene(),      stages_.wanted,     stages_.plan,        input().work(),       parameters(),
+            work_.data(), slot().rows.data(), warm_starts_.data(), slot().counters.get()};
 }
 
 // ---- Slots, lists and memory.
 
-void Finder::take_slot(std::size_t slot, FunctionRef<void()> bring) {
+void Finder::claim_slot(std::size_t slot, FunctionRef<void()> bring) {
     now_ = slot;
     this->slot().lost = true;
     captured_ = false;
@@ -237,7 +237,7 @@ void Finder::bind() {
 }
 
 void Finder::plan() {
-    if (grown_) stages_.plan = *std::exchange(grown_, std::nullopt);
+    if (has_grown_) stages_.plan = *std::exchange(has_grown_, std::nullopt);
     const SceneKind kind{scene().triangle_count(), scene().between, scene().worlds, all_kinds()};
     if (planned_for_ != kind) choose_plan(stages_.plan);
     planned_for_ = kind;
@@ -247,19 +247,19 @@ Finder::Layout Finder::layout() const {
     return {scene().vertices, scene().triangles, scene().float32, scene().moving, stages_.plan};
 }
 
-void Finder::lay_out_lists() {
-    if (laid_out_ == layout()) return;
-    state_.flights.settle();  // passes in flight use memory that may move now
-    laid_out_.reset();
+void Finder::place_lists() {
+    if (layout_done_ == layout()) return;
+    state_.flights.synchronize();  // passes in flight use memory that may move now
+    layout_done_.reset();
     lists_of_ = nobody;
-    lay_out(guides_, [&](Cutter& c) { stages_.guides.cut(c, stages_.plan); });
-    lay_out(work_, [&](Cutter& c) { stages_.cut(c); });
-    laid_out_ = layout();
+    place_arrays(warm_starts_, [&](Cutter& c) { stages_.warm_starts.cut(c, stages_.plan); });
+    place_arrays(work_, [&](Cutter& c) { stages_.cut(c); });
+    layout_done_ = layout();
 }
 
-void Finder::lay_out_rows(Room room) {
-    lay_out(
-        slot().rows, [&](Cutter& c) { cut_rows(c); }, room);
+void Finder::place_rows(Growth growth) {
+    place_arrays(
+        slot().rows, [&](Cutter& c) { cut_rows(c); }, growth);
     slot().on_host = false;
     slot().plan = stages_.plan;
     lists_of_ = now_;
@@ -268,8 +268,8 @@ void Finder::lay_out_rows(Room room) {
 // Prepares lists and memory for rows, for a pass whose result this slot holds.
 void Finder::prepare_pass() {
     plan();
-    lay_out_lists();
-    lay_out_rows(Room::grows);
+    place_lists();
+    place_rows(Growth::grows);
 }
 
 bool Finder::fits_at_once(FunctionRef<void()> work) {
@@ -280,7 +280,7 @@ bool Finder::fits_at_once(FunctionRef<void()> work) {
 }
 
 bool Finder::free_others() {
-    state_.flights.settle();
+    state_.flights.synchronize();
     const std::int64_t before = meter_.used;
     for (std::size_t i = 0; i < slots_.size(); ++i) {
         if (i == now_) continue;
@@ -295,7 +295,7 @@ bool Finder::free_others() {
 
 void Finder::release_lists() {
     free_others();
-    laid_out_.reset();
+    layout_done_.reset();
     lists_of_ = nobody;
     work_.release();
 }
@@ -307,10 +307,10 @@ void Finder::drop_lists() {
 
 void Finder::release() {
     drop_lists();
-    guides_.release();
+    warm_starts_.release();
     graphs_.clear();
     planned_for_ = {};
-    grown_.reset();
+    has_grown_.reset();
     too_many_ = std::numeric_limits<std::int64_t>::max();
     alone_ = false;
 }

@@ -8,7 +8,7 @@
 // in chunks: cluster by cluster, each in slices (finder_chunks.cu).
 //
 // Scenes lie on the host, or on the device as meshes or bodies. For scenes on the device a pass can be launched, or put
-// into a caller's capture; a slot then holds what its wait reads (device/flights.h).
+// into a caller's capture; a slot then holds what its wait reads (device/launch_queue.h).
 
 #include <array>
 #include <cstdint>
@@ -17,8 +17,8 @@
 
 #include "backends/cuda/device/captures.h"
 #include "backends/cuda/device/cuda_device.h"
-#include "backends/cuda/device/flights.h"
 #include "backends/cuda/device/graph_cache.h"
+#include "backends/cuda/device/launch_queue.h"
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/engine/backend_state.h"
 #include "backends/cuda/engine/graph_key.h"
@@ -62,8 +62,8 @@ class Finder {
     bool accept_launched(std::uint64_t revision = 0);
 
     /// Puts a whole pass into the capture of `stream`: each replay is a pass. Its memory does not move until
-    /// take_slot() is called. Throws NoRoom unless two calls of the same kind precede it: the first lays out the lists,
-    /// the second loads the kernels of a warm-started pass.
+    /// claim_slot() is called. Throws CapacityError unless two calls of the same kind precede it: the first lays out
+    /// the lists, the second loads the kernels of a warm-started pass.
     void capture(cudaStream_t stream);
     /// Returns true if a replay has completed since the capture, or since the last call of this.
     bool has_replayed();
@@ -90,7 +90,7 @@ class Finder {
     /// True if edges and points are listed, too, which needs lists of tests of all kinds.
     virtual bool all_kinds() const { return false; }
     /// True if the query only asks whether there is a hit; then no hit is listed.
-    virtual bool wants_any() const { return false; }
+    virtual bool is_any_output() const { return false; }
 
     /// Choose capacities for a scene of another kind than the last one, and for a search in chunks whose lists take at
     /// most about `bytes`.
@@ -98,7 +98,7 @@ class Finder {
     virtual void choose_chunks(Plan& plan, std::int64_t bytes) const = 0;
     /// Cuts the arrays of the result, for as many rows as the plan has hits.
     virtual void cut_rows(Cutter& cutter) = 0;
-    virtual void clear_rows(Clearing& clearing) const = 0;
+    virtual void clear_rows(BatchedClear& batch) const = 0;
     /// Enqueues work between that of the input and stage `bounds`.
     virtual void make_ready() {}
     virtual void narrow() = 0;
@@ -109,7 +109,7 @@ class Finder {
     virtual void count_tests(const Counters& counters, Statistics& statistics) const = 0;
 
     /// Decides on the host the tests that the device could not decide, and returns the number of hits among them.
-    virtual std::size_t decide_beyond(std::size_t) { return 0; }
+    virtual std::size_t decide_unresolved(std::size_t) { return 0; }
     /// Appends these hits to the list, which has `before` hits, and ranks all hits anew.
     virtual void append_decided(std::size_t, unsigned long long) {}
     /// Reads what the host needs of a complete result with `total` hits.
@@ -128,7 +128,7 @@ class Finder {
 
     /// Makes a slot current and drops its last rows. bring() fills its input, which takes priority: results of earlier
     /// calls are evicted if memory is short.
-    void take_slot(std::size_t slot, FunctionRef<void()> bring);
+    void claim_slot(std::size_t slot, FunctionRef<void()> bring);
 
     Counters read_counters();
     void count(const Counters& counters, const Plan& plan);
@@ -163,7 +163,7 @@ class Finder {
     Cancellation& cancellation_;
     const Geometry& geometry_;
     cudaStream_t stream_;
-    std::array<Slot, Flights::slots> slots_;
+    std::array<Slot, LaunchQueue::slots> slots_;
     Statistics statistics_;
     bool captured_ = false;  ///< a caller's graph uses the lists, which must not move
 
@@ -188,32 +188,32 @@ class Finder {
     Layout layout() const;
     GraphKey key() const;
     void enqueue(StageEvents* watch);
-    void enqueue_until_sorted(Clearing& clearing, StageEvents* watch);
+    void enqueue_until_sorted(BatchedClear& batch, StageEvents* watch);
     void begin(StageEvents* watch, Stage stage);
     bool accept();
-    bool add_beyond(const Counters& counters, unsigned long long& total);
-    void guide_next();
+    bool add_unresolved(const Counters& counters, unsigned long long& total);
+    void prepare_warm_start();
     void find_at_once();
     void plan();
-    void lay_out_lists();
-    void lay_out_rows(Room room);
+    void place_lists();
+    void place_rows(Growth growth);
     void prepare_pass();
-    void lay_out_chunks();
+    void place_chunks();
     bool over_slices(FunctionRef<bool()> slice);
 
-    static constexpr std::size_t nobody = Flights::slots;
+    static constexpr std::size_t nobody = LaunchQueue::slots;
 
     Pass& stages_;
     StageEvents watch_;
     Branch beside_;
     GraphCache<GraphKey> graphs_;
     CallersCapture capture_;
-    Block guides_, work_;
+    Block warm_starts_, work_;
     SceneKind planned_for_;
-    std::size_t now_ = 0;             ///< current slot
-    std::size_t lists_of_ = nobody;   ///< slot whose pass last used the lists
-    std::optional<Layout> laid_out_;  ///< what the lists are laid out for
-    std::optional<Plan> grown_;       ///< plan that the last incomplete replay requires
+    std::size_t now_ = 0;                ///< current slot
+    std::size_t lists_of_ = nobody;      ///< slot whose pass last used the lists
+    std::optional<Layout> layout_done_;  ///< what the lists are laid out for
+    std::optional<Plan> has_grown_;      ///< plan that the last incomplete replay requires
     bool alone_ = false;
     std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit
 };

@@ -19,14 +19,14 @@ void Finder::in_chunks(FunctionRef<void()> work) {
     if (slot().low_memory || !fits([&] { with_shortest(false); })) with_shortest(true);
 }
 
-// Lays out lists and finds the scene's clusters, whose members are then listed one cluster at a time.
-void Finder::lay_out_chunks() {
-    lay_out(guides_, [&](Cutter& c) { stages_.guides.cut(c, stages_.plan); });
-    lay_out(work_, [&](Cutter& c) { stages_.cut(c); });
-    Clearing clearing;
-    stages_.clear(clearing);
-    input().clear(clearing);
-    clearing.launch(geometry_, stream_);
+// Places the lists and finds the scene's clusters, whose members are then listed one cluster at a time.
+void Finder::place_chunks() {
+    place_arrays(warm_starts_, [&](Cutter& c) { stages_.warm_starts.cut(c, stages_.plan); });
+    place_arrays(work_, [&](Cutter& c) { stages_.cut(c); });
+    BatchedClear batch;
+    stages_.clear(batch);
+    input().clear(batch);
+    batch.launch(geometry_, stream_);
     input().enqueue(geometry_, stream_, stages_.counters);
     make_ready();
     stages_.bounds();
@@ -37,10 +37,10 @@ void Finder::lay_out_chunks() {
 void Finder::over_chunks(FunctionRef<bool()> slice) {
     bool laid_out = false;
     for (int k = 0; k < stages_.plan.fan_out[0];) {
-        if (!laid_out) lay_out_chunks();
-        Clearing clearing;
-        stages_.clear(clearing);
-        clearing.launch(geometry_, stream_);
+        if (!laid_out) place_chunks();
+        BatchedClear batch;
+        stages_.clear(batch);
+        batch.launch(geometry_, stream_);
         stages_.subdivide_clusters(std::uint64_t{1} << k);
         laid_out = stages_.plan.accepts_chunk(read_counters());
         if (!laid_out) continue;

@@ -21,11 +21,11 @@ using KernelParameters = std::variant<IntersectionParameters, FeatureParameters,
 /// Everything that the commands of a warm-started pass depend on: equal keys mean equal commands.
 struct GraphKey {
     PreparedScene scene;
-    WantedPairs wanted;
+    PairSelection wanted;
     Plan plan;
     Input::Work input;
     KernelParameters parameters;
-    const void *work = nullptr, *rows = nullptr, *guides = nullptr, *counters = nullptr;
+    const void *work = nullptr, *rows = nullptr, *warm_starts = nullptr, *counters = nullptr;
     friend bool operator==(const GraphKey&, const GraphKey&) = default;
 
     /// Returns the key without addresses and lengths of lists. It determines which kernels are launched.
@@ -44,7 +44,7 @@ struct GraphKey {
         forget_place(shape.wanted.classes);
         std::visit([](auto& kernels) { kernels.forget_places(); }, shape.parameters);
         shape.input.known = {};
-        shape.input.block = shape.work = shape.rows = shape.guides = shape.counters = nullptr;
+        shape.input.block = shape.work = shape.rows = shape.warm_starts = shape.counters = nullptr;
         shape.plan = {};
         shape.plan.worlds = plan.worlds;
         std::ranges::copy(plan.fan_out, shape.plan.fan_out);

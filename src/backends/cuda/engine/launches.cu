@@ -10,26 +10,27 @@ namespace {
 }  // namespace
 
 LaunchNumber Launches::launch(Finder& finder, cudaStream_t stream, cudaStream_t other,
-                              FunctionRef<void(std::size_t slot, Room room)> bind, bool of_worlds) {
+                              FunctionRef<void(std::size_t slot, Growth growth)> bind, bool of_worlds) {
     if (flights_.full()) refuse("two launches are in flight: the next one comes after a wait()");
-    const auto bind_both = [&](std::size_t slot, Room room) {
-        bind(slot, room);
+    const auto bind_both = [&](std::size_t slot, Growth growth) {
+        bind(slot, growth);
         if (other != stream) order(state_.before, other, stream);
     };
     const auto first = capture_of(stream), second = other == stream ? first : capture_of(other);
     if (first || second)
         return launch_in_capture(finder, of_worlds, first == second, stream,
-                                 [&] { bind_both(finder.current(), Room::fixed); });
+                                 [&] { bind_both(finder.current(), Growth::fixed); });
     end_state();
     const std::size_t slot = finder.alone() && flights_.count() == 0 ? flights_.newest() : flights_.next();
-    bind_both(slot, Room::grows);
+    bind_both(slot, Growth::grows);
     flights_.queue(stream);
     finder.launch(stream);
     flights_.add(slot, stream);
     return ++newest_;
 }
 
-// Allocates, frees, copies and waits for nothing; where it would have to, NoRoom is thrown and turned into an Error.
+// Allocates, frees, copies and waits for nothing; where it would have to, CapacityError is thrown and turned into an
+// Error.
 LaunchNumber Launches::launch_in_capture(Finder& finder, bool of_worlds, bool same_capture, cudaStream_t stream,
                                          FunctionRef<void()> bind) {
     if (flights_.count() > 0) refuse("a launch in a capture comes after wait() for the one before");
@@ -40,7 +41,7 @@ LaunchNumber Launches::launch_in_capture(Finder& finder, bool of_worlds, bool sa
     try {
         bind();
         finder.capture(stream);
-    } catch (const NoRoom&) {
+    } catch (const CapacityError&) {
         fail_unprepared_capture(of_worlds);
     }
     phase_ = Phase::captured;

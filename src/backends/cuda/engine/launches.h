@@ -11,7 +11,7 @@
 
 namespace crumple::cuda {
 
-static_assert(Flights::slots == most_in_flight);
+static_assert(LaunchQueue::slots == most_in_flight);
 
 class Launches {
    public:
@@ -21,7 +21,7 @@ class Launches {
     /// finder work on a slot and binds the inputs, which are ready on both streams. `of_worlds`: chooses the text of an
     /// error.
     LaunchNumber launch(Finder& finder, cudaStream_t stream, cudaStream_t other,
-                        FunctionRef<void(std::size_t slot, Room room)> bind, bool of_worlds = false);
+                        FunctionRef<void(std::size_t slot, Growth growth)> bind, bool of_worlds = false);
 
     enum class Outcome : std::uint8_t {
         complete,    ///< the finder has the result
@@ -64,7 +64,7 @@ class Launches {
     void end_state();
 
     BackendState& state_;
-    Flights& flights_;
+    LaunchQueue& flights_;
     Phase phase_ = Phase::idle;
     LaunchNumber newest_ = 0;    ///< number of the last launch, captured or not
     LaunchNumber waited_ = 0;    ///< last launch that a wait has completed

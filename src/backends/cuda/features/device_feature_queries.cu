@@ -84,17 +84,17 @@ bool FeatureCalls::find(const DeviceShape& mesh, const FeatureRequest& request, 
 LaunchNumber FeatureCalls::launch(const DeviceShape& mesh, const FeatureRequest& request) {
     RowFinder& finder = finder_for(request);
     const auto stream = static_cast<cudaStream_t>(mesh.stream);
-    const auto bind = [&](std::size_t slot, Room room) { finder.view(slot, mesh.shape, request, room); };
+    const auto bind = [&](std::size_t slot, Growth growth) { finder.view(slot, mesh.shape, request, growth); };
     const LaunchNumber launch =
         with_device(state_.device, [&] { return launches_.launch(finder, stream, stream, bind); });
     launched_[launch % most_in_flight] = &finder;
     return launch;
 }
 
-std::optional<DeviceAnswer> FeatureCalls::wait(LaunchNumber launch) {
+std::optional<AnyDeviceResult> FeatureCalls::wait(LaunchNumber launch) {
     launches_.check_awaited(launch);
     RowFinder& finder = *launched_[launch % most_in_flight];
-    return with_device(state_.device, [&]() -> std::optional<DeviceAnswer> {
+    return with_device(state_.device, [&]() -> std::optional<AnyDeviceResult> {
         const Launches::Outcome outcome = launches_.wait(finder, features_there_.known().revision);
         if (outcome == Launches::Outcome::lost) return {};
         launches_.mark_reported(launch);
@@ -102,9 +102,9 @@ std::optional<DeviceAnswer> FeatureCalls::wait(LaunchNumber launch) {
     });
 }
 
-std::optional<DeviceAnswer> FeatureCalls::find_again(LaunchNumber launch, const DeviceShape& mesh,
-                                                     const FeatureRequest& request) {
-    return with_device(state_.device, [&]() -> std::optional<DeviceAnswer> {
+std::optional<AnyDeviceResult> FeatureCalls::find_again(LaunchNumber launch, const DeviceShape& mesh,
+                                                        const FeatureRequest& request) {
+    return with_device(state_.device, [&]() -> std::optional<AnyDeviceResult> {
         RowFinder& finder = *launched_[launch % most_in_flight];
         if (!find_in_slot(finder, mesh, request)) return {};
         launches_.mark_reported(launch);

@@ -23,9 +23,9 @@ class FeatureCalls final : public DeviceFeatureCalls {
     bool find(const DeviceShape& mesh, const FeatureRequest& request, FeatureResult& result) override;
     bool is_captured(const DeviceShape& mesh) override;
     LaunchNumber launch(const DeviceShape& mesh, const FeatureRequest& request) override;
-    std::optional<DeviceAnswer> wait(LaunchNumber launch) override;
-    std::optional<DeviceAnswer> find_again(LaunchNumber launch, const DeviceShape& mesh,
-                                           const FeatureRequest& request) override;
+    std::optional<AnyDeviceResult> wait(LaunchNumber launch) override;
+    std::optional<AnyDeviceResult> find_again(LaunchNumber launch, const DeviceShape& mesh,
+                                              const FeatureRequest& request) override;
 
     /// Frees all that is kept between calls.
     void release();

@@ -2,13 +2,13 @@
 
 // Decision of a feature test on a device: quick() works in registers, close() with expansions or double-double numbers,
 // and what both leave open is decided on the host. Each kind of query is a struct with these two functions. The host
-// calls them, too, to check a device (backends/cuda/known_answers.h).
+// calls them, too, to check a device (backends/cuda/comparison_cases.h).
 
 #include "backends/cuda/features/exact_points.h"
 #include "backends/cuda/features/feature_parameters.h"
-#include "exact/impact/quick_impact.h"
-#include "exact/impact/quick_separation.h"
-#include "exact/proximity/quick_distance.h"
+#include "exact/impact/filtered_impact.h"
+#include "exact/impact/filtered_min_distance.h"
+#include "exact/proximity/filtered_distance.h"
 #include "filters/features/packed_features.h"
 #include "filters/features/tests_of_pair.h"
 
@@ -22,7 +22,7 @@ struct Decided {
     bool flag = false;  ///< start, or touching
 };
 
-CRUMPLE_HD inline Decided decided(const QuickImpact& impact) {
+CRUMPLE_HD inline Decided decided(const FilteredImpact& impact) {
     if (impact.verdict == Certainty::unknown) return {};
     return {impact.verdict == Certainty::meets ? Outcome::hit : Outcome::apart, impact.toi, impact.start};
 }
@@ -34,12 +34,12 @@ constexpr FeatureKinds kinds_of_constant(FeatureKind kind) { return static_cast<
 
 /// Decision of contact: when features first touch. Vertices rarely touch edges or other vertices, and a lower bound on
 /// their distance is cheap. Features that touch at the start cannot approach.
-struct ImpactQuestion {
+struct ImpactDecision {
     static constexpr bool closely = true;
     ExactPoints points;
     bool approaching_only;
 
-    explicit ImpactQuestion(const ExactPoints& exact, const AskedOfFeatures& asked, bool)
+    explicit ImpactDecision(const ExactPoints& exact, const FeatureConditions& asked, bool)
         : points(exact), approaching_only(asked.approaching_only) {}
 
     template <FeatureKind kind>
@@ -63,7 +63,7 @@ struct ImpactQuestion {
     CRUMPLE_HD Decided touching(const FeatureTest& test) const {
         const FeaturePoints p = points.moving(test.vertex);
         if constexpr (!of_triangles(kind)) {
-            return decided(quick_separation<kinds_of_constant(kind)>(p, Separation{}));
+            return decided(filtered_min_distance<kinds_of_constant(kind)>(p, MinDistance{}));
         } else {
             constexpr FeaturePair pair =
                 kind == FeatureKind::vertex_face ? FeaturePair::vertex_face : FeaturePair::edge_edge;
@@ -76,18 +76,18 @@ struct ImpactQuestion {
 
 /// Decision of approach: when features come within a distance. With `approaching_only`, the host decides about those
 /// that start within it.
-struct SeparationQuestion {
+struct MinDistanceDecision {
     static constexpr bool closely = false;
     ExactPoints points;
-    Separation separation;
+    MinDistance separation;
 
-    SeparationQuestion(const ExactPoints& exact, const AskedOfFeatures& asked, bool)
+    MinDistanceDecision(const ExactPoints& exact, const FeatureConditions& asked, bool)
         : points(exact), separation{asked.distance, asked.share, asked.approaching_only} {}
 
     template <FeatureKind kind>
     CRUMPLE_HD Decided quick(const FeatureTest& test) const {
         const Decided found =
-            decided(quick_separation<kinds_of_constant(kind)>(points.moving(test.vertex), separation));
+            decided(filtered_min_distance<kinds_of_constant(kind)>(points.moving(test.vertex), separation));
         return separation.approaching_only && found.flag ? Decided{} : found;
     }
     template <FeatureKind>
@@ -97,7 +97,7 @@ struct SeparationQuestion {
 };
 
 /// Decision of a proximity: whether features are near, and their distance.
-struct NearQuestion {
+struct ProximityDecision {
     static constexpr bool closely = true;
     ExactPoints points;
     double distance;
@@ -105,7 +105,7 @@ struct NearQuestion {
     const double* radii;
     RestTable rest;
 
-    NearQuestion(const ExactPoints& exact, const AskedOfFeatures& asked, bool only_whether)
+    ProximityDecision(const ExactPoints& exact, const FeatureConditions& asked, bool only_whether)
         : points(exact),
           distance(asked.distance),
           strict(asked.strict),
@@ -115,19 +115,20 @@ struct NearQuestion {
 
     template <FeatureKind kind>
     CRUMPLE_HD Decided quick(const FeatureTest& test) const {
-        const QuickDistance between({kinds_of_constant(kind), points.start(test.vertex)});
-        const Proximity known = between.compare_in_float64(reach_of(kind, test.vertex, radii, distance, strict));
+        const FilteredDistance between({kinds_of_constant(kind), points.start(test.vertex)});
+        const Proximity known =
+            between.compare_in_float64(distance_limit_of(kind, test.vertex, radii, distance, strict));
         if (known == Proximity::beyond) return {Outcome::apart};
         return {known == Proximity::within && any && !rest.position ? Outcome::hit : Outcome::open};
     }
     template <FeatureKind kind>
     CRUMPLE_HD Decided close(const FeatureTest& test) const {
-        const QuickDistance between({kinds_of_constant(kind), points.start(test.vertex)});
-        const Proximity known = between.compare(reach_of(kind, test.vertex, radii, distance, strict));
+        const FilteredDistance between({kinds_of_constant(kind), points.start(test.vertex)});
+        const Proximity known = between.compare(distance_limit_of(kind, test.vertex, radii, distance, strict));
         if (known != Proximity::within) return {known == Proximity::beyond ? Outcome::apart : Outcome::open};
         if (rest.knows(test.vertex[0], test.vertex[3])) {
             const Proximity at_rest =
-                QuickDistance({kinds_of_constant(kind), resting(test.vertex)}).compare({rest.radius, 0});
+                FilteredDistance({kinds_of_constant(kind), resting(test.vertex)}).compare({rest.radius, 0});
             if (at_rest != Proximity::beyond) return {at_rest == Proximity::within ? Outcome::apart : Outcome::open};
         }
         crumple::detail::Enclosure enclosure = between.enclosure();

@@ -22,9 +22,9 @@ void FeatureFinder::release() {
     for (FeatureSlot& slot : own_) slot.features.release();
 }
 
-void FeatureFinder::bring_request(const FeatureRequest& request, bool viewed, Room room) {
+void FeatureFinder::upload_request(const FeatureRequest& request, bool viewed, Growth growth) {
     if (viewed)
-        own().features.view(input().scene(), request, features_, room);
+        own().features.view(input().scene(), request, features_, growth);
     else
         own().features.bring(input().scene(), request, features_);
 }
@@ -47,19 +47,19 @@ void FeatureFinder::choose_chunks(Plan& plan, std::int64_t bytes) const {
 
 void FeatureFinder::cut_rows(Cutter& c) {
     own().earliest = c.take<Earliest>(1);
-    own().output.cut(c, firsts(), wants_all() ? pass_.plan.hits : 0);
+    own().output.cut(c, firsts(), is_all_output() ? pass_.plan.hits : 0);
 }
 
-void FeatureFinder::clear_rows(Clearing& clearing) const {
-    own().output.clear(clearing);
-    cuda::clear(clearing, own().earliest);
+void FeatureFinder::clear_rows(BatchedClear& batch) const {
+    own().output.clear(batch);
+    cuda::clear(batch, own().earliest);
 }
 
 void FeatureFinder::make_ready() { own().features.enqueue(geometry_, stream_, scene(), pass_.box, pass_.counters); }
 
 FeatureHits FeatureFinder::hits() const {
     const FeatureOutput& output = own().output;
-    return {wants_any(), pass_.hits(), output.offsets, firsts()};
+    return {is_any_output(), pass_.hits(), output.offsets, firsts()};
 }
 
 void FeatureFinder::narrow() {
@@ -68,18 +68,18 @@ void FeatureFinder::narrow() {
 }
 
 bool FeatureFinder::write_rows(Counters* host_counters) {
-    if (wants_all())
-        write_answer(geometry_, stream_, hits(), own().output, pass_.counters,
-                     wants_earliest() ? nullptr : host_counters);
-    if (wants_earliest()) find_earliest(geometry_, stream_, hits(), own().earliest, pass_.counters, host_counters);
-    return wants_all() || wants_earliest();
+    if (is_all_output())
+        write_candidates(geometry_, stream_, hits(), own().output, pass_.counters,
+                         is_first_output() ? nullptr : host_counters);
+    if (is_first_output()) find_earliest(geometry_, stream_, hits(), own().earliest, pass_.counters, host_counters);
+    return is_all_output() || is_first_output();
 }
 
 // Appends the hits of the host, and ranks all hits anew.
 void FeatureFinder::append_decided(std::size_t count, unsigned long long before) {
     Block block(meter_);
     RankedHit* device = nullptr;
-    lay_out(block, [&](Cutter& c) { device = c.take<RankedHit>(count); });
+    place_arrays(block, [&](Cutter& c) { device = c.take<RankedHit>(count); });
     copy_now(stream_, device, decided_.data(), count, cudaMemcpyHostToDevice);
     append_hits(geometry_, stream_, device, count, before, hits());
     rank_hits(geometry_, stream_, hits());
@@ -87,12 +87,12 @@ void FeatureFinder::append_decided(std::size_t count, unsigned long long before)
 }
 
 // Decides on the host, in rational arithmetic, what the device left open.
-std::size_t FeatureFinder::decide_beyond(std::size_t count) {
+std::size_t FeatureFinder::decide_unresolved(std::size_t count) {
     decided_.clear();
     std::vector<PackedFeatures> cases(std::min(count, batch));
     Block block(meter_);
     PackedFeatures* device = nullptr;
-    lay_out(block, [&](Cutter& c) { device = c.take<PackedFeatures>(cases.size()); });
+    place_arrays(block, [&](Cutter& c) { device = c.take<PackedFeatures>(cases.size()); });
     fill(stream_, device, 0, cases.size() * sizeof(PackedFeatures));  // padding is copied, too
     for (std::size_t begin = 0; begin < count; begin += batch) {
         const std::size_t some = std::min(batch, count - begin);
@@ -105,7 +105,7 @@ std::size_t FeatureFinder::decide_beyond(std::size_t count) {
             if (!decision.hit) continue;
             decided_.push_back(
                 {firsts().joint(cases[i].kind, cases[i].pair.a), cases[i].pair.b, 0, decision.flag, decision.value});
-            if (wants_any()) return decided_.size();
+            if (is_any_output()) return decided_.size();
         }
     }
     return decided_.size();
@@ -113,7 +113,7 @@ std::size_t FeatureFinder::decide_beyond(std::size_t count) {
 
 void FeatureFinder::read_rows(unsigned long long total) {
     RowFinder::read_rows(total);
-    if (wants_earliest() && total > 0) read_earliest();
+    if (is_first_output() && total > 0) read_earliest();
 }
 
 void FeatureFinder::read_earliest() {
@@ -127,27 +127,27 @@ void FeatureFinder::read_earliest() {
 
 void FeatureFinder::find_in_chunks() {
     begin_on_host();
-    lay_out(slot().rows, [&](Cutter& c) { own().output.cut(c, firsts(), 0); });
+    place_arrays(slot().rows, [&](Cutter& c) { own().output.cut(c, firsts(), 0); });
     Array<RankedHit> found(&meter_);
-    over_chunks([&] { return take_slice(found); });
+    over_chunks([&] { return download_slice(found); });
     drop_lists();
     write_sorted(found);
 }
 
 // Appends the hits of a slice. Returns false if the search can end.
-bool FeatureFinder::take_slice(Array<RankedHit>& found) {
+bool FeatureFinder::download_slice(Array<RankedHit>& found) {
     narrow();
     const Counters counters = read_counters();
     count(counters, pass_.plan);
     bool& any = this->found().any;
     any = any || counters.hits > 0;
-    if (wants_any() && any) return false;
-    if (!wants_any()) download(stream_, pass_.hits(), static_cast<std::size_t>(counters.hits), found);
+    if (is_any_output() && any) return false;
+    if (!is_any_output()) download(stream_, pass_.hits(), static_cast<std::size_t>(counters.hits), found);
     if (counters.beyond == 0) return true;
-    any = decide_beyond(static_cast<std::size_t>(counters.beyond)) > 0 || any;
-    if (!wants_any())
+    any = decide_unresolved(static_cast<std::size_t>(counters.beyond)) > 0 || any;
+    if (!is_any_output())
         for (const RankedHit& hit : decided_) found.push_back(hit);
-    return !(wants_any() && any);
+    return !(is_any_output() && any);
 }
 
 void FeatureFinder::write_sorted(Array<RankedHit>& found) {
@@ -155,7 +155,7 @@ void FeatureFinder::write_sorted(Array<RankedHit>& found) {
         FirstImpact& first = this->found().first;
         if (request().criterion == Criterion::impact && (!first.found || hit.value < first.toi))
             first = {true, firsts().kind_of_impact(hit.first), pair, {}, hit.value, hit.flag != 0};
-        if (!wants_all()) return;
+        if (!is_all_output()) return;
         this->found().host.rows[kind].push_back({pair, hit.value, static_cast<std::uint8_t>(hit.flag)});
     });
 }

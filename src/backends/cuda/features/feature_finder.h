@@ -30,14 +30,14 @@ class FeatureFinder final : public RowFinder {
     FeatureSlot& own() { return own_[current()]; }
     const FeatureSlot& own() const { return own_[current()]; }
     const FirstOfKind& firsts() const { return own().features.firsts(); }
-    bool wants_all() const { return request().extent == Extent::all; }
-    bool wants_earliest() const { return request().extent != Extent::any && request().criterion == Criterion::impact; }
+    bool is_all_output() const { return request().extent == Extent::all; }
+    bool is_first_output() const { return request().extent != Extent::any && request().criterion == Criterion::impact; }
     FeatureHits hits() const;
     void read_earliest();
-    bool take_slice(Array<RankedHit>& found);
+    bool download_slice(Array<RankedHit>& found);
     void write_sorted(Array<RankedHit>& found);
 
-    void bring_request(const FeatureRequest& request, bool viewed, Room room) override;
+    void upload_request(const FeatureRequest& request, bool viewed, Growth growth) override;
     RowsByKind& rows() override { return own().output; }
     void bind() override;
     KernelParameters parameters() const override { return own().features.parameters(request().extent); }
@@ -45,17 +45,17 @@ class FeatureFinder final : public RowFinder {
     void choose_plan(Plan& plan) const override;
     void choose_chunks(Plan& plan, std::int64_t bytes) const override;
     void cut_rows(Cutter& cutter) override;
-    void clear_rows(Clearing& clearing) const override;
+    void clear_rows(BatchedClear& batch) const override;
     void make_ready() override;
     void narrow() override;
     bool write_rows(Counters* host_counters) override;
-    std::size_t decide_beyond(std::size_t count) override;
+    std::size_t decide_unresolved(std::size_t count) override;
     void append_decided(std::size_t count, unsigned long long before) override;
     void read_rows(unsigned long long total) override;
     void find_in_chunks() override;
 
     FeaturePass pass_;
-    std::array<FeatureSlot, Flights::slots> own_;
+    std::array<FeatureSlot, LaunchQueue::slots> own_;
     std::vector<RankedHit> decided_;  ///< hits that the host has decided
 };
 

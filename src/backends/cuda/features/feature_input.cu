@@ -44,18 +44,18 @@ FirstOfKind firsts_of(const FeatureRequest& query) {
     return firsts;
 }
 
-void FeaturesOnDevice::replace(Room room) const {
-    if (room == Room::fixed) throw NoRoom{};
-    flights_.settle();
+void FeaturesOnDevice::replace(Growth growth) const {
+    if (growth == Growth::fixed) throw CapacityError{};
+    flights_.synchronize();
 }
 
-const FeatureTable& FeaturesOnDevice::bring(const SceneFeatures& features, std::int64_t vertices, Room room) {
+const FeatureTable& FeaturesOnDevice::bring(const SceneFeatures& features, std::int64_t vertices, Growth growth) {
     if (block_.data() && known_.revision == features.revision()) return table_;
-    replace(room);
+    replace(growth);
     const FeatureTable host = features.table();
-    const auto triangles = static_cast<std::size_t>(features.faces() + features.carriers());
+    const auto triangles = static_cast<std::size_t>(features.faces() + features.proxies());
     const auto named = static_cast<std::size_t>(vertices);
-    const std::size_t edge_count = features.edges().size(), point_count = features.listed_points().size();
+    const std::size_t edge_count = features.edges().size(), point_count = features.codimensional_points().size();
     TriangleEdges* edges_of = nullptr;
     std::uint8_t* owned = nullptr;
     std::int32_t *corners = nullptr, *names = nullptr, *points = nullptr;
@@ -63,7 +63,7 @@ const FeatureTable& FeaturesOnDevice::bring(const SceneFeatures& features, std::
     NamedNeighbours* neighbours = nullptr;
     Edge* edges = nullptr;
     known_ = {};
-    lay_out(block_, [&](Cutter& c) {
+    place_arrays(block_, [&](Cutter& c) {
         edges_of = c.take<TriangleEdges>(triangles);
         owned = c.take<std::uint8_t>(triangles);
         corners = c.take<std::int32_t>(3 * triangles);
@@ -83,7 +83,7 @@ const FeatureTable& FeaturesOnDevice::bring(const SceneFeatures& features, std::
     copy(points_of, host.points_of, triangles);
     copy(neighbours, host.neighbours, named);
     copy(edges, features.edges().data(), edge_count);
-    copy(points, features.listed_points().data(), point_count);
+    copy(points, features.codimensional_points().data(), point_count);
     table_ = {edges_of,
               owned,
               corners,
@@ -93,7 +93,7 @@ const FeatureTable& FeaturesOnDevice::bring(const SceneFeatures& features, std::
               host.faces};
     known_ = {corners,
               features.faces(),
-              features.carriers(),
+              features.proxies(),
               edges,
               static_cast<std::int64_t>(edge_count),
               points,
@@ -102,16 +102,16 @@ const FeatureTable& FeaturesOnDevice::bring(const SceneFeatures& features, std::
     return table_;
 }
 
-RingTable FeaturesOnDevice::bring(const VertexRings* rings, Room room) {
+RingTable FeaturesOnDevice::bring(const VertexRings* rings, Growth growth) {
     if (!rings) return {};
     if (ring_table_.of && rings_revision_ == rings->revision()) return ring_table_;
-    replace(room);
+    replace(growth);
     const auto of = rings->rings_of_all();
     const auto first = rings->firsts();
     std::int32_t* others = nullptr;
     std::int64_t* firsts = nullptr;
     ring_table_ = {};
-    lay_out(rings_, [&](Cutter& c) {
+    place_arrays(rings_, [&](Cutter& c) {
         firsts = c.take<std::int64_t>(first.size());
         others = c.take<std::int32_t>(std::max<std::size_t>(1, of.size()));
     });
@@ -130,7 +130,7 @@ void FeaturesOnDevice::release() {
 }
 
 void FeatureInput::tell(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features,
-                        Room room) {
+                        Growth growth) {
     all_kinds_ = !query.features.plain();
     firsts_ = firsts_of(query);
     asked_ = {};
@@ -139,15 +139,15 @@ void FeatureInput::tell(const PreparedScene& scene, const FeatureRequest& query,
     asked_.distance = query.distance;
     asked_.share = query.share;
     asked_.approaching_only = query.approaching_only;
-    asked_.rings = features.bring(query.rings, room);
-    asked_.features = features.bring(query.features, scene.vertex_count(), room);
+    asked_.rings = features.bring(query.rings, growth);
+    asked_.features = features.bring(query.features, scene.vertex_count(), growth);
 }
 
-void FeatureInput::lay_out_values(const PreparedScene& scene, const FeatureRequest& query, bool viewed, Room room) {
+void FeatureInput::place_values(const PreparedScene& scene, const FeatureRequest& query, bool viewed, Growth growth) {
     const auto vertices = static_cast<std::size_t>(scene.vertex_count());
     const bool radii = !query.radii.empty(), body = query.rest && query.rest->body;
     viewed_ = viewed;
-    lay_out(
+    place_arrays(
         block_,
         [&](Cutter& c) {
             inflation_ = c.take<Inflation>(1);
@@ -157,7 +157,7 @@ void FeatureInput::lay_out_values(const PreparedScene& scene, const FeatureReque
             resting_ = c.take<double>(query.rest ? 3 * vertices : 0);
             bodies_ = c.take<std::int32_t>(body ? vertices : 0);
         },
-        room);
+        growth);
     asked_.inflation = inflation_;
     asked_.radii = !radii ? nullptr : viewed ? query.radii.data() : radius_;
     asked_.vertex_radius = radii ? vertex_radius_ : nullptr;
@@ -166,15 +166,15 @@ void FeatureInput::lay_out_values(const PreparedScene& scene, const FeatureReque
 }
 
 void FeatureInput::view(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features,
-                        Room room) {
-    tell(scene, query, features, room);
-    lay_out_values(scene, query, true, room);
+                        Growth growth) {
+    tell(scene, query, features, growth);
+    place_values(scene, query, true, growth);
     given_rest_ = query.rest ? query.rest->position : VertexReader{};
 }
 
 void FeatureInput::bring(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features) {
-    tell(scene, query, features, Room::grows);
-    lay_out_values(scene, query, false, Room::grows);
+    tell(scene, query, features, Growth::grows);
+    place_values(scene, query, false, Growth::grows);
     const auto vertices = static_cast<std::size_t>(scene.vertex_count());
     if (asked_.radii) copy_now(stream_, radius_, query.radii.data(), vertices, cudaMemcpyHostToDevice);
     if (!query.rest) return;

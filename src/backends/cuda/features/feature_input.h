@@ -3,8 +3,8 @@
 // Input of feature queries on the device, beside the scene: which features triangles own, radii, the rest shape, and
 // rings of adjacent vertices.
 
-#include "backends/cuda/device/flights.h"
 #include "backends/cuda/device/graph_cache.h"
+#include "backends/cuda/device/launch_queue.h"
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/features/feature_narrow.h"
 #include "backends/cuda/input/known_mesh.h"
@@ -16,25 +16,25 @@ namespace crumple::cuda {
 /// Device copies of a scene's features and vertex rings, cached while these stay the same.
 class FeaturesOnDevice {
    public:
-    FeaturesOnDevice(cudaStream_t stream, MemoryMeter& meter, const Flights& flights)
+    FeaturesOnDevice(cudaStream_t stream, MemoryMeter& meter, const LaunchQueue& flights)
         : stream_(stream), flights_(flights), block_(meter), rings_(meter) {}
 
     /// Uploads the host's features or rings; complete on return, valid until the next call. If they differ from the
-    /// cached ones, waits for passes in flight, or throws NoRoom for Room::fixed.
-    const FeatureTable& bring(const SceneFeatures& features, std::int64_t vertices, Room room = Room::grows);
-    RingTable bring(const VertexRings* rings, Room room = Room::grows);
+    /// cached ones, waits for passes in flight, or throws CapacityError for Room::fixed.
+    const FeatureTable& bring(const SceneFeatures& features, std::int64_t vertices, Growth growth = Growth::grows);
+    RingTable bring(const VertexRings* rings, Growth growth = Growth::grows);
     /// Returns the topology of the mesh whose features bring() has uploaded.
-    const KnownMesh& known() const { return known_; }
+    const CachedMesh& known() const { return known_; }
     void release();
 
    private:
-    void replace(Room room) const;
+    void replace(Growth growth) const;
 
     cudaStream_t stream_;
-    const Flights& flights_;
+    const LaunchQueue& flights_;
     Block block_, rings_;
     FeatureTable table_;
-    KnownMesh known_;
+    CachedMesh known_;
     RingTable ring_table_;
     std::uint64_t rings_revision_ = 0;
 };
@@ -45,7 +45,7 @@ FirstOfKind firsts_of(const FeatureRequest& query);
 
 /// Kernel parameters that are part of a graph's key (engine/graph_key.h).
 struct FeatureParameters {
-    AskedOfFeatures asked;
+    FeatureConditions asked;
     VertexReader rest;  ///< the caller's rest shape, if it lies on the device
     FirstOfKind firsts;
     Extent extent;
@@ -66,29 +66,29 @@ class FeatureInput {
     /// Uploads the input from the host; complete on return.
     void bring(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features);
     /// Binds radii and a rest shape that the caller has on the device.
-    void view(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features, Room room);
+    void view(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features, Growth growth);
 
     /// Enqueues the work that each pass begins with, after the scene's box has been computed.
     void enqueue(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const SceneBox* box,
                  Counters* counters) const;
 
     FeatureParameters parameters(Extent extent) const { return {asked_, given_rest_, firsts_, extent, all_kinds_}; }
-    const AskedOfFeatures& asked() const { return asked_; }
+    const FeatureConditions& asked() const { return asked_; }
     const FirstOfKind& firsts() const { return firsts_; }
     bool all_kinds() const { return all_kinds_; }
 
     void release();
 
    private:
-    void lay_out_values(const PreparedScene& scene, const FeatureRequest& query, bool viewed, Room room);
-    void tell(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features, Room room);
+    void place_values(const PreparedScene& scene, const FeatureRequest& query, bool viewed, Growth growth);
+    void tell(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features, Growth growth);
 
     cudaStream_t stream_;
     Block block_;
     Array<double> rest_;       ///< rest positions, staged for the upload
     VertexReader given_rest_;  ///< rest positions on the device, from view()
     bool viewed_ = false;
-    AskedOfFeatures asked_;
+    FeatureConditions asked_;
     FirstOfKind firsts_;
     bool all_kinds_ = false;
     Inflation* inflation_ = nullptr;

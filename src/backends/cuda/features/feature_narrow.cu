@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "backends/cuda/features/feature_decisions.h"
+#include "filters/features/codimensional_tests.h"
 #include "filters/features/feature_filters.h"
-#include "filters/features/tests_of_listed.h"
 #include "filters/features/thresholds.h"
 
 namespace crumple::cuda {
@@ -15,7 +15,7 @@ template <int moments>
 struct TestFilter {
     PointRows points;
     std::int32_t ends;
-    AskedOfFeatures asked;
+    FeatureConditions asked;
 
     template <FeatureKind kind>
     __device__ bool keeps(const FeatureTest& test) const {
@@ -36,7 +36,7 @@ struct TestFilter {
     __device__ bool far(const FeatureTest& test) const {
         // Edges and vertices against vertices are handled as degenerate faces.
         constexpr FeatureKind as = kind == FeatureKind::edge_edge ? kind : FeatureKind::vertex_face;
-        SeenFeatures<moments> seen;
+        FeatureVectors<moments> seen;
         for (int m = 0; m < moments; ++m) {
             const Vec3d from = points[test.vertex[0] + m * ends];
             for (int k = 0; k < 3; ++k) seen.to[m][k] = to_float(points[test.vertex[k + 1] + m * ends] - from);
@@ -135,8 +135,8 @@ __global__ void __launch_bounds__(threads) list_kernel(FeatureSurvivors<moments>
     if (threadIdx.x % 32 == 0 && all) atomicAdd(listed, all);
 }
 
-// Lists tests of all kinds, for scenes with listed edges and points. Each thread keeps its tests on its stack: such
-// scenes are rods and particles, in which few pairs are near.
+// Lists tests of all kinds, for scenes with codimensional edges and points. Each thread keeps its tests on its stack:
+// such scenes are rods and particles, in which few pairs are near.
 template <int moments>
 __global__ void listed_kernel(FeatureSurvivors<moments> survivors, TestFilter<moments> filter, TestLists tests,
                               FeatureHits hits, unsigned long long* listed) {
@@ -147,7 +147,7 @@ __global__ void listed_kernel(FeatureSurvivors<moments> survivors, TestFilter<mo
         FeatureTest found[20];
         std::array<FeatureTest*, feature_kinds> next{found, found + first[1], found + first[2], found + first[3]};
         if (i < n)
-            list_tests_of_listed(
+            list_codimensional_tests(
                 survivors.record[survivors.list.data[i].row], survivors.record[survivors.list.data[i].column], features,
                 [&](std::int32_t v) { return features.name(v); }, next);
         const auto pass_on = [&]<FeatureKind kind>() {
@@ -199,7 +199,7 @@ __device__ void decide_each(const List<FeatureTest>& tests, const FeatureHits& h
     }
 }
 
-// Calls work<kind>() for the kinds that triangles' features have, or for those that only listed features have.
+// Calls work<kind>() for the kinds that triangles' features have, or for those that only codimensional features have.
 template <bool of_lists, class Work>
 __device__ void for_each_kind(Work work) {
     if constexpr (of_lists) {
@@ -211,13 +211,13 @@ __device__ void for_each_kind(Work work) {
     }
 }
 
-template <class Question, bool of_lists>
+template <class Query, bool of_lists>
 __global__ void __launch_bounds__(256)
-    decide_kernel(Question question, TestLists tests, TestLists open, List<OpenTest> beyond, FeatureHits hits) {
+    decide_kernel(Query query, TestLists tests, TestLists open, List<OpenTest> beyond, FeatureHits hits) {
     for_each_kind<of_lists>([&]<FeatureKind kind>() {
         constexpr auto k = static_cast<std::size_t>(kind);
-        const auto quick = [&](const FeatureTest& test) { return question.template quick<kind>(test); };
-        if constexpr (Question::closely)
+        const auto quick = [&](const FeatureTest& test) { return query.template quick<kind>(test); };
+        if constexpr (Query::closely)
             decide_each<kind>(tests.of[k], hits, quick, open.of[k], [](const FeatureTest& test) { return test; });
         else
             decide_each<kind>(tests.of[k], hits, quick, beyond, [](const FeatureTest& test) {
@@ -226,18 +226,18 @@ __global__ void __launch_bounds__(256)
     });
 }
 
-template <class Question, bool of_lists>
+template <class Query, bool of_lists>
 __global__ void __launch_bounds__(256)
-    close_kernel(Question question, TestLists open, List<OpenTest> beyond, FeatureHits hits) {
+    close_kernel(Query query, TestLists open, List<OpenTest> beyond, FeatureHits hits) {
     for_each_kind<of_lists>([&]<FeatureKind kind>() {
-        const auto close = [&](const FeatureTest& test) { return question.template close<kind>(test); };
+        const auto close = [&](const FeatureTest& test) { return query.template close<kind>(test); };
         decide_each<kind>(open.of[static_cast<std::size_t>(kind)], hits, close, beyond, [](const FeatureTest& test) {
             return OpenTest{test, kind};
         });
     });
 }
 
-__global__ void pack_kernel(ExactPoints points, AskedOfFeatures asked, const OpenTest* tests, std::size_t count,
+__global__ void pack_kernel(ExactPoints points, FeatureConditions asked, const OpenTest* tests, std::size_t count,
                             PackedFeatures* cases) {
     for (std::size_t i = grid_thread(); i < count; i += grid_stride()) {
         const OpenTest open = tests[i];
@@ -246,7 +246,7 @@ __global__ void pack_kernel(ExactPoints points, AskedOfFeatures asked, const Ope
         made.kind = open.kind;
         made.pair = open.test.pair;
         made.points = points.moving(v);
-        made.reach = reach_of(open.kind, v, asked.radii, asked.distance, asked.strict);
+        made.reach = distance_limit_of(open.kind, v, asked.radii, asked.distance, asked.strict);
         made.has_rest = asked.rest.knows(v[0], v[3]);
         for (std::size_t k = 0; k < 4; ++k) made.rest[k] = made.has_rest ? asked.rest(v[k]) : Vec3d{};
     }
@@ -290,20 +290,20 @@ __global__ void inflation_kernel(const SceneBox* box, double distance, double sh
 
 // Calls work<Question>() with the type for this query.
 template <class Work>
-void with_question(const AskedOfFeatures& asked, Work work) {
+void with_decision(const FeatureConditions& asked, Work work) {
     if (!asked.motion)
-        work.template operator()<NearQuestion>();
+        work.template operator()<ProximityDecision>();
     else if (asked.separated())
-        work.template operator()<SeparationQuestion>();
+        work.template operator()<MinDistanceDecision>();
     else
-        work.template operator()<ImpactQuestion>();
+        work.template operator()<ImpactDecision>();
 }
 
 }  // namespace
 
 template <int moments>
 void list_tests(const Geometry& geometry, cudaStream_t stream, const FeatureSurvivors<moments>& survivors,
-                const PointRows& points, std::int32_t ends, const AskedOfFeatures& asked, bool all_kinds,
+                const PointRows& points, std::int32_t ends, const FeatureConditions& asked, bool all_kinds,
                 const TestLists& tests, const FeatureHits& hits, Counters* counters) {
     const TestFilter<moments> filter{points, ends, asked};
     if (all_kinds) {
@@ -320,32 +320,32 @@ void list_tests(const Geometry& geometry, cudaStream_t stream, const FeatureSurv
     geometry.threads == 64 ? list.template operator()<64>() : list.template operator()<256>();
 }
 template void list_tests(const Geometry&, cudaStream_t, const FeatureSurvivors<1>&, const PointRows&, std::int32_t,
-                         const AskedOfFeatures&, bool, const TestLists&, const FeatureHits&, Counters*);
+                         const FeatureConditions&, bool, const TestLists&, const FeatureHits&, Counters*);
 template void list_tests(const Geometry&, cudaStream_t, const FeatureSurvivors<2>&, const PointRows&, std::int32_t,
-                         const AskedOfFeatures&, bool, const TestLists&, const FeatureHits&, Counters*);
+                         const FeatureConditions&, bool, const TestLists&, const FeatureHits&, Counters*);
 
 void decide_tests(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
-                  const AskedOfFeatures& asked, bool all_kinds, const TestLists& tests, const TestLists& open,
+                  const FeatureConditions& asked, bool all_kinds, const TestLists& tests, const TestLists& open,
                   const List<OpenTest>& beyond, const FeatureHits& hits) {
     const auto most = [](const TestLists& lists, std::size_t begin) {
         return static_cast<std::size_t>(std::max(lists.of[begin].capacity, lists.of[begin + 1].capacity));
     };
-    const auto decide = [&]<class Question, bool listed>() {
-        const Question question({scene, is_aligned(scene)}, asked, hits.any);
+    const auto decide = [&]<class Query, bool listed>() {
+        const Query query({scene, is_aligned(scene)}, asked, hits.any);
         const auto fitting = [&](auto kernel, std::size_t capacity) {
             return Launch{stream, std::min(geometry.blocks(capacity), geometry.fitting(kernel)), geometry.threads};
         };
         constexpr std::size_t begin = listed ? 2 : 0;
-        constexpr auto quick = decide_kernel<Question, listed>;
-        fitting(quick, most(tests, begin))(quick, question, tests, open, beyond, hits);
-        if constexpr (Question::closely) {
-            constexpr auto close = close_kernel<Question, listed>;
-            fitting(close, most(open, begin))(close, question, open, beyond, hits);
+        constexpr auto quick = decide_kernel<Query, listed>;
+        fitting(quick, most(tests, begin))(quick, query, tests, open, beyond, hits);
+        if constexpr (Query::closely) {
+            constexpr auto close = close_kernel<Query, listed>;
+            fitting(close, most(open, begin))(close, query, open, beyond, hits);
         }
     };
-    with_question(asked, [&]<class Question>() {
-        decide.template operator()<Question, false>();
-        if (all_kinds) decide.template operator()<Question, true>();
+    with_decision(asked, [&]<class Query>() {
+        decide.template operator()<Query, false>();
+        if (all_kinds) decide.template operator()<Query, true>();
     });
 }
 
@@ -355,7 +355,7 @@ void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Count
     const List<OpenTest> beyond{nullptr, &counters->beyond, 0};
     FeatureHits hits{};
     hits.list.count = &counters->hits;
-    AskedOfFeatures asked;
+    FeatureConditions asked;
     const auto reserve = [&](bool motion, double distance) {
         asked.motion = motion, asked.distance = distance;
         decide_tests(geometry, stream, PreparedScene{}, asked, true, none, none, beyond, hits);
@@ -365,8 +365,8 @@ void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Count
     reserve(true, 1);
 }
 
-void pack_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const AskedOfFeatures& asked,
-                const OpenTest* tests, std::size_t count, PackedFeatures* cases) {
+void pack_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
+                const FeatureConditions& asked, const OpenTest* tests, std::size_t count, PackedFeatures* cases) {
     Launch{stream, geometry.blocks(count), geometry.threads}(pack_kernel, ExactPoints{scene, is_aligned(scene)}, asked,
                                                              tests, count, cases);
 }

@@ -58,12 +58,12 @@ struct FeatureSurvivors {
 /// vertex_face and edge_edge.
 template <int moments>
 void list_tests(const Geometry& geometry, cudaStream_t stream, const FeatureSurvivors<moments>& survivors,
-                const PointRows& points, std::int32_t ends, const AskedOfFeatures& asked, bool all_kinds,
+                const PointRows& points, std::int32_t ends, const FeatureConditions& asked, bool all_kinds,
                 const TestLists& tests, const FeatureHits& hits, Counters* counters);
 
 /// Decides these tests. Those left open go to `beyond`.
 void decide_tests(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
-                  const AskedOfFeatures& asked, bool all_kinds, const TestLists& tests, const TestLists& open,
+                  const FeatureConditions& asked, bool all_kinds, const TestLists& tests, const TestLists& open,
                   const List<OpenTest>& beyond, const FeatureHits& hits);
 
 /// Launches the kernels that use their stacks, without tests, so that the driver reserves the stacks. All counters must
@@ -71,8 +71,8 @@ void decide_tests(const Geometry& geometry, cudaStream_t stream, const PreparedS
 void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Counters* counters);
 
 /// Gathers all data that decisions about open tests need.
-void pack_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const AskedOfFeatures& asked,
-                const OpenTest* tests, std::size_t count, PackedFeatures* cases);
+void pack_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
+                const FeatureConditions& asked, const OpenTest* tests, std::size_t count, PackedFeatures* cases);
 
 /// Writes hits that the host has found after the list's first `begin` hits.
 void append_hits(const Geometry& geometry, cudaStream_t stream, const RankedHit* found, std::size_t count,

@@ -52,7 +52,7 @@ const T* unknown() {
     return reinterpret_cast<const T*>(alignof(T));
 }
 
-struct AskedOfFeatures {
+struct FeatureConditions {
     bool motion = false, strict = false, approaching_only = false;
     double distance = 0, share = 0;
     const double* radii = nullptr;  ///< by vertex; null: `distance` holds for all
@@ -63,7 +63,7 @@ struct AskedOfFeatures {
     const Inflation* inflation = nullptr;
     const float *vertex_radius = nullptr, *triangle_radius = nullptr;
 
-    friend bool operator==(const AskedOfFeatures&, const AskedOfFeatures&) = default;
+    friend bool operator==(const FeatureConditions&, const FeatureConditions&) = default;
 
     /// See GraphKey::shape().
     void forget_places() {

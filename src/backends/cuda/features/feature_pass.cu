@@ -6,7 +6,7 @@ namespace crumple::cuda {
 
 void FeaturePass::cut(Cutter& c) {
     Pass::cut(c);
-    with_moments([&]<int moments>() { records_ = c.take<FeatureRecord<moments>>(plan.last_members()); });
+    with_time_samples([&]<int moments>() { records_ = c.take<FeatureRecord<moments>>(plan.last_members()); });
     for (std::size_t k = 0; k < feature_kinds; ++k) {
         tests_[k] = c.take<FeatureTest>(plan.tests[k]);
         open_[k] = c.take<FeatureTest>(plan.open[k]);
@@ -16,16 +16,16 @@ void FeaturePass::cut(Cutter& c) {
 }
 
 void FeaturePass::sort() {
-    with_moments([&]<int moments>() {
+    with_time_samples([&]<int moments>() {
         sort_by(Widened<moments>{primitives.ends, primitives.inflation},
                 FeatureRows<moments>{records<moments>(), asked.features});
     });
 }
 
 void FeaturePass::sweep(const Slice& slice) {
-    with_moments([&]<int moments>() {
-        sweep_by(slice, SeparationTest<moments>{records<moments>(), frames(), sorted_.leaf, asked.inflation,
-                                                asked.triangle_radius, share_to_filter(asked.share)});
+    with_time_samples([&]<int moments>() {
+        sweep_by(slice, SeparatingAxisTest<moments>{records<moments>(), frames(), sorted_.leaf, asked.inflation,
+                                                    asked.triangle_radius, share_to_filter(asked.share)});
     });
 }
 
@@ -38,7 +38,7 @@ TestLists FeaturePass::lists(FeatureTest* const* data, const unsigned long long*
 
 void FeaturePass::narrow(const FeatureHits& hits) {
     const TestLists tests = lists(tests_, plan.tests, counters->tests), open = lists(open_, plan.open, counters->open);
-    with_moments([&]<int moments>() {
+    with_time_samples([&]<int moments>() {
         list_tests(geometry_, stream_, FeatureSurvivors<moments>{survivors(), records<moments>()}, points_.rows(),
                    primitives.ends, asked, all_kinds, tests, hits, counters);
     });

@@ -11,7 +11,7 @@ class FeaturePass : public Pass {
    public:
     using Pass::Pass;
 
-    AskedOfFeatures asked;
+    FeatureConditions asked;
     bool all_kinds = false;  ///< edges and points are listed
 
     void cut(Cutter& cutter) override;
@@ -29,7 +29,7 @@ class FeaturePass : public Pass {
         return static_cast<FeatureRecord<moments>*>(records_);
     }
     template <class Work>
-    void with_moments(Work work) const {
+    void with_time_samples(Work work) const {
         primitives.moving ? work.template operator()<2>() : work.template operator()<1>();
     }
 

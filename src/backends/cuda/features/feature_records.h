@@ -32,7 +32,7 @@ struct FeatureRows {
 
 /// Filter that drops pairs which some direction separates by more than the distance of the query.
 template <int moments>
-struct SeparationTest {
+struct SeparatingAxisTest {
     const FeatureRecord<moments>* record;
     Frames frames;
     const std::uint16_t* leaf;
@@ -40,13 +40,13 @@ struct SeparationTest {
     const float* triangle_radius;
     float share;  ///< see share_to_filter()
 
-    using Room = GatherRoom<FeatureRecord<moments>>;
-    __device__ bool keeps(bool has, const Candidate& c, Room& room) const {
-        const auto [a, b] = gathered_pair(record, c.row, c.column, room);
+    using Buffer = GatherBuffer<FeatureRecord<moments>>;
+    __device__ bool keeps(bool has, const Candidate& c, Buffer& buffer) const {
+        const auto [a, b] = gathered_pair(record, c.row, c.column, buffer);
         if (!has) return false;
         const float asked =
             triangle_radius ? triangle_radius[a.triangle] + triangle_radius[b.triangle] : 2 * inflation->half;
-        return !surely_apart(a, b, NeededGap(asked, frames.reach_of(leaf[c.row]), share).of(a, b));
+        return !surely_apart(a, b, NeededGap(asked, frames.distance_limit_of(leaf[c.row]), share).of(a, b));
     }
 };
 

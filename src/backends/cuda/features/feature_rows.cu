@@ -44,19 +44,19 @@ __global__ void earliest_kernel(List<RankedHit> hits, Earliest* earliest, const 
 template void make_offsets(const Geometry&, cudaStream_t, std::size_t, const FeatureOutput&, Counters*);
 template void order_buckets(const Geometry&, cudaStream_t, std::size_t, const FeatureOutput&, Counters*, Counters*);
 
-void FeatureOutput::cut(Cutter& c, const FirstOfKind& features, std::size_t room) {
-    RowsByKind::cut(c, features, room, true);
-    second = c.take<Key>(room);
+void FeatureOutput::cut(Cutter& c, const FirstOfKind& features, std::size_t most) {
+    RowsByKind::cut(c, features, most, true);
+    second = c.take<Key>(most);
 }
 
-void write_answer(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits, const FeatureOutput& output,
-                  Counters* counters, Counters* told) {
+void write_candidates(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits,
+                      const FeatureOutput& output, Counters* counters, Counters* told) {
     make_offsets(geometry, stream, output.firsts.all(), output, counters);
     Launch{stream, geometry.blocks(hits.list.capacity), geometry.threads}(bucket_kernel, hits, output);
     order_buckets(geometry, stream, output.firsts.all(), output, counters, told);
 }
 
-void clear(Clearing& clearing, Earliest* earliest) { clearing.add(earliest, sizeof *earliest, ~0u); }
+void clear(BatchedClear& batch, Earliest* earliest) { batch.add(earliest, sizeof *earliest, ~0u); }
 
 void find_earliest(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits, Earliest* earliest,
                    Counters* counters, Counters* told) {

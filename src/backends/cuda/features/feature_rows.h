@@ -13,7 +13,7 @@ struct FeatureOutput : RowsByKind {
     Key* second;
     const RankedHit* hits;
 
-    void cut(Cutter& cutter, const FirstOfKind& features, std::size_t room);
+    void cut(Cutter& cutter, const FirstOfKind& features, std::size_t most);
 
     __device__ std::uint32_t first_of(unsigned long long i) const {
         return hits[static_cast<std::uint32_t>(second[i])].first;
@@ -32,15 +32,15 @@ struct FeatureOutput : RowsByKind {
 };
 
 /// Turns listed hits, counted by first feature, into the result. `told`: see order_buckets().
-void write_answer(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits, const FeatureOutput& output,
-                  Counters* counters, Counters* told);
+void write_candidates(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits,
+                      const FeatureOutput& output, Counters* counters, Counters* told);
 
 /// Earliest impact among listed hits: the least value, ties broken by the order of the result.
 struct Earliest {
     unsigned long long value, pair;  ///< bits of a non-negative double; first and second feature
     unsigned long long flag;
 };
-void clear(Clearing& clearing, Earliest* earliest);
+void clear(BatchedClear& batch, Earliest* earliest);
 /// Finds the earliest impact. `told`: receives a copy of the counters, in host memory that the device can write; or
 /// null.
 void find_earliest(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits, Earliest* earliest,

@@ -14,10 +14,10 @@ template void sort_members(const Geometry&, cudaStream_t, const PreparedScene&, 
                            const FeatureRows<2>&, const List<Unit>&, Counters*);
 
 template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<Unit>&,
-                    const Ownership&, const WantedPairs&, const SeparationTest<1>&, const List<Candidate>&,
+                    const Ownership&, const PairSelection&, const SeparatingAxisTest<1>&, const List<Candidate>&,
                     const Slice&, Counters*);
 template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<Unit>&,
-                    const Ownership&, const WantedPairs&, const SeparationTest<2>&, const List<Candidate>&,
+                    const Ownership&, const PairSelection&, const SeparatingAxisTest<2>&, const List<Candidate>&,
                     const Slice&, Counters*);
 
 }  // namespace crumple::cuda

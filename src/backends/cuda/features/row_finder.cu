@@ -11,20 +11,20 @@ void RowFinder::release() {
 }
 
 void RowFinder::bring(std::size_t to, const PreparedScene& scene, const FeatureRequest& request) {
-    take_slot(to, [&] {
+    claim_slot(to, [&] {
         input().bring(scene);
         input().want(request.rule);
-        bring_request(request, false, Room::grows);
+        upload_request(request, false, Growth::grows);
     });
     adopt(request);
 }
 
-void RowFinder::view(std::size_t to, const Shape& shape, const FeatureRequest& request, Room room) {
-    take_slot(to, [&] {
-        features_.bring(request.features, shape.vertices.rows, room);
-        input().view(shape, features_.known(), room);
-        input().want(request.rule, room);
-        bring_request(request, true, room);
+void RowFinder::view(std::size_t to, const Shape& shape, const FeatureRequest& request, Growth growth) {
+    claim_slot(to, [&] {
+        features_.bring(request.features, shape.vertices.rows, growth);
+        input().view(shape, features_.known(), growth);
+        input().want(request.rule, growth);
+        upload_request(request, true, growth);
     });
     adopt(request);
 }
@@ -37,7 +37,7 @@ void RowFinder::adopt(const FeatureRequest& request) {
         found.rest = *request.rest;
         found.request->rest = &found.rest;
     }
-    slot().low_memory = request.frugal;
+    slot().low_memory = request.low_memory;
     slot().revision = request.features.revision();
     bind();
 }
@@ -94,7 +94,7 @@ void RowFinder::upload() {
     RowSlot& found = this->found();
     found.ends = {};
     for (std::size_t k = 0; k < candidate_kinds; ++k) found.ends.append(k, found.host.rows.lists[k].size());
-    lay_out(slot().rows, [&](Cutter& c) { rows().cut_lists(c, found.ends.all(), valued()); });
+    place_arrays(slot().rows, [&](Cutter& c) { rows().place_row_lists(c, found.ends.all(), valued()); });
     for (std::size_t k = 0; k < candidate_kinds; ++k) {
         const auto& host = found.host.rows.lists[k];
         const auto copy = [&](auto* device, const auto& array) {
@@ -110,10 +110,10 @@ void RowFinder::upload() {
     slot().on_host = false;
 }
 
-DeviceAnswer RowFinder::show() {
+AnyDeviceResult RowFinder::show() {
     if (slot().on_host) upload();
     const RowSlot& found = this->found();
-    DeviceAnswer shown;
+    AnyDeviceResult shown;
     shown.rows_needed = shown.count = static_cast<std::int64_t>(found.ends.all());
     shown.edges = features_.known().edges;
     shown.edge_count = features_.known().edge_count;
@@ -130,9 +130,9 @@ DeviceAnswer RowFinder::show() {
     return shown;
 }
 
-DeviceAnswer RowFinder::show_incomplete() const {
+AnyDeviceResult RowFinder::show_incomplete() const {
     const Counters& counters = *slot().counters;
-    DeviceAnswer shown;
+    AnyDeviceResult shown;
     shown.complete = false;
     shown.rows_needed = static_cast<std::int64_t>(counters.hits);
     shown.statistics.backend = "cuda";

@@ -32,12 +32,12 @@ class RowFinder : public Finder {
     /// Make a slot current, drop its last rows, and bind the request: for a scene on the host, or for a mesh on the
     /// device whose counts match the features.
     void bring(std::size_t slot, const PreparedScene& scene, const FeatureRequest& request);
-    void view(std::size_t slot, const Shape& shape, const FeatureRequest& request, Room room = Room::grows);
+    void view(std::size_t slot, const Shape& shape, const FeatureRequest& request, Growth growth = Growth::grows);
     void copy_to(FeatureResult& result);
     /// Returns the rows on the device; uploads them if they lie on the host.
-    DeviceAnswer show();
+    AnyDeviceResult show();
     /// Result of an incomplete replay.
-    DeviceAnswer show_incomplete() const;
+    AnyDeviceResult show_incomplete() const;
 
     void release() override;
 
@@ -46,7 +46,7 @@ class RowFinder : public Finder {
 
     /// Binds all of the request but its features, for the scene of the input. `viewed`: true if its arrays lie on the
     /// device.
-    virtual void bring_request(const FeatureRequest& request, bool viewed, Room room) = 0;
+    virtual void upload_request(const FeatureRequest& request, bool viewed, Growth growth) = 0;
     virtual RowsByKind& rows() = 0;
 
     RowSlot& found() { return found_[current()]; }
@@ -55,7 +55,7 @@ class RowFinder : public Finder {
     /// Begins a result that is found in chunks, on the host.
     void begin_on_host();
 
-    bool wants_any() const override { return request().extent == Extent::any; }
+    bool is_any_output() const override { return request().extent == Extent::any; }
     void count_tests(const Counters& counters, Statistics& statistics) const override;
     void read_rows(unsigned long long total) override;
 
@@ -66,7 +66,7 @@ class RowFinder : public Finder {
     bool valued() const { return request().criterion != Criterion::candidate; }
     void upload();
 
-    std::array<RowSlot, Flights::slots> found_;
+    std::array<RowSlot, LaunchQueue::slots> found_;
 };
 
 }  // namespace crumple::cuda

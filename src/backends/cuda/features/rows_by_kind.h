@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "backends/cuda/device/memory.h"
-#include "backends/cuda/stages/clearing.h"
+#include "backends/cuda/stages/batched_clear.h"
 #include "backends/cuda/stages/output.h"
 #include "queries/feature_request.h"
 
@@ -51,23 +51,23 @@ struct RowsByKind : RowsOfOutput {
     std::uint8_t* flag;  ///< null for candidates
 
     /// Cuts the lists. `valued`: true if rows have values and flags.
-    void cut_lists(Cutter& c, std::size_t room, bool valued) {
-        pairs = c.take<Pair>(room);
-        value = valued ? c.take<double>(room) : nullptr;
-        flag = valued ? c.take<std::uint8_t>(room) : nullptr;
+    void place_row_lists(Cutter& c, std::size_t most, bool valued) {
+        pairs = c.take<Pair>(most);
+        value = valued ? c.take<double>(most) : nullptr;
+        flag = valued ? c.take<std::uint8_t>(most) : nullptr;
     }
-    void cut(Cutter& c, const FirstOfKind& features, std::size_t room, bool valued) {
+    void cut(Cutter& c, const FirstOfKind& features, std::size_t most, bool valued) {
         firsts = features;
-        capacity = room;
-        part_capacity = cuda::part_capacity(room);
+        capacity = most;
+        part_capacity = cuda::part_capacity(most);
         offsets = c.take<unsigned long long>(firsts.all() + 1);
         tiles = c.take<unsigned long long>(offset_tiles(firsts.all()));
         parts = c.take<RowPart>(part_capacity);
-        cut_lists(c, room, valued);
+        place_row_lists(c, most, valued);
     }
-    void clear(Clearing& clearing) const {
-        clearing.add(offsets, (firsts.all() + 1) * sizeof *offsets);
-        clearing.add(tiles, offset_tiles(firsts.all()) * sizeof *tiles);
+    void clear(BatchedClear& batch) const {
+        batch.add(offsets, (firsts.all() + 1) * sizeof *offsets);
+        batch.add(tiles, offset_tiles(firsts.all()) * sizeof *tiles);
     }
     template <class Key>
     __device__ void set_flags(std::size_t, Key) const {}

@@ -90,7 +90,7 @@ bool is_int32_rows(const TriangleView& view) {
 // Drops the input of an earlier call.
 void Input::forget() {
     mesh_[0] = mesh_[1] = {};
-    known_shape_ = {};
+    cached_shape_ = {};
     posed_.reset();
     names_ = {};
     weld_ = false;
@@ -110,7 +110,7 @@ void Input::bring(const PreparedScene& host) {
                             {&host.reader[1], &scene_.reader[1], host.vertices[1]},
                             {&host.end, &scene_.end, host.moving ? host.vertices[0] : 0}};
     const auto triangles = static_cast<std::size_t>(host.triangle_count());
-    lay_out(block_, [&](Cutter& c) {
+    place_arrays(block_, [&](Cutter& c) {
         box_ = c.take<SceneBox>(1);
         for (Vertices& v : vertices) v.data = c.take<std::byte>(bytes_of(*v.from, v.count));
         corners_ = c.take<std::int32_t>(3 * triangles);
@@ -132,7 +132,7 @@ void Input::bring(const PreparedScene& host) {
     worlds_.bring(stream_, host);
 }
 
-void Input::view(const Shape& shape, const KnownMesh& known, Room room) {
+void Input::view(const Shape& shape, const CachedMesh& known, Growth growth) {
     forget();
     MeshView mesh(shape.vertices, shape.triangles, shape.groups);
     mesh.memory = MemorySpace::cuda;
@@ -140,16 +140,16 @@ void Input::view(const Shape& shape, const KnownMesh& known, Room room) {
     if (shape.end.data) outline_motion(shape.end, scene_);
     worlds_.forget();
     places_.check(shape);
-    known_shape_ = shape;
+    cached_shape_ = shape;
     known_ = known;
-    lay_out(
-        block_, [&](Cutter& c) { box_ = c.take<SceneBox>(1); }, room);
-    scene_.triangles[0] += known.carriers;
+    place_arrays(
+        block_, [&](Cutter& c) { box_ = c.take<SceneBox>(1); }, growth);
+    scene_.triangles[0] += known.proxies;
     scene_.corners = known.corners;
     scene_.groups = shape.groups.empty() ? nullptr : shape.groups.data();
 }
 
-void Input::view(const MeshView& a, const MeshView* b, bool weld, Room room) {
+void Input::view(const MeshView& a, const MeshView* b, bool weld, Growth growth) {
     forget();
     scene_ = outline_scene(a, b, MemorySpace::cuda);
     worlds_.forget();
@@ -168,13 +168,13 @@ void Input::view(const MeshView& a, const MeshView* b, bool weld, Room room) {
         groups_ = c.take<std::int32_t>(b && any_groups ? triangles : 0);
         table_ = c.take<unsigned>(slots_);
     };
-    lay_out(block_, cut, room);
+    place_arrays(block_, cut, growth);
     scene_.corners = as_is ? static_cast<const std::int32_t*>(a.triangles.data) : corners_;
     scene_.groups = !any_groups ? nullptr : b ? groups_ : a.groups.data();
 }
 
 void Input::pose(std::shared_ptr<const PosedWorlds> worlds, const DevicePoses& poses, bool weld, bool pairs,
-                 Room room) {
+                 Growth growth) {
     forget();
     scene_ = worlds->scene();
     worlds_.share(worlds->worlds(), worlds->found());
@@ -187,7 +187,7 @@ void Input::pose(std::shared_ptr<const PosedWorlds> worlds, const DevicePoses& p
         corners_ = c.take<std::int32_t>(weld ? 3 * static_cast<std::size_t>(scene_.triangle_count()) : 0);
         table_ = c.take<unsigned>(slots_);
     };
-    lay_out(block_, cut, room);
+    place_arrays(block_, cut, growth);
     const std::int64_t size = scene_.float32 ? sizeof(float) : sizeof(double);
     scene_.reader[0] = {vertices_, 3 * size, size, scene_.float32};
     if (weld) scene_.corners = corners_;
@@ -198,35 +198,35 @@ void Input::pose(std::shared_ptr<const PosedWorlds> worlds, const DevicePoses& p
     posed_ = std::move(worlds);
 }
 
-void Input::want(const IntersectionQuery& query, Room room) {
+void Input::want(const IntersectionQuery& query, Growth growth) {
     if (posed_) {
         wanted_ = posed_->wanted();
         return;
     }
     rule_.prepare(query.filter, scene_.bodies);
-    want(rule_, room);
+    want(rule_, growth);
 }
 
-void Input::want(const GroupRule& rule, Room room) {
+void Input::want(const GroupFilter& rule, Growth growth) {
     wanted_ = rule.wanted();
-    const auto bring = [&](Mirror<std::uint64_t>& there, WantedGroups& wanted) {
+    const auto bring = [&](Mirror<std::uint64_t>& there, GroupSelection& wanted) {
         const std::span<const std::uint64_t> host(wanted.excluded, static_cast<std::size_t>(wanted.excluded_count));
-        wanted.excluded = there.bring(stream_, host, room);
+        wanted.excluded = there.bring(stream_, host, growth);
     };
     bring(excluded_groups_, wanted_.groups);
     bring(excluded_bodies_, wanted_.bodies);
-    if (scene_.bodies) wanted_.classes = classes_.bring(stream_, scene_.bodies->classes.span(), room);
+    if (scene_.bodies) wanted_.classes = classes_.bring(stream_, scene_.bodies->classes.span(), growth);
 }
 
-void Input::clear(Clearing& clearing) const {
-    if (known_shape_) cuda::clear(clearing, box_);
+void Input::clear(BatchedClear& batch) const {
+    if (cached_shape_) cuda::clear(batch, box_);
     if (mesh_[0] || posed_) {
-        cuda::clear(clearing, box_);
+        cuda::clear(batch, box_);
         for (std::size_t side = 0; scene_.between && scene_.groups && side < 2; ++side)
             if (mesh_[side]->groups.empty())
-                clearing.add(groups_ + (side ? scene_.triangles[0] : 0),
-                             static_cast<std::size_t>(scene_.triangles[side]) * sizeof *groups_);
-        if (weld_) clearing.add(table_, slots_ * sizeof *table_, empty_slot);
+                batch.add(groups_ + (side ? scene_.triangles[0] : 0),
+                          static_cast<std::size_t>(scene_.triangles[side]) * sizeof *groups_);
+        if (weld_) batch.add(table_, slots_ * sizeof *table_, empty_slot);
     }
 }
 
@@ -271,9 +271,9 @@ void Input::weld(const Geometry& geometry, cudaStream_t stream) {
 void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
     if (mesh_[0]) join(geometry, stream, counters);
     if (posed_) pose(geometry, stream, counters);
-    if (!known_shape_) return;
+    if (!cached_shape_) return;
     check_vertices(geometry, stream, scene_, box_, counters);
-    compare(geometry, stream, *known_shape_, known_, counters);
+    compare(geometry, stream, *cached_shape_, known_, counters);
 }
 
 // Checks errors in the host's order.
@@ -308,11 +308,11 @@ void Input::throw_error(const Counters& counters) const {
 
 Input::Work Input::work() const {
     Work work;
-    if (known_shape_) {
-        work.triangles[0] = known_shape_->triangles;
+    if (cached_shape_) {
+        work.triangles[0] = cached_shape_->triangles;
         work.known = known_;
-        if (known_shape_->edges) work.lists[0] = known_shape_->edges->data();
-        if (known_shape_->points) work.lists[1] = known_shape_->points->data();
+        if (cached_shape_->edges) work.lists[0] = cached_shape_->edges->data();
+        if (cached_shape_->points) work.lists[1] = cached_shape_->points->data();
     }
     for (std::size_t side = 0; side < 2; ++side) {
         if (!mesh_[side]) continue;

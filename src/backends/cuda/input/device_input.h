@@ -37,20 +37,20 @@ class Input {
     void bring(const PreparedScene& host);
     /// Binds one or two meshes in device memory. Throws Error (invalid_argument) for invalid counts, pointers or groups
     /// and for arrays that the device cannot read; the work of enqueue() validates the contents.
-    void view(const MeshView& a, const MeshView* b, bool weld, Room room = Room::grows);
+    void view(const MeshView& a, const MeshView* b, bool weld, Growth growth = Growth::grows);
     /// Binds a mesh in device memory for a feature query. Its counts of triangles, edges and points must match the
     /// cached mesh; the work of enqueue() compares the contents.
-    void view(const Shape& shape, const KnownMesh& known, Room room = Room::grows);
+    void view(const Shape& shape, const CachedMesh& known, Growth growth = Growth::grows);
     /// Binds bodies under poses in device memory, which the work of enqueue() reads. `pairs`: true if the result on the
     /// device names pairs by bodies. Throws Error (invalid_argument) for poses that the device cannot read.
     void pose(std::shared_ptr<const PosedWorlds> worlds, const DevicePoses& poses, bool weld, bool pairs,
-              Room room = Room::grows);
+              Growth growth = Growth::grows);
     /// Sets the pair filter: the query's, or that of the world that the scene is made of.
-    void want(const IntersectionQuery& query, Room room = Room::grows);
-    void want(const GroupRule& rule, Room room = Room::grows);
+    void want(const IntersectionQuery& query, Growth growth = Growth::grows);
+    void want(const GroupFilter& rule, Growth growth = Growth::grows);
 
-    /// Adds the arrays that the work of enqueue() requires cleared to `clearing`.
-    void clear(Clearing& clearing) const;
+    /// Adds the arrays that the work of enqueue() requires cleared to `batch`.
+    void clear(BatchedClear& batch) const;
     /// Enqueues the work that each pass begins with: validates, joins and welds meshes on the device, or poses bodies,
     /// and finds their box. Records invalid elements in the counters.
     void enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters);
@@ -64,7 +64,7 @@ class Input {
     struct Work {
         TriangleView triangles[2];
         const void *groups[2] = {}, *lists[2] = {}, *block = nullptr, *poses = nullptr;
-        KnownMesh known;
+        CachedMesh known;
         bool weld = false;
         ScalarType type_of_poses{};
         std::uint64_t bodies = 0;  ///< PosedWorlds::number()
@@ -76,7 +76,7 @@ class Input {
     const PreparedScene& scene() const { return scene_; }
     const SceneBox* box() const { return box_; }
     const Worlds& worlds() const { return worlds_; }
-    const WantedPairs& wanted() const { return wanted_; }
+    const PairSelection& wanted() const { return wanted_; }
     /// Returns the bodies; null unless the scene is made of bodies under poses on the device.
     const PosedWorlds* posed() const { return posed_.get(); }
     const WorldNames& names() const { return names_; }
@@ -91,14 +91,14 @@ class Input {
     cudaStream_t stream_;
     Block block_;
     Worlds worlds_;
-    GroupRule rule_;
+    GroupFilter rule_;
     Mirror<std::uint64_t> excluded_groups_, excluded_bodies_;
     Mirror<BodyClass> classes_;
     Array<std::byte> packed_;
     PreparedScene scene_;
-    std::optional<MeshView> mesh_[2];   ///< meshes on the device; none for the other kinds of input
-    std::optional<Shape> known_shape_;  ///< or a mesh with cached features, `known_`
-    KnownMesh known_;
+    std::optional<MeshView> mesh_[2];    ///< meshes on the device; none for the other kinds of input
+    std::optional<Shape> cached_shape_;  ///< or a mesh with cached features, `known_`
+    CachedMesh known_;
     std::shared_ptr<const PosedWorlds> posed_;  ///< or bodies, under `poses_`
     DevicePoses poses_;
     WorldNames names_;
@@ -109,7 +109,7 @@ class Input {
     std::int32_t *corners_ = nullptr, *groups_ = nullptr;
     unsigned* table_ = nullptr;  ///< hash table for welding
     std::size_t slots_ = 0;
-    WantedPairs wanted_;  ///< pair filter, with lists on the device
+    PairSelection wanted_;  ///< pair filter, with lists on the device
 };
 
 }  // namespace crumple::cuda

@@ -9,7 +9,7 @@ namespace {
 
 // Copies the bytes from the first to the last value of `view`, and makes it a view of the copy.
 template <class Type>
-void bring_rows(ArrayView<Type>& view, std::size_t value_bytes, cudaStream_t stream, std::vector<std::byte>& copy) {
+void upload_rows(ArrayView<Type>& view, std::size_t value_bytes, cudaStream_t stream, std::vector<std::byte>& copy) {
     if (view.rows <= 0 || !view.data) return;  // readers of the copy report the error
     const std::int64_t last_row = (view.rows - 1) * view.row_stride, last_column = 2 * view.column_stride;
     const std::int64_t begin = std::min<std::int64_t>(0, last_row) + std::min<std::int64_t>(0, last_column);
@@ -19,8 +19,8 @@ void bring_rows(ArrayView<Type>& view, std::size_t value_bytes, cudaStream_t str
              cudaMemcpyDeviceToHost);
     view.data = copy.data() - begin;
 }
-void bring_rows(VertexView& view, cudaStream_t stream, std::vector<std::byte>& copy) {
-    bring_rows(view, view.type == ScalarType::float32 ? 4 : 8, stream, copy);
+void upload_rows(VertexView& view, cudaStream_t stream, std::vector<std::byte>& copy) {
+    upload_rows(view, view.type == ScalarType::float32 ? 4 : 8, stream, copy);
 }
 
 template <class T>
@@ -35,7 +35,7 @@ void bring(std::span<const T>& view, cudaStream_t stream, std::vector<T>& copy) 
 void copy_to_host(const Shape& device, Copied what, cudaStream_t stream, HostShape& host) {
     host.shape = device;
     Shape& shape = host.shape;
-    bring_rows(shape.triangles, shape.triangles.type == IndexType::int64 ? 8 : 4, stream, host.triangles);
+    upload_rows(shape.triangles, shape.triangles.type == IndexType::int64 ? 8 : 4, stream, host.triangles);
     if (shape.edges) bring(*shape.edges, stream, host.edges);
     if (shape.points) bring(*shape.points, stream, host.points);
     if (what == Copied::topology) {
@@ -46,9 +46,9 @@ void copy_to_host(const Shape& device, Copied what, cudaStream_t stream, HostSha
         shape.radii = {};
         return;
     }
-    bring_rows(shape.vertices, stream, host.vertices);
-    bring_rows(shape.end, stream, host.end);
-    bring_rows(shape.rest, stream, host.rest);
+    upload_rows(shape.vertices, stream, host.vertices);
+    upload_rows(shape.end, stream, host.end);
+    upload_rows(shape.rest, stream, host.rest);
     bring(shape.groups, stream, host.groups);
     bring(shape.radii, stream, host.radii);
 }

@@ -21,7 +21,7 @@ __global__ void compare_kernel(const std::int32_t* given, const std::int32_t* kn
 
 }  // namespace
 
-void compare(const Geometry& geometry, cudaStream_t stream, const Shape& shape, const KnownMesh& known,
+void compare(const Geometry& geometry, cudaStream_t stream, const Shape& shape, const CachedMesh& known,
              Counters* counters) {
     const auto launch = [&](std::size_t n) { return Launch{stream, geometry.blocks(n), geometry.threads}; };
     const auto corners = 3 * static_cast<std::size_t>(known.faces);

@@ -15,19 +15,19 @@ namespace crumple::cuda {
 struct MeshChanged {};
 
 /// Corners, edges and points of a cached mesh. Pointers refer to device memory.
-struct KnownMesh {
+struct CachedMesh {
     const std::int32_t* corners = nullptr;  ///< 3 per triangle, then 3 per proxy triangle
-    std::int64_t faces = 0, carriers = 0;
+    std::int64_t faces = 0, proxies = 0;
     const Edge* edges = nullptr;  ///< the caller's list, or else those of the triangles
     std::int64_t edge_count = 0;
     const std::int32_t* points = nullptr;  ///< the caller's list
     std::int64_t point_count = 0;
     std::uint64_t revision = 0;  ///< see SceneFeatures
-    friend bool operator==(const KnownMesh&, const KnownMesh&) = default;
+    friend bool operator==(const CachedMesh&, const CachedMesh&) = default;
 };
 
 /// Records in the counters if the shape's arrays differ from the cached ones. Their counts must be the same.
-void compare(const Geometry& geometry, cudaStream_t stream, const Shape& shape, const KnownMesh& known,
+void compare(const Geometry& geometry, cudaStream_t stream, const Shape& shape, const CachedMesh& known,
              Counters* counters);
 
 }  // namespace crumple::cuda

@@ -16,12 +16,12 @@ namespace {
 constexpr std::size_t pose_tile = 256;
 
 struct Bodies {
-    const RestingBody* body;
+    const StaticBody* body;
     const std::uint32_t* first;  ///< body of each tile's first vertex; and the last body
     std::size_t vertices;
 
     /// Returns the body that contains vertex v: the last one with first_vertex <= v.
-    __device__ RestingBody of(std::size_t v) const {
+    __device__ StaticBody of(std::size_t v) const {
         std::uint32_t begin = first[v / pose_tile], end = first[v / pose_tile + 1] + 1;
         while (end - begin > 1) {
             const std::uint32_t middle = (begin + end) / 2;
@@ -55,7 +55,7 @@ __global__ void pose_kernel(Bodies bodies, const T* shapes, const P* poses, T* v
     constexpr double most = 1.7976931348623157e308;
     Vec3d low{most, most, most}, high{-most, -most, -most};
     for (std::size_t v = grid_thread(); v < bodies.vertices; v += grid_stride()) {
-        const RestingBody body = bodies.of(v);
+        const StaticBody body = bodies.of(v);
         const T* const given = shapes + 3 * (std::size_t{body.shape_vertex} + (v - body.first_vertex));
         const Vec3d at =
             posed(poses + 12 * static_cast<std::size_t>(body.body),
@@ -80,7 +80,7 @@ __global__ void pose_kernel(Bodies bodies, const T* shapes, const P* poses, T* v
 std::atomic<std::uint64_t> made{0};
 
 // Returns the body of the first vertex of each tile; and the last body.
-std::vector<std::uint32_t> first_bodies(std::span<const RestingBody> bodies, std::size_t vertices) {
+std::vector<std::uint32_t> first_bodies(std::span<const StaticBody> bodies, std::size_t vertices) {
     const std::size_t tiles = (vertices + pose_tile - 1) / pose_tile;
     std::vector<std::uint32_t> first(tiles + 1, static_cast<std::uint32_t>(bodies.empty() ? 0 : bodies.size() - 1));
     std::size_t b = 0;
@@ -93,12 +93,12 @@ std::vector<std::uint32_t> first_bodies(std::span<const RestingBody> bodies, std
 
 }  // namespace
 
-PosedWorlds::PosedWorlds(std::unique_ptr<RestingWorlds> resting, cudaStream_t stream, MemoryMeter& meter)
+PosedWorlds::PosedWorlds(std::unique_ptr<StaticWorlds> resting, cudaStream_t stream, MemoryMeter& meter)
     : resting_(std::move(resting)), block_(meter), scene_(resting_->scene()), number_(++made) {
     const auto triangles = static_cast<std::size_t>(scene_.triangle_count());
     const auto worlds = static_cast<std::size_t>(scene_.worlds);
     const bool several = worlds > 1;
-    const BodyRules& rules = resting_->rules();
+    const BodyFilter& rules = resting_->rules();
     const std::vector<std::uint32_t> first =
         first_bodies(resting_->bodies(), static_cast<std::size_t>(scene_.vertex_count()));
     std::vector<unsigned long long> first_of_joined, count;
@@ -110,9 +110,9 @@ PosedWorlds::PosedWorlds(std::unique_ptr<RestingWorlds> resting, cudaStream_t st
     std::int64_t* first_of_world = nullptr;
     BodyClass* classes = nullptr;
     std::uint64_t *bodies_apart = nullptr, *groups_apart = nullptr;
-    lay_out(block_, [&](Cutter& c) {
+    place_arrays(block_, [&](Cutter& c) {
         shapes_ = c.take<std::byte>(resting_->shape_bytes());
-        bodies_ = c.take<RestingBody>(resting_->bodies().size());
+        bodies_ = c.take<StaticBody>(resting_->bodies().size());
         first_body_ = c.take<std::uint32_t>(first.size());
         corners = c.take<std::int32_t>(3 * triangles);
         groups = c.take<std::int32_t>(triangles);

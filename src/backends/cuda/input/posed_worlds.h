@@ -1,6 +1,6 @@
 #pragma once
 
-// Bodies of all worlds, cached on the device (backends/resting_worlds.h). A call passes only their poses, which also
+// Bodies of all worlds, cached on the device (backends/static_worlds.h). A call passes only their poses, which also
 // lie on the device. A kernel at the start of its pass computes the posed vertices:
 //
 //     shapes' vertices ─────┐
@@ -15,18 +15,18 @@
 #include "backends/cuda/input/world_names.h"
 #include "backends/cuda/stages/bounds.h"
 #include "backends/cuda/stages/layout.h"
-#include "backends/resting_worlds.h"
+#include "backends/static_worlds.h"
 #include "crumple/world.h"
-#include "scene/wanted_pairs.h"
+#include "scene/pair_selection.h"
 
 namespace crumple::cuda {
 
 class PosedWorlds {
    public:
     /// Uploads the bodies, and returns once the copies are complete.
-    PosedWorlds(std::unique_ptr<RestingWorlds> resting, cudaStream_t stream, MemoryMeter& meter);
+    PosedWorlds(std::unique_ptr<StaticWorlds> resting, cudaStream_t stream, MemoryMeter& meter);
 
-    const RestingWorlds& resting() const { return *resting_; }
+    const StaticWorlds& resting() const { return *resting_; }
 
     /// Returns the scene, without vertices: pose() writes those of each launch.
     const PreparedScene& scene() const { return scene_; }
@@ -34,7 +34,7 @@ class PosedWorlds {
     /// Return each world's triangles, and a counter of hits for each; null for a single world.
     const Segments& worlds() const { return worlds_; }
     unsigned long long* found() const { return found_; }
-    const WantedPairs& wanted() const { return wanted_; }
+    const PairSelection& wanted() const { return wanted_; }
     /// Returns the tables that translate triangles of the scene to triangles of bodies.
     const WorldNames& names() const { return names_; }
     /// Returns a number that is unique in this process.
@@ -48,15 +48,15 @@ class PosedWorlds {
     void throw_error(cudaStream_t stream, const DevicePoses& poses, const Counters& counters) const;
 
    private:
-    std::unique_ptr<RestingWorlds> resting_;
+    std::unique_ptr<StaticWorlds> resting_;
     Block block_;
     PreparedScene scene_;
     Segments worlds_{};
     unsigned long long* found_ = nullptr;
-    WantedPairs wanted_;
+    PairSelection wanted_;
     WorldNames names_;
     std::byte* shapes_ = nullptr;
-    RestingBody* bodies_ = nullptr;
+    StaticBody* bodies_ = nullptr;
     std::uint32_t* first_body_ = nullptr;  ///< body of the first vertex of each tile
     std::uint64_t number_;
 };

@@ -7,7 +7,7 @@
 
 #include "backends/cuda/stages/output.h"
 #include "crumple/world.h"
-#include "scene/wanted_pairs.h"
+#include "scene/pair_selection.h"
 
 namespace crumple::cuda {
 

@@ -37,7 +37,7 @@ bool IntersectionFinder::any_at_once() {
         Counters counters{};
         const bool complete = pass_without_rows(rounds, counters);
         if (counters.hits > 0) return true;
-        if (complete) return counters.beyond > 0 && decide_beyond(static_cast<std::size_t>(counters.beyond)) > 0;
+        if (complete) return counters.beyond > 0 && decide_unresolved(static_cast<std::size_t>(counters.beyond)) > 0;
     }
 }
 
@@ -58,14 +58,14 @@ void IntersectionFinder::flag_worlds_at_once(std::span<std::uint8_t> flags) {
     while (!pass_without_rows(rounds, counters)) {
     }
     count(counters, pass_.plan);
-    flag_beyond(static_cast<std::size_t>(counters.beyond), flags);
+    flag_unresolved(static_cast<std::size_t>(counters.beyond), flags);
     input().worlds().read(stream_, flags);
 }
 
 // Flags worlds by pairs that expansions could not decide; the host decides them.
-void IntersectionFinder::flag_beyond(std::size_t n, std::span<std::uint8_t> flags) {
+void IntersectionFinder::flag_unresolved(std::size_t n, std::span<std::uint8_t> flags) {
     if (n == 0) return;
-    std::vector<Pair> hits(decide_beyond(n));
+    std::vector<Pair> hits(decide_unresolved(n));
     copy_now(stream_, hits.data(), pass_.beyond(), hits.size(), cudaMemcpyDeviceToHost);
     const std::int64_t *first = scene().first_of_world, *end = first + scene().worlds;
     for (const Pair& hit : hits)

@@ -11,27 +11,27 @@ void IntersectionFinder::find_in_chunks() {
     Array<unsigned long long> offsets(&meter_);
     copy_now(stream_, offsets.resize_discard(n), answer().output.offsets, n, cudaMemcpyDeviceToHost);
     drop_lists();
-    lay_out(slot().rows, [&](Cutter& c) { cut_rows(c, static_cast<std::size_t>(answer().total)); });
+    place_arrays(slot().rows, [&](Cutter& c) { cut_rows(c, static_cast<std::size_t>(answer().total)); });
     const OutputArrays& output = answer().output;
     copy_now(stream_, output.offsets, offsets.data(), n, cudaMemcpyHostToDevice);
     copy_now(stream_, output.next, offsets.data(), n, cudaMemcpyHostToDevice);
     offsets.release();
     statistics_ = {};
     pass_over_chunks({Hits::Mode::fill, {}, output.next, output.bucketed});
-    Clearing clearing;
-    clear_flags(clearing, scene(), output);
-    cuda::clear(clearing, pass_.counters);
-    clearing.launch(geometry_, stream_);
+    BatchedClear batch;
+    clear_flags(batch, scene(), output);
+    cuda::clear(batch, pass_.counters);
+    batch.launch(geometry_, stream_);
     list_parts(geometry_, stream_, n - 1, output, pass_.counters);
     order_buckets(geometry_, stream_, n - 1, output, pass_.counters, nullptr);
     CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
 }
 
 unsigned long long IntersectionFinder::count_in_chunks() {
-    lay_out(slot().rows, [&](Cutter& c) { cut_rows(c, 0); });
-    Clearing clearing;
-    clear_rows(clearing);
-    clearing.launch(geometry_, stream_);
+    place_arrays(slot().rows, [&](Cutter& c) { cut_rows(c, 0); });
+    BatchedClear batch;
+    clear_rows(batch);
+    batch.launch(geometry_, stream_);
     const OutputArrays& output = answer().output;
     pass_over_chunks({Hits::Mode::count, {}, output.offsets, nullptr});
     make_offsets(geometry_, stream_, static_cast<std::size_t>(scene().triangles[0]), output, pass_.counters);
@@ -52,18 +52,18 @@ std::size_t IntersectionFinder::pass_over_chunks(Hits hits) {
         count(counters, pass_.plan);
         found += counters.hits;
         if (counters.beyond > 0) {
-            const std::size_t decided = decide_beyond(static_cast<std::size_t>(counters.beyond));
+            const std::size_t decided = decide_unresolved(static_cast<std::size_t>(counters.beyond));
             if (hits.mode != Hits::Mode::any) add_hits(geometry_, stream_, scene(), pass_.beyond(), decided, hits);
             found += decided;
         }
-        if (hits.mode == Hits::Mode::count) require_room(found);
+        if (hits.mode == Hits::Mode::count) require_capacity(found);
         return hits.mode != Hits::Mode::any || found == 0;
     });
     return found;
 }
 
 // Throws MemoryMeter::Exceeded if a result with so many pairs alone exceeds the limit.
-void IntersectionFinder::require_room(std::size_t pairs) const {
+void IntersectionFinder::require_capacity(std::size_t pairs) const {
     const auto bytes = static_cast<std::int64_t>(Answer::bytes(scene(), pairs, query().contacts()));
     if (meter_.limit > 0 && bytes > meter_.limit) throw MemoryMeter::Exceeded{bytes};
 }

@@ -10,7 +10,7 @@ namespace crumple::cuda {
 IntersectionFinder::IntersectionFinder(BackendState& state)
     : Finder(state, pass_),
       pass_(geometry_, stream_, options_),
-      answers_{Answer(geometry_, stream_, meter_), Answer(geometry_, stream_, meter_)} {}
+      results_{Answer(geometry_, stream_, meter_), Answer(geometry_, stream_, meter_)} {}
 
 void IntersectionFinder::release() {
     Finder::release();
@@ -20,26 +20,26 @@ void IntersectionFinder::release() {
 
 void IntersectionFinder::release_rows(std::size_t slot) {
     Finder::release_rows(slot);
-    answers_[slot].release_contacts();
+    results_[slot].release_contacts();
 }
 
 void IntersectionFinder::bring(const PreparedScene& scene) {
-    take_slot(current(), [&] { input().bring(scene); });
+    claim_slot(current(), [&] { input().bring(scene); });
 }
 
-void IntersectionFinder::view(std::size_t slot, const MeshView& a, const MeshView* b, bool weld, Room room) {
-    take_slot(slot, [&] { input().view(a, b, weld, room); });
+void IntersectionFinder::view(std::size_t slot, const MeshView& a, const MeshView* b, bool weld, Growth growth) {
+    claim_slot(slot, [&] { input().view(a, b, weld, growth); });
 }
 
 void IntersectionFinder::pose(std::size_t slot, const std::shared_ptr<const PosedWorlds>& worlds,
-                              const DevicePoses& poses, bool weld, bool pairs, Room room) {
-    take_slot(slot, [&] { input().pose(worlds, poses, weld, pairs, room); });
+                              const DevicePoses& poses, bool weld, bool pairs, Growth growth) {
+    claim_slot(slot, [&] { input().pose(worlds, poses, weld, pairs, growth); });
 }
 
-void IntersectionFinder::adopt(const IntersectionQuery& query, Room room) {
+void IntersectionFinder::adopt(const IntersectionQuery& query, Growth growth) {
     queries_[current()] = query;
     queries_[current()].filter = {};
-    input().want(query, room);
+    input().want(query, growth);
     bind();
 }
 
@@ -76,7 +76,7 @@ void IntersectionFinder::count_tests(const Counters& c, Statistics& s) const {
 
 // Decides pairs that expansions could not decide, in rational arithmetic. Leaves those that collide at the front of the
 // list.
-std::size_t IntersectionFinder::decide_beyond(std::size_t n) {
+std::size_t IntersectionFinder::decide_unresolved(std::size_t n) {
     std::vector<Pair> pairs(n), hits;
     copy_now(stream_, pairs.data(), pass_.beyond(), n, cudaMemcpyDeviceToHost);
     Gathered gathered(geometry_, stream_, scene(), meter_);
@@ -98,7 +98,7 @@ void IntersectionFinder::append_decided(std::size_t count, unsigned long long be
 // finds the result again in chunks, since one that was found at once has unused capacity. `undo` releases what make()
 // has made.
 template <class Make, class Undo>
-void IntersectionFinder::with_room_for(Make make, Undo undo) {
+void IntersectionFinder::with_capacity(Make make, Undo undo) {
     if (captured_) return make();  // nothing may be freed
     if (fits(make)) return;
     const auto clear = [&] {
@@ -118,7 +118,7 @@ void IntersectionFinder::with_room_for(Make make, Undo undo) {
 }
 
 void IntersectionFinder::make_contacts() {
-    with_room_for(
+    with_capacity(
         [&] {
             if (query().contacts()) statistics_.rational_contacts = answer().make_contacts(scene(), cancellation_);
         },
@@ -126,7 +126,7 @@ void IntersectionFinder::make_contacts() {
 }
 
 void IntersectionFinder::copy_to(Intersections& result) {
-    with_room_for(
+    with_capacity(
         [&] {
             if (query().contacts()) statistics_.rational_contacts = answer().make_contacts(scene(), cancellation_);
             answer().copy_to(scene(), query().contacts(), result);

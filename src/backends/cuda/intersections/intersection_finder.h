@@ -20,11 +20,11 @@ class IntersectionFinder final : public Finder {
     /// Make a slot current, drop its last rows, and upload a scene, bind meshes, or bind bodies and poses. `pairs`: see
     /// Input::pose.
     void bring(const PreparedScene& scene);
-    void view(std::size_t slot, const MeshView& a, const MeshView* b, bool weld, Room room = Room::grows);
+    void view(std::size_t slot, const MeshView& a, const MeshView* b, bool weld, Growth growth = Growth::grows);
     void pose(std::size_t slot, const std::shared_ptr<const PosedWorlds>& worlds, const DevicePoses& poses, bool weld,
-              bool pairs, Room room = Room::grows);
+              bool pairs, Growth growth = Growth::grows);
     /// Binds the query, after one of these.
-    void adopt(const IntersectionQuery& query, Room room = Room::grows);
+    void adopt(const IntersectionQuery& query, Growth growth = Growth::grows);
 
     /// Returns true if there is a pair. Ends at the first one, and lists none.
     bool any();
@@ -43,42 +43,42 @@ class IntersectionFinder final : public Finder {
     void release() override;
 
    private:
-    Answer& answer() { return answers_[current()]; }
-    const Answer& answer() const { return answers_[current()]; }
+    Answer& answer() { return results_[current()]; }
+    const Answer& answer() const { return results_[current()]; }
     const IntersectionQuery& query() const { return queries_[current()]; }
     void cut_rows(Cutter& c, std::size_t pairs) { answer().cut(c, scene(), pairs); }
     template <class Make, class Undo>
-    void with_room_for(Make make, Undo undo);
+    void with_capacity(Make make, Undo undo);
 
     // find_any.cu
     bool any_at_once();
     bool any_in_chunks();
     void flag_worlds_at_once(std::span<std::uint8_t> flags);
-    void flag_beyond(std::size_t n, std::span<std::uint8_t> flags);
+    void flag_unresolved(std::size_t n, std::span<std::uint8_t> flags);
 
     // intersection_chunks.cu
     unsigned long long count_in_chunks();
     std::size_t pass_over_chunks(Hits hits);
-    void require_room(std::size_t pairs) const;
+    void require_capacity(std::size_t pairs) const;
 
     void bind() override;
     KernelParameters parameters() const override { return IntersectionParameters{pass_.policy}; }
     void choose_plan(Plan& plan) const override;
     void choose_chunks(Plan& plan, std::int64_t bytes) const override;
     void cut_rows(Cutter& c) override { cut_rows(c, static_cast<std::size_t>(pass_.plan.hits)); }
-    void clear_rows(Clearing& clearing) const override { answer().clear(clearing, scene()); }
+    void clear_rows(BatchedClear& batch) const override { answer().clear(batch, scene()); }
     void narrow() override;
     bool write_rows(Counters* host_counters) override;
     void count_tests(const Counters& counters, Statistics& statistics) const override;
-    std::size_t decide_beyond(std::size_t n) override;
+    std::size_t decide_unresolved(std::size_t n) override;
     void append_decided(std::size_t count, unsigned long long before) override;
     void read_rows(unsigned long long total) override { answer().total = total; }
     void find_in_chunks() override;
     void release_rows(std::size_t slot) override;
 
     IntersectionPass pass_;
-    std::array<Answer, Flights::slots> answers_;
-    std::array<IntersectionQuery, Flights::slots> queries_;  ///< without pair filters, which are in the inputs
+    std::array<Answer, LaunchQueue::slots> results_;
+    std::array<IntersectionQuery, LaunchQueue::slots> queries_;  ///< without pair filters, which are in the inputs
 };
 
 }  // namespace crumple::cuda

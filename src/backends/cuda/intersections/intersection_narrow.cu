@@ -67,7 +67,7 @@ __global__ void __launch_bounds__(threads, 768 / threads)
         // Copies, so that records are loaded four words at a time.
         const Record a = records.record[c.row], b = records.record[c.column];
         const PairSigns signs = pair_signs(a, b);
-        const float reach = frames.reach_of(sorted.leaf[c.row]);
+        const float reach = frames.distance_limit_of(sorted.leaf[c.row]);
         return filter_in_float(a, b, signs, classify(signs, policy), policy, points, reach);
     };
     const auto apart_in_double = [&](const Candidate& c) {
@@ -147,7 +147,7 @@ void narrow(const Geometry& geometry, cudaStream_t stream, const PreparedScene& 
             const RecordRows& records, const Points& points, const Frames& frames, const NarrowPolicy& policy,
             const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
             const Hits& hits, unsigned long long* doubles) {
-    const Neighbours neighbours = policy.skip_neighbours ? Neighbours::skip : Neighbours::geometric;
+    const Neighbours neighbours = policy.skip_adjacent ? Neighbours::skip : Neighbours::geometric;
     const IntersectionKind intersections = policy.proper ? IntersectionKind::proper : IntersectionKind::all;
     const auto filter = [&]<int threads>() {
         constexpr auto kernel = filter_kernel<threads>;

@@ -26,9 +26,9 @@ struct PlaneTest {
     const Record* record;
     NarrowPolicy policy;
 
-    using Room = GatherRoom<Record>;
-    __device__ bool keeps(bool has, const Candidate& c, Room& room) const {
-        const auto [a, b] = gathered_pair(record, c.row, c.column, room);
+    using Buffer = GatherBuffer<Record>;
+    __device__ bool keeps(bool has, const Candidate& c, Buffer& buffer) const {
+        const auto [a, b] = gathered_pair(record, c.row, c.column, buffer);
         return has && classify(pair_signs(a, b), policy) != PairKind::apart;
     }
 };

@@ -11,7 +11,7 @@ template void sort_members(const Geometry&, cudaStream_t, const PreparedScene&, 
                            const RecordRows&, const List<Unit>&, Counters*);
 
 template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<Unit>&,
-                    const Ownership&, const WantedPairs&, const PlaneTest&, const List<Candidate>&, const Slice&,
+                    const Ownership&, const PairSelection&, const PlaneTest&, const List<Candidate>&, const Slice&,
                     Counters*);
 
 }  // namespace crumple::cuda

@@ -17,32 +17,32 @@ void PosedWorldCalls::release() {
 
 // Launches in flight share ownership of the bodies that they were given.
 std::shared_ptr<const PosedWorlds> PosedWorldCalls::bodies_of(const World& world, const PairFilter& rules,
-                                                              ParallelFor& workers, Room room) {
+                                                              ParallelFor& workers, Growth growth) {
     if (known_ && known_->resting().is_of(world, rules)) return known_;
-    if (room == Room::fixed) throw NoRoom{};
+    if (growth == Growth::fixed) throw CapacityError{};
     known_.reset();
-    std::unique_ptr<RestingWorlds> resting = RestingWorlds::make(world, rules, max_leaves, workers, meter_);
+    std::unique_ptr<StaticWorlds> resting = StaticWorlds::make(world, rules, max_leaves, workers, meter_);
     if (resting) known_ = std::make_shared<const PosedWorlds>(std::move(resting), stream_, meter_);
     return known_;
 }
 
-bool PosedWorldCalls::find(const World& world, const IntersectionQuery& question, ParallelFor& workers,
+bool PosedWorldCalls::find(const World& world, const IntersectionQuery& query, ParallelFor& workers,
                            Intersections& result) {
-    const std::shared_ptr<const PosedWorlds> worlds = bodies_of(world, question.filter, workers);
+    const std::shared_ptr<const PosedWorlds> worlds = bodies_of(world, query.filter, workers);
     if (!worlds) return false;
-    const RestingWorlds& resting = worlds->resting();
-    resting.begin(question, result);
-    finder_.pose(finder_.current(), worlds, world.device_poses, question.weld, false);
-    finder_.adopt(question);
-    if (question.output <= Output::any_by_world) {
-        find_flags(*worlds, question.output, result);
+    const StaticWorlds& resting = worlds->resting();
+    resting.begin(query, result);
+    finder_.pose(finder_.current(), worlds, world.device_poses, query.weld, false);
+    finder_.adopt(query);
+    if (query.output <= Output::any_by_world) {
+        find_flags(*worlds, query.output, result);
     } else {
         finder_.find();
         finder_.copy_to(found_);
-        resting.tell_pairs(found_, question, result);
+        resting.report_pairs(found_, query, result);
     }
     add_pass(finder_.statistics(), result.statistics);
-    resting.finish(question, result);
+    resting.finish(query, result);
     return true;
 }
 
@@ -56,7 +56,7 @@ void PosedWorldCalls::find_flags(const PosedWorlds& worlds, Output wants, Inters
         fill(stream_, worlds.found(), 0, several * sizeof *worlds.found());
         finder_.flag_worlds(flags);
     }
-    worlds.resting().tell_flags(flags, result);
+    worlds.resting().report_flags(flags, result);
 }
 
 }  // namespace crumple::cuda

@@ -17,13 +17,13 @@ class PosedWorldCalls {
     PosedWorldCalls(IntersectionFinder& finder, cudaStream_t stream, MemoryMeter& meter);
 
     /// Returns the world's bodies on the device; uploads them unless they are those of the previous call. Null if one
-    /// scene cannot hold them. Throws NoRoom if `room` is fixed and they would have to be uploaded.
+    /// scene cannot hold them. Throws CapacityError if `room` is fixed and they would have to be uploaded.
     std::shared_ptr<const PosedWorlds> bodies_of(const World& world, const PairFilter& rules, ParallelFor& workers,
-                                                 Room room = Room::grows);
+                                                 Growth growth = Growth::grows);
 
     /// Fills the result. Our stream must wait for the poses. Returns false if one scene cannot hold the worlds. Throws
     /// MemoryMeter::Exceeded if memory does not hold all of them at once.
-    bool find(const World& world, const IntersectionQuery& question, ParallelFor& workers, Intersections& result);
+    bool find(const World& world, const IntersectionQuery& query, ParallelFor& workers, Intersections& result);
 
     void release();
 

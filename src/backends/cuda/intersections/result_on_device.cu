@@ -46,11 +46,11 @@ std::size_t Answer::bytes(const PreparedScene& scene, std::size_t pairs, bool co
     return cutter.used();
 }
 
-void Answer::clear(Clearing& clearing, const PreparedScene& scene) const {
+void Answer::clear(BatchedClear& batch, const PreparedScene& scene) const {
     const auto first = static_cast<std::size_t>(scene.triangles[0]);
-    clearing.add(output.offsets, (first + 1) * sizeof *output.offsets);
-    clearing.add(output.tiles, offset_tiles(first) * sizeof *output.tiles);
-    clear_flags(clearing, scene, output);
+    batch.add(output.offsets, (first + 1) * sizeof *output.offsets);
+    batch.add(output.tiles, offset_tiles(first) * sizeof *output.tiles);
+    clear_flags(batch, scene, output);
 }
 
 void Answer::write(const PreparedScene& scene, const List<Hit>& hits, Counters* counters, Counters* told) {
@@ -63,7 +63,7 @@ void Answer::write(const PreparedScene& scene, const List<Hit>& hits, Counters* 
 
 std::int64_t Answer::make_contacts(const PreparedScene& scene, Cancellation& cancellation) {
     const auto n = static_cast<std::size_t>(total);
-    lay_out(contact_block_, [&](Cutter& c) { contacts_.cut(c, n); });
+    place_arrays(contact_block_, [&](Cutter& c) { contacts_.cut(c, n); });
     find_contacts(geometry_, stream_, scene, output.pairs, n, second_of(scene), contacts_);
     unsigned long long open = 0;
     copy_now(stream_, &open, contacts_.open_count, 1, cudaMemcpyDeviceToHost);
@@ -78,7 +78,7 @@ void Answer::decide_open(const PreparedScene& scene, std::size_t n, std::int32_t
     Block block(meter_);
     Pair* pairs = nullptr;
     HostContact* found = nullptr;
-    lay_out(block, [&](Cutter& c) {
+    place_arrays(block, [&](Cutter& c) {
         pairs = c.take<Pair>(n);
         found = c.take<HostContact>(n);
     });

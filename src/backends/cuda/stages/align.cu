@@ -114,7 +114,7 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
     float low = INFINITY, high = -INFINITY;
     for (unsigned long long m = begin + threadIdx.x; m < begin + members; m += threads) {
         const Ball b = balls[triangle[m]];
-        if (ball_reach(b, frame.origin) > frame.big) continue;
+        if (ball_extent(b, frame.origin) > frame.big) continue;
         const float x = dot(frame.axis[0], Vec3f{b.x, b.y, b.z} - frame.origin);
         low = min(low, x - b.r);
         high = max(high, x + b.r);
@@ -142,16 +142,16 @@ __global__ void frame_kernel(int leaves, Segments members_of, const std::int32_t
 }
 
 template <class Primitive>
-__global__ void reach_kernel(int leaves, Segments members_of, Members members, PreparedScene scene, Primitive primitive,
-                             PointRows points, const Ball* balls, Frames frames) {
+__global__ void extent_kernel(int leaves, Segments members_of, Members members, PreparedScene scene,
+                              Primitive primitive, PointRows points, const Ball* balls, Frames frames) {
     const auto n = static_cast<std::size_t>(leaves);
     for (unsigned long long m = grid_thread(); m < members_of.first[n]; m += grid_stride()) {
         const std::size_t leaf = segment_of(m, members_of.first, n);
         if (m >= members_of.end(leaf)) continue;
         const BinnedFrame& frame = frames.binned[leaf];
         const std::int32_t t = members.triangle[m];
-        float reach = ball_reach(balls[t], frame.origin);
-        if (reach > frame.big) reach = exact_reach(scene, primitive, points, t, frame, reach);
+        float reach = ball_extent(balls[t], frame.origin);
+        if (reach > frame.big) reach = exact_extent(scene, primitive, points, t, frame, reach);
         atomicMax(&frames.reach[leaf], __float_as_uint(reach));
     }
 }
@@ -166,11 +166,11 @@ void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, cons
                                                          points.rows(), balls, along_axes, frames);
 }
 
-void measure_reach(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
-                   const Members& members, const PreparedScene& scene, const Primitives& primitives,
-                   const Points& points, const Ball* balls, const Frames& frames) {
+void measure_extent(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
+                    const Members& members, const PreparedScene& scene, const Primitives& primitives,
+                    const Points& points, const Ball* balls, const Frames& frames) {
     with_primitive(primitives, [&](auto primitive) {
-        Launch{stream, geometry.blocks(members.capacity), geometry.threads}(reach_kernel<decltype(primitive)>, leaves,
+        Launch{stream, geometry.blocks(members.capacity), geometry.threads}(extent_kernel<decltype(primitive)>, leaves,
                                                                             members_of, members, scene, primitive,
                                                                             points.rows(), balls, frames);
     });

@@ -20,23 +20,23 @@ void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, cons
 
 /// Computes the extent of each leaf's members, for frames that were made after the members had been listed. All extents
 /// must be 0 before.
-void measure_reach(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
-                   const Members& members, const PreparedScene& scene, const Primitives& primitives,
-                   const Points& points, const Ball* balls, const Frames& frames);
+void measure_extent(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
+                    const Members& members, const PreparedScene& scene, const Primitives& primitives,
+                    const Points& points, const Ball* balls, const Frames& frames);
 
 /// Returns an upper bound on the |coordinates| of the ball's primitive, relative to the origin.
-__device__ inline float ball_reach(const Ball& ball, const Vec3f& origin) {
+__device__ inline float ball_extent(const Ball& ball, const Vec3f& origin) {
     return (largest(abs(Vec3f{ball.x, ball.y, ball.z} - origin)) + ball.r) * 1.00001f;
 }
 /// Returns what a triangle contributes to its leaf's extent: a small share of its own extent if it is big (big_share),
 /// else `bound`, which is derived from its ball.
 template <class Primitive>
-__device__ float exact_reach(const PreparedScene& scene, const Primitive& primitive, const PointRows& points,
-                             std::int32_t triangle, const LeafFrame& frame, float bound) {
+__device__ float exact_extent(const PreparedScene& scene, const Primitive& primitive, const PointRows& points,
+                              std::int32_t triangle, const LeafFrame& frame, float bound) {
     Vec3d p[Primitive::corners];
     const auto member =
         primitive.in_frame(points, scene.corners + 3 * static_cast<std::size_t>(triangle), triangle, frame, p);
-    return member.big ? member.counted_reach() : bound;
+    return member.big ? member.counted_extent() : bound;
 }
 
 }  // namespace crumple::cuda

@@ -103,23 +103,23 @@ __global__ void widened_bounds_kernel(PreparedScene scene, Primitives primitives
             to[k] = primitives.moving ? in_float(end(v)) : from[k];
         }
         balls[t] = primitives.along_axes ? ball_of_box(from, to, inflation)
-                                         : ball_of_way(from, to, inflation.of(static_cast<std::int64_t>(t)));
+                                         : swept_ball(from, to, inflation.of(static_cast<std::int64_t>(t)));
     }
 }
 
 }  // namespace
 
-void clear(Clearing& clearing, Counters* counters) {
+void clear(BatchedClear& batch, Counters* counters) {
     // Counters of the lowest bad element begin with all bits set: no element is bad.
     constexpr std::size_t noted = offsetof(Counters, places);
     static_assert(noted == 8 * sizeof(unsigned long long));
-    clearing.add(counters, noted, ~0u);
-    clearing.add(counters->places, sizeof *counters - noted);
+    batch.add(counters, noted, ~0u);
+    batch.add(counters->places, sizeof *counters - noted);
 }
 
-void clear(Clearing& clearing, SceneBox* box) {
-    clearing.add(box->low, sizeof box->low, ~0u);
-    clearing.add(box->high, sizeof box->high);
+void clear(BatchedClear& batch, SceneBox* box) {
+    batch.add(box->low, sizeof box->low, ~0u);
+    batch.add(box->high, sizeof box->high);
 }
 
 void check_vertices(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, SceneBox* box,

@@ -5,7 +5,7 @@
 #include <bit>
 
 #include "backends/cuda/device/runtime.h"
-#include "backends/cuda/stages/clearing.h"
+#include "backends/cuda/stages/batched_clear.h"
 #include "backends/cuda/stages/layout.h"
 #include "backends/cuda/stages/primitive.h"
 #include "geometry/normaliser.h"
@@ -37,9 +37,9 @@ CRUMPLE_HD inline Normaliser normaliser_of(const SceneBox& box) {
     return low.x <= high.x ? Normaliser(low, high) : Normaliser();
 }
 
-void clear(Clearing& clearing, Counters* counters);
-/// Adds the box to `clearing`, to be set to empty, as check_vertices() requires.
-void clear(Clearing& clearing, SceneBox* box);
+void clear(BatchedClear& batch, Counters* counters);
+/// Adds the box to `batch`, to be set to empty, as check_vertices() requires.
+void clear(BatchedClear& batch, SceneBox* box);
 
 /// Widens the box by all vertices, at the start and at the end, and records in the counters the lowest one that is not
 /// finite. Needed for scenes on the device only; the host has validated all others.

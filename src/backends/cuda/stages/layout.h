@@ -13,7 +13,7 @@
 //   output      hits             -> pairs, offsets, hit flags
 //
 // Data that affects cost but not results (centres, frames, places of members) comes from the previous pass. Each pass
-// computes it for the next one, in parallel to the stages (Guide).
+// computes it for the next one, in parallel to the stages (WarmStart).
 //
 // Only the device learns the numbers of members, survivors and hits. The host gives each list a capacity. A kernel that
 // meets a full list keeps counting without writing; when the host reads the counters (wait), it grows the list and
@@ -122,15 +122,15 @@ struct Frames {
     const BinnedFrame* binned;
     unsigned* reach;  ///< by leaf: extent, as bits of a float >= 0, which have the order of the numbers
 
-    CRUMPLE_HD float reach_of(std::size_t leaf) const { return std::bit_cast<float>(reach[leaf]); }
+    CRUMPLE_HD float distance_limit_of(std::size_t leaf) const { return std::bit_cast<float>(reach[leaf]); }
     CRUMPLE_HD Frame operator[](std::size_t leaf) const {
-        const float far = reach_of(leaf);
+        const float far = distance_limit_of(leaf);
         return {binned[leaf], far, box_margin(far)};
     }
 };
 
 /// Data by which a pass warm-starts the next one. It affects cost, never the result.
-struct Guide {
+struct WarmStart {
     Row<float>* centre[2];         ///< centres of each level
     unsigned long long* first[2];  ///< first places of each level's members
     BinnedFrame* frame;            ///< by leaf

@@ -32,9 +32,9 @@ void fill_buckets(const Geometry& geometry, cudaStream_t stream, const PreparedS
     Launch{stream, geometry.blocks(hits.capacity), geometry.threads}(bucket_kernel, hits, second, output);
 }
 
-void clear_flags(Clearing& clearing, const PreparedScene& scene, const OutputArrays& output) {
-    clearing.add(output.hit, whole_words(static_cast<std::size_t>(scene.triangles[0])));
-    if (scene.between) clearing.add(output.hit_second, whole_words(static_cast<std::size_t>(scene.triangles[1])));
+void clear_flags(BatchedClear& batch, const PreparedScene& scene, const OutputArrays& output) {
+    batch.add(output.hit, whole_words(static_cast<std::size_t>(scene.triangles[0])));
+    if (scene.between) batch.add(output.hit_second, whole_words(static_cast<std::size_t>(scene.triangles[1])));
 }
 
 }  // namespace crumple::cuda

@@ -5,7 +5,7 @@
 
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/intersections/intersection_narrow.h"
-#include "backends/cuda/stages/clearing.h"
+#include "backends/cuda/stages/batched_clear.h"
 #include "backends/cuda/stages/layout.h"
 #include "scene/prepared_scene.h"
 
@@ -86,8 +86,8 @@ void list_parts(const Geometry& geometry, cudaStream_t stream, std::size_t first
 /// Writes the list's hits to their buckets.
 void fill_buckets(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const List<Hit>& hits,
                   const OutputArrays& output);
-/// Adds the flags to `clearing`, as order_buckets() requires. The counter of parts has to be cleared, too.
-void clear_flags(Clearing& clearing, const PreparedScene& scene, const OutputArrays& output);
+/// Adds the flags to `batch`, as order_buckets() requires. The counter of parts has to be cleared, too.
+void clear_flags(BatchedClear& batch, const PreparedScene& scene, const OutputArrays& output);
 /// Sorts each bucket and sets the flags. Copies the counters to `told`: host memory that the device can write, or null.
 template <class OutputArrays>
 void order_buckets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,

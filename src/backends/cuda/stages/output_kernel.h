@@ -44,7 +44,7 @@ struct OffsetsShared {
 
 // Waits until a tile's sum is published, and returns it. The published value is larger by one, because 0 means not yet
 // published.
-__device__ inline unsigned long long told_sum(unsigned long long* tile) {
+__device__ inline unsigned long long reported_sum(unsigned long long* tile) {
     unsigned long long told = 0;
     while ((told = atomicAdd(tile, 0ull)) == 0) __nanosleep(100);
     return told - 1;
@@ -71,7 +71,7 @@ __global__ void offsets_kernel(std::size_t n, OutputArrays out, Counters* counte
         }
         cub::BlockScan<unsigned long long, offset_threads>(shared.scan).ExclusiveSum(sum, place);
         if (threadIdx.x == offset_threads - 1) atomicExch(&told[tile], place + sum + 1);
-        for (std::size_t t = threadIdx.x; t < tile; t += offset_threads) own += told_sum(&told[t]);
+        for (std::size_t t = threadIdx.x; t < tile; t += offset_threads) own += reported_sum(&told[t]);
         own = cub::BlockReduce<unsigned long long, offset_threads>(shared.sum).Sum(own);
         if (threadIdx.x == 0) shared.before = own;
         __syncthreads();

@@ -15,7 +15,7 @@ constexpr int samples_of_scene = 2048, samples_per_child = 32;  // samples for f
 void Guides::cut(Cutter& cutter, const Plan& plan) {
     const std::size_t children[2] = {static_cast<std::size_t>(plan.children(0)),
                                      static_cast<std::size_t>(plan.children(1))};
-    for (Guide* guide : {&now, &next}) {
+    for (WarmStart* guide : {&now, &next}) {
         for (int i = 0; i < 2; ++i) {
             guide->centre[i] = cutter.take<Row<float>>(children[i]);
             guide->first[i] = cutter.take<unsigned long long>(children[i] + 1);
@@ -45,8 +45,8 @@ void Pass::cut(Cutter& c) {
     for (int i = 0; i < plan.levels(); ++i) {
         count_[i] = c.take<unsigned long long>(static_cast<std::size_t>(plan.children(i)));
         mask_[i] = c.take<std::uint64_t>(i == 0 ? triangles : plan.members[0]);
-        const auto room = plan.members[i];
-        members_[i] = {c.take<std::int32_t>(room), c.take<std::uint32_t>(room), room};
+        const auto buffer = plan.members[i];
+        members_[i] = {c.take<std::int32_t>(buffer), c.take<std::uint32_t>(buffer), buffer};
     }
     reach_ = c.take<unsigned>(leaves);
     sorted_.bin = c.take<std::uint32_t>(rows);
@@ -66,12 +66,12 @@ Level Pass::level(int i) const {
     level.items_of = i == 0 ? worlds : members_of(0);
     level.items = static_cast<unsigned long long>(scene.triangle_count());
     level.triangle = i == 0 ? nullptr : members_[0].triangle;
-    level.centre = guides.now.centre[i];
-    level.next_centre = guides.next.centre[i];
-    level.moved = guides.moved[i];
+    level.centre = warm_starts.now.centre[i];
+    level.next_centre = warm_starts.next.centre[i];
+    level.moved = warm_starts.moved[i];
     level.mask = mask_[i];
     level.members_of = members_of(i);
-    level.next_first = guides.next.first[i];
+    level.next_first = warm_starts.next.first[i];
     return level;
 }
 
@@ -87,32 +87,33 @@ Ownership Pass::ownership() const {
     return {mask_[0], mask_[1], plan.fan_out[1], plan.fan_out[0]};
 }
 
-void Pass::clear(Clearing& clearing) const {
-    cuda::clear(clearing, counters);
+void Pass::clear(BatchedClear& batch) const {
+    cuda::clear(batch, counters);
     for (int i = 0; i < plan.levels(); ++i) {
         const Level it = level(i);
         const auto children = static_cast<std::size_t>(it.children());
         const std::size_t firsts = (children + 1) * sizeof *it.next_first;
-        cuda::clear(clearing, it);
-        clearing.add(it.members_of.count, children * sizeof *it.members_of.count);
-        if (plan.guided) {
-            clearing.copy(guides.now.centre[i], it.next_centre, children * sizeof *it.centre);
-            clearing.copy(it.members_of.first, it.next_first, firsts);
+        cuda::clear(batch, it);
+        batch.add(it.members_of.count, children * sizeof *it.members_of.count);
+        if (plan.warm_started) {
+            batch.copy(warm_starts.now.centre[i], it.next_centre, children * sizeof *it.centre);
+            batch.copy(it.members_of.first, it.next_first, firsts);
         } else {
-            clearing.add(it.members_of.first, firsts);  // no child has places yet
+            batch.add(it.members_of.first, firsts);  // no child has places yet
         }
     }
     const auto leaves = static_cast<std::size_t>(plan.leaves());
-    if (plan.guided) clearing.copy(guides.now.frame, guides.next.frame, leaves * sizeof *guides.now.frame);
-    clearing.add(reach_, leaves * sizeof *reach_);
-    cuda::clear(clearing, sorted_, plan.leaves());
+    if (plan.warm_started)
+        batch.copy(warm_starts.now.frame, warm_starts.next.frame, leaves * sizeof *warm_starts.now.frame);
+    batch.add(reach_, leaves * sizeof *reach_);
+    cuda::clear(batch, sorted_, plan.leaves());
 }
 
 void Pass::clear_counters() {
-    Clearing clearing;
+    BatchedClear batch;
     constexpr std::size_t kept = offsetof(Counters, members);
-    clearing.add(counters->members, sizeof *counters - kept);
-    clearing.launch(geometry_, stream_);
+    batch.add(counters->members, sizeof *counters - kept);
+    batch.launch(geometry_, stream_);
 }
 
 void Pass::bounds() { compute_bounds(geometry_, stream_, scene, primitives, box, points_, balls_, counters); }
@@ -121,63 +122,63 @@ void Pass::bounds() { compute_bounds(geometry_, stream_, scene, primitives, box,
 void Pass::move_centres(int i) {
     const Level it = level(i);
     fuzzy_c_means(geometry_, stream_, it, balls_, fuzziness(i), partial_);
-    Clearing clearing;
-    clearing.copy(guides.now.centre[i], it.next_centre, static_cast<std::size_t>(it.children()) * sizeof *it.centre);
-    clearing.launch(geometry_, stream_);
+    BatchedClear batch;
+    batch.copy(warm_starts.now.centre[i], it.next_centre, static_cast<std::size_t>(it.children()) * sizeof *it.centre);
+    batch.launch(geometry_, stream_);
 }
 
 void Pass::list_members(int i, std::uint64_t listed) {
     const std::size_t items = i == 0 ? static_cast<std::size_t>(scene.triangle_count()) : plan.members[0];
-    const bool reaching = plan.guided && i == last_level();
+    const bool reaching = plan.warm_started && i == last_level();
     make_members(geometry_, stream_, level(i), items, balls_, listed, members_[i],
                  {reaching ? frames() : Frames{}, scene, primitives, points_.rows()}, &counters->members[i],
                  &counters->unplaced[i]);
 }
 
 void Pass::subdivide_scene() {
-    if (!plan.guided) move_centres(0);
+    if (!plan.warm_started) move_centres(0);
 }
 
 void Pass::subdivide_clusters(std::uint64_t listed) {
     for (int i = 0; i < plan.levels(); ++i) {
-        if (!plan.guided) {
+        if (!plan.warm_started) {
             if (i > 0) move_centres(i);
             list_members(i, listed);  // no child has places: only counts
             const Level it = level(i);
             make_places(stream_, it, members_[i].capacity, &counters->places[i]);
-            Clearing clearing;
-            clear_members(clearing, it, &counters->members[i], &counters->unplaced[i]);
-            clearing.copy(it.members_of.first, it.next_first,
-                          (static_cast<std::size_t>(it.children()) + 1) * sizeof *it.next_first);
-            clearing.launch(geometry_, stream_);
+            BatchedClear batch;
+            clear_members(batch, it, &counters->members[i], &counters->unplaced[i]);
+            batch.copy(it.members_of.first, it.next_first,
+                       (static_cast<std::size_t>(it.children()) + 1) * sizeof *it.next_first);
+            batch.launch(geometry_, stream_);
         }
         list_members(i, listed);
         listed = ~std::uint64_t{0};
-        if (plan.guided) look_ahead(i, beside->fork(stream_));
+        if (plan.warm_started) prepare_next(i, beside->fork(stream_));
     }
 }
 
 // Computes the level's guide for the next pass, once its members are listed.
-void Pass::look_ahead(int i, cudaStream_t stream) {
+void Pass::prepare_next(int i, cudaStream_t stream) {
     const Level it = level(i);
     fuzzy_c_means(geometry_, stream, it, balls_, fuzziness(i), partial_);
     make_places(stream, it, members_[i].capacity, &counters->places[i]);
     if (i != last_level()) return;
     make_frames(geometry_, stream, plan.leaves(), it.members_of, members_[i].triangle, scene, points_, balls_,
-                primitives.along_axes, guides.next.frame);
+                primitives.along_axes, warm_starts.next.frame);
 }
 
 void Pass::align() {
-    if (plan.guided) return;
+    if (plan.warm_started) return;
     const Segments leaves = members_of(last_level());
     const Members& members = members_[last_level()];
     make_frames(geometry_, stream_, plan.leaves(), leaves, members.triangle, scene, points_, balls_,
-                primitives.along_axes, guides.next.frame);
-    Clearing clearing;
-    clearing.copy(guides.now.frame, guides.next.frame,
-                  static_cast<std::size_t>(plan.leaves()) * sizeof *guides.now.frame);
-    clearing.launch(geometry_, stream_);
-    measure_reach(geometry_, stream_, plan.leaves(), leaves, members, scene, primitives, points_, balls_, frames());
+                primitives.along_axes, warm_starts.next.frame);
+    BatchedClear batch;
+    batch.copy(warm_starts.now.frame, warm_starts.next.frame,
+               static_cast<std::size_t>(plan.leaves()) * sizeof *warm_starts.now.frame);
+    batch.launch(geometry_, stream_);
+    measure_extent(geometry_, stream_, plan.leaves(), leaves, members, scene, primitives, points_, balls_, frames());
 }
 
 }  // namespace crumple::cuda

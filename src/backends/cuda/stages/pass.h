@@ -22,7 +22,7 @@ namespace crumple::cuda {
 ///
 /// Any other pass computes each part of `now` right before it is used.
 struct Guides {
-    Guide now, next;
+    WarmStart now, next;
     float* moved[2];  ///< Level::moved of each level
 
     void cut(Cutter& cutter, const Plan& plan);
@@ -39,9 +39,9 @@ class Pass {
     const SceneBox* box = nullptr;
     Primitives primitives;
     Segments worlds{};  ///< triangles of each world; null: a single world
-    WantedPairs wanted;
+    PairSelection wanted;
     Plan plan;
-    Guides guides{};
+    Guides warm_starts{};
     const Branch* beside = nullptr;  ///< side branch for the next guide; the caller joins it
 
     /// Cuts the arrays of the stages up to `sort`, and the list that `sweep` fills; their contents are lost. Overriders
@@ -56,8 +56,8 @@ class Pass {
     virtual void sort() = 0;
     virtual void sweep(const Slice& slice) = 0;
 
-    /// Adds to `clearing` all that has to be cleared before a pass, or before another call of subdivide_clusters().
-    void clear(Clearing& clearing) const;
+    /// Adds to `batch` all that has to be cleared before a pass, or before another call of subdivide_clusters().
+    void clear(BatchedClear& batch) const;
     /// Clears the counters that another slice of a sweep counts anew: all but those of bad elements, places and units.
     void clear_counters();
 
@@ -66,7 +66,7 @@ class Pass {
    private:
     void list_members(int i, std::uint64_t listed);
     void move_centres(int i);
-    void look_ahead(int i, cudaStream_t stream);
+    void prepare_next(int i, cudaStream_t stream);
 
    protected:  // tests of the stages read the arrays, and use other records and filters
     template <class Primitive, class Records>
@@ -86,8 +86,8 @@ class Pass {
     Fuzziness fuzziness(int i) const;
     Ownership ownership() const;
     int last_level() const { return plan.levels() - 1; }
-    Segments members_of(int i) const { return {guides.now.first[i], count_[i]}; }
-    Frames frames() const { return {guides.now.frame, reach_}; }
+    Segments members_of(int i) const { return {warm_starts.now.first[i], count_[i]}; }
+    Frames frames() const { return {warm_starts.now.frame, reach_}; }
     List<Unit> units() const { return {units_, &counters->units, plan.units}; }
     List<Candidate> survivors() const { return {survivors_, &counters->survivors, plan.survivors}; }
 

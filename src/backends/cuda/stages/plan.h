@@ -13,10 +13,10 @@
 namespace crumple::cuda {
 
 struct Plan {
-    int worlds = 1;           ///< worlds side by side, each subdivided separately
-    int fan_out[2] = {0, 0};  ///< children of each world, and of each of its clusters; 0: no such level
-    bool cold = true;         ///< no earlier centres to start from
-    bool guided = false;      ///< warm-started: the previous pass has left centres, places and frames (Guide)
+    int worlds = 1;             ///< worlds side by side, each subdivided separately
+    int fan_out[2] = {0, 0};    ///< children of each world, and of each of its clusters; 0: no such level
+    bool cold = true;           ///< no earlier centres to start from
+    bool warm_started = false;  ///< warm-started: the previous pass has left centres, places and frames (WarmStart)
     unsigned long long members[2] = {0, 0};  ///< capacities: places of each level's members
     unsigned long long units = 0;
     unsigned long long survivors = 0, undecided = 0, beyond = 0, hits = 0;
@@ -39,7 +39,7 @@ struct Plan {
         fan_out[0] = static_cast<int>(options.clusters > 0 ? std::min<std::int64_t>(options.clusters, most)
                                                            : std::min(leaves, most));
         if (leaves > fan_out[0]) fan_out[1] = static_cast<int>(std::min((leaves + fan_out[0] - 1) / fan_out[0], most));
-        make_room(n, 1024);
+        reserve(n, 1024);
     }
 
     /// Chooses clusters and capacities for `count` worlds side by side with n triangles in all. The largest world, with
@@ -51,7 +51,7 @@ struct Plan {
         fan_out[1] = std::min(fan_out[1], max_leaves / children(0));
         if (fan_out[1] < 2) fan_out[1] = 0;
         // Each leaf's members, and its units, are rounded up to whole warps.
-        make_room(n, 1024 + 64 * static_cast<unsigned long long>(leaves()));
+        reserve(n, 1024 + 64 * static_cast<unsigned long long>(leaves()));
     }
     /// Chooses clusters and capacities for a feature query. `all_kinds`: codimensional edges or points add tests of
     /// further kinds.
@@ -113,8 +113,8 @@ struct Plan {
     /// (docs/subdivide.md).
     bool accepts_members(const Counters& c, std::int64_t n, const Options& options) {
         // The scene has jumped, or triangles have crowded together: the next pass finds places and centres anew.
-        if (guided && c.unplaced[0] + c.unplaced[1] > 0) {
-            guided = false;
+        if (warm_started && c.unplaced[0] + c.unplaced[1] > 0) {
+            warm_started = false;
             return false;
         }
         // Tolerates 64 extra memberships, so that scenes of very few triangles pass.
@@ -161,7 +161,7 @@ struct Plan {
     bool accepts_units(const Counters& c) { return grow(units, c.units); }
 
    private:
-    void make_room(std::int64_t n, unsigned long long spare) {
+    void reserve(std::int64_t n, unsigned long long spare) {
         const auto count = static_cast<unsigned long long>(n);
         members[0] = members[1] = count + 3 * count / 4 + spare;
         units = count / 2 + spare;
@@ -172,10 +172,10 @@ struct Plan {
     }
     void start_anew() {
         cold = true;
-        guided = false;
+        warm_started = false;
     }
     // A warm-started pass that has placed all members had enough places; its counters of places are for the next pass.
-    bool accepts_places(const Counters& c, int level) { return guided || grow(members[level], c.places[level]); }
+    bool accepts_places(const Counters& c, int level) { return warm_started || grow(members[level], c.places[level]); }
     static bool grow(unsigned long long& capacity, unsigned long long wanted) {
         if (wanted <= capacity) return true;
         capacity = wanted + wanted / 4;

@@ -94,10 +94,10 @@ __global__ void unit_kernel(int leaves, Segments members_of, Sorted sorted, List
 
 }  // namespace
 
-void clear(Clearing& clearing, const Sorted& sorted, int leaves) {
+void clear(BatchedClear& batch, const Sorted& sorted, int leaves) {
     const auto n = static_cast<std::size_t>(leaves);
-    clearing.add(sorted.bin_first, n * (bins + 1) * sizeof *sorted.bin_first);
-    clearing.add(sorted.binned, n * sizeof *sorted.binned);
+    batch.add(sorted.bin_first, n * (bins + 1) * sizeof *sorted.bin_first);
+    batch.add(sorted.binned, n * sizeof *sorted.binned);
 }
 
 template <class Primitive>

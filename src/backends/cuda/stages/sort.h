@@ -6,7 +6,7 @@
 // sorted within its own places, so that no prefix sums cross leaves; spare rows are unused.
 
 #include "backends/cuda/device/runtime.h"
-#include "backends/cuda/stages/clearing.h"
+#include "backends/cuda/stages/batched_clear.h"
 #include "backends/cuda/stages/layout.h"
 #include "scene/prepared_scene.h"
 
@@ -21,8 +21,8 @@ struct Ownership {
     int upper_fan_out;  ///< of each world; 1 if there is one level
 };
 
-/// Adds the arrays that sort_members() requires cleared to `clearing`.
-void clear(Clearing& clearing, const Sorted& sorted, int leaves);
+/// Adds the arrays that sort_members() requires cleared to `batch`.
+void clear(BatchedClear& batch, const Sorted& sorted, int leaves);
 
 /// Sorts the members, writes their records and lists the units of work. `Primitive`: see primitive.h. `Records`: has a
 /// device function put(row, triangle, corners of the primitive, ids of the triangle's corners, member in its frame,

@@ -125,7 +125,7 @@ __global__ void move_kernel(Level level, const Row<float>* partial, unsigned til
 
 struct MembersShared {
     Row<float> centre[max_fan_out];
-    float bisector[max_fan_out][max_fan_out + 1];  // bisector_reach(); one more column to avoid bank conflicts
+    float bisector[max_fan_out][max_fan_out + 1];  // bisector_extent(); one more column to avoid bank conflicts
     unsigned count[max_fan_out];
     unsigned long long place[max_fan_out];
     Row<float> origin[max_fan_out];  // origin and, as `unused`, LeafFrame::big of the children's frames
@@ -172,7 +172,7 @@ __global__ void members_kernel(Level level, const Ball* balls, std::uint64_t lis
     __syncthreads();
     for (unsigned pair = threadIdx.x; pair < fan_out * fan_out; pair += blockDim.x) {
         const Row<float> v = shared.centre[pair / fan_out], w = shared.centre[pair % fan_out];
-        shared.bisector[pair / fan_out][pair % fan_out] = bisector_reach({w.x - v.x, w.y - v.y, w.z - v.z});
+        shared.bisector[pair / fan_out][pair % fan_out] = bisector_extent({w.x - v.x, w.y - v.y, w.z - v.z});
     }
     __syncthreads();
     const Items items = items_of(level, parent);
@@ -187,12 +187,12 @@ __global__ void members_kernel(Level level, const Ball* balls, std::uint64_t lis
         const unsigned long long count = shared.count[k];
         if (!count) continue;
         const unsigned long long begin = level.members_of.first[first_child + k],
-                                 room = level.members_of.first[first_child + k + 1] - begin;
+                                 buffer = level.members_of.first[first_child + k + 1] - begin;
         const unsigned long long before = atomicAdd(&level.members_of.count[first_child + k], count);
         shared.place[k] = begin + before;
         shared.count[k] = 0;
         atomicAdd(total, count);
-        if (before + count > room) atomicAdd(unplaced, before < room ? before + count - room : count);
+        if (before + count > buffer) atomicAdd(unplaced, before < buffer ? before + count - buffer : count);
     }
     __syncthreads();
     for (unsigned long long i = items.begin + grid_thread(); i < items.end; i += grid_stride()) {
@@ -206,9 +206,9 @@ __global__ void members_kernel(Level level, const Ball* balls, std::uint64_t lis
             members.item[place] = static_cast<std::uint32_t>(i);
             if constexpr (!reaching) continue;
             const Row<float> origin = shared.origin[k];
-            float reach = ball_reach(balls[t], {origin.x, origin.y, origin.z});
+            float reach = ball_extent(balls[t], {origin.x, origin.y, origin.z});
             if (reach > origin.unused)
-                reach = exact_reach(how.scene, primitive, how.points, t, how.frames.binned[child], reach);
+                reach = exact_extent(how.scene, primitive, how.points, t, how.frames.binned[child], reach);
             atomicMax(&shared.reach[k], __float_as_uint(reach));
         }
     }
@@ -247,16 +247,16 @@ __global__ void places_kernel(Level level, unsigned long long capacity, unsigned
 
 }  // namespace
 
-void clear(Clearing& clearing, const Level& level) {
+void clear(BatchedClear& batch, const Level& level) {
     // Each pass iterates anew, so the last movement starts at infinity.
-    clearing.add(level.moved, static_cast<std::size_t>(level.parents) * sizeof *level.moved,
-                 std::bit_cast<unsigned>(std::numeric_limits<float>::infinity()));
+    batch.add(level.moved, static_cast<std::size_t>(level.parents) * sizeof *level.moved,
+              std::bit_cast<unsigned>(std::numeric_limits<float>::infinity()));
 }
 
-void clear_members(Clearing& clearing, const Level& level, unsigned long long* total, unsigned long long* unplaced) {
-    clearing.add(level.members_of.count, static_cast<std::size_t>(level.children()) * sizeof *level.members_of.count);
-    clearing.add(total, sizeof *total);
-    clearing.add(unplaced, sizeof *unplaced);
+void clear_members(BatchedClear& batch, const Level& level, unsigned long long* total, unsigned long long* unplaced) {
+    batch.add(level.members_of.count, static_cast<std::size_t>(level.children()) * sizeof *level.members_of.count);
+    batch.add(total, sizeof *total);
+    batch.add(unplaced, sizeof *unplaced);
 }
 
 std::size_t fuzzy_scratch(const Level& level, const Fuzziness& fuzziness) {

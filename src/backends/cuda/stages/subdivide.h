@@ -8,7 +8,7 @@
 // members are only counted; the pass has then failed, and the host runs another, which finds places and centres first.
 
 #include "backends/cuda/device/runtime.h"
-#include "backends/cuda/stages/clearing.h"
+#include "backends/cuda/stages/batched_clear.h"
 #include "backends/cuda/stages/layout.h"
 #include "backends/cuda/stages/primitive.h"
 #include "scene/prepared_scene.h"
@@ -23,14 +23,14 @@ struct Fuzziness {
     int samples = 2048;  ///< most samples of a parent's items
 };
 
-/// Adds the arrays that fuzzy_c_means() requires cleared to `clearing`.
-void clear(Clearing& clearing, const Level& level);
+/// Adds the arrays that fuzzy_c_means() requires cleared to `batch`.
+void clear(BatchedClear& batch, const Level& level);
 
 /// Returns the rows of scratch that fuzzy_c_means() needs, for partial sums of tiles of samples.
 std::size_t fuzzy_scratch(const Level& level, const Fuzziness& fuzziness);
 
-/// Adds the arrays that make_members() requires cleared to `clearing`.
-void clear_members(Clearing& clearing, const Level& level, unsigned long long* total, unsigned long long* unplaced);
+/// Adds the arrays that make_members() requires cleared to `batch`.
+void clear_members(BatchedClear& batch, const Level& level, unsigned long long* total, unsigned long long* unplaced);
 
 /// Moves the next centres of all parents. Deterministic: sums are added in a fixed order.
 void fuzzy_c_means(const Geometry& geometry, cudaStream_t stream, const Level& level, const Ball* balls,

@@ -7,8 +7,8 @@
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/stages/layout.h"
 #include "backends/cuda/stages/sort.h"
+#include "scene/pair_selection.h"
 #include "scene/prepared_scene.h"
-#include "scene/wanted_pairs.h"
 
 namespace crumple::cuda {
 
@@ -27,7 +27,7 @@ struct Slice {
 /// a candidate passes that of another lane. Defined in sweep_kernel.h.
 template <class Filter>
 void sweep(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
-           const List<Unit>& units, const Ownership& ownership, const WantedPairs& wanted, const Filter& filter,
+           const List<Unit>& units, const Ownership& ownership, const PairSelection& wanted, const Filter& filter,
            const List<Candidate>& survivors, const Slice& slice, Counters* counters);
 
 }  // namespace crumple::cuda

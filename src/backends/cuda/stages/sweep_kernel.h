@@ -23,7 +23,7 @@ struct WarpShared {
     SortedRow row[32];
     WarpQueue<Candidate>::Places candidates;
     SurvivorQueue::Places survivors;
-    typename Filter::Room room;
+    typename Filter::Buffer buffer;
 };
 template <int threads, class Filter>
 struct SweepShared {
@@ -45,7 +45,7 @@ struct Sweep {
     const PreparedScene& scene;
     const Sorted& sorted;
     const Ownership& ownership;
-    const WantedPairs& wanted;
+    const PairSelection& wanted;
     const Filter& filter;
     WarpShared<Filter>& shared;
     SurvivorQueue survivors;
@@ -59,7 +59,7 @@ struct Sweep {
                              static_cast<std::uint32_t>(ownership.upper_fan_out);
         return !(ownership.upper_mask[a] & ownership.upper_mask[b] & ((std::uint64_t{1} << cluster) - 1));
     }
-    __device__ bool is_asked(const Candidate& c) const {
+    __device__ bool passes_pair_filter(const Candidate& c) const {
         if (!ownership.upper_mask && wanted.all()) return true;
         const std::int32_t a = sorted.row[c.row].triangle, b = sorted.row[c.column].triangle;
         return is_ours(sorted.leaf[c.row], a, b) && (wanted.all() || wanted(scene.group(a), scene.group(b)));
@@ -102,7 +102,7 @@ struct Sweep {
     __device__ void test_candidates() {
         Candidate c{};
         const unsigned taken = candidates.take(c);
-        survivors.add(filter.keeps(lane < taken && is_asked(c), c, shared.room), c);
+        survivors.add(filter.keeps(lane < taken && passes_pair_filter(c), c, shared.buffer), c);
         overlaps += taken;
     }
 };
@@ -131,7 +131,7 @@ __device__ void list_rest(SweepShared<threads, Filter>& shared, Sweep<Filter>& s
 
 template <int threads, class Filter>
 __global__ void __launch_bounds__(threads)
-    sweep_kernel(PreparedScene scene, Sorted sorted, List<Unit> units, Ownership ownership, WantedPairs wanted,
+    sweep_kernel(PreparedScene scene, Sorted sorted, List<Unit> units, Ownership ownership, PairSelection wanted,
                  Filter filter, List<Candidate> list, Slice slice, Counters* counters) {
     auto& shared = dynamic_shared<SweepShared<threads, Filter>>();
     WarpShared<Filter>& own = shared.warp[threadIdx.x / 32];
@@ -158,7 +158,7 @@ __global__ void __launch_bounds__(threads)
 
 template <class Filter>
 void sweep(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
-           const List<Unit>& units, const Ownership& ownership, const WantedPairs& wanted, const Filter& filter,
+           const List<Unit>& units, const Ownership& ownership, const PairSelection& wanted, const Filter& filter,
            const List<Candidate>& survivors, const Slice& slice, Counters* counters) {
     const auto run = [&]<int threads>() {
         constexpr auto kernel = detail::sweep_kernel<threads, Filter>;

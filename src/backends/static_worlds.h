@@ -1,0 +1,103 @@
+#pragma once
+
+// One unposed scene of all bodies of all worlds, for a device that has the poses and caches the scene between calls.
+// Worlds lie side by side in the order of the result (world_scene.h). The vertices of each shape are stored once,
+// however many bodies have it.
+//
+//     triangles   | world 0: its bodies, those in all worlds | world 1: ... | ... | those in all worlds by themselves
+//     vertices    | body | body | ...     each a copy of its shape's, under its pose
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/parallel_for.h"
+#include "crumple/array.h"
+#include "crumple/intersections.h"
+#include "crumple/world.h"
+#include "scene/body_filter.h"
+#include "scene/prepared_scene.h"
+
+namespace crumple {
+
+/// Occurrence of a body in the scene: one that is in all worlds occurs in each.
+struct alignas(16) StaticBody {
+    std::uint32_t first_vertex = 0;  ///< in the scene
+    std::uint32_t shape_vertex = 0;  ///< first vertex of its shape, among those of all shapes
+    std::int32_t body = 0;
+    std::uint32_t float32 = 1;  ///< 1 if its posed vertices are rounded to float32
+};
+
+class StaticWorlds {
+   public:
+    /// Reads shapes and bodies. Returns null if one scene cannot hold so many worlds, or so many triangles. Throws
+    /// Error as Detector::find does for worlds.
+    static std::unique_ptr<StaticWorlds> make(const World& world, const PairFilter& rules, int worlds_at_once,
+                                              ParallelFor& workers, MemoryMeter& meter);
+    ~StaticWorlds();
+
+    /// Returns true if the world has the same bodies, whatever their poses, and the same pair filter. Compares groups,
+    /// and the contents of unnamed shapes. Throws Error (invalid_argument) if a shape has the name of a cached one, but
+    /// another size or precision.
+    bool is_of(const World& world, const PairFilter& rules) const;
+
+    /// The scene, without vertices. Its corners and groups are valid until drop_lists().
+    const PreparedScene& scene() const { return scene_; }
+    /// Vertices of all shapes, concatenated, in the scene's precision.
+    const std::byte* shape_vertices() const { return shape_vertices_.data(); }
+    std::size_t shape_bytes() const { return shape_vertices_.size(); }
+    std::span<const StaticBody> bodies() const { return bodies_.span(); }
+    /// True if no two triangles could meet.
+    bool empty() const { return passes_.empty(); }
+    const BodyFilter& rules() const { return rules_; }
+    /// First triangle in the scene of the body of each class (BodyFilter).
+    std::span<const std::int32_t> first_of_class() const { return first_of_class_.span(); }
+    /// Number of the caller's worlds, and the first triangle in the scene of each; the last entry is the first triangle
+    /// of the section in which bodies that are in all worlds meet each other.
+    std::int32_t worlds() const;
+    std::span<const std::int64_t> first_of_world() const { return first_of_world_.span(); }
+
+    /// Frees the lists that are needed only for the upload to a device.
+    void drop_lists();
+
+    /// Throws the Error for a posed vertex of the scene that is not finite. `poses`: those of all bodies.
+    [[noreturn]] void fail_not_finite(std::int64_t vertex, std::span<const Pose> poses) const;
+
+    /// Translate what was found in the scene to a result about the caller's worlds and bodies: flags, one for each
+    /// world of the scene, or all pairs.
+    void report_flags(std::span<const std::uint8_t> flags, Intersections& result) const;
+    void report_pairs(const Intersections& found, const IntersectionQuery& query, Intersections& result) const;
+    /// Clears the result before, and completes it after.
+    void begin(const IntersectionQuery& query, Intersections& result) const;
+    void finish(const IntersectionQuery& query, Intersections& result) const;
+
+   private:
+    struct Read;
+
+    StaticWorlds(const World& world, const PairFilter& rules, MemoryMeter& meter);
+    bool choose_passes(int worlds_at_once);
+    void add_shapes();
+    void add_bodies(ParallelFor& workers);
+    std::size_t added_of_triangle(std::int64_t t) const;
+
+    MemoryMeter& meter_;
+    std::vector<Shape> shapes_;  ///< their arrays may no longer exist
+    Array<Body> all_;
+    PairFilter given_;
+    std::vector<Array<std::uint64_t>> contents_;  ///< by shape: words that its name does not identify
+    BodyFilter rules_;
+    std::unique_ptr<Read> read_;
+    PreparedScene scene_;
+    Array<std::byte> shape_vertices_;
+    std::vector<std::uint32_t> shape_first_;
+    Array<StaticBody> bodies_;
+    Array<std::int64_t> first_of_added_;  ///< first triangle of each of `bodies_`; and the end
+    Array<std::int32_t> first_of_class_;
+    Array<std::int64_t> first_of_world_;   ///< by world of the caller; and its last section
+    Array<std::int64_t> first_of_joined_;  ///< by world of the scene; and the end
+    Array<std::int32_t> passes_;           ///< world index of each world of the scene; worlds(): the last section
+};
+
+}  // namespace crumple

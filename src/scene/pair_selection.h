@@ -1,0 +1,42 @@
+#pragma once
+
+// Filter of pairs of triangles by their groups; for scenes made from worlds by bodies and groups. In the latter,
+// triangles of one body and one group form a class, and the scene's groups are class numbers. Compiled for host and
+// device.
+
+#include <cstdint>
+
+#include "scene/group_filter.h"
+
+namespace crumple {
+
+struct alignas(16) BodyClass {
+    std::int32_t body = 0, group = 0;
+    std::uint32_t self : 1 = 1;        ///< Body::self
+    std::uint32_t everywhere : 1 = 0;  ///< in all worlds; such a body is only paired with bodies of the current world
+    std::uint32_t grouped : 1 = 1;     ///< false: in no group, so filters of groups do not apply
+    friend bool operator==(const BodyClass&, const BodyClass&) = default;
+};
+
+struct PairSelection {
+    GroupSelection groups;
+    GroupSelection bodies;               ///< filter of pairs of bodies
+    const BodyClass* classes = nullptr;  ///< for worlds; else null, and bodies are not filtered
+    friend bool operator==(const PairSelection&, const PairSelection&) = default;
+
+    /// True if every pair is selected: callers may skip the test.
+    CRUMPLE_HD bool all() const { return !classes && groups.all(); }
+
+    CRUMPLE_HD bool operator()(const BodyClass& a, const BodyClass& b) const {
+        if ((a.everywhere && b.everywhere) || (a.body == b.body && !a.self) || !bodies(a.body, b.body)) return false;
+        return !a.grouped || !b.grouped || groups(a.group, b.group);
+    }
+    /// `g` and `h` are groups, or classes if there are any.
+    CRUMPLE_HD bool operator()(std::int32_t g, std::int32_t h) const {
+        if (!classes) return groups(g, h);
+        const BodyClass a = classes[g], b = classes[h];  // copied by four words at a time
+        return (*this)(a, b);
+    }
+};
+
+}  // namespace crumple

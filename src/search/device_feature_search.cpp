@@ -1,0 +1,146 @@
+// Queries about the features of a mesh in device memory. The host finds edges and owners from the triangles, which it
+// downloads once. In each call the device compares its triangles with those; if they have changed, the host downloads
+// them again. Everything else stays on the device.
+
+#include <optional>
+#include <type_traits>
+#include <variant>
+
+#include "crumple/error.h"
+#include "search/feature_search.h"
+
+namespace crumple {
+namespace {
+
+bool device_supports_filter(const Shape& shape, const PairFilter& rules) {
+    // The groups of features that no triangle names are known in scenes of bodies only.
+    const bool by_groups = rules.groups != PairScope::both || !rules.excluded_groups.empty();
+    return rules.bodies == PairScope::both && rules.excluded_bodies.empty() &&
+           !(by_groups && (shape.edges || shape.points));
+}
+
+/// Throws for queries that find() would run on a copy on the host: launches do not.
+template <class Query>
+void require_device_support(const Shape& shape, const Query& query) {
+    if (FeatureSearch::supports_on_device(shape, query)) return;
+    throw Error(ErrorCode::invalid_argument,
+                std::is_same_v<Query, ImpactQuery>
+                    ? "launches make no triangle pairs, weld nothing, and know no rules about groups where edges or "
+                      "points are listed: find() does, with a copy on the host"
+                : std::is_same_v<Query, ProximityQuery>
+                    ? "launches tell no closest points and no least distances, weld nothing, and know no rules about "
+                      "groups where edges or points are listed: find() does, with a copy on the host"
+                    : "launches weld nothing, and know no rules about groups where edges or points are listed: "
+                      "find() does, with a copy on the host",
+                Element::option);
+}
+
+}  // namespace
+
+bool FeatureSearch::supports_on_device(const Shape& shape, const ImpactQuery& query) {
+    return !query.weld && !query.triangle_pairs && device_supports_filter(shape, query.filter);
+}
+bool FeatureSearch::supports_on_device(const Shape& shape, const ProximityQuery& query) {
+    return !query.weld && !query.closest && !query.least && device_supports_filter(shape, query.filter);
+}
+bool FeatureSearch::supports_on_device(const Shape& shape, const CandidateQuery& query) {
+    return !query.weld && device_supports_filter(shape, query.filter);
+}
+
+// Makes the features of the mesh's current contents.
+void FeatureSearch::know(BackendBase& backend, const DeviceShape& mesh) {
+    HostShape host;
+    backend.device_feature_search().copy_to_host(mesh, Copied::topology, host);
+    const Shape& shape = host.shape;
+    const PreparedScene scene =
+        prepare_scene(MeshView(shape.vertices, shape.triangles), nullptr, false, backend, buffers_);
+    features_.prepare(scene, false, backend, checked_lists(shape, ""));
+}
+
+// Calls ask(request) until the device confirms that the features are current.
+template <class Query, class Ask>
+auto FeatureSearch::run_on_device(BackendBase& backend, const DeviceShape& mesh, const Query& query, Ask ask) {
+    rule_.prepare(query.filter);
+    if (!features_.has_counts_of(mesh.shape)) know(backend, mesh);
+    for (;; know(backend, mesh)) {
+        cancellation_.check();
+        FeatureRequest request = request_of(query, low_memory_, features_, rule_);
+        if constexpr (is_near<Query>) near_input_.tell(mesh.shape.vertices.rows, backend, cancellation_, request);
+        if (auto answer = ask(request)) return answer;
+    }
+}
+
+template <class Query>
+void FeatureSearch::find_rows_on_device(BackendBase& backend, const Query& query) {
+    run_on_device(backend, *there_, query, [&](const FeatureRequest& request) {
+        return backend.device_feature_search().find(*there_, request, found_);
+    });
+}
+
+template <class Query>
+void FeatureSearch::find_on_device(BackendBase& backend, const DeviceShape& mesh, const Query& query, bool low_memory,
+                                   typename Query::Result& result) {
+    bodies_ = false;
+    low_memory_ = low_memory;
+    const Body body{.self = true};
+    struct There {
+        const DeviceShape*& there;
+        ~There() { there = nullptr; }
+    } const there{there_ = &mesh};
+    search(backend, {{&mesh.shape, 1}, {&body, 1}, {}, {}}, query, result);
+}
+
+// Reads the inputs of a launch, or of one that is run again.
+template <class Query>
+void FeatureSearch::read_on_device(BackendBase& backend, const DeviceShape& mesh, const Query& query) {
+    low_memory_ = false;
+    const Body body{.self = true};
+    read({{&mesh.shape, 1}, {&body, 1}, {}, {}}, query.filter);
+    if constexpr (is_near<Query>) {
+        near_input_.begin(outline_, query, false, false, backend, buffers_);
+        near_input_.place(mesh.shape);
+    }
+}
+
+template <class Query>
+LaunchNumber FeatureSearch::launch(BackendBase& backend, const DeviceShape& mesh, const Query& query) {
+    DeviceFeatureCalls& there = backend.device_feature_search();
+    require_device_support(mesh.shape, query);
+    read_on_device(backend, mesh, query);
+    if (there.is_captured(mesh) && !features_.has_counts_of(mesh.shape)) fail_unprepared_capture(false);
+    const LaunchNumber launched =
+        run_on_device(backend, mesh, query, [&](const auto& request) { return there.launch(mesh, request); });
+    launched_[launched % most_in_flight] = {mesh, query};
+    return launched;
+}
+
+AnyDeviceResult FeatureSearch::wait(BackendBase& backend, LaunchNumber launch) {
+    DeviceFeatureCalls& there = backend.device_feature_search();
+    const Launched& launched = launched_[launch % most_in_flight];
+    std::optional<AnyDeviceResult> answer = there.wait(launch);
+    if (!answer)
+        answer = std::visit(
+            [&](const auto& query) {
+                read_on_device(backend, launched.mesh, query);
+                return run_on_device(backend, launched.mesh, query, [&](const auto& request) {
+                    return there.find_again(launch, launched.mesh, request);
+                });
+            },
+            launched.query);
+    answer->statistics.triangles = launched.mesh.shape.triangles.rows;
+    answer->statistics.pairs = answer->count;
+    return *answer;
+}
+
+template void FeatureSearch::find_on_device(BackendBase&, const DeviceShape&, const ImpactQuery&, bool, Impacts&);
+template void FeatureSearch::find_on_device(BackendBase&, const DeviceShape&, const ProximityQuery&, bool,
+                                            Proximities&);
+template void FeatureSearch::find_on_device(BackendBase&, const DeviceShape&, const CandidateQuery&, bool, Candidates&);
+template void FeatureSearch::find_rows_on_device(BackendBase&, const ImpactQuery&);
+template void FeatureSearch::find_rows_on_device(BackendBase&, const ProximityQuery&);
+template void FeatureSearch::find_rows_on_device(BackendBase&, const CandidateQuery&);
+template LaunchNumber FeatureSearch::launch(BackendBase&, const DeviceShape&, const ImpactQuery&);
+template LaunchNumber FeatureSearch::launch(BackendBase&, const DeviceShape&, const ProximityQuery&);
+template LaunchNumber FeatureSearch::launch(BackendBase&, const DeviceShape&, const CandidateQuery&);
+
+}  // namespace crumple
