@@ -26,7 +26,7 @@ int run(int argc, char** argv) {
         "crumple");
     app.formatter(std::make_shared<Help>());
     app.set_version_flag("--version", "crumple " CRUMPLE_VERSION, "Print the version and exit");
-    app.require_subcommand(0, 1);  // one, so that a file may have the name of a command
+    app.require_subcommand(0, 1);  // at most one, so that a file may have the name of a command
     app.footer(
         "Exit status: 0 done; 1 something collides, touches, is near or overlaps (with --check) or a list is wrong "
         "(verify);\n"

@@ -59,7 +59,8 @@ std::string suggestion(const std::string& argument, const CLI::App& command) {
         if (word == old_name && command.get_option_no_throw(std::string(name.substr(0, name.find(' ')))))
             return "; it is " + std::string(name) + " now";
     std::string nearest;
-    std::size_t least = word.size() / 3 + (word.size() > 8);  // exclusive: a third of the letters, less in short words
+    // Accepts words at a distance below this: about a third of the letters, less for short words.
+    std::size_t least = word.size() / 3 + (word.size() > 8);
     for (const std::string& known : words_of(command)) {
         const bool begins = known.starts_with(word) && word.size() > 3;
         const std::size_t distance = begins ? 0 : edit_distance(word, known);

@@ -54,8 +54,8 @@ struct MovingInput {
 /// Throws Error (invalid_argument) unless both have the same faces. Polygons may be triangulated differently.
 void check_same_faces(const Input& start, const std::string& end_name, const io::TriangleMesh& end);
 
-/// Returns the options for reading the meshes of a step: --weld leaves vertices as they are in the files, since those
-/// that coincide in one file need not coincide in another.
+/// Returns the options for reading the meshes of a step: despite --weld, vertices are not merged on reading, since
+/// those that coincide in one file need not coincide in the other.
 QueryOptions reading_of_motion(QueryOptions options);
 
 /// Returns the options with lines and points of OBJ files.
@@ -108,9 +108,10 @@ class Search {
     Statistics stream(const Input& input, FunctionRef<void(const Intersections&)> take) {
         return stream(input, query(), take);
     }
-    /// Runs a query about bodies of these origins, repeated for each of several configurations, the first of which has
-    /// this number; -1: there is only one. Valid until the next call. Throws Error that names the files, or the file,
-    /// configuration and body that it concerns.
+    /// Runs a query about bodies, which the world contains once for each of several configurations. `origins`: files
+    /// and names of the bodies of one configuration. `first_configuration`: number of the first configuration, -1 if
+    /// there is only one. The result is valid until the next call. Throws Error that names the files, or the file,
+    /// configuration and body that the error concerns.
     template <class Query>
     const typename Query::Result& find(const BodyOrigins& origins, std::int64_t first_configuration, const World& world,
                                        const Query& query);

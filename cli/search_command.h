@@ -84,7 +84,7 @@ struct ListOutputs {
             paths.empty() ? io::PairFormat::txt : io::pair_format_of(extension_of(paths.front(), format));
         to_standard_output([&](std::ostream& out) { write_to(io::FeatureWriter(out, of, list_format)); });
     }
-    /// Writes the outputs if check() allows no coloured meshes.
+    /// Writes the outputs of a result that cannot be written as a coloured mesh.
     template <class List>
     void write(List list) const {
         write(list, [](auto&) { throw std::logic_error("no mesh is coloured by this result"); });

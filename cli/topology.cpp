@@ -152,7 +152,7 @@ double signed_volume(const io::TriangleMesh& mesh) {
         for (const Vec3d& corner : p) box.widen(corner);
     });
     const Vec3d middle = 0.5 * box.low + 0.5 * box.high, half = box.high - middle;
-    // Powers of two, so that no product of three overflows before the sum of them does.
+    // Scales by a power of two: then products of three coordinates do not overflow unless the volume does.
     const int exponent = std::ilogb(max(max(half.x, half.y), max(half.z, 0x1p-1000)));
     const double scale = std::ldexp(1.0, -exponent);
     double volume = 0, lost = 0;  // Neumaier's compensated sum

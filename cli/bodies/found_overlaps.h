@@ -15,7 +15,7 @@ namespace crumple::cli {
 struct OverlapOptions {
     double min_volume = 0;
     OpenSurfaces open = OpenSurfaces::error;
-    bool self = false;  ///< also of each body with itself; always for a single body
+    bool self = false;  ///< also search for overlaps of each body with itself; always done for a single body
     BodyOptions bodies;
 };
 /// Adds the options. `condition`: prefix of all helps. Returns the added options.
@@ -27,7 +27,7 @@ struct FoundOverlaps {
     bool any = false;
     io::OverlapList list;                    ///< from Output::body_pairs on
     std::vector<std::uint8_t> has_overlaps;  ///< 1 per configuration; not for Output::any
-    Statistics statistics;                   ///< of all configurations
+    Statistics statistics;                   ///< sums over all configurations
 };
 /// Finds the overlaps. Throws Error, also if there is no body.
 FoundOverlaps find_overlaps(Search& search, const BodyScene& scene, const OverlapOptions& options, Output output);

@@ -22,7 +22,7 @@ void check_detect_body_options(const DetectBodyOptions& options, const QueryOpti
 /// Request to crumple detect --groups bodies.
 struct BodyTask {
     const std::vector<std::string>&files, &outputs;
-    const std::string& format;  ///< of `-o -`
+    const std::string& format;  ///< format of the output `-o -`
     const QueryOptions& query_options;
     const DetectBodyOptions& bodies;
     const Options& options;

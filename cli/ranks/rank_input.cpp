@@ -104,8 +104,8 @@ struct VertexRequest {
     std::int32_t vertex, rank;
 };
 
-/// Replaces the coordinates that a rank has read by those of the vertices that it has requested. `requests`: received
-/// requests for its own. `first`: number of the first vertex that it has read.
+/// Replaces the coordinates that a rank has read by those of the vertices that it has requested. `requests`: all
+/// ranks' requests for vertices that this rank has read. `first`: number of the first vertex that it has read.
 void fetch(RankLink& link, const std::vector<VertexRequest>& requests, std::int64_t first, io::TriangleMesh& mesh) {
     const bool doubles = link.largest(std::holds_alternative<std::vector<double>>(mesh.vertices));
     if (doubles && mesh.vertex_count() == 0) mesh.vertices.emplace<std::vector<double>>();

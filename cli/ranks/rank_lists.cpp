@@ -24,8 +24,8 @@ void assign(Array<Value>& array, const std::vector<Value>& values) {
 
 /// Row of one kind of features, as it is sent.
 struct TravellingRow {
-    Pair pair;           ///< of features by their numbers over all ranks
-    io::FeatureRow row;  ///< as it is written, edges by their vertices
+    Pair pair;           ///< features, by their numbers over all ranks
+    io::FeatureRow row;  ///< the row as it is written: edges by their vertices
 };
 using RowsByKind = std::array<std::vector<TravellingRow>, feature_kinds>;
 
@@ -68,7 +68,8 @@ RowsByKind rows_in_order(RankLink& link, const Found& found) {
     return by_kind;
 }
 
-/// Collective. Returns each edge of all triangles once, on rank 0, as one process numbers them.
+/// Collective. Returns each edge of all triangles once, on rank 0, in the order in which a single process numbers
+/// edges.
 std::vector<Edge> edges_of_all(RankLink& link, const RankInput& input) {
     const auto over_all_ranks = [&](std::int32_t vertex) {
         return static_cast<std::int32_t>(input.vertex_ids[static_cast<std::size_t>(vertex)]);

@@ -106,7 +106,8 @@ Description description_of(RankLink& link, const Query& query, const typename Qu
 }
 
 /// Writes a list to all outputs, or prints it if there are none. Text is written by all ranks. Other formats, and text
-/// if `by_first`, are written by rank 0 from the collected result, after complete() has filled in the rest.
+/// if `by_first`, are written by rank 0 from the collected result, after complete() has set the members that the lists
+/// do not determine.
 template <class Result>
 void write(RankLink& link, const ListOutputs& outputs, const RankList<Result>& list, bool by_first,
            const std::function<void(Result&)>& complete) {

@@ -90,7 +90,7 @@ void write_text(RankLink& link, const std::string& path, const io::RowTable& tab
     const RankTexts all(link, table, sections, csv);
     if (is_standard(path))
         return link.agree([&] { to_standard_output([&](std::ostream& out) { all.write_by_first(out); }); });
-    std::optional<io::AtomicFile> target;  // of rank 0
+    std::optional<io::AtomicFile> target;  // on rank 0 only
     std::string temporary;
     link.agree([&] {
         if (!link.is_first()) return;

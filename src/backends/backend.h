@@ -26,9 +26,9 @@ struct SceneMemory {
     virtual ~SceneMemory() = default;
 };
 
-/// Base class of all backends. The query's pair filter decides which pairs count, or that of the world that the scene
-/// is made of (PreparedScene::bodies). A backend with threads provides them by overriding parallel_for(). Its calls
-/// check the Cancellation that it was made with.
+/// Base class of all backends. Pairs count if they pass the query's pair filter or, for a scene made of a world, the
+/// world's filter (PreparedScene::bodies). A backend with threads overrides parallel_for() to provide them. All calls
+/// check the Cancellation that the backend was made with.
 class BackendBase : public ParallelFor {
    public:
     /// Fills `result.pairs` (sorted, unique), offsets, hit flags, contacts if requested, and the statistics' counts and
@@ -60,8 +60,8 @@ class BackendBase : public ParallelFor {
     virtual void stream(const PreparedScene& scene, const IntersectionQuery& query, PairStream& to,
                         Statistics& statistics);
 
-    /// Passes all pairs, in any order, to `take` for further processing: in several arrays, from any thread but one at
-    /// a time, or in a single one.
+    /// Passes all pairs, in any order, to `take`, in one array or in several. Calls of `take` may come from any thread,
+    /// but never two at a time.
     virtual void visit(const PreparedScene& scene, const IntersectionQuery& query,
                        FunctionRef<void(const Array<Pair>& some)> take, Statistics& statistics);
 
@@ -86,7 +86,7 @@ class BackendBase : public ParallelFor {
     virtual DeviceFeatureCalls& device_feature_search();
     /// Calls for worlds whose poses lie in device memory. find() returns false if one scene cannot hold all worlds, and
     /// throws MemoryMeter::Exceeded if memory cannot. The caller then downloads the poses by poses_of() and searches
-    /// the world as one on the host.
+    /// the world with poses on the host.
     virtual bool find(const World& world, const IntersectionQuery& query, Intersections& result);
     virtual std::vector<Pose> poses_of(const DevicePoses& poses);
     virtual LaunchNumber launch(const World& world, const IntersectionQuery& query);

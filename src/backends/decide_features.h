@@ -20,8 +20,8 @@ struct FeatureDecision {
 
 /// Counts of decisions.
 struct FeatureCounts {
-    std::int64_t tests = 0;     ///< all
-    std::int64_t rational = 0;  ///< those made in rational arithmetic
+    std::int64_t tests = 0;     ///< all decisions
+    std::int64_t rational = 0;  ///< decisions that took rational arithmetic
 };
 
 /// Decides a pair by the request's criterion. `vertex`: vertices of the two features, in the order of FeaturePoints.
@@ -35,8 +35,9 @@ bool surely_later(FeatureKind kind, const PreparedScene& scene, const std::int32
 /// Decides a pair that a device has packed.
 FeatureDecision decide(const PackedFeatures& pair, const FeatureRequest& query, FeatureCounts& counts);
 
-/// Decides a proximity as above, but leaves the distance of near features to SIMD lanes: unless the decision took
-/// rational arithmetic, adds such a pair to `batch`, which must not be full, and returns nothing.
+/// Decides a proximity, but leaves the distance of a near pair to SIMD lanes: adds the pair to `batch`, which must not
+/// be full, and returns nothing. Returns a decision if the pair is not near, or if rational arithmetic was needed to
+/// see that it is.
 std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const PreparedScene& scene,
                                              const std::int32_t (&vertex)[4], const FeatureRequest& query,
                                              FeatureCounts& counts, cpu::GuessBatch& batch);

@@ -31,7 +31,7 @@ class PairBudget {
     }
 
    private:
-    static constexpr std::int64_t most = std::int64_t{1} << 54;  // cap for the reported bytes, which might overflow
+    static constexpr std::int64_t most = std::int64_t{1} << 54;  // cap on pairs, so that their bytes do not overflow
 
     const PreparedScene& scene_;
     const IntersectionQuery& query_;

@@ -16,7 +16,7 @@
 namespace crumple {
 namespace {
 
-constexpr std::int64_t most_triangles = 1 << 24;  // for several worlds; a larger one is searched in chunks if need be
+constexpr std::int64_t most_triangles = 1 << 24;  // limit of a scene of several worlds; a single world may exceed it
 
 bool same_pairs(const auto& a, const auto& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -37,8 +37,8 @@ bool same_size(const Shape& a, const Shape& b) {
            a.triangles.rows == b.triangles.rows;
 }
 
-// Passes the contents that a shape's name does not identify to take(), word by word, as long as that returns true:
-// groups, and all else if the shape has no name.
+// Passes the contents of a shape that its name does not identify to take(), word by word, until take() returns false:
+// groups and, if the shape has no name, positions and triangles. Returns false if take() did.
 template <class Take>
 bool for_each_word(const Shape& shape, Take take) {
     const bool named = shape.name != 0;

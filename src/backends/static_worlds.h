@@ -1,8 +1,8 @@
 #pragma once
 
 // One unposed scene of all bodies of all worlds, for a device that has the poses and caches the scene between calls.
-// Worlds lie side by side in the order of the result (world_scene.h). The vertices of each shape are stored once,
-// however many bodies have it.
+// Worlds lie side by side in the order of the result (world_scene.h). The scene numbers the vertices of each body, but
+// shape_vertices() stores those of each shape only once.
 //
 //     triangles   | world 0: its bodies, those in all worlds | world 1: ... | ... | those in all worlds by themselves
 //     vertices    | body | body | ...     each a copy of its shape's, under its pose
@@ -69,7 +69,7 @@ class StaticWorlds {
     /// world of the scene, or all pairs.
     void report_flags(std::span<const std::uint8_t> flags, Intersections& result) const;
     void report_pairs(const Intersections& found, const IntersectionQuery& query, Intersections& result) const;
-    /// Clears the result before, and completes it after.
+    /// begin() clears the result before a report, finish() completes it afterwards.
     void begin(const IntersectionQuery& query, Intersections& result) const;
     void finish(const IntersectionQuery& query, Intersections& result) const;
 
@@ -95,7 +95,7 @@ class StaticWorlds {
     Array<StaticBody> bodies_;
     Array<std::int64_t> first_of_added_;  ///< first triangle of each of `bodies_`; and the end
     Array<std::int32_t> first_of_class_;
-    Array<std::int64_t> first_of_world_;   ///< by world of the caller; and its last section
+    Array<std::int64_t> first_of_world_;   ///< by world of the caller; then that of the last section
     Array<std::int64_t> first_of_joined_;  ///< by world of the scene; and the end
     Array<std::int32_t> passes_;           ///< world index of each world of the scene; worlds(): the last section
 };

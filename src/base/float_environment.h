@@ -44,7 +44,7 @@ class FloatMode {
     static void set(Register value) { asm volatile("msr fpcr, %0" ::"r"(value)); }
 #else
     using Register = std::uint32_t;
-    static constexpr Register rounding = 0x6000u, flushing = 0x8000u | 0x0040u;  // results, operands
+    static constexpr Register rounding = 0x6000u, flushing = 0x8000u | 0x0040u;  // results (FTZ), operands (DAZ)
     static Register get() { return _mm_getcsr(); }
     static void set(Register value) { _mm_setcsr(value); }
 #endif

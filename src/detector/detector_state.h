@@ -140,8 +140,8 @@ struct DetectorState {
             work();
         });
     }
-    /// Guards a call about a launch. After an error, keeps cached memory if a graph captured by the caller uses it
-    /// (BackendBase::keeps_after).
+    /// Guards a call about a launch. After an error, keeps cached memory if a caller's graph or a launch in flight
+    /// needs it (BackendBase::keeps_after).
     template <class Work>
     void run_launched(Work work) {
         run_above(

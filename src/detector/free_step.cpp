@@ -103,7 +103,7 @@ class Step {
             }
             float32_.push_back(shape.vertices.type == ScalarType::float32 &&
                                (!shape.end.data || shape.end.type == ScalarType::float32));
-            Shape own = shape;  // of this body alone, since each has its own posed vertices
+            Shape own = shape;  // used by this body alone, since each body has its own posed vertices
             own.name = 0;
             own.vertices = rows(start_, static_cast<std::size_t>(b));
             shapes.push_back(own);
@@ -164,7 +164,8 @@ class Units {
 
     /// Shortens the steps of the units that take part in recorded impacts.
     void cut() {
-        // The n-th cut of a unit goes to 1 - 2^-bits[n] times the time of contact, later cuts to half of it.
+        // Cut n of a unit, counted from 0, multiplies its share by 1 - 2^-bits[n] times the time of contact; later cuts
+        // multiply it by half the time of contact.
         constexpr std::array<int, 4> bits{16, 8, 4, 2};
         constexpr std::size_t most_cuts = 40;
         constexpr double least_share = 0x1p-40;
@@ -225,7 +226,7 @@ class Units {
     Held held_;
     std::vector<double> share_, earliest_;
     std::vector<std::size_t> cuts_;
-    std::vector<std::uint8_t> stuck_;  ///< 1 per body: its world is held
+    std::vector<std::uint8_t> stuck_;  ///< by body: 1 if its world is held at the start
 };
 
 /// True if bodies that are in all worlds can have impacts among themselves. Such an impact belongs to no world, and the

@@ -76,7 +76,7 @@ struct WorldCalls : DetectorState {
     Statistics stream_features(const World& world, const Query& query, bool bodies,
                                const FeatureBlocks<typename Query::Result>& blocks, std::stop_token stop);
     /// Runs search(low_memory) under the memory limit and returns the result. The memory that several workers need
-    /// depends on scheduling, so the first attempt may exceed the limit; the second one has low memory
+    /// depends on scheduling, so the first attempt may exceed the limit; the second one is a low-memory search
     /// (FeatureRequest::low_memory).
     template <class Result, class Search>
     const Result& answered(Result& result, std::stop_token stop, Search search) {

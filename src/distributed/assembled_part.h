@@ -29,7 +29,7 @@ struct PartNews {
 
 class AssembledPart {
    public:
-    /// `levels`: location of the part, still without masks.
+    /// `levels`: the cluster of the part in each level; masks are empty.
     AssembledPart(std::int32_t index, int count, std::vector<PartLevel> levels, bool float32, bool groups);
     /// Prepares the part for queries about features: vertices get ids, and if `moving`, end positions.
     void set_feature_demand(bool moving) {

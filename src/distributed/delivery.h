@@ -66,7 +66,7 @@ class Delivery {
     /// rows) reads received rows.
     template <class Row, class Count, class Pack, class Unpack>
     void stream(Count count, Pack pack, Unpack unpack);
-    /// Exchanges the list list(delta) of each delta, which has `each` elements for each of count(counts).
+    /// Exchanges one list of each delta: list(delta), which has `each` elements per row and count(counts) rows.
     template <class Element, class Count, class List>
     void stream_list(Count count, std::int64_t each, List list);
 

@@ -32,8 +32,8 @@ void check_each_once(Rounds& rounds, Agreement& agree, const Ids& ids, std::int6
 /// Ghost vertices: those that occur more than once over all ranks.
 class SharedVertices {
    public:
-    /// Finds the ghost vertices; without given ids there are none. Throws the same Error on all ranks if no rank has
-    /// some vertex. Collective.
+    /// Finds the ghost vertices; without given ids there are none. Throws the same Error on all ranks if some vertex
+    /// is on no rank. Collective.
     void learn(Rounds& rounds, Agreement& agree, const Ids& ids, std::int64_t count);
     bool any() const { return any_; }  ///< true if any rank has ghost vertices
     bool shared(std::int32_t v) const { return any_ && shared_[static_cast<std::size_t>(v)]; }

@@ -68,9 +68,9 @@ class Owners {
     /// Returns the parts of a rank, ascending.
     std::vector<std::int32_t> parts_of(int rank) const;
 
-    /// Assigns parts to ranks by their work, heaviest first. Each goes to the first rank of near(part) whose load stays
-    /// fair; if there is none, to the rank with the least load.
     using Near = FunctionRef<std::span<const int>(std::size_t part)>;
+    /// Assigns parts to ranks by their work, heaviest first. Each goes to the first rank of near(part) whose load stays
+    /// at most 5 % above the mean; if there is none, to the rank with the least load.
     void give_out(std::span<const std::int64_t> work, int ranks, Near near);
     /// Returns the largest work of a rank, divided by the mean.
     double balance(std::span<const std::int64_t> work, int ranks) const;

@@ -2,7 +2,7 @@
 
 // Detector of one rank, over any transport. Determines the order of the phases:
 //
-//     question   compare queries and options            search  search the parts that the rank owns
+//     query      compare queries and options            search  search the parts that the rank owns
 //     input      check the local mesh                   rows    send rows to the rank of their first triangle
 //     ids        check ids and ghost vertices           output  sort the rows
 //     place      make centres, unless reused

@@ -86,7 +86,8 @@ void Share::number(const MeshShare& share, bool triangle_ids, bool vertex_ids, s
         if (static_cast<int>(r) < rank) triangles_.first += counts[2 * r], vertices_.first += counts[2 * r + 1];
         triangles_.all += counts[2 * r], vertices_.all += counts[2 * r + 1];
     }
-    static constexpr std::int64_t none = 0;  // not null: ids that are given, of no elements
+    // An empty list of given ids needs a pointer that is not null, since null means that no ids are given.
+    static constexpr std::int64_t none = 0;
     const auto take = [](std::span<const std::int64_t> given) {
         return given.empty() ? std::span<const std::int64_t>(&none, 0) : given;
     };

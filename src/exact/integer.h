@@ -1,7 +1,7 @@
 #pragma once
 
 // Integers of any width, and conversion of float64 numbers to them. Every finite float64 is an integer times a power of
-// two, so with one power for all coordinates of a query, integers decide it. Host only.
+// two, so if one power is used for all coordinates of a decision, integer arithmetic suffices for it. Host only.
 
 #include <algorithm>
 #include <bit>

@@ -53,8 +53,8 @@ struct Expansion {
     double term[Capacity];
 
     CRUMPLE_HD Expansion() {}
-    // Copies only the terms in use. The implicit copy takes all of the array, and if it is inlined, nvcc 13.0 takes the
-    // size of the copy for 0 (docs/nvcc_13_0.md).
+    // Copies only the terms in use. The implicit copy constructor copies the whole array, and if it is inlined, nvcc
+    // 13.0 treats the size of the copy as 0 (docs/nvcc_13_0.md).
     CRUMPLE_HD Expansion(const Expansion& other) : size(other.size) {
         for (int i = 0; i < size; ++i) term[i] = other.term[i];
     }

@@ -1,8 +1,8 @@
 #pragma once
 
-// Inflation of a primitive's ball and box, in normalised coordinates, for queries that ask for less than contact: if
-// two primitives may be part of the result, their balls overlap, and so do their inflated boxes. Compiled for host
-// and device.
+// Inflation of a primitive's ball and box, in normalised coordinates, for queries whose results include pairs that do
+// not touch: if two primitives may be part of the result, their balls overlap, and so do their inflated boxes. Compiled
+// for host and device.
 
 #include <cstdint>
 
@@ -22,10 +22,10 @@ CRUMPLE_HD inline float normalised_length(double length, const Normaliser& norma
 /// each.
 inline constexpr float lost_length = 2e-19f;
 
-/// Parameters of an inflation: half the requested distance, plus, for a share s of a pair's own distance at the start,
-/// s / (1 - s) times the longest way of the primitive's corners. Features that approach from distance d to s d have
-/// moved by (1 - s) d together (docs/features.md). If vertices have radii, the largest radius of the primitive's
-/// vertices replaces half the distance.
+/// Parameters of an inflation. A primitive is inflated by half the requested distance. If the request is for a share s
+/// of a pair's distance at the start, it is also inflated by s / (1 - s) times the longest path of its corners:
+/// features that approach from distance d to s d have together moved by at least (1 - s) d (docs/features.md). If
+/// vertices have radii, the largest radius of the primitive's vertices replaces half the distance.
 struct Inflation {
     float half = 0, path_share = 0;
     bool of_box = false;            ///< true if the axis-aligned box of the primitive's points is inflated

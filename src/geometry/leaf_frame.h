@@ -19,7 +19,7 @@ inline constexpr float unit_roundoff = 0x1p-24f;  ///< u
 struct LeafFrame {
     Vec3f origin;
     Vec3f axis[3];
-    float big = 0;  ///< members with a coordinate relative to the origin above this in magnitude are big
+    float big = 0;  ///< a member is big if one of its coordinates, relative to the origin, exceeds this in magnitude
 };
 
 /// Returns the margin by which a box is widened on each side; `reach`: the largest |coordinate| of the leaf's corners.

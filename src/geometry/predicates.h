@@ -12,9 +12,9 @@
 //
 // The bounds: let ε = 2^-53. Each monomial of a determinant passes k roundings, those of the differences included, so
 // the result is off by at most ((1 + ε)^k − 1) P, where P is the sum of the monomials' magnitudes; computing P the same
-// way yields at least (1 − ε)^k P. So (k + 1) ε times the computed P is an upper bound. Each product that underflows
-// adds at most 2^-1075, times the factors that it still meets; the slack of 2^-1022 for each of those covers them all.
-// Comparisons are written so that infinities and NaN leave the sign undecided.
+// way yields at least (1 − ε)^k P. So (k + 1) ε times the computed P is an upper bound. A product that underflows is
+// off by at most 2^-1075 more, times the factors by which it is multiplied afterwards; a slack of 2^-1022 times these
+// factors covers all such products. Comparisons are written so that infinities and NaN leave the sign undecided.
 
 #include <array>
 #include <bit>
@@ -35,7 +35,7 @@ CRUMPLE_HD inline int certain_sign(double value, double bound) {
 }
 }  // namespace detail
 
-/// True if expansions represent all products exactly that the predicates form of such coordinates.
+/// True if expansions are exact for all products that the predicates form from such coordinates.
 CRUMPLE_HD inline bool in_expansion_range(double x) {
     const double magnitude = std::abs(x);
     return magnitude == 0 || (magnitude >= 0x1p-300 && magnitude <= 0x1p300);
@@ -104,8 +104,8 @@ class WholeDifferences {
         exact_ = exact_ && difference.low == 0;
         value_[count_++] = difference.high;
     }
-    /// Scales all differences so that the largest is below 2^41. Returns false if some are not exact, or not integers
-    /// then.
+    /// Scales all differences so that the largest is below 2^41. Returns false if a difference is not exact, or is not
+    /// an integer after scaling.
     bool make_whole() {
         double most = 0;
         for (const double x : value_) most = max(most, std::abs(x));
@@ -202,7 +202,7 @@ CRUMPLE_HD inline int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d
     return orient3d_expansion(a, b, c, d);
 }
 
-/// Return exact signs, by the filter if that decides, which takes about 10 ns.
+/// Return exact signs. Cost: about 10 ns if the filter decides.
 CRUMPLE_HD inline int orient2d(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     const int sign = orient2d_filtered(a, b, c, dropped);
     return sign != undecided ? sign : orient2d_exact(a, b, c, dropped);

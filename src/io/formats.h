@@ -49,7 +49,7 @@ inline constexpr std::array<Material, 2> overlap_materials{
 /// of triangles.
 struct ColouredMesh {
     TriangleMesh mesh;
-    std::vector<std::uint8_t> hit;  ///< per triangle: 0, or if it or its polygon collides 1, or a shade
+    std::vector<std::uint8_t> hit;  ///< per triangle: index of its material, or of a shade; for collisions 0 or 1
     std::span<const Material> materials = collision_materials;  ///< indexed by `hit`
 
     bool has_polygons() const { return !mesh.polygons.empty(); }
@@ -131,7 +131,7 @@ void check_has_colours(MeshFormat format);
 /// Throws Error unless the arrays have the right sizes, indices are in range and coordinates finite.
 void validate(const TriangleMesh& mesh);
 
-/// Calls f with a zero of type float or double, which is to be the scalar type of the mesh that it returns.
+/// Calls f with a zero of type float or double; f must return a mesh with this scalar type.
 template <class F>
 TriangleMesh in_precision(Precision asked, ScalarType of_file, F&& f) {
     const bool single = asked == Precision::automatic ? of_file == ScalarType::float32 : asked == Precision::float32;

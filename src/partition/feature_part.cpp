@@ -13,7 +13,7 @@
 namespace crumple {
 namespace {
 
-// Stands for a vertex outside the part in `joined`: no vertex of the part has this index.
+// Entry of `joined` for a neighbour outside the part; no vertex of the part has this index.
 constexpr std::int32_t elsewhere = std::numeric_limits<std::int32_t>::max();
 
 void sort_and_unique(std::vector<std::int32_t>& ids) {
@@ -150,8 +150,8 @@ class FeatureCopy {
         }
     }
 
-    // For each representative vertex of the part's vertices, ascending: the first vertex of the part that has it. This
-    // is the representative vertex within the part.
+    // Pairs of a representative vertex in the scene and the first vertex of the part that it represents, ascending.
+    // Within the part, that first vertex is the representative.
     using FirstByName = std::vector<std::pair<std::int32_t, std::int32_t>>;
     FirstByName first_by_name(const PartFeatures& out) const {
         FirstByName first;

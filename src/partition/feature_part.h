@@ -36,7 +36,7 @@ class FeatureBalls {
     FeatureBalls(const FeaturePartDemand& query, const Normaliser& normalise);
     PartBall operator()(const PreparedScene& scene, std::int64_t triangle) const;
     /// Returns the factor, at most 1, by which the slack of PartTree::mask() has to be multiplied, because a ball also
-    /// grows with the longest way of a corner.
+    /// grows with the longest path of a corner.
     double slack_of_path() const { return 3 / (3 + 2 * of_way_); }
 
    private:

@@ -5,8 +5,8 @@
 // One iteration computes the membership of each point in each cluster (eq. 3) and moves each centre to the mean of the
 // points weighted by membership^t (eq. 4). For t = 2, the usual choice, both exponents are integers: u_k = d_k^-2 /
 // sum_j d_j^-2. A point on a centre (d = 0) counts as one at a distance of 1e-15, a valid limit of eq. 3. Iteration
-// ends when no centre moved further than `stop`, or at the cap. Any centres give correct collisions and affect only
-// speed, so the sample and the cap may be small ([MZ] sec. 4, end).
+// ends when no centre moved further than `stop`, or at the cap. Results are correct with any centres, which affect only
+// speed. So the sample and the cap may be small ([MZ] sec. 4, end).
 //
 // Points and centres are normalised (at most about 1). Inner loops run over clusters, whose sums are independent, so
 // that every compiler and machine gives the same centres.
@@ -32,9 +32,9 @@ struct Centres {
     void set(std::integral auto k, Vec3f p) { x.data()[k] = p.x, y.data()[k] = p.y, z.data()[k] = p.z; }
 };
 
-/// True if splitting into `clusters` clusters pays, which it does while each triangle joins fewer than about
-/// clusters^(1/3) of them: a sweep costs members^2 times the mean interval over the extent, and the extent of a k-th of
-/// the scene is k^(1/3) times smaller.
+/// True if splitting into `clusters` clusters pays: while each triangle joins fewer than about clusters^(1/3) of them.
+/// Reason: a sweep costs members^2 times the ratio of the mean interval to the extent, and the extent of one of k
+/// clusters is k^(1/3) times smaller than that of the scene.
 inline bool splitting_pays(double memberships, double members, int clusters) {
     return memberships <= 1.1 * std::cbrt(clusters) * members;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Levels of subdivision above an engine's own, for a scene that is one cluster of a larger scene.
+// Levels of subdivision above a backend's own, for a scene that is one cluster of a larger scene.
 //
 // A cluster owns a pair iff, at every level, it is the lowest cluster that both triangles belong to
 // (docs/subdivide.md). So each level has one mask for each triangle. A label of triangles (world, body, rank) is a
@@ -19,7 +19,7 @@ inline constexpr std::size_t max_levels = 4;
 
 struct Level {
     const std::uint64_t* masks = nullptr;  ///< 1 per triangle of the scene: bit k is set if it belongs to cluster k
-    int cluster = 0;                       ///< cluster that the scene is
+    int cluster = 0;                       ///< index of the cluster that is this scene
 };
 
 /// Short list of levels, from the top; empty for a scene that is not part of another.

@@ -92,7 +92,7 @@ Vec3f PartSample::centroid(const Triangle& t, const Normaliser& normalise) {
     return {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)};
 }
 
-// The next part goes to the cluster with the fewest parts per point, decided by integers alone.
+// Assigns the parts one by one, each to the cluster with the fewest parts per point. Compares integers only.
 std::vector<int> distribute_centres(int parts, int most, std::span<const std::int64_t> points) {
     std::vector<int> shares(points.size(), 1);
     for (int left = parts - static_cast<int>(points.size()); left > 0; --left) {

@@ -84,10 +84,10 @@ struct PartTree {
         double least = INFINITY;
         for (std::int32_t k = 0; k < count; ++k)
             if (distance2[k] < least) nearest = k, least = distance2[k];
-        // The looser rule comes first, because it needs one comparison, then the bisector rule for the few that pass.
-        // Both sides of the latter are about ten roundings from the truth, and no number exceeds 12 (1 + d2); those of
-        // the former have twice as many, and none exceeds 50. Of centres at equal positions, the lowest takes all
-        // members.
+        // First a looser rule, one comparison: a centre cannot be nearest if it is farther than the nearest one plus
+        // the diameter. The few that pass are tested by the bisector rule. Both sides of the bisector rule have about
+        // ten roundings, and no number in it exceeds 12 (1 + d2); the looser rule has about twenty roundings, and no
+        // number above 50. If centres have equal positions, only the lowest of them gets members.
         const double* apart = level[l].apart + static_cast<std::int64_t>(first + nearest) * max_clusters;
         const double reach = std::sqrt(least) + 2 * ball.radius;
         const double farthest = reach * reach + 1e-12;
@@ -96,8 +96,8 @@ struct PartTree {
             const double d2 = distance2[k];
             if (k > nearest && apart[k] == 0) continue;
             if (d2 > farthest || d2 - least > 2 * ball.radius * apart[k] + 1e-13 * (1 + d2)) {
-                // Distance of the ball from the bisector. If corners move, the centroid uses up one third of it at
-                // most, and the growth of the radius two thirds.
+                // Distance of the ball from the bisector. If corners move by s, the centroid moves by at most s, and
+                // the radius grows by at most 2 s.
                 if (slack) {
                     const double gap = (d2 - least - 1e-12 * (1 + d2)) / (2 * apart[k]) - ball.radius;
                     *slack = min(*slack, gap / 3);

@@ -19,10 +19,10 @@ void check(bool holds, const char* message);
 void check_options(const Options& options);
 /// `b`: null for one mesh.
 void check_query(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
-/// `world`: true for a query about a world, false for a single mesh.
 void check_query_options(const IntersectionQuery& query);
 /// Checks a query with containment about a world.
 void check_containment(const IntersectionQuery& query, const World& world);
+/// `world`: true for a query about a world, false for a single mesh.
 void check_query_options(const ImpactQuery& query, bool world);
 void check_query_options(const ProximityQuery& query, bool world);
 void check_query_options(const CandidateQuery& query, bool world);

@@ -55,7 +55,7 @@ struct FeatureRequest {
     std::span<const double> radii = {};  ///< ProximityQuery::radii of the scene's vertices; empty: `distance` applies
     const VertexRings* rings = nullptr;  ///< pairs to leave out beyond those with a common vertex; null: none
     const RestShape* rest = nullptr;     ///< rest shape; null: none
-    const Part* part = nullptr;          ///< part that the scene was made from; requests its own pairs; null: all pairs
+    const Part* part = nullptr;          ///< part that the scene is made of: finds only its pairs; null: all pairs
 
     bool lists(CandidateKind kind) const { return kinds[static_cast<std::size_t>(kind)]; }
 };
@@ -150,7 +150,7 @@ using FeatureStream = RowStream<RowLists>;
 struct FeatureResult {
     explicit FeatureResult(MemoryMeter* m) : rows(m) {}
     bool any = false;
-    FirstImpact first;  ///< for impacts, from Extent::first on; without bodies
+    FirstImpact first;  ///< for impacts, except with Extent::any; without bodies
     RowLists rows;      ///< for Extent::all; sorted, unique
     Statistics statistics;
 

@@ -30,7 +30,7 @@ inline Extent extent(const ProximityQuery& query) { return query.output == Outpu
 inline Extent extent(const CandidateQuery&) { return Extent::all; }
 
 /// Returns the kinds of pairs to list. If all features belong to triangles, vertex-edge and vertex-vertex pairs are
-/// redundant: whatever these touch, faces touch, too.
+/// redundant: a vertex that touches an edge or a vertex also touches a face that has it.
 inline CodimensionalKinds listed_kinds(const SceneFeatures& features) {
     const bool others = !features.plain();
     return {true, true, false, false, others, others};

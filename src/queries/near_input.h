@@ -36,8 +36,8 @@ class NearInput {
     void place(const Shape& only);
     void place(const WorldOutline& outline, const WorldScene& scene);
 
-    /// Adds radii, rest shape and rings to a request, which refers to memory of this object. Makes the rings from the
-    /// request's features. `vertices`: number of vertices of the scene.
+    /// Adds radii, rest shape and rings to a request. The request then refers to memory of this object. Makes the rings
+    /// from the request's features. `vertices`: number of vertices of the scene.
     void tell(std::int64_t vertices, ParallelFor& workers, Cancellation& cancellation, FeatureRequest& query);
 
     /// Frees all memory.

@@ -53,7 +53,7 @@ class FacesAroundEdge {
         const int exponent = common_exponent(points);
         const Vec3<Integer> origin = scaled(low_, exponent), axis = scaled(high_, exponent) - origin;
         for (std::size_t i = 0; i < ends.size(); ++i)
-            normals_.push_back(cross(axis, scaled(points[i], exponent) - origin));  // of the face's half-plane
+            normals_.push_back(cross(axis, scaled(points[i], exponent) - origin));  // normal of the half-plane
         axis_ = axis;
         const auto proper = std::find_if(normals_.begin(), normals_.end(), [](const auto& n) { return !is_zero(n); });
         if (proper != normals_.end()) first_ = *proper;

@@ -41,7 +41,7 @@ struct OverlapRow {
 /// Returns the bytes of a row's lists.
 std::size_t bytes_of(const OverlapRow& row);
 
-/// Converts a row to that of the bodies turned inside out where their orientation (1 or −1) is −1.
+/// Converts a row to the row that the bodies would have if those with orientation −1 (not 1) were turned inside out.
 void orient(int first, int second, OverlapRow& row);
 
 /// Returns an empty result whose arrays are counted by the meter.

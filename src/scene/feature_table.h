@@ -11,8 +11,8 @@
 
 namespace crumple {
 
-/// Edges of a triangle, by side; -1 if the side's ends are equal, and if edges are listed for each edge that the
-/// triangle does not own.
+/// Edges of a triangle, by side; -1 if the side's ends are equal. If the caller lists edges, also -1 for each edge that
+/// the triangle does not own.
 using TriangleEdges = std::array<std::int32_t, 3>;
 
 /// Points of a triangle's corners, if points are listed.
@@ -49,8 +49,8 @@ struct FeatureTable {
         const std::int32_t v = name(vertex);
         return v == name(e.a) || v == name(e.b);
     }
-    /// True if an edge of the vertex, which is not on this lone edge, has no common vertex with it. Then the pair of
-    /// these edges covers the vertex.
+    /// True if some edge of `vertex` has no common vertex with `lone`. Then the pair of these two edges makes a test of
+    /// `vertex` against `lone` unnecessary. `vertex` must not be an end of `lone`.
     CRUMPLE_HD bool has_edge_apart(std::int32_t vertex, const Edge& lone) const {
         if (!neighbours) return false;  // there is no lone edge
         const NamedNeighbours& of = neighbours[vertex];

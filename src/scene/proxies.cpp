@@ -92,6 +92,8 @@ void SceneFeatures::add_proxies_of_points() {
     }
 }
 
+// Two other ends per vertex suffice for has_edge_apart(): an edge is apart from a lone edge if its other end is not on
+// the lone edge. Two different other ends may both be on it, three may not.
 void SceneFeatures::find_adjacent() {
     neighbours_.clear();
     if (!lone_edges_) return;
@@ -111,6 +113,4 @@ void SceneFeatures::find_adjacent() {
     }
 }
 
-// Two other ends per vertex suffice for has_edge_apart(): an edge is apart from a lone edge if its other end is not on
-// the lone edge. Two different other ends may both be on it, three may not.
 }  // namespace crumple

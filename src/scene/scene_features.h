@@ -11,9 +11,9 @@
 //   owned[t]:   bit k: the vertex at corner k;  bit 3 + k: edge k;  lone_point, lone_edge: see feature_table.h
 //
 // If the caller lists edges or points, these are the features. A listed edge or point that no triangle names has a
-// *proxy triangle* (`carrier` in the code): a degenerate triangle (a, b, b) for an edge, (v, v, v) for a point. It
-// comes after the scene's triangles, owns that feature, and is not a face. Each repetition of an edge or a point in the
-// list has a proxy triangle, too, whatever names it (carriers.cpp).
+// *proxy triangle*: a degenerate triangle (a, b, b) for an edge, (v, v, v) for a point. It comes after the scene's
+// triangles, owns that feature, and is not a face. Each repetition of an edge or a point in the list has a proxy
+// triangle, too, even if a triangle names the feature (proxies.cpp).
 
 #include <algorithm>
 #include <array>
@@ -80,8 +80,8 @@ class SceneFeatures {
     std::int64_t proxies() const { return static_cast<std::int64_t>(face_of_carrier_.size()); }
     /// Returns the lowest triangle that names the feature of proxy triangle i; -1 if none does.
     std::int32_t face_of_proxy(std::int64_t i) const { return face_of_carrier_[i]; }
-    /// True if triangles alone have all tests: there are no proxy triangles, and points have the indices of their
-    /// vertices.
+    /// True if features need no special treatment: triangles own all of them, without proxy triangles, and points have
+    /// the indices of their vertices.
     bool plain() const { return proxies() == 0 && points_of_.empty(); }
     /// Corners of all triangles and proxy triangles.
     const std::int32_t* corners() const { return corners_.data(); }
@@ -98,8 +98,8 @@ class SceneFeatures {
     }
     bool incident(std::int32_t vertex, const Edge& e) const { return table().incident(vertex, e); }
     bool incident(const Edge& e, const Edge& f) const { return incident(e.a, f) || incident(e.b, f); }
-    /// True if an edge of the vertex, which is not on this lone edge, has no common vertex with it. Then the pair of
-    /// these edges covers the vertex.
+    /// True if some edge of `vertex` has no common vertex with `lone`. Then the pair of these two edges makes a test of
+    /// `vertex` against `lone` unnecessary. `vertex` must not be an end of `lone`.
     bool has_edge_apart(std::int32_t vertex, const Edge& lone) const { return table().has_edge_apart(vertex, lone); }
 
     /// Returns pointers to all data for inner loops; valid while this object is unchanged.
@@ -118,7 +118,7 @@ class SceneFeatures {
     void release();
 
     using Neighbours = NamedNeighbours;
-    bool has_lone_edges() const { return !neighbours_.empty(); }  ///< true if there are lone edges
+    bool has_lone_edges() const { return !neighbours_.empty(); }
     const Neighbours& neighbours(std::int32_t vertex) const { return neighbours_[vertex]; }
 
    private:

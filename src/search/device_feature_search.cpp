@@ -19,7 +19,7 @@ bool device_supports_filter(const Shape& shape, const PairFilter& rules) {
            !(by_groups && (shape.edges || shape.points));
 }
 
-/// Throws for queries that find() would run on a copy on the host: launches do not.
+/// Throws for queries that the device cannot run. find() runs these on a copy on the host, but launches do not.
 template <class Query>
 void require_device_support(const Shape& shape, const Query& query) {
     if (FeatureSearch::supports_on_device(shape, query)) return;
@@ -90,7 +90,7 @@ void FeatureSearch::find_on_device(BackendBase& backend, const DeviceShape& mesh
     search(backend, {{&mesh.shape, 1}, {&body, 1}, {}, {}}, query, result);
 }
 
-// Reads the inputs of a launch, or of one that is run again.
+// Reads the inputs of a launch, before its first run and before a repetition.
 template <class Query>
 void FeatureSearch::read_on_device(BackendBase& backend, const DeviceShape& mesh, const Query& query) {
     low_memory_ = false;

@@ -40,7 +40,7 @@ class FeatureSearch {
    public:
     FeatureSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& trees);
 
-    /// `bodies`: true if the result names bodies, else there is only one. `low_memory`: low memory, see FeatureRequest.
+    /// `bodies`: true if the result names bodies, else there is only one. `low_memory`: see FeatureRequest.
     template <class Query>
     void find(BackendBase& backend, const World& world, const Query& query, bool bodies, bool low_memory,
               typename Query::Result& result) {
@@ -120,10 +120,10 @@ class FeatureSearch {
     void read(const World& world, const PairFilter& rules);
     /// True if there is a single body that can be searched in the caller's memory.
     bool in_place(const PairFilter& rules) const;
-    /// Makes a scene of that body, or of the bodies of world `pass` (worlds(): those in all worlds; nothing if there
-    /// are none), with its features and filter. `step`: with end positions, else at the start only. `marked`: only
-    /// these groups of triangles, unless empty.
+    /// Makes a scene of that body, with its features and filter. `step`: with end positions, else at the start only.
     PreparedScene prepare_in_place(BackendBase& backend, bool step, bool weld);
+    /// Makes such a scene of the bodies of world `pass` (worlds(): those in all worlds); returns nothing if
+    /// own_bodies(pass) is 0. `marked`: only these groups of triangles, unless empty.
     std::optional<PreparedScene> prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld,
                                               std::span<const ClearWorlds::Mark> marked = {});
     void add_marked(std::int32_t pass, std::span<const ClearWorlds::Mark> marked);
@@ -164,7 +164,7 @@ class FeatureSearch {
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
-    bool bodies_ = false, low_memory_ = false;  // of the current call
+    bool bodies_ = false, low_memory_ = false;  // parameters of the current call
     const DeviceShape* there_ = nullptr;        // mesh of the current call if it is in device memory
     WorldOutline outline_;
     BodyFilter rules_;
@@ -189,7 +189,7 @@ class FeatureSearch {
     std::array<Launched, most_in_flight> launched_;
 };
 
-// Own bodies come first among the added ones.
+// The world's own bodies were added to the scene first, before bodies that are in all worlds.
 template <class Result>
 void FeatureSearch::append_features(std::int32_t pass, Result& result) {
     const auto bodies = static_cast<std::size_t>(own_bodies(pass));

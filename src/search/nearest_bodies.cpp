@@ -33,8 +33,7 @@ bool beyond(const Bounds& a, const Bounds& b, double radius) {
     return squared * (1 - 0x1p-48) > radius * radius + 0x1p-1000;
 }
 
-// A distance up to which pairs of bodies may have a squared distance that is rounded to the same number or a smaller
-// one.
+// Returns an upper bound on all distances whose rounded square does not exceed that of `distance`.
 double with_equals(double distance) { return distance * (1 + 0x1p-50) + 0x1p-500; }
 
 }  // namespace
@@ -154,7 +153,7 @@ void NearestSearch::keep_nearest(NearestWalk& walk, std::size_t begin, std::size
     if (nearest) kept_[*nearest] = 1;
 }
 
-// Numbers the rows that are kept, of each world one at most.
+// Numbers the rows that are kept, at most one per world.
 void NearestSearch::number_rows(Distances& answer) const {
     std::int64_t rows = 0;
     for (std::int32_t w = 0; w < outline_.worlds(); ++w) {

@@ -24,7 +24,7 @@ class NearestSearch {
     NearestSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named);
     ~NearestSearch();
 
-    /// `low_memory`: low memory, one pair after the other, so that the memory does not depend on threads.
+    /// `low_memory`: searches one pair after the other, so that the memory does not depend on threads.
     void find(ParallelFor& workers, const World& world, const DistanceQuery& query, bool low_memory, Distances& answer);
 
     /// Frees all memory, except for named shapes.

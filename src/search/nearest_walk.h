@@ -30,7 +30,7 @@ struct PosedLeaf {
 /// Counts of tests.
 struct NearestCounts {
     std::int64_t tests = 0;     ///< pairs of triangles tested in float64
-    std::int64_t exact = 0;     ///< of these, pairs tested for intersection exactly
+    std::int64_t exact = 0;     ///< tests that also decided intersection exactly
     std::int64_t rational = 0;  ///< decisions in rational arithmetic
 };
 
@@ -110,7 +110,7 @@ class NearestWalk {
     NearestCandidate closest_{};          ///< pair that gave `upper_`, or the touching pair
     Vec3d direction_;                     ///< direction between the closest points of that pair, 0 if there is none
     Array<NearestCandidate> candidates_;  ///< all pairs that may be closest
-    /// Number of candidates up to which those that are too far are not dropped.
+    /// Candidates that have become too far are dropped when there are more than this many.
     std::size_t few_ = 0;
 };
 

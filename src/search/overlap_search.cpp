@@ -24,8 +24,8 @@ Vec3d middle_of(const Bounds& a, const Bounds& b) {
     return middle;
 }
 
-/// Returns all pairs of triangles of one surface that have a common point, in both orders: the pairs found, and all
-/// adjacent triangles, since the former lack those that meet only in what they share.
+/// Returns all pairs of triangles of one surface that have a common point, in both orders: the pairs in `found`, and
+/// all pairs of adjacent triangles, since `found` lacks those that meet only in their common vertices or edge.
 std::vector<Pair> pairs_within(const ClosedSurface& surface, std::span<const Pair> found) {
     std::vector<Pair> pairs;
     for (const auto& [a, b] : found) {
@@ -157,7 +157,8 @@ void OverlapSearch::find_rows(BackendBase& backend, WorldSearch& worlds, const W
     result.statistics.rational_tests += rational;
 }
 
-// Sorts pairs from the order of first body, its triangle, second body, its triangle to that of the candidates.
+// Sorts the found pairs by pair of bodies, and sets the range of each candidate. The pairs arrive in the order of
+// first body, its triangle, second body, its triangle.
 void OverlapSearch::sort_pairs() {
     std::vector<std::size_t> order(found_.pairs.size());
     std::iota(order.begin(), order.end(), std::size_t{0});

@@ -86,7 +86,8 @@ void WorldSearch::find(BackendBase& backend, const World& world, const Intersect
     of_call_.clear();
 }
 
-// Builds or looks up trees of named shapes, and of shapes that are in all of several worlds.
+// Builds or looks up the trees of named shapes and, if there are several worlds, of the shapes of bodies that are in
+// all of them.
 void WorldSearch::read_shapes() {
     const World& world = outline_.world();
     float32_ = std::all_of(world.shapes.begin(), world.shapes.end(),

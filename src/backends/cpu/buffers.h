@@ -34,7 +34,7 @@ struct Buffers {
     Points points;
     Array<Ball> balls;
     Subdivision subdivision;
-    Array<std::uint8_t> included;  ///< 1 per triangle: 0 if it is left out; empty: none is
+    Array<std::uint8_t> included;  ///< by triangle: 0 if it is left out; empty if none is left out
     bool repeats_corner = false;   ///< true if some triangle has a repeated vertex
     WarmCentres warm;
     std::vector<std::unique_ptr<WorkerBuffers>> worker;

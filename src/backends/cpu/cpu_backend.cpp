@@ -174,8 +174,8 @@ class CpuBackend final : public BackendBase {
     std::unique_ptr<Kept> kept_;
     Statistics statistics_;
     std::int64_t too_many_ =
-        std::numeric_limits<std::int64_t>::max();  ///< scenes of this many triangles or more are searched in chunks:
-                                                   ///< this many exceeded the limit
+        std::numeric_limits<std::int64_t>::max();  ///< triangles of the smallest scene that has exceeded the memory
+                                                   ///< limit: scenes of this size or more are searched in chunks
 };
 
 }  // namespace

@@ -28,7 +28,7 @@ struct Call {
     Statistics& statistics;
     LeafQuery& query;
 
-    bool low_memory = false;        ///< low memory: one cluster after another, on one worker
+    bool low_memory = false;        ///< one cluster after another, on one worker
     std::int64_t* units = nullptr;  ///< number of units that a stream has begun; null: no stream
     Inflation inflation = {};       ///< inflation of every triangle
 
@@ -68,7 +68,7 @@ void for_each_unit(const Call& call, std::size_t n, Task task) {
 /// Runs stage `bounds`.
 void measure(const Call& call);
 
-/// Runs the stages from `subdivide` to `narrow` on a scene for which measure() has run. `question` keeps the results.
+/// Runs the stages from `subdivide` to `narrow` on a scene for which measure() has run. `call.query` keeps the results.
 void search(const Call& call);
 
 }  // namespace crumple::cpu

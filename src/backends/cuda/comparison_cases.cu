@@ -23,7 +23,7 @@ namespace crumple::cuda {
 namespace {
 
 constexpr std::size_t case_count = 96;  // three warps: one block of each kernel
-constexpr std::size_t kinds = 2;        // of feature pairs: those of triangles' features
+constexpr std::size_t kinds = 2;        // kinds of feature pairs: vertex_face and edge_edge
 constexpr std::size_t queries = 3;      // near, impacts, impacts with a minimum distance
 using Count = unsigned long long;
 

@@ -41,7 +41,7 @@ class CudaBackend final : public BackendBase {
     ~CudaBackend() override {
         const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);  // else waiting would invalidate captures
         try {
-            state_.flights.finish();  // they write to memory that is freed now
+            state_.flights.finish();  // launches in flight write to memory that is freed now
         } catch (...) {               // the device has failed
         }
     }

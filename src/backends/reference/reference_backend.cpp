@@ -1,7 +1,7 @@
 // Brute force, the reference for every other backend: decides all pairs that the pair filter keeps and whose boxes
-// overlap, in rational arithmetic. Shares no filter, no predicate and no subdivision with the others; only the backend
-// interface, the group rules and the ownership of public parts. One thread, O(m²) box tests for m triangles, about 20
-// us for each pair whose boxes overlap.
+// overlap, in rational arithmetic. Shares no filter, no predicate and no subdivision with the others. It shares the
+// backend interface, the pair filter, the ownership of public parts, and the assembly of results with their contacts.
+// One thread, O(m²) box tests for m triangles, about 20 us for each pair whose boxes overlap.
 
 #include <algorithm>
 

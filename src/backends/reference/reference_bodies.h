@@ -43,7 +43,7 @@ class PosedBodies {
     /// with themselves.
     std::vector<BodyPair> near_pairs(bool self) const;
     /// Returns the bodies of a pair whose surfaces are not closed. Throws Error (invalid_argument) for
-    /// OpenSurfaces::error. `query`: named by the message.
+    /// OpenSurfaces::error. `query`: type of the query, for the message.
     std::vector<std::int32_t> open_bodies(const BodyPair& pair, OpenSurfaces open, const char* query) const;
 
    private:

@@ -67,7 +67,8 @@ void add_bodies(const std::vector<PosedTriangle>& all_a, const std::vector<Posed
     put_row(answer, answer.bodies.size() - 1, {least->squared(), least->touching(), triangles, least->points()});
 }
 
-/// Keeps the row of the nearest pair of bodies of each world, the first of several, and numbers these rows.
+/// Keeps the row of the nearest pair of bodies of each world, the first one if several are equally near, and fills
+/// world_rows.
 void keep_nearest(const World& world, std::int32_t worlds, Distances& answer) {
     const std::size_t none = answer.bodies.size();
     std::vector<std::size_t> nearest(static_cast<std::size_t>(worlds), none);

@@ -5,8 +5,8 @@
 
 namespace crumple {
 
-/// Finds distances of bodies by brute force: all pairs of triangles that the filter keeps, of each pair of bodies, in
-/// rational arithmetic. Shares with other engines how a world is read, the poses and the pair filter.
+/// Finds distances of bodies by brute force: computes, for each pair of bodies, all pairs of triangles that the filter
+/// keeps, in rational arithmetic. Shares the reading of worlds, the poses and the pair filter with the other backends.
 void find_nearest_by_brute_force(const World& world, const DistanceQuery& query, MemoryMeter& meter,
                                  Cancellation& cancellation, Distances& answer);
 

@@ -25,7 +25,7 @@ struct Feature {
     Vec3d low, high;  ///< box of its swept volume
     double radius = 0;
     bool lone = true;         ///< on no face, and if it is a vertex, on no edge
-    std::int32_t owner = -1;  ///< triangle that owns it, in a part
+    std::int32_t owner = -1;  ///< in a part: triangle that owns it
 };
 
 using Ends = std::pair<std::int32_t, std::int32_t>;
@@ -140,7 +140,7 @@ class Everything {
     std::map<std::int32_t, std::vector<std::size_t>> edges_of_vertex_;
 };
 
-/// Adjacency of vertices by edges, of faces or listed, by representative vertex.
+/// Representative vertices that an edge or a face joins to each representative vertex, itself included.
 using Next = std::map<std::int32_t, std::set<std::int32_t>>;
 
 Next next_of(const Everything& all) {
@@ -152,7 +152,7 @@ Next next_of(const Everything& all) {
     return next;
 }
 
-/// Returns true if a path of at most so many edges joins a vertex of `from` to one of `to`. A common vertex is a path
+/// Returns true if a path of at most `edges` edges joins a vertex of `from` to one of `to`. A common vertex is a path
 /// of 0 edges.
 bool joined(const Next& next, std::set<std::int32_t> from, const std::set<std::int32_t>& to, std::int32_t edges) {
     for (;; --edges) {

@@ -1,8 +1,8 @@
 #pragma once
 
 // Impacts, proximities and candidates by brute force: all pairs of features, decided in rational arithmetic. Features
-// are listed independently of other backends, and boxes are the only filter. One thread, O(features²) box tests, some
-// 10 to 40 us for each pair of features whose boxes overlap, unless the boxes decide.
+// are listed independently of other backends, and boxes are the only filter. One thread, O(features²) box tests, and,
+// except for candidates, some 10 to 40 us for each pair of features whose boxes overlap.
 
 #include "base/cancellation.h"
 #include "queries/feature_request.h"

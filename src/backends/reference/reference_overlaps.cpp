@@ -123,7 +123,7 @@ class BruteForceOverlap {
         }
     }
 
-    /// Returns a row without volumes and moments, for surfaces of which one is not closed.
+    /// Returns a row without volumes and moments, for two surfaces that are not both closed.
     OverlapRow open_row() {
         OverlapRow row;
         add(Shift::forward, row);

@@ -7,8 +7,8 @@
 namespace crumple {
 
 /// Finds intersections in a world by brute force: poses all triangles of all bodies, and decides all pairs that the
-/// filter keeps and whose boxes overlap, in rational arithmetic. Delivers blocks if `blocks` is not null. Shares with
-/// other engines how a world is read, the poses and the pair filter.
+/// filter keeps and whose boxes overlap, in rational arithmetic. Delivers blocks if `blocks` is not null. Shares the
+/// reading of worlds, the poses and the pair filter with the other backends.
 void find_by_brute_force(const World& world, const IntersectionQuery& query, MemoryMeter& meter,
                          Cancellation& cancellation, Intersections& result, const WorldBlocks* blocks = nullptr);
 

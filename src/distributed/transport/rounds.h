@@ -23,7 +23,7 @@ struct Traffic {
 
 class Rounds {
    public:
-    /// `bytes`: size of a message batch of one rank, out and in each.
+    /// `bytes`: size of a message batch of one rank, in each direction.
     Rounds(Transport& transport, std::int64_t bytes) : transport_(transport), bytes_(bytes) {}
 
     /// Exchanges rows. pack(rank, first, span of n rows) writes the rows [first, first + n) for a rank; unpack(rank,

@@ -29,9 +29,9 @@ struct LeastDistance {
 
 /// Returns the least distance of the candidates, and sorts them. `candidates`: at least one, in any order, including
 /// all pairs of triangles at the least distance. `closest`: the candidate that seems to be the closest. `upper`: an
-/// upper bound on the least distance, unless that exceeds the radius; then `within` is false, and the rest of the
-/// result is undefined. `radius`: 0 or more, or infinite. Adds to `rational` the number of pairs that took rational
-/// arithmetic.
+/// upper bound on the least distance. If the least distance exceeds the radius, it need not be one; then `within` is
+/// false, and the rest of the result is undefined. `radius`: 0 or more, or infinite. Adds to `rational` the number of
+/// pairs that took rational arithmetic.
 LeastDistance decide_nearest(Array<NearestCandidate>& candidates, const NearestCandidate& closest, double upper,
                              double radius, std::int64_t& rational);
 

@@ -43,7 +43,7 @@ class RationalNearest {
    private:
     void find_least(const TrianglePoints& a, const TrianglePoints& b, std::uint16_t features);
 
-    std::optional<RationalDistance> distance_;  ///< that of the first closest features; none if the triangles intersect
+    std::optional<RationalDistance> distance_;  ///< least distance of features; none if the triangles intersect
     Features features_;
     bool second_first_ = false;
     Vec3d common_;  ///< closest point if the triangles intersect

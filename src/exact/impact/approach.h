@@ -1,7 +1,7 @@
 #pragma once
 
-// Two moving features as three vectors from one of their points, linear in time, in float64. Compiled for host and
-// device. Bounds are derived in docs/motion_filters.md.
+// Two moving features as three vectors between their points, linear in time, in float64. Compiled for host and device.
+// Bounds are derived in docs/motion_filters.md.
 //
 // A vertex p and a face a b c are the vectors u = b - a, v = c - a, w = p - a; edges a b and c d are u = b - a,
 // v = d - c, w = c - a. Whenever the features touch, (u x v) . w = 0.
@@ -41,7 +41,7 @@ struct MovingVector {
         const Vec3d all = abs(start) + abs(end);
         return all.x + all.y + all.z;
     }
-    /// Returns the vector at time t, off by four roundings of reach().
+    /// Returns the vector at time t. Each component is off by at most four roundings, relative to reach().
     CRUMPLE_HD Vec3d at(double t) const { return (1 - t) * start + t * end; }
 };
 

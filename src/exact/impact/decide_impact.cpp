@@ -9,7 +9,8 @@ namespace {
 template <FeaturePair pair>
 Impact decide(const FourPoints& points, ImpactCounts& counts, Filtered filtered);
 
-/// Returns the axis across which all four points stay in one plane, which may move along it, or -1.
+/// Returns an axis such that all four points stay in one plane perpendicular to it, or -1. The plane may move along the
+/// axis.
 int axis_of_common_plane(const FourPoints& points) {
     const auto common = [&](int axis) {
         for (const MovingPoint& p : points) {
@@ -23,9 +24,9 @@ int axis_of_common_plane(const FourPoints& points) {
     return -1;
 }
 
-/// Decides the impact of features that stay in a plane across an axis and do not touch at the start. One of them then
-/// has a vertex that meets an edge of the other first; and a vertex meets an edge in the plane when the edge meets the
-/// segment that stands on the plane at the vertex.
+/// Decides the impact of features that stay in a plane perpendicular to an axis and do not touch at the start. One of
+/// them then has a vertex that meets an edge of the other first; and a vertex meets an edge in the plane when the edge
+/// meets the segment that stands on the plane at the vertex.
 template <FeaturePair pair>
 Impact impact_in_plane(FourPoints points, int axis, ImpactCounts& counts) {
     for (MovingPoint& p : points) p.start[axis] = p.end[axis] = 0;

@@ -12,7 +12,7 @@ namespace crumple {
 /// Number of decisions that reached each stage.
 struct ImpactCounts {
     std::int64_t roots = 0;  ///< not decided by the filters that prove features apart
-    std::int64_t exact = 0;  ///< of these, took rational arithmetic
+    std::int64_t exact = 0;  ///< number of `roots` that took rational arithmetic
 };
 
 /// Flag: `yes` if filters at least as strong as surely_apart() have been applied already.

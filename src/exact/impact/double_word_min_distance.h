@@ -4,8 +4,9 @@
 // proven bounds (docs/separation_filters.md). It decides features that come close, after surely_farther.h has advanced
 // to shortly before the contact. Compiled for host and device.
 //
-// A turning direction proves that the features are farther apart up to some float64 time, and two of their points prove
-// that they are closer at the next float64. The former is then the time rounded down, and no polynomial is needed.
+// A direction that turns with time proves that the features are farther apart than the minimum distance up to some
+// float64 time, and two of their points prove that they are closer at the next float64. The earlier of these times is
+// then the result, rounded down; no polynomial is needed.
 
 #include "exact/impact/filtered_impact.h"
 #include "exact/impact/min_distance.h"
@@ -167,7 +168,7 @@ class DoubleWordMinDistance {
         return limit.low.high >= 0x1p-200 && limit.high.high <= 0x1p200;
     }
 
-    /// Returns a bound on the error of g · g as the squared length of a difference of the domain.
+    /// Returns a bound on how far g · g is from the squared length of an exact difference in the domain.
     CRUMPLE_HD double length_error(const Vec3dw& g, double squared) const {
         const double off = word_error * rounded_.size;
         return off * (4 * length_1(high(g)) + 4 * off) + word_error * squared;
@@ -188,7 +189,7 @@ class DoubleWordMinDistance {
         return result;
     }
 
-    /// Returns an upper bound on the limit times the length of g.
+    /// Returns an upper bound on the minimum distance times the length of g.
     CRUMPLE_HD static DoubleWord limit_along(const Vec3dw& g, const SquaredLimit& limit) {
         const DoubleWord squared = limit.high * product(g, g);
         const double root = std::sqrt(squared.high);
@@ -201,8 +202,9 @@ class DoubleWordMinDistance {
                                     const SquaredLimit& limit) const {
         const Vec3dw f = first.direction(), g = second.direction();
         if (!(length_1(high(f)) > 0.5 && length_1(high(g)) > 0.5)) return false;
-        // Bernstein coefficients of heights that are quadratic in time, the middle one doubled, and a line above the
-        // limit times the direction's length.
+        // Along a direction that changes linearly from f to g, heights are quadratic in time, with the Bernstein
+        // coefficients f_x, middle / 2 and g_y. The minimum distance times the length of the direction is convex, so it
+        // is at most the line from f_limit to g_limit.
         const Difference<DoubleWord> x = at(from), y = at(to);
         const auto f_x = corner_heights(x, f), f_y = corner_heights(y, f), g_x = corner_heights(x, g),
                    g_y = corner_heights(y, g);

@@ -15,7 +15,8 @@ Polynomial turn(const Path& a, const Path& b, const Path& c, int along) {
     return (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i]);
 }
 
-// Tests if sets touch at one time t. Polynomials that must be 0 for a contact have the root t and are not tested again.
+// The functions below test if features touch at one time t. The caller has found t as a root of the polynomials that
+// must be 0 for a contact, so these are not tested again.
 
 bool vanishes(const Path& path, Root& t) { return t.sign(path.x) == 0 && t.sign(path.y) == 0 && t.sign(path.z) == 0; }
 
@@ -56,11 +57,11 @@ bool edges_touch(const Path& a, const Path& b, const Path& c, const Path& d, Roo
     return !apart(a, b, c, d) && !apart(c, d, a, b);
 }
 
-// Times at which sets first touch.
+// The functions below compute the time at which features first touch.
 
 Impact impact_at(Root& t) { return {true, t.rounded_down(), t.is_zero()}; }
 
-/// Returns the impact at the first root of p at which the sets touch; p is not 0.
+/// Returns the impact at the first root of p at which the features touch; p is not 0.
 template <class Touch>
 Impact first_root(const Polynomial& p, Touch touch) {
     for (Root& t : roots_in_unit_interval(p)) {
@@ -69,8 +70,8 @@ Impact first_root(const Polynomial& p, Touch touch) {
     return {};
 }
 
-/// Returns the impact at the start if the sets touch there, otherwise the first impact of smaller features. Rounding is
-/// monotone, so the least of the rounded times is the least time, rounded.
+/// Returns the impact at the start if the features touch then, otherwise the first impact of smaller features. Rounding
+/// is monotone, so the least of the rounded times is the least time, rounded.
 template <class Touch>
 Impact start_or_first_of(Touch touch, std::initializer_list<Impact> smaller) {
     Root start(Dyadic{0, 0});

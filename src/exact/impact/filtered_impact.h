@@ -5,8 +5,8 @@
 // give `unknown`. Compiled for host and device. The derivation is in docs/motion_filters.md.
 //
 // Roots of the volume are visited in ascending order. Each is isolated by signs, enclosed by Newton's method, and
-// skipped if the features are certainly beside each other at that time. If they certainly touch, the enclosure is
-// narrowed, with the volume in double words, until the root can be rounded.
+// skipped if the features certainly do not touch at that time. If they certainly touch, the enclosure is narrowed, with
+// the volume in double words, until the root can be rounded.
 //
 // Cost: 60 ns if surely_apart.h decides, 200 ns more with roots at which nothing touches, 400 ns for an impact.
 

@@ -12,7 +12,7 @@ struct MovingPoint {
 };
 
 struct Impact {
-    bool meets = false;  ///< the closed sets have a point in common at some t in [0, 1]
+    bool meets = false;  ///< true if the features have a point in common at some t in [0, 1]
     double toi = 0;      ///< the first such t, rounded down to float64: toi <= exact < next number; 0 without one
     bool start = false;  ///< true if this t is exactly 0: they touch at the start
 

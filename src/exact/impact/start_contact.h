@@ -8,8 +8,8 @@
 namespace crumple {
 namespace detail {
 
-/// Returns an axis along which the plane of four points is certainly not projected to a line, as one of two of their
-/// triangles proves, or −1.
+/// Returns an axis along which the projection of a b c or of b c d is certainly not degenerate, or −1. Along this axis
+/// the plane of the four points is not projected to a line.
 CRUMPLE_HD inline int axis_of_plane(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
     for (int axis = 0; axis < 3; ++axis) {
         if (orient2d_filtered(a, b, c, axis) != undecided || orient2d_filtered(b, c, d, axis) != undecided) return axis;

@@ -10,8 +10,8 @@
 namespace crumple {
 namespace detail {
 
-/// Returns the side of the face 0, u, v or of the edge from 0 to u on which the other feature certainly lies, along a
-/// line onto which u, v and w project to these values: 1, −1, or 0 if it is not certain.
+/// Returns on which side of the first feature, the face 0, u, v or the edge from 0 to u, the other feature certainly
+/// lies along a line: 1, −1, or 0 if it is not certain. `u`, `v`, `w`: projections of the vectors onto the line.
 template <FeaturePair pair>
 CRUMPLE_HD inline int side(double u, double v, double w, double bound) {
     if constexpr (pair == FeaturePair::vertex_face)  // vertex w and face 0, u, v

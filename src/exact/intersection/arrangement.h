@@ -105,8 +105,8 @@ struct CommonLine {
     }
 
    private:
-    /// Orders the corners from the lone one on. Returns true if that is on the negative side, so that the other
-    /// triangle has to be turned over.
+    /// Orders the corners from the lone one on. Returns true if the lone corner is on the negative side, so that the
+    /// other triangle has to be turned over.
     CRUMPLE_HD static bool arrange(const Triangle& t, const Sides& side, std::array<Vec3d, 3>& corners,
                                    std::array<int, 3>& sides) {
         for (int i = 0; i < 3; ++i) {

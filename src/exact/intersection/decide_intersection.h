@@ -13,7 +13,7 @@ namespace crumple {
 /// Number of decisions that reached each stage; summed into Statistics.
 struct DecisionCounts {
     std::int64_t exact = 0;     ///< unresolved by float64 filters
-    std::int64_t rational = 0;  ///< of these, beyond the range of expansions
+    std::int64_t rational = 0;  ///< number of `exact` beyond the range of expansions
 };
 
 /// True iff the pair collides under the policies. Needs round-to-nearest without flush-to-zero.

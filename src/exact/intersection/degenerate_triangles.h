@@ -4,9 +4,9 @@
 // a triangle has one edge, the segment, and no inside. Compiled for host and device; `Signs` is ExactSigns.
 //
 // Points of a line are ordered along it as they are lexicographically, which needs comparisons only. Signs relative to
-// lines and planes decide if two segments, or a segment and a triangle, have a point in common. A pair with shared
-// vertices is easier: the hull H of these is a part of the segment, and the intersection, being convex, exceeds H iff,
-// from an end of H, the other triangle extends towards the end of the segment on that side (proofs: docs/narrow.md).
+// lines and planes decide if two segments, or a segment and a triangle, have a point in common. If a pair has shared
+// vertices, their hull H is a part of the segment. The intersection is convex, so it exceeds H iff the other triangle
+// extends beyond an end of H, towards the end of the segment on that side (proofs: docs/narrow.md).
 
 #include "exact/intersection/arrangement.h"
 

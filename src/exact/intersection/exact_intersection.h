@@ -35,8 +35,8 @@ struct RationalIntersection {
     int exponent = 0;
     std::vector<RationalPoint> points;  ///< extreme points, in the order of crumple::Contacts
     int shared = 0;                     ///< number of distinct vertex ids that both triangles have
-    bool collides = false;              ///< some point lies outside the hull of the shared vertices, or shared == 3
-    bool proper = false;                ///< an edge strictly crosses the relative interior of the other triangle
+    bool collides = false;  ///< true if some point lies outside the hull of the shared vertices, or shared == 3
+    bool proper = false;    ///< true if an edge strictly crosses the relative interior of the other triangle
 };
 
 /// Cost: about 20 us for ordinary coordinates.

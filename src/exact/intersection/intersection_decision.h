@@ -86,9 +86,9 @@ class Cases {
         return signs_.orient(a0, a1, b0, b1) <= 0 && signs_.orient(a0, a2, b0, b2) >= 0;
     }
 
-    /// True if two triangles in different planes that share a corner extend from it in the same direction. Each lies
-    /// across the other's plane, so it meets the common line in a segment from the corner; the side of its first other
-    /// corner, seen counter-clockwise, determines the direction.
+    /// True if two triangles in different planes that share a corner extend from it in the same direction. Each crosses
+    /// the other's plane, so it meets the common line in a segment that begins at the shared corner. The side of the
+    /// corner after the shared one (or of the last one, if that side is 0) determines the direction of the segment.
     CRUMPLE_HD bool same_direction(const Sides& side_a, const Sides& side_b) const {
         return direction(side_a, first(sharing_.a)) != direction(side_b, first(sharing_.b));
     }

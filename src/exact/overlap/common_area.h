@@ -35,7 +35,7 @@ struct EnclosedProjection {
 
 namespace detail {
 
-/// Returns the side of the line p → q on which a point of that line lies once it is shifted.
+/// Returns the side of the line p → q on which a point of this line lies after it is shifted by (e, e²).
 template <class Point>
 int sign_on_line(const Point& p, const Point& q, int axis) {
     const int x = first_axis(axis), y = second_axis(axis);

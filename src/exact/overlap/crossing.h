@@ -3,9 +3,10 @@
 // Computes what the segment in which two faces cross contributes to the winding numbers on them, for any type of number
 // that is exact or has an error bound. Compiled for host and device.
 //
-// On a face, the winding number of the other surface is a sum of jumps times cones from the face's first corner
-// (docs/overlap.md): one cone over the rest of the path along edges 01 and 12 after each crossing, and one over each
-// segment. So each pair of faces contributes independently, in any order.
+// On a face, the winding number of the other surface is its value at the face's first corner, plus a sum of cones from
+// that corner, each times a jump (docs/overlap.md). Each point at which edge 01 or 12 crosses the other surface adds
+// the cone over the rest of the path along these edges; each segment adds the cone over itself. So each pair of faces
+// contributes independently, in any order.
 
 #include <array>
 #include <cstddef>

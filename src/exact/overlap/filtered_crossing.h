@@ -128,11 +128,13 @@ struct FilteredCrossing : Crossing<Enclosed> {
 
 namespace detail {
 
-/// Largest error bound of a certain weight, and smallest quotient whose products cannot underflow.
+/// Largest error bound of a weight that counts as certain, and smallest nonzero quotient whose products cannot
+/// underflow.
 inline constexpr double largest_weight_error = 0x1p-80, least_quotient = 0x1p-250;
 
-/// Numbers of an edge p → p' that crosses a face which are exactly 0 without the shift. With them a crossing at a
-/// vertex or on an edge has integer coordinates without error, and sums of these can be certainly 0.
+/// Flags for an edge p → p' that crosses a face: quantities that are exactly 0 without the shift. If these are set to
+/// 0, a crossing at a vertex or on an edge gets integer coordinates without error, so sums of such coordinates can be 0
+/// with certainty.
 struct CertainZeros {
     bool from = false, to = false;                  ///< true if p or p' lies in the plane of the face
     std::array<bool, 3> edge{false, false, false};  ///< true if the edge and edge k of the face are coplanar

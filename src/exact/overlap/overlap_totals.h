@@ -51,7 +51,8 @@ struct OverlapNumbers {
 
 namespace detail {
 
-/// Length and direction of a vector of three scaled numbers, not all 0, each within 2 units in the last place.
+/// Length and direction of a nonzero vector of three scaled numbers. The length and each component of the direction are
+/// within 2 units in the last place.
 struct ScaledDirection {
     Scaled length;
     Vec3d direction;
@@ -94,7 +95,7 @@ CurveNumbers finish_curves(Sums& sums, const Vec3d& origin, const Vec3d& point) 
         const auto about_point = [&](const auto& totals) {
             std::remove_cvref_t<decltype(totals.torque[k])> sum;
             sum.add_product(totals.torque[k], -1);
-            // 3 (O − c) × (4 S), with O − c as a sum of two float64
+            // 3 (O − c) × (4 S), where c is `point`, with O − c as a sum of two float64
             const auto add = [&](std::size_t axis, std::size_t of_area, double sign) {
                 const int i = static_cast<int>(axis);
                 TwoTerms away = two_sum(origin[i], -point[i]);

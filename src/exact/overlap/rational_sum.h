@@ -22,8 +22,8 @@ class RationalSum {
     /// Adds `times` · factor · sum.
     void add_product(const RationalSum& sum, double factor, int times = 1);
 
-    /// Returns the sum divided by an integer, rounded to nearest, ties to even. First adds terms that are rounded far
-    /// below the largest one. That decides unless the sum is almost 0 or a tie; only then terms are added exactly.
+    /// Returns the sum divided by an integer, rounded to nearest, ties to even. First adds terms rounded to 2^-400 of
+    /// the largest one. That decides unless the sum is almost 0 or almost a tie; only then are terms added exactly.
     /// Terms with equal odd denominators are merged when added. Cost: some microseconds for each denominator; for ties,
     /// additions of numbers as long as the product of all denominators.
     RoundedSum rounded_quotient(int divisor, Cancellation& cancellation) const;
@@ -44,7 +44,7 @@ class RationalSum {
 /// Sum of square roots of rational numbers, each times a factor that is itself a sum, and not negative.
 class RootSum {
    public:
-    /// Returns the factor of the square root of a positive number, for adding to it.
+    /// Returns the factor of the square root of a positive number, so that the caller can add to the factor.
     RationalSum& times_root_of(const Rational& square) { return of_[square]; }
     void add(const RootSum& other);
 

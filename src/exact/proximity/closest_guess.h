@@ -20,7 +20,7 @@ enum class Proximity : std::uint8_t { beyond, within, unknown };
 namespace detail {
 
 inline constexpr double near_epsilon = 0x1p-53;
-/// Exceeds by far the underflow error of a sum of products, and is negligible to all numbers that are not that small.
+/// Exceeds by far the underflow error of a sum of products, and is negligible unless numbers are that small.
 inline constexpr double near_slack = 0x1p-1022;
 /// Largest Differences::size. Beyond it products of four numbers might overflow, and nothing is proven.
 inline constexpr double largest_size = 0x1p240;
@@ -68,8 +68,8 @@ struct Differences {
     }
 };
 
-/// Type and parameters of the closest points, as in ClosestPoints; both may be slightly wrong. For edges, too, t counts
-/// along v, because v is c - d.
+/// Type and parameters of the closest points, as in ClosestPoints; both may be slightly wrong. For two edges, t is the
+/// parameter from c to d, although v is c - d: points of the second edge are subtracted.
 struct Guess {
     std::uint8_t type = 0;
     double s = 0, t = 0;

@@ -271,8 +271,8 @@ class Enclosure {
         return settled_ == Settled::yes;
     }
 
-    /// True if the type is certain after settle() has returned true. As nothing was rounded, the guess is a closest
-    /// point. It is the only one if f is curved, and on no smaller part if it is inside.
+    /// True if the type is certain, after decide_type() has returned true. As nothing was rounded, the guess is a
+    /// closest point. It is the only one if f is curved, and it lies on no smaller part if it is inside.
     CRUMPLE_HD bool is_type_certain() const {
         if (certainly_touching() && seen_.free == 0) return true;
         const double s = seen_.s, t = seen_.t;

@@ -51,7 +51,7 @@ Parts vertex_edge(const Point& p, const Point& a, const Point& b) {
     return {{dot(moment, moment), length}, number(VertexEdgeType::P_E), {Quotient{place, length}, Quotient{0}}};
 }
 
-/// Types between larger features that the three types of a vertex and an edge correspond to.
+/// Types of a larger pair of features, by the VertexEdgeType of a vertex and an edge that are parts of these.
 template <class Type>
 using Names = std::array<Type, 3>;
 

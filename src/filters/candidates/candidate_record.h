@@ -6,10 +6,11 @@
 //   lane    0 1 2      3 4 5    6        7
 //   holds   vertices   edges    face     nothing
 //
-// A coordinate of an inflated box is a key: the sum is rounded, then normalised, taken relative to the leaf's origin
-// and rounded to float32. Each step is monotone, so unequal keys have the order of the exact sums (box_test.h); equal
-// keys decide nothing. A lane without a box overlaps nothing: that of a feature that another triangle owns, lane 7, and
-// lane 6 of a proxy triangle, which is not a face (scene/scene_features.h). Compiled for host and device.
+// A coordinate of an inflated box is a key: the sum of coordinate and inflation is rounded, then normalised, taken
+// relative to the leaf's origin and rounded to float32. Each step is monotone, so unequal keys have the order of the
+// exact sums (box_test.h); equal keys decide nothing. A lane without a box overlaps nothing: that of a feature that
+// another triangle owns, lane 7, and lane 6 of a proxy triangle, which is not a face (scene/scene_features.h). Compiled
+// for host and device.
 
 #include <cstdint>
 

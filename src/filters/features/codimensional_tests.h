@@ -1,8 +1,8 @@
 #pragma once
 
-// Tests of a pair of triangles or proxy triangles if the caller lists edges and points (SceneFeatures): those of
-// tests_of_pair.h, without the faces of proxy triangles and with points numbered as listed, and those of edges and
-// points without a triangle, which proxy triangles own. Compiled for host and device.
+// Tests of a pair of triangles or proxy triangles in a scene whose features are not plain (SceneFeatures::plain): the
+// tests of tests_of_pair.h, without the faces of proxy triangles and with points in place of vertices, and tests of
+// codimensional edges and points, which proxy triangles own. Compiled for host and device.
 
 #include <array>
 
@@ -11,7 +11,7 @@
 
 namespace crumple {
 
-/// Lists the vertices that `of` owns against the lone edge that `carrier` owns, if any. Skips a vertex if a test of one
+/// Lists the vertices that `of` owns against the lone edge that `proxy` owns, if any. Skips a vertex if a test of one
 /// of its edges against the lone edge covers it. At most 3 tests.
 template <int moments>
 CRUMPLE_HD void list_vertex_edges(const FeatureRecord<moments>& of, const FeatureRecord<moments>& proxy,

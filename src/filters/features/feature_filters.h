@@ -117,8 +117,8 @@ CRUMPLE_HD inline bool never_in_a_plane(const FeatureVectors<2>& seen, float mag
     return least > bound || most < -bound;
 }
 
-/// Returns true if static features are further apart than `distance` by a plane: the vertex from the face's plane, or
-/// the two parallel planes that hold an edge each.
+/// Returns true if planes prove that static features are further apart than `distance`: the vertex is that far from the
+/// face's plane, or the two parallel planes that hold an edge each are that far apart.
 template <FeatureKind kind>
 CRUMPLE_HD bool plane_is_far(const FeatureVectors<1>& seen, float magnitude, float distance) {
     const Vec3f(&p)[3] = seen.to[0];

@@ -1,6 +1,6 @@
 #pragma once
 
-// Length of vectors in float32 that is never too short because squares underflow. Compiled for host and device.
+// Length of vectors in float32, with a bound on the error even if squares underflow. Compiled for host and device.
 
 #include "geometry/vec.h"
 

@@ -39,7 +39,7 @@ CRUMPLE_HD float most_at_start(const FeatureRecord<moments>& a, const FeatureRec
 /// Bound that a gap along a direction of length 1 must exceed. For other directions, it is multiplied by their
 /// length(): errors of projections grow with the length, too, and underflows are below 1e-18 times the least length.
 struct NeededGap {
-    float gap, error;  ///< for the requested distance, errors included; the part for errors
+    float gap, error;  ///< gap: for the requested distance, errors included; error: the part for errors
     float share;       ///< or for this share of a pair's own distance at the start, if that is more
 
     /// `reach`: the leaf's largest |coordinate|. `share`: see share_to_filter().

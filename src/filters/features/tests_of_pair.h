@@ -10,7 +10,7 @@
 
 namespace crumple {
 
-/// Test of two features: their indices as listed, and their four vertices in the order of FeaturePoints.
+/// Test of two features: their indices in the scene, and their four vertices in the order of FeaturePoints.
 struct FeatureTest {
     Pair pair;
     std::int32_t vertex[4];

@@ -52,7 +52,7 @@ CRUMPLE_HD inline PairSigns pair_signs(const Record& a, const Record& b) {
     return s;
 }
 
-/// Means to decide a pair: none needed (apart, hit), the edge test (edge), or only the separation tests (open).
+/// Means to decide a pair: none needed (apart, hit), the edge test (edge), or only the separating tests (open).
 enum class PairKind : std::uint8_t { apart, hit, edge, open };
 
 CRUMPLE_HD inline PairKind classify(const PairSigns& s, const NarrowPolicy& policy) {

@@ -1,7 +1,7 @@
 #pragma once
 
 // Edge lines and planes that certainly separate two triangles, except for their shared corners: the flat test and the
-// separation tests of `narrow` for one pair. Claims and bounds: docs/narrow.md; SIMD counterparts:
+// separating tests of `narrow` for one pair. Claims and bounds: docs/narrow.md; SIMD counterparts:
 // backends/cpu/intersections/flat_test-inl.h and separating_plane-inl.h. Compiled for host and device.
 
 #include "filters/intersection/triangle_record.h"

@@ -49,7 +49,7 @@ static_assert(sizeof(Record) == 64);
 /// Returns the factor that scales the planes of a leaf; `reach`: the largest |coordinate| of its corners.
 CRUMPLE_HD inline float plane_scale(float reach) { return 1.0f / (plane_bound * unit_roundoff * reach + 1e-30f); }
 
-/// Returns the normal a × b divided by the sum of its products' magnitudes, in which the error bound is expressed.
+/// Returns the normal a × b divided by the sum of its products' magnitudes: the error bound is relative to this sum.
 template <class T>
 CRUMPLE_HD Vec3<T> plane_normal(const Vec3<T>& a, const Vec3<T>& b) {
     const T sum = (std::abs(a.y * b.z) + std::abs(a.z * b.y)) + (std::abs(a.z * b.x) + std::abs(a.x * b.z)) +

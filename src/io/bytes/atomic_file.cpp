@@ -29,8 +29,8 @@ fs::path temporary_name(const fs::path& target) {
 AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
     std::error_code error;
     constexpr int most_links = 40;
-    for (int i = 0; i < most_links && fs::is_symlink(target_, error);
-         ++i)  // writes to the target of a link, which need not exist yet
+    // Writes to the target of a link, which need not exist yet.
+    for (int i = 0; i < most_links && fs::is_symlink(target_, error); ++i)
         target_ = target_.parent_path() / fs::read_symlink(target_, error);
     if (fs::is_symlink(target_, error)) {
         target_ = target;

@@ -8,9 +8,9 @@
 
 namespace crumple::io {
 
-/// Entry for one file. Whoever exchanges `name` for null removes the file. A signal handler must not use the heap, so
-/// it does not free the name. Nor does the owner then, who cannot know whether the handler is done with it: such a slot
-/// is never reused.
+/// Entry for one file. The owner and remove_unfinished_files() may both try to exchange `name` for null; only the one
+/// that succeeds may remove the file. If that is not the owner, the name is never freed and the slot never reused: a
+/// signal handler must not use the heap, and the owner cannot know when the handler is done with the name.
 struct UnfinishedFile::Slot {
     std::atomic<bool> taken{true};
     std::atomic<char*> name{nullptr};

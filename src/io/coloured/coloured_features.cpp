@@ -28,7 +28,7 @@ constexpr std::array<Colour, 9> shades{{free_colour,
                                         {255, 255, 204}}};
 constexpr double untouched = std::numeric_limits<double>::infinity();
 
-/// Least value, for each feature of one mesh, of the rows that name it.
+/// For each feature of one mesh, the least value among the rows that name the feature.
 class Least {
    public:
     explicit Least(const TriangleMesh& mesh)

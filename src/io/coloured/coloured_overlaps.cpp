@@ -39,9 +39,9 @@ struct OtherBody {
 /// Body of a row, posed, with its contacts.
 struct CutBody {
     std::vector<Vec3d> points;
-    std::vector<std::int32_t> corners;                  ///< of its triangles before they are cut
+    std::vector<std::int32_t> corners;                  ///< corners of its triangles before these are cut
     std::map<std::int32_t, TriangleContacts> contacts;  ///< by triangle
-    std::vector<OtherBody> others;  ///< of its rows; includes the body itself if a row pairs it with itself
+    std::vector<OtherBody> others;  ///< one per row of this body; the body itself if the row pairs it with itself
     std::optional<PictureWindings> rays;
 };
 

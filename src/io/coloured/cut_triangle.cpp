@@ -6,7 +6,7 @@
 namespace crumple::io {
 namespace {
 
-constexpr double tolerance = 1e-12;  // of lengths, relative to the size of the triangle
+constexpr double tolerance = 1e-12;  // for lengths, relative to the size of the triangle
 
 /// Line of a segment in the plane of a triangle.
 class CutLine {
@@ -22,7 +22,7 @@ class CutLine {
         const double side = dot(across_, p - begin_);
         return std::abs(side) <= tolerance_ ? 0 : side;
     }
-    /// Returns the place along the line: 0 at the segment's begin, 1 at its end.
+    /// Returns the place along the line: 0 at the segment's start, 1 at its end.
     double place_of(const Vec3d& p) const { return dot(along_, p - begin_) / dot(along_, along_); }
 
    private:

@@ -31,7 +31,7 @@ using Point = std::array<double, 3>;
 
 struct Side {
     const TriangleMesh* mesh;
-    std::vector<std::uint8_t> hit;  ///< of its triangles
+    std::vector<std::uint8_t> hit;  ///< per triangle: 0, or 1 if it has the material `colliding`
     Material free, colliding;
 
     const Material& material(std::size_t triangle) const { return hit[triangle] ? colliding : free; }

@@ -75,8 +75,8 @@ int PictureWindings::at(const Vec3d& point, std::int32_t ignored) const {
         const bool left = is_left(a, b, p);
         if (is_left(b, d, p) != left || is_left(d, a, p) != left) continue;
         const Vec3d normal = cross(b - a, d - a);
-        // The triangle is above the point. If it is counter-clockwise seen from the far end of the ray, the ray leaves
-        // through it.
+        // Counts triangles above the point: the ray leaves the body through those that are counter-clockwise seen from
+        // the far end of the ray, and enters it through the others.
         if (dot(normal, p - a) * (left ? 1 : -1) < 0) winding += left ? 1 : -1;
     }
     return winding;

@@ -85,7 +85,7 @@ class Faces {
     Tally left_out_;
     bool has_polygons_ = false;
     const char* place_ = nullptr;
-    std::int64_t corners_ = 0;  ///< of the current face
+    std::int64_t corners_ = 0;  ///< number of corners of the current face so far
     std::int32_t first_ = 0, previous_ = 0;
 };
 

@@ -175,10 +175,10 @@ class AsciiReader {
     Scanner in_;
     Warnings& warnings_;
     std::vector<Scalar> xyz_;
-    const char* place_ = nullptr;  ///< of the last keyword
-    std::string_view word_;        ///< the word of the last keyword
+    const char* place_ = nullptr;  ///< place of `word_`
+    std::string_view word_;        ///< the last keyword as written, or another word that begins a line
     Keyword keyword_ = Keyword::none;
-    bool same_line_ = false;  ///< what follows is in the line of the last keyword
+    bool same_line_ = false;  ///< true while the scanner is in the line of `word_`
     bool at_end_ = false;
 };
 

@@ -267,7 +267,7 @@ bool Triangulator::clip_ears(std::vector<std::int32_t>& ears) {
             next = 0;
             for (int i = 0, corner = some_corner; i < left; ++i, corner = at(after_, corner)) try_later(corner);
         } else {
-            // A rest without an ear has spikes, which are triangles without an area, or crosses itself.
+            // A remaining polygon without an ear has spikes, which are triangles without an area, or crosses itself.
             const int spike = find_spike(some_corner);
             if (spike < 0) return false;
             clip(spike);
@@ -299,7 +299,8 @@ bool Triangulator::is_ear(int b) const {
     const int a = before_[static_cast<std::size_t>(b)], c = after_[static_cast<std::size_t>(b)];
     return !not_convex_.any_in({a, b, c}, sign_, [&](int r) {
         if (r == a || r == b || r == c) return false;
-        if (same_place(r, a) || same_place(r, c)) return false;  // the corner after r shows whether the outline enters
+        // Such a corner does not block: the corner after r shows whether the outline enters the triangle.
+        if (same_place(r, a) || same_place(r, c)) return false;
         if (same_place(r, b)) return opens_into(r, b);
         return turn(a, b, r) >= 0 && turn(b, c, r) >= 0 && turn(c, a, r) >= 0;
     });

@@ -48,14 +48,14 @@ class Triangulator {
 
     std::span<const Vec3d> points_;
     int count_ = 0;
-    int axis_ = 2;          ///< of projection
+    int axis_ = 2;          ///< axis of projection
     int sign_ = 1;          ///< 1 if the projected corners run counter-clockwise, else -1
     bool exact_ = true;     ///< all coordinates are in the range of expansions
     bool touches_ = false;  ///< the outline touches itself, other than where successive edges join
     CornerTree not_convex_;
     std::vector<int> before_, after_;      ///< per corner that is left: the corners beside it
     std::vector<std::int8_t> calls_done_;  ///< per corner: 1 convex, 0 straight, -1 reflex; 2 once cut off
-    std::vector<Box> boxes_;               ///< of edges, later of triangles; sorted from the left
+    std::vector<Box> boxes_;               ///< boxes of edges, later of triangles; sorted from the left
 };
 
 }  // namespace crumple::io

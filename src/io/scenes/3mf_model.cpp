@@ -233,7 +233,7 @@ class ModelReader : public XmlReader {
 
     Model model_;
     ModelObject* object_ = nullptr;  ///< current object
-    std::vector<Scalar> xyz_;        ///< of the current mesh
+    std::vector<Scalar> xyz_;        ///< coordinates of the current mesh
     std::vector<std::int32_t> triangles_;
     std::vector<Within> within_;
     std::unordered_map<std::string, std::string> namespaces_;  ///< declared at the root, by prefix

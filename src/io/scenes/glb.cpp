@@ -202,7 +202,8 @@ void write_glb(std::ostream& out, tinygltf::Model& model, Unit unit) {
 
 namespace {
 
-/// Indices of what the model has of a shape; -1: not added yet. `free`: the mesh without colliding triangles.
+/// Indices, in the model, of a shape's position accessor and of its mesh without colliding triangles (`free`); -1: not
+/// added yet. Positions are relative to `origin`.
 struct WrittenShape {
     int positions = -1, free = -1;
     Point origin{};

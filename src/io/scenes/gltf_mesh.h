@@ -41,7 +41,7 @@ class GltfMeshes {
     struct Vertices {
         GltfElements elements;
         std::int64_t first = 0;  ///< index of the first one among all vertices of the mesh
-        std::string place;       ///< of the accessor
+        std::string place;       ///< place of the accessor in the description, for errors
     };
 
     std::vector<Primitive> primitives_of(const GltfObject& mesh);
@@ -54,7 +54,7 @@ class GltfMeshes {
     std::vector<std::int32_t> of_mesh_;  ///< shape of each mesh; -1: not read yet
     std::map<std::vector<Primitive>, std::int32_t> known_;
     std::vector<TriangleMesh> shapes_;
-    std::size_t corners_ = 0;  ///< of all shapes
+    std::size_t corners_ = 0;  ///< number of corners of all shapes
 };
 
 }  // namespace crumple::io

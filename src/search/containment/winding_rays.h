@@ -19,7 +19,7 @@ struct WindingRay {
     std::int32_t winding;  ///< sum over the faces tested so far; initially 0
 };
 
-/// Adds to each ray the winding number of a surface, which is shifted, at the ray's start, and reorders the rays. Cost:
+/// Adds to each ray the winding number of a shifted surface at the ray's start, and reorders the rays. Cost:
 /// for each face the logarithm of the number of rays, plus the candidate rays.
 void cast(std::span<WindingRay> rays, const PlacedSurface& surface, Shift shift, Cancellation& cancellation);
 

@@ -31,10 +31,10 @@ struct Rounds {
     /// Pair of features that a bit stands for.
     struct Listed {
         std::uint8_t kind, row, column;   ///< kind of the pair, and its lanes
-        bool column_first, lesser_first;  ///< which feature comes first
+        bool column_first, lesser_first;  ///< first feature of the pair: the column's; the lower id; else the row's
     };
     Listed listed[8 * most] = {};
-    /// By SharedCorners::bits(): the bits of pairs of features with a common vertex.
+    /// Bits of the pairs of features with a common vertex, indexed by SharedCorners::bits().
     std::uint64_t incident[512] = {};
 
     bool of_impacts = false;  ///< true if exactly vertex_face and edge_edge are requested
@@ -53,7 +53,7 @@ inline void list_pairs(std::uint64_t bits, const Rounds& rounds, const Candidate
     }
 }
 
-/// Pairs of features of a row and a column that may overlap: equal keys leave it undecided.
+/// Pairs of features of a row and a column that may or may not overlap: equal keys of their boxes decide nothing.
 struct UnsureHit {
     std::uint64_t bits;
     std::uint16_t row, column;  ///< as in CandidateChunk

@@ -151,7 +151,7 @@ struct Impacts {
 };
 
 // Runs all tests first, then writes the pairs: overlaps are unpredictable, and a branch for each candidate, or for each
-// pair, would cost more than both.
+// pair, would cost more than a second pass.
 std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin,
                          std::int64_t end, const Rounds& rounds, PairEnds& ends, UnsureHit* unsure) {
     static const Impacts impacts;
@@ -162,7 +162,7 @@ std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& ca
     const auto zero = hn::Zero(d);
     const I of_row = hn::Load(di, impacts.row), of_column = hn::Load(di, impacts.column),
             zip = hn::Load(di, impacts.zip), zip_ninth = hn::Add(zip, hn::Set(di, 8));
-    // Returns lanes of the k-th eight floats of a record, loading two such groups at once.
+    // Returns lanes of the k-th group of eight floats of a record. Loads two groups at once.
     const auto lanes = [&](const CandidateRecord& r, int k, I lane) HWY_ATTR {
         const V both = hn::Load(d, reinterpret_cast<const float*>(&r) + 16 * (k / 2));
         return hn::TableLookupLanes(both, hn::IndicesFromVec(d, k % 2 ? hn::Add(lane, hn::Set(di, 8)) : lane));

@@ -39,7 +39,8 @@ class CandidateLeaves final : public LeafQuery {
     void fail() override { stream_->fail(); }
     void finish(Statistics& statistics) override;
 
-    /// Finds the candidates both of whose features one triangle of [begin, end) owns: no pair of triangles yields them.
+    /// Finds the candidates whose two features are owned by the same triangle, for triangles [begin, end). No pair of
+    /// triangles yields these candidates.
     void search_within(std::int64_t begin, std::int64_t end, std::size_t worker);
 
     /// Pairs that each worker has found.

@@ -24,8 +24,8 @@ void sort_candidates(const Call& call, const FeatureRequest& query, CandidateKin
     const FeatureTypes types = types_of(kind);
     const PairCounts counts{count(types.first), count(types.second), 0, call.low_memory};
     const auto nothing = [](std::span<const std::span<const Pair>>) {};
-    // In low memory, the first worker has found all pairs; the lists of others would make memory depend on their
-    // number.
+    // In a low-memory call, the first worker has found all pairs. The lists of the other workers are left out, as they
+    // would make memory depend on the number of workers.
     const auto found = buffers.leaves.found(kind);
     sort_pairs(call.workers, call.low_memory ? found.first(1) : found, counts, buffers.sorting, pairs, buffers.offsets,
                nothing);

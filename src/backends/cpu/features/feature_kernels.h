@@ -19,9 +19,9 @@
 
 namespace crumple::cpu {
 
-/// Distance requested in tests, in normalised coordinates, rounded up: `all` for all tests, or `each` with one per test
-/// and `padding` more that may be read; filters move these along with the tests. Or `share` of the test's own distance
-/// at the start, if that is more.
+/// Distance requested in each test, in normalised coordinates, rounded up. If `each` is not null, it holds one distance
+/// per test, and `padding` more that may be read; filters move these along with the tests. Otherwise `all` applies to
+/// every test, or `share` of the test's own distance at the start, if that is more.
 struct RequestedDistance {
     float all = 0;
     float* each = nullptr;
@@ -48,8 +48,8 @@ struct PairsLeft {
     const FeatureRecord<moments>& column(std::size_t i) const { return columns[packed[i] >> 16]; }
 };
 
-/// Tests of one kind of such pairs, of which there are fewer than 2^28: index of the pair << 4 | the test's bit of
-/// TestsOfPair.
+/// List of the tests of one kind that the pairs of a PairsLeft have, codimensional or not. A test is stored as index of
+/// the pair << 4 | the test's bit in TestsOfPair, so there must be fewer than 2^28 pairs.
 struct CodimensionalTests {
     std::uint32_t* test = nullptr;  ///< `padding` more may be written
     std::size_t count = 0;
@@ -92,8 +92,8 @@ struct FeatureKernels {
                                            const PairsLeft<moments>& pairs, CodimensionalTests& listed,
                                            FeatureTest* test);
 
-    /// By FeatureKind: moves the tests that the filters do not drop to the front, in order, and returns their number.
-    /// The last two kinds are filtered as a vertex and a face that is collapsed to an edge or a vertex.
+    /// Indexed by FeatureKind. Moves the tests that the filters do not drop to the front, in order, and returns their
+    /// number. The last two kinds are filtered as a vertex and a face that is collapsed to an edge or a vertex.
     std::size_t (*filter[feature_kinds])(const PointRows& points, std::int64_t ends, RequestedDistance distance,
                                          FeatureTest* test, std::size_t count);
 };
@@ -103,8 +103,8 @@ struct FeatureTables {
     FeatureKernels<1> at_rest;
     FeatureKernels<2> moving;
 
-    /// Computes the squared distances of a batch, rounded to nearest, of features that do not touch; NaN if more is
-    /// needed to decide. `squared` needs room for one more vector.
+    /// Computes the squared distance of each pair of features in a batch, rounded to nearest. Writes NaN for a pair
+    /// that touches, or that lanes cannot decide. `squared` must have capacity for one more vector.
     void (*squared)(const GuessBatch& batch, double* squared);
 
     template <int moments>

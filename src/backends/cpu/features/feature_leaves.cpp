@@ -18,7 +18,7 @@ namespace {
 // Number of pairs of triangles whose tests are listed at once.
 constexpr std::size_t pairs_at_once = 256;
 
-// Number of hits from which on a stream receives them before their unit ends.
+// A worker with this many hits delivers them to the stream before their unit ends.
 constexpr std::size_t rows_of_piece = 2048;
 
 // Returns the record of rows without a member. It owns nothing, so no pair with it has a test.
@@ -37,8 +37,8 @@ float largest_radius(const BuildInput& input) {
     return largest;
 }
 
-// Computes the distance requested in each test: the sum of the largest vertex radius of each feature. Sums round by
-// less than the excess of the radii.
+// Computes the distance requested in each test: the sum of the largest vertex radius of each feature. The rounding
+// error of a sum is less than the amount by which its radii were rounded up.
 void add_radii(FeatureKind kind, const Array<FeatureTest>& tests, const float* radius, Array<float>& distance) {
     distance.resize_discard(tests.size() + padding);
     for (std::size_t i = 0; i < tests.size(); ++i) {
@@ -222,7 +222,7 @@ void FeatureLeaves<moments>::filter_codimensional(const PairsLeft<moments>& pair
     drop_adjacent(kind, tests);
 }
 
-// Lists the tests of pairs if the caller lists edges and points.
+// Lists the tests of pairs in a scene whose features are not plain (SceneFeatures::plain).
 template <int moments>
 void FeatureLeaves<moments>::list_codimensional_tests(const PairsLeft<moments>& pairs, Worker& worker) const {
     constexpr std::size_t most[feature_kinds] = {6, 9, 4, 1};

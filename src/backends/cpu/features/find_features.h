@@ -29,8 +29,8 @@ struct FeatureBuffers {
     Array<FeatureHit> placed;
 };
 
-/// Returns the inflation of triangles in the normalised coordinates of the scene: rounded up, and limited to what
-/// covers everything.
+/// Returns the inflation of triangles in the normalised coordinates of the scene: rounded up, and capped at a length
+/// that covers the whole scene.
 Inflation inflation_of(const PreparedScene& scene, const FeatureRequest& query);
 
 /// Returns the inflation if each vertex has a radius. It points to radii of triangles in `buffers`, which must stay
@@ -38,10 +38,10 @@ Inflation inflation_of(const PreparedScene& scene, const FeatureRequest& query);
 Inflation inflation_of_radii(const PreparedScene& scene, std::span<const double> radii, Workers& workers,
                              FeatureBuffers& buffers);
 
-/// Returns the leaves in `buffers` that serve the request, for Call::question.
+/// Returns the leaves in `buffers` that serve the request, for Call::query.
 LeafQuery& leaves_of(const PreparedScene& scene, const FeatureRequest& query, FeatureBuffers& buffers);
 
-/// Runs all stages. call.question must be leaves_of().
+/// Runs all stages. call.query must be the result of leaves_of().
 void find(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, FeatureResult& result);
 
 /// Runs all stages but `output`, and delivers all rows to a stream.

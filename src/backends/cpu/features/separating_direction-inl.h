@@ -132,8 +132,8 @@ HWY_INLINE M separates_centroids(const Records<V, moments>& a, const Records<V, 
     Point<V> n = between_centroids(a.at, b.at);
     if constexpr (moments == 2) n = add(n, between_centroids(a.at + 4, b.at + 4));
     gap = hn::Mul(gap, length(n));
-    // Computes the extent of all corners or, with a common corner, of the others: one of these replaces the common one.
-    // Returns the place of the common corner.
+    // Computes the extent of all corners along n; if there is exactly one common corner, of the other two, one of which
+    // is taken twice. Returns the place of the common corner along n.
     const auto extent = [&](const Point<V>* p, const M(&is_common)[3], V& low, V& high) HWY_ATTR {
         const V p0 = dot(n, p[0]), p1 = dot(n, p[1]), p2 = dot(n, p[2]);
         const V q0 = hn::IfThenElse(is_common[0], p1, p0), q1 = hn::IfThenElse(is_common[1], p2, p1),
@@ -220,7 +220,7 @@ std::size_t separate(const FeatureRecord<moments>* record, const CandidateChunk&
         const auto common = common_corners(a, b);
         const V needed = needed_gap(a, b, gap);
         auto apart = hn::Or(hn::RebindMask(d, hn::Eq(columns_of, dummy)), separates_centroids(a, b, needed, common));
-        // No direction separates triangles with a common corner, so often nothing is left to test.
+        // A normal cannot separate triangles with a common corner, so often nothing is left to test.
         if (!hn::AllTrue(d, hn::Or(apart, common.any))) {
             apart = hn::Or(apart, hn::Or(separates(a.at[3], a, b, needed), separates(b.at[3], a, b, needed)));
             if constexpr (moments == 2)

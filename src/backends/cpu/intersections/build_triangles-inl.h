@@ -59,7 +59,7 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& points, Record* H
         BoxLanes::Box box{hn::Min(t0, hn::Min(t1, t2)), hn::Max(t0, hn::Max(t1, t2))};
         lanes.store(box, i, boxes);
 
-        // The plane, normalised by the sum of its products' magnitudes, in which the error bound is expressed.
+        // The plane, divided by the sum of its products' magnitudes: the error bound is relative to this sum.
         const V m1 = hn::Mul(a, rotate_axes(d, b)), m2 = hn::Mul(b, rotate_axes(d, a));
         const V sum = hn::Add(sum_of(hn::Add(hn::Abs(m1), hn::Abs(m2))), tiny);
         const V n = hn::Div(rotate_axes(d, hn::Sub(m1, m2)), sum);

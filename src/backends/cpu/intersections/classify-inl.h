@@ -4,7 +4,7 @@
 //   edge   no shared vertex, all six signs certain                        -> edge_test
 //   hit    one shared vertex, all four other signs certain, and crossing  -> decided
 //   flat   other adjacent triangles: mostly nearly coplanar               -> flat_test
-//   open   the rest: no shared vertex, and uncertain signs                -> separation tests, exact decision
+//   open   the rest: no shared vertex, and uncertain signs                -> separating tests, exact decision
 //
 // One shared vertex v, A = (v, a1, a2), B = (v, b1, b2), signs certain and straddling: both triangles meet the line of
 // the two planes in a segment that starts at v. They overlap iff both segments leave v in the same direction, that is,

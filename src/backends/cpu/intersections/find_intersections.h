@@ -12,7 +12,7 @@ namespace crumple::cpu {
 /// Call with a query, and the destination of its pairs.
 struct IntersectCall : Call {
     const IntersectionQuery& query;
-    IntersectLeaves& leaves;  ///< same object as `question`
+    IntersectLeaves& leaves;  ///< same object as Call::query
     OutputScratch& output;
 
     const PairSink* sink = nullptr;       ///< see NarrowContext

@@ -54,8 +54,8 @@ HWY_INLINE void flat_test_with(const Record* record, const CandidateChunk& candi
         const auto edge = hn::And(is_single(apex_a), is_single(apex_b));  // two shared vertices in each triangle
         const auto is_decided = hn::Or(edge, hn::And(is_single(shared_a), is_single(shared_b)));
 
-        // v: the shared vertex; of a shared edge, the one that follows the apex, so that p is its other end and q the
-        // apex. Lanes without either get corner 0; their results are ignored.
+        // v: the shared vertex. If an edge is shared, v is the end that follows the apex, so that p is the other end of
+        // the edge, and q the apex. Lanes without either get corner 0; their results are ignored.
         const auto pivot = [&](VI e, VI apex) {
             const VI corner = hn::IfThenElse(edge, next(hn::ShiftRight<1>(apex)), hn::ShiftRight<1>(e));
             return hn::IfThenElseZero(is_decided, corner);

@@ -1,7 +1,8 @@
 #pragma once
 
-// Search under a memory limit: first-level clusters run one after another, on one worker, and twice: pairs are counted,
-// then written to their places (as [MZ] sec. 3.1 uses prefix sums). Only records and the result are stored.
+// Search under a memory limit. First-level clusters are searched one after another, on one worker, and all of them
+// twice: the first pass counts pairs, the second one writes them to their places (as [MZ] sec. 3.1 uses prefix sums).
+// Only records and the result are stored.
 
 #include "backends/cpu/intersections/find_intersections.h"
 

@@ -18,8 +18,8 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
-/// Stores the nibbles of `mask`, those of candidates from `pair` on. If they fill whole bytes, the mask is stored
-/// directly, so that no arithmetic on masks competes with that on vectors.
+/// Stores the nibbles of `mask`, which belong to the candidates from `pair` on. If they fill whole bytes, the mask is
+/// stored directly, so that no arithmetic on masks competes with that on vectors.
 template <class D, class M>
 HWY_INLINE void put_nibbles(D d, M mask, std::int64_t pair, std::uint8_t* HWY_RESTRICT stream) {
     std::uint8_t* bytes = stream + pair / 2;

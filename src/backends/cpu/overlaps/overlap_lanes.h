@@ -1,6 +1,6 @@
 #pragma once
 
-// Kernels for sums over overlaps of an instruction set; null for plain C++, which has none.
+// Kernels of an instruction set for sums over overlaps; null for plain C++, which has none.
 
 #include "backends/overlap_kernels.h"
 #include "crumple/options.h"

@@ -2,10 +2,10 @@
 //
 // The first pass over the centres finds the nearest one. If there are many centres, a looser but cheaper rule comes
 // first: d_k <= d_min + 2 r, as d_k^2 <= (d_min + 2 r)^2. Nearly all centres fail it for all balls of a vector, since
-// neighbours in the array tend to be neighbours in space. Bits list the few centres that are left, so that only the
-// loop's exit is mispredicted; for these, the bisector rule decides, whose factor |v_k - v_nearest| is gathered. If
-// there are few centres, as in the second level, the bisector rule decides for all of them at once: their factors fit a
-// register.
+// neighbours in the array tend to be neighbours in space. The few centres that are left become the bits of an integer,
+// so that only the exit of the loop over them is mispredicted. The bisector rule decides these centres; its factor
+// |v_k - v_nearest| is gathered. If there are few centres, as in the second level, the bisector rule decides all of
+// them without a loop over bits: the factors of one centre fit a register.
 
 #if defined(CRUMPLE_CPU_SIMD_ASSIGN_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_ASSIGN_INL_H_

@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
 namespace HWY_NAMESPACE {
 
-/// Turns corners to a leaf's frame and gathers the leaf's bounds.
+/// Rotates corners into a leaf's frame and computes the leaf's bounds.
 class BoxLanes {
     using D = hn::ScalableTag<float>;
     using V = hn::Vec<D>;

@@ -10,14 +10,15 @@
 
 namespace crumple::cpu {
 
-/// Tables for selections of columns, which have a bit per column. Selections of 32 columns come from two vectors whose
-/// halves were packed one by one, in the order of columns 0 to 7, 16 to 23, 8 to 15, 24 to 31.
+/// Tables for selections of columns. A selection has one bit per column. The bits of 32 columns are in the order 0 to
+/// 7, 16 to 23, 8 to 15, 24 to 31, because two vectors are packed half by half.
 template <std::size_t columns>
 struct ColumnTables {
     static constexpr std::size_t eights = columns / 8;
 
     std::array<std::uint32_t, columns + 1> first{};  ///< selects the first n columns
-    /// Numbers of the selected columns, packed to the front: by position of a group of eight columns and by its bits.
+    /// Numbers of the selected columns, packed to the front; indexed by group of eight columns, and by the group's
+    /// bits.
     alignas(64) std::uint16_t numbers[eights][256][8]{};
 
     /// Returns the bit at which a group of eight columns starts.

@@ -29,8 +29,8 @@ struct Table {
     bool is_supported() const { return (supported_targets() & target) != 0; }
 };
 
-/// Returns the first table, in order of preference, that runs here and suits `simd`, or the plain one. Throws Error
-/// (backend_unavailable) if a particular instruction set is requested and unavailable.
+/// Returns the first table, in order of preference, that runs on this machine and suits `simd`, or the plain one.
+/// Throws Error (backend_unavailable) if a particular instruction set is requested and unavailable.
 template <class Kernels>
 const Kernels& choose(std::span<const Table<Kernels>> tables, const Kernels& plain, Simd simd) {
     if (simd == Simd::scalar) return plain;
@@ -41,7 +41,7 @@ const Kernels& choose(std::span<const Table<Kernels>> tables, const Kernels& pla
                 "the instruction set asked for is not one that both this build and this machine have", Element::option);
 }
 
-/// Returns all tables that run here, the plain one first.
+/// Returns all tables that run on this machine, the plain one first.
 template <class Kernels>
 std::vector<const Kernels*> all_of(std::span<const Table<Kernels>> tables, const Kernels& plain) {
     std::vector<const Kernels*> all{&plain};

@@ -82,7 +82,7 @@ void exclude_far(const PreparedScene& scene, Workers& workers, const Array<Ball>
     Vec3f low[2], high[2];
     for (std::size_t side = 0; side < 2; ++side)
         for (int axis = 0; axis < 3; ++axis) {
-            // A mesh without vertices has infinite bounds with low > high; +-4 is as far from everything.
+            // A mesh without vertices has infinite bounds with low > high; bounds of +-4 are beyond every ball, too.
             const auto bound = [&](Vec3d corner) {
                 return static_cast<float>(std::clamp(normaliser(corner)[axis], -4.0, 4.0));
             };

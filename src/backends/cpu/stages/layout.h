@@ -43,7 +43,7 @@ struct Boxes {
     }
 };
 
-/// Box in 16 bits (QuantisedBox). `sort` scatters its extent across the sweep direction (RowBox) as a whole, before
+/// Extent of a box in 16 bits (QuantisedBox) across the sweep direction. `sort` scatters it as a whole, before
 /// splitting it into columns.
 struct alignas(8) RowBox {
     std::uint16_t low_y, high_y, low_z, high_z;
@@ -88,7 +88,7 @@ struct LeafBounds {
 };
 
 struct RowLink {
-    std::int32_t end;       ///< first physical row whose start lies behind this row's end
+    std::int32_t end;       ///< physical end of the row's columns; later ones start beyond its interval
     std::int32_t triangle;  ///< id in the scene
 };
 

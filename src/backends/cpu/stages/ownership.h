@@ -2,8 +2,8 @@
 
 // Decides whether a leaf owns a pair, so that each pair is handled once. A leaf owns a pair iff no lower cluster of any
 // level holds both triangles: none of the levels above the scene, if the scene is a part, none of the first level below
-// k1, and none of the second below k2. If only pairs between groups are wanted, triangles of one group count as members
-// of a common lower cluster, too.
+// k1, and none of the second below k2. If the pair filter excludes pairs within a group, triangles of one group count
+// as members of a common lower cluster, too.
 //
 // The sweep needs this as 16 bits per member, so that one AND decides. Up to 16 lower clusters are copied from the
 // masks. If there are more, each cluster that occurs in the leaf gets a bit; in the rare leaf with more than 16 of
@@ -30,7 +30,7 @@ class Ownership {
         add_level(subdivision.mask2.data(), leaf.child, true);
     }
 
-    /// Writes the ownership bits of the leaf's members to `lower`. `groups_apart`: pairs within a group are not wanted;
+    /// Writes the ownership bits of the leaf's members to `lower`. `groups_apart`: pairs within a group are excluded;
     /// the bits express this, too, if the leaf has few groups.
     void bits(const std::int32_t* triangle, const std::int32_t* member, std::int64_t n, bool groups_apart,
               std::uint16_t* lower) {

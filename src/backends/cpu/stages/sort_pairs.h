@@ -20,13 +20,13 @@ struct PairSorting {
     Array<std::int64_t> histogram;        ///< number of pairs by piece and bucket, then their places
     Array<std::int64_t> begin;            ///< first pair of each bucket
     Array<std::uint32_t> keys32;          ///< packed pairs by bucket, then scratch; if 32 bits suffice
-    Array<std::uint64_t> keys64;          ///< the same, if they do not
+    Array<std::uint64_t> keys64;          ///< packed pairs, then scratch; if 32 bits do not suffice
 };
 
 struct PairCounts {
     std::int32_t firsts, seconds;     ///< exclusive upper bounds of the indices
     std::int32_t before_seconds = 0;  ///< subtracted from second indices
-    bool low_memory = false;          ///< low memory: memory must not depend on the number of workers
+    bool low_memory = false;          ///< true: memory must not depend on the number of workers
 };
 
 /// Task that one thread runs while others sort the buckets.

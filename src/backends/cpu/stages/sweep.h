@@ -2,8 +2,8 @@
 
 // Stage `sweep` of one sorted leaf, in chunks: about 16,000 candidates are collected and passed to the query's
 // `narrow`, so that candidates stay in the cache and memory stays bounded however many there are. A chunk ends with the
-// row that fills it, so its memory is bounded without a guess. Large leaves are cut into tiles of equal work by the
-// interval tests that `sort` counts ([MZ] sec. 3.1).
+// row that fills it, so it exceeds its nominal size by one row at most. Large leaves are cut into tiles of equal work
+// by the interval tests that `sort` counts ([MZ] sec. 3.1).
 
 #include <algorithm>
 

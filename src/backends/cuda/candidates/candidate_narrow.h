@@ -1,7 +1,8 @@
 #pragma once
 
-// Stages `narrow` and `output` for candidate queries: find those features of pairs of triangles, each owned by its
-// triangle, whose inflated boxes overlap. First features have joint numbers, as in other feature queries (FirstOfKind).
+// Stages `narrow` and `output` for candidate queries: find the pairs of features whose inflated boxes overlap, one
+// owned by each triangle of a surviving pair. First features have joint numbers, as in other feature queries
+// (FirstOfKind).
 
 #include "backends/cuda/candidates/candidate_records.h"
 #include "backends/cuda/device/memory.h"

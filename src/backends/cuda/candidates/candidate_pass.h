@@ -19,7 +19,7 @@ class CandidatePass : public Pass {
         hits_ = c.take<RankedCandidate>(plan.hits);
     }
 
-    // A scene that does not move has its end positions at the start.
+    // In a static scene Primitives::ends is 0, so end positions are those of the start.
     void sort() override { sort_by(Widened<2>{primitives.ends, primitives.inflation}, CandidateRows{rows_, asked}); }
     void sweep(const Slice& slice) override { sweep_by(slice, OverlapAlone{}); }
     void narrow(const CandidateHits& hits) {

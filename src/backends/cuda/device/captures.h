@@ -4,7 +4,7 @@
 //
 //     caller's stream   ── ... ──┐                        ┌── ...
 //     our stream                 └── pass ──┬────── pass ─┘
-//     side branch                           └── guide ─┘
+//     side branch                           └── next ──┘
 //
 // Once forked, our streams belong to the capture until the caller ends it.
 

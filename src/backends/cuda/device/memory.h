@@ -110,7 +110,7 @@ class Cutter {
 /// Permission of a block to grow. Blocks are fixed for work that goes into a caller's capture, during which nothing may
 /// be allocated.
 enum class Growth : std::uint8_t { grows, fixed };
-/// Thrown if memory would have to grow, or data to be uploaded, in spite of Room::fixed.
+/// Thrown if memory would have to grow, or data to be uploaded, in spite of Growth::fixed.
 struct CapacityError {};
 
 /// Makes the arena layout of a block. Calls cut(cutter), which takes one array after the other, twice: to measure, then

@@ -17,7 +17,7 @@ class Mirror {
     explicit Mirror(MemoryMeter& meter) : block_(meter), there_(&meter) {}
 
     /// Returns the device's copy of `host`, which need not outlive the call. Throws CapacityError if an upload is
-    /// needed, but `room` is fixed.
+    /// needed, but `growth` is fixed.
     const T* bring(cudaStream_t stream, std::span<const T> host, Growth growth = Growth::grows) {
         const void* const before = block_.data();
         T* device = nullptr;

@@ -75,7 +75,7 @@ struct Launch {
 
 inline constexpr unsigned whole_warp = 0xffffffffu;
 
-/// Sizes of launches. Tests choose fewer threads, so that blocks and warps meet in other ways.
+/// Sizes of launches. Tests choose fewer threads, so that the boundaries of blocks fall elsewhere.
 struct Geometry {
     unsigned threads = 256;  ///< per block: 64 or 256
     unsigned resident = 0;   ///< blocks that fill the device

@@ -44,8 +44,8 @@ class WarpQueue {
     unsigned lane_, size_ = 0;  // the size is the same in all lanes
 };
 
-/// Elements on their way to a list, which are appended `at_once` or more at a time, because a device serialises atomics
-/// on one address, at about one per nanosecond. All lanes of the warp call its functions together.
+/// Queue of elements for a list, which are appended `at_once` or more at a time, because a device serialises atomics on
+/// one address, at about one per nanosecond. All lanes of the warp call its functions together.
 template <class T, unsigned at_once>
 class ListQueue {
    public:

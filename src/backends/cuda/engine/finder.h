@@ -48,7 +48,8 @@ class Finder {
     virtual ~Finder() = default;
 
     std::size_t current() const { return now_; }
-    /// True if memory could not hold the rows of two slots: then one slot is used while one suffices.
+    /// True if memory could not hold the rows of two slots. Then a launch uses the newest slot again, unless another
+    /// launch is in flight.
     bool alone() const { return alone_; }
     /// Makes a slot current again, in the state it was left in.
     void resume(std::size_t slot);
@@ -62,8 +63,8 @@ class Finder {
     bool accept_launched(std::uint64_t revision = 0);
 
     /// Puts a whole pass into the capture of `stream`: each replay is a pass. Its memory does not move until
-    /// claim_slot() is called. Throws CapacityError unless two calls of the same kind precede it: the first lays out
-    /// the lists, the second loads the kernels of a warm-started pass.
+    /// claim_slot() is called. Throws CapacityError unless two calls of the same kind precede it: the first places the
+    /// lists, the second loads the kernels of a warm-started pass.
     void capture(cudaStream_t stream);
     /// Returns true if a replay has completed since the capture, or since the last call of this.
     bool has_replayed();
@@ -76,7 +77,7 @@ class Finder {
 
     /// Frees the memory of lists and rows.
     void drop_lists();
-    /// Frees that and all else that is kept between calls.
+    /// Frees these and everything else that is cached between calls.
     virtual void release();
 
    protected:
@@ -87,9 +88,9 @@ class Finder {
     /// Binds the pass to the slot's scene and query. Overriders call this first.
     virtual void bind();
     virtual KernelParameters parameters() const = 0;
-    /// True if edges and points are listed, too, which needs lists of tests of all kinds.
+    /// True if there are codimensional edges or points, which need lists of tests of all kinds.
     virtual bool all_kinds() const { return false; }
-    /// True if the query only asks whether there is a hit; then no hit is listed.
+    /// True if the request is only for a flag, true if there is a hit. Then no hit is listed.
     virtual bool is_any_output() const { return false; }
 
     /// Choose capacities for a scene of another kind than the last one, and for a search in chunks whose lists take at
@@ -212,7 +213,7 @@ class Finder {
     SceneKind planned_for_;
     std::size_t now_ = 0;                ///< current slot
     std::size_t lists_of_ = nobody;      ///< slot whose pass last used the lists
-    std::optional<Layout> layout_done_;  ///< what the lists are laid out for
+    std::optional<Layout> layout_done_;  ///< layout of the lists as they are placed now
     std::optional<Plan> has_grown_;      ///< plan that the last incomplete replay requires
     bool alone_ = false;
     std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit

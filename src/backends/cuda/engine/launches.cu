@@ -29,7 +29,7 @@ LaunchNumber Launches::launch(Finder& finder, cudaStream_t stream, cudaStream_t 
     return ++newest_;
 }
 
-// Allocates, frees, copies and waits for nothing; where it would have to, CapacityError is thrown and turned into an
+// Does not allocate, free, copy or wait. Where that would be necessary, CapacityError is thrown, and turned into an
 // Error.
 LaunchNumber Launches::launch_in_capture(Finder& finder, bool of_worlds, bool same_capture, cudaStream_t stream,
                                          FunctionRef<void()> bind) {
@@ -87,7 +87,7 @@ void Launches::refuse_open_capture() const {
     if (capture_is_open()) refuse("the capture that a launch was put into has not ended");
 }
 
-// Ends a launch in a capture, and the report of a wait, which download() needs.
+// Ends the state of a captured launch, and that of a reported result, which download() needs.
 void Launches::end_state() {
     if (phase_ == Phase::captured) refuse_open_capture();
     phase_ = Phase::idle;

@@ -17,9 +17,9 @@ class Launches {
    public:
     explicit Launches(BackendState& state) : state_(state), flights_(state.flights) {}
 
-    /// Enqueues a pass on `stream`, or adds it to the capture that the stream takes part in. bind(slot, room) makes the
-    /// finder work on a slot and binds the inputs, which are ready on both streams. `of_worlds`: chooses the text of an
-    /// error.
+    /// Enqueues a pass on `stream`, or adds it to the capture that the stream takes part in. bind(slot, growth) makes
+    /// the finder work on a slot and binds the inputs, which are ready once the work that `stream` and `other` have so
+    /// far is complete. `of_worlds`: chooses the text of an error.
     LaunchNumber launch(Finder& finder, cudaStream_t stream, cudaStream_t other,
                         FunctionRef<void(std::size_t slot, Growth growth)> bind, bool of_worlds = false);
 

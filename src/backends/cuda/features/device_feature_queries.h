@@ -27,7 +27,7 @@ class FeatureCalls final : public DeviceFeatureCalls {
     std::optional<AnyDeviceResult> find_again(LaunchNumber launch, const DeviceShape& mesh,
                                               const FeatureRequest& request) override;
 
-    /// Frees all that is kept between calls.
+    /// Frees everything that is cached between calls.
     void release();
 
    private:

@@ -32,8 +32,9 @@ constexpr bool of_triangles(FeatureKind kind) {
 }
 constexpr FeatureKinds kinds_of_constant(FeatureKind kind) { return static_cast<FeatureKinds>(kind); }
 
-/// Decision of contact: when features first touch. Vertices rarely touch edges or other vertices, and a lower bound on
-/// their distance is cheap. Features that touch at the start cannot approach.
+/// Decision of contact: when features first touch. A vertex and an edge, or two vertices, are decided by the filter of
+/// minimum distances: they rarely touch, and a lower bound on their distance is cheap. With `approaching_only`,
+/// features that touch at the start are apart, because they cannot come closer.
 struct ImpactDecision {
     static constexpr bool closely = true;
     ExactPoints points;

@@ -20,7 +20,7 @@ class FeaturesOnDevice {
         : stream_(stream), flights_(flights), block_(meter), rings_(meter) {}
 
     /// Uploads the host's features or rings; complete on return, valid until the next call. If they differ from the
-    /// cached ones, waits for passes in flight, or throws CapacityError for Room::fixed.
+    /// cached ones, waits for passes in flight, or throws CapacityError for Growth::fixed.
     const FeatureTable& bring(const SceneFeatures& features, std::int64_t vertices, Growth growth = Growth::grows);
     RingTable bring(const VertexRings* rings, Growth growth = Growth::grows);
     /// Returns the topology of the mesh whose features bring() has uploaded.

@@ -288,7 +288,7 @@ __global__ void inflation_kernel(const SceneBox* box, double distance, double sh
     *inflation = made;
 }
 
-// Calls work<Question>() with the type for this query.
+// Calls work<Query>() with the type that decides tests of this query.
 template <class Work>
 void with_decision(const FeatureConditions& asked, Work work) {
     if (!asked.motion)

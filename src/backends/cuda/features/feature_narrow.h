@@ -28,7 +28,7 @@ struct RankedHit {
 };
 
 struct FeatureHits {
-    bool any = false;  ///< hits are only counted, and the first one ends the work
+    bool any = false;  ///< true if hits are only counted, and the first one ends the work
     List<RankedHit> list;
     unsigned long long* by_first;
     FirstOfKind firsts;
@@ -47,15 +47,15 @@ struct OpenTest {
     FeatureKind kind;
 };
 
-/// Pairs of triangles that survive the sweep; records have so many time samples.
+/// Pairs of triangles that survive the sweep, and their records with `moments` time samples.
 template <int moments>
 struct FeatureSurvivors {
     List<Candidate> list;
     const FeatureRecord<moments>* record;
 };
 
-/// Lists the tests that the filters leave: of all kinds if edges and points are listed (`all_kinds`), else of
-/// vertex_face and edge_edge.
+/// Lists the tests that the filters leave: of all kinds if the scene has codimensional edges or points (`all_kinds`),
+/// else of vertex_face and edge_edge.
 template <int moments>
 void list_tests(const Geometry& geometry, cudaStream_t stream, const FeatureSurvivors<moments>& survivors,
                 const PointRows& points, std::int32_t ends, const FeatureConditions& asked, bool all_kinds,

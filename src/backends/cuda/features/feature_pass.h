@@ -12,7 +12,7 @@ class FeaturePass : public Pass {
     using Pass::Pass;
 
     FeatureConditions asked;
-    bool all_kinds = false;  ///< edges and points are listed
+    bool all_kinds = false;  ///< true if the scene has codimensional edges or points
 
     void cut(Cutter& cutter) override;
     void sort() override;

@@ -21,7 +21,7 @@ __device__ unsigned long long pair_of(const RankedHit& hit) {
     return static_cast<unsigned long long>(hit.first) << 32 | static_cast<std::uint32_t>(hit.second);
 }
 
-// Finds the earliest impact in three turns: the least value, then the first pair with it, then its flag.
+// Finds the earliest impact in three launches: the least value, then the first pair with it, then its flag.
 template <int turn>
 __global__ void earliest_kernel(List<RankedHit> hits, Earliest* earliest, const Counters* counters, Counters* told) {
     if (told && grid_thread() == 0) *told = *counters;

@@ -18,7 +18,7 @@ namespace crumple::cuda {
 struct RowSlot {
     explicit RowSlot(MemoryMeter& meter) : host(&meter) {}
 
-    std::optional<FeatureRequest> request;  ///< refers to features, rule and arrays of the caller
+    std::optional<FeatureRequest> request;  ///< refers to the caller's features, pair filter and arrays
     RestShape rest;                         ///< copy of the request's rest shape
     // Set when rows are accepted:
     ListEnds ends;
@@ -44,8 +44,8 @@ class RowFinder : public Finder {
    protected:
     RowFinder(BackendState& state, Pass& pass, FeaturesOnDevice& features);
 
-    /// Binds all of the request but its features, for the scene of the input. `viewed`: true if its arrays lie on the
-    /// device.
+    /// Binds the request, except for its pair filter, to the scene of the input. `viewed`: true if the arrays of the
+    /// request lie on the device.
     virtual void upload_request(const FeatureRequest& request, bool viewed, Growth growth) = 0;
     virtual RowsByKind& rows() = 0;
 

@@ -276,7 +276,7 @@ void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* cou
     compare(geometry, stream, *cached_shape_, known_, counters);
 }
 
-// Checks errors in the host's order.
+// Checks errors in the order in which the host does.
 void Input::throw_error(const Counters& counters) const {
     if (posed_) return posed_->throw_error(stream_, poses_, counters);
     constexpr unsigned long long none = ~0ull;

@@ -7,7 +7,7 @@
 namespace crumple::cuda {
 namespace {
 
-// Copies the bytes from the first to the last value of `view`, and makes it a view of the copy.
+// Downloads the bytes from the first to the last value of `view`, and makes `view` refer to the copy.
 template <class Type>
 void upload_rows(ArrayView<Type>& view, std::size_t value_bytes, cudaStream_t stream, std::vector<std::byte>& copy) {
     if (view.rows <= 0 || !view.data) return;  // readers of the copy report the error

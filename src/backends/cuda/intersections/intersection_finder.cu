@@ -94,9 +94,9 @@ void IntersectionFinder::append_decided(std::size_t count, unsigned long long be
     rank_hits(geometry_, stream_, pass_.hits(), answer().output.offsets);
 }
 
-// Runs make(), which makes something of the result. If memory does not suffice, frees the lists; if that is not enough,
-// finds the result again in chunks, since one that was found at once has unused capacity. `undo` releases what make()
-// has made.
+// Runs make(), which allocates memory for contacts or copies of the result. If memory does not suffice, frees the
+// lists. If that is not enough, finds the result again in chunks, because a result found at once has unused capacity.
+// `undo` releases the memory that make() has allocated.
 template <class Make, class Undo>
 void IntersectionFinder::with_capacity(Make make, Undo undo) {
     if (captured_) return make();  // nothing may be freed

@@ -28,7 +28,7 @@ class IntersectionFinder final : public Finder {
 
     /// Returns true if there is a pair. Ends at the first one, and lists none.
     bool any();
-    /// Sets the flag of each of several worlds that has a pair. Work on a world ends at its first one.
+    /// Sets the flag of each of several worlds that has a pair. Work on a world ends at its first pair.
     void flag_worlds(std::span<std::uint8_t> flags);
 
     /// Make the contacts if the query requests them; copy_to() also copies the whole result to the host.

@@ -23,7 +23,7 @@ __device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t 
         hits.list.data[place] = {a, b, static_cast<std::uint32_t>(rank)};
 }
 
-// Records a candidate if it is a hit, by world if Hits::Mode asks for that.
+// Records a candidate if it is a hit; only counts it, by world, in Hits::Mode::by_world.
 __device__ void add(const Hits& hits, bool is_hit, const Pair& pair, std::int32_t second, const Sorted& sorted,
                     const Candidate& c) {
     if (hits.mode != Hits::Mode::by_world) return add(hits, is_hit, pair.a, pair.b, second);

@@ -19,9 +19,9 @@ struct IntersectionParameters {
 };
 
 /// Output of `narrow`: how colliding pairs are recorded. Mode::count: only counted, by first triangle. Mode::fill:
-/// written to their places in `bucketed`, which prefix sums of these counts gave. Mode::any: only counted, and the
-/// first one ends the work. Mode::by_world: only counted, for each world, and worlds with a hit skip the exact
-/// decision. Mode::list: listed, with their ranks.
+/// written to `bucketed`, to places given by the prefix sums of these counts. Mode::any: only counted, and the first
+/// one ends the work. Mode::by_world: only counted, for each world, and worlds with a hit skip the exact decision.
+/// Mode::list: listed, with their ranks.
 struct Hits {
     enum class Mode { list, count, fill, any, by_world };
     Mode mode;

@@ -17,7 +17,7 @@ class PosedWorldCalls {
     PosedWorldCalls(IntersectionFinder& finder, cudaStream_t stream, MemoryMeter& meter);
 
     /// Returns the world's bodies on the device; uploads them unless they are those of the previous call. Null if one
-    /// scene cannot hold them. Throws CapacityError if `room` is fixed and they would have to be uploaded.
+    /// scene cannot hold them. Throws CapacityError if `growth` is fixed and they would have to be uploaded.
     std::shared_ptr<const PosedWorlds> bodies_of(const World& world, const PairFilter& rules, ParallelFor& workers,
                                                  Growth growth = Growth::grows);
 

@@ -25,8 +25,8 @@ class Answer {
     /// Returns the bytes that these arrays and make_contacts() take.
     static std::size_t bytes(const PreparedScene& scene, std::size_t pairs, bool contacts);
 
-    /// Adds to `batch` what must be cleared for write(), beside the counter of parts: flags, and the counts by first
-    /// triangle, which `narrow` then fills.
+    /// Adds the arrays that write() requires cleared to `batch`: flags, and the counts by first triangle, which
+    /// `narrow` then fills. The counter of parts has to be cleared, too.
     void clear(BatchedClear& batch, const PreparedScene& scene) const;
     /// Turns listed hits, counted by first triangle in output.offsets, into the result. `told`: see order_buckets().
     void write(const PreparedScene& scene, const List<Hit>& hits, Counters* counters, Counters* told);

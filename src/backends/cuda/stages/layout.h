@@ -181,7 +181,7 @@ struct Hit {
     std::uint32_t rank;
 };
 
-/// Number of hits of each world, if the query asks for flags by world; else null. All worlds have equally many leaves.
+/// Number of hits of each world, if flags by world are requested; else null. All worlds have equally many leaves.
 struct WorldHits {
     unsigned long long* count = nullptr;
     std::uint32_t leaves = 1;

@@ -36,7 +36,7 @@ __device__ inline TwoKeys<std::int32_t> keys_of(const BucketedPair* bucketed, un
     return {two.pair[0].second, two.pair[1].second};
 }
 
-/// Offsets by first element, and parts of long rows, as the outputs of all queries have them.
+/// Offsets by first element, and parts of long rows: common to the outputs of all queries.
 struct RowsOfOutput {
     unsigned long long* offsets;  ///< n + 1; before make_offsets(): number of pairs of each first element
     unsigned long long* tiles;    ///< scratch of make_offsets(), which requires it cleared (offset_tiles)
@@ -54,7 +54,7 @@ struct OutputArrays : RowsOfOutput {
     unsigned long long* next;  ///< offsets, incremented as pairs are written to their buckets (Hits::Mode::fill)
     BucketedPair* bucketed;    ///< unsorted within a bucket
     Pair* pairs;
-    std::uint8_t *hit, *hit_second;  ///< of the first and the second mesh, or equal; whole_words() bytes
+    std::uint8_t *hit, *hit_second;  ///< flags by triangle of each mesh; equal for a single mesh; whole_words() bytes
 
     __device__ std::int32_t first_of(unsigned long long i) const { return bucketed[i].first; }
     __device__ Key key(unsigned long long i) const { return bucketed[i].second; }
@@ -74,8 +74,8 @@ std::size_t part_capacity(std::size_t pairs);
 /// Returns the bytes to allocate for flags: whole words, because atomics on words set them.
 std::size_t whole_words(std::size_t flags);
 
-/// Turns counts by first element into offsets, and lists the parts of long rows. The templates below are defined in
-/// output_kernel.h, too.
+/// Turns counts by first element into offsets, and lists the parts of long rows. The templates here and below are
+/// defined in output_kernel.h.
 template <class OutputArrays>
 void make_offsets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                   Counters* counters);

@@ -158,7 +158,7 @@ void Pass::subdivide_clusters(std::uint64_t listed) {
     }
 }
 
-// Computes the level's guide for the next pass, once its members are listed.
+// Computes the level's data for the warm start of the next pass, once the level's members are listed.
 void Pass::prepare_next(int i, cudaStream_t stream) {
     const Level it = level(i);
     fuzzy_c_means(geometry_, stream, it, balls_, fuzziness(i), partial_);

@@ -13,8 +13,8 @@
 
 namespace crumple::cuda {
 
-/// Data by which a pass warm-starts the next one. A warm-started pass (Plan::guided) begins with a copy of `next` to
-/// `now`, and then computes the following `next`, in parallel to the stages:
+/// Data by which a pass warm-starts the next one. A warm-started pass (Plan::warm_started) begins with a copy of `next`
+/// to `now`, and then computes the following `next`, in parallel to the stages:
 ///
 ///     clear, now = next -- bounds -- members ---- sort -- sweep -- narrow -- output
 ///                                          \                                  /
@@ -42,7 +42,7 @@ class Pass {
     PairSelection wanted;
     Plan plan;
     Guides warm_starts{};
-    const Branch* beside = nullptr;  ///< side branch for the next guide; the caller joins it
+    const Branch* beside = nullptr;  ///< side branch that computes the next warm start; the caller joins it
 
     /// Cuts the arrays of the stages up to `sort`, and the list that `sweep` fills; their contents are lost. Overriders
     /// add their records and the lists of `narrow`.

@@ -20,7 +20,7 @@ struct Plan {
     unsigned long long members[2] = {0, 0};  ///< capacities: places of each level's members
     unsigned long long units = 0;
     unsigned long long survivors = 0, undecided = 0, beyond = 0, hits = 0;
-    unsigned long long tests[feature_kinds] = {}, open[feature_kinds] = {};  ///< of feature queries
+    unsigned long long tests[feature_kinds] = {}, open[feature_kinds] = {};  ///< for feature queries, by kind
 
     friend bool operator==(const Plan&, const Plan&) = default;
 
@@ -94,7 +94,7 @@ struct Plan {
         undecided = beyond = 0;
     }
 
-    /// Chooses short lists for a feature query in chunks: a pair of triangles expands to at most 15 tests, or 20 if of
+    /// Chooses short lists for a feature query in chunks: a pair of triangles expands to at most 15 tests, or 20 with
     /// all kinds.
     void choose_feature_chunks(std::int64_t n, bool all_kinds, const Options& options, std::int64_t bytes,
                                std::size_t bytes_of_test) {

@@ -18,7 +18,7 @@ struct Ownership {
     const std::uint64_t* upper_mask;  ///< by triangle: clusters of the first of two levels; or null
     const std::uint64_t* last_mask;   ///< by member of the first level; by triangle if there is one level
     int last_fan_out;
-    int upper_fan_out;  ///< of each world; 1 if there is one level
+    int upper_fan_out;  ///< first-level clusters of each world; 1 if there is one level
 };
 
 /// Adds the arrays that sort_members() requires cleared to `batch`.

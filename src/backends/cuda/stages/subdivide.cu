@@ -154,8 +154,8 @@ __device__ std::uint64_t children_of(const Ball& ball, const MembersShared& shar
 }
 
 // Finds the children of all items and lists the members. Each block counts its own members first, so that it reserves
-// places by one global atomic per child, not one per member. It counts in 32 bits, because atomics in shared memory add
-// no more at once.
+// places by one global atomic per child, not one per member. It counts in 32 bits, because atomic additions in shared
+// memory are no wider.
 template <bool reaching, class Primitive>
 __global__ void members_kernel(Level level, const Ball* balls, std::uint64_t listed, Members members, Reaching how,
                                Primitive primitive, unsigned long long* total, unsigned long long* unplaced) {

@@ -22,9 +22,9 @@ struct Slice {
     WorldHits decided{};
 };
 
-/// Lists the survivors. `Filter` has a device function keeps(has, candidate, room), which returns true if `has` and the
-/// lane's candidate is kept. All lanes of a warp call it together, with a Filter::Room in shared memory. A lane without
-/// a candidate passes that of another lane. Defined in sweep_kernel.h.
+/// Lists the survivors. `Filter` has a device function keeps(has, candidate, buffer), which returns true if `has` is
+/// true and the lane's candidate is kept. All lanes of a warp call it together, with a Filter::Buffer in shared memory.
+/// A lane without a candidate passes that of another lane. Defined in sweep_kernel.h.
 template <class Filter>
 void sweep(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
            const List<Unit>& units, const Ownership& ownership, const PairSelection& wanted, const Filter& filter,

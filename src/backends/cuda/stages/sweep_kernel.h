@@ -30,7 +30,7 @@ struct SweepShared {
     WarpShared<Filter> warp[threads / 32];
     unsigned survivors[threads / 32];
     unsigned taken;                      // units that the block's warps have taken
-    unsigned long long overlaps, place;  // of the whole block
+    unsigned long long overlaps, place;  // box overlaps of the block; place of its remaining survivors in the list
 };
 
 // Returns true if the boxes of a column and of an earlier row overlap, and no conflict bit (SortedRow) is set in both.
