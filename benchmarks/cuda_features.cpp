@@ -106,7 +106,7 @@ void measure_step(const std::string& name, const Options& options, int frames, T
     const VertexView end_here = step.end_view();
     const StepThere there(step);
     Detector cpu({.backend = Backend::cpu});
-    const auto measure = [&](const char* query, const Scene& on_device, const Scene& on_host, const auto& query) {
+    const auto measure = [&](const char* what, const Scene& on_device, const Scene& on_host, const auto& query) {
         Detector detector(options);
         const auto launch = [&] { return detector.launch(on_device, query); };
         const auto find = [&]() -> const auto& { return cpu.find(on_host, query); };
@@ -121,18 +121,18 @@ void measure_step(const std::string& name, const Options& options, int frames, T
         const auto launched = launch();
         const auto& found = launched.wait();
         const std::string wrong = difference(found, find());
-        table.row({name, query, std::to_string(here.triangles.rows), std::to_string(found.count),
+        table.row({name, what, std::to_string(here.triangles.rows), std::to_string(found.count),
                    number(by_events.median), range(by_events), number(clock.median), number(on_cpu.median),
                    number(first)});
         nlohmann::json row{{"step", name},
-                           {"question", query},
+                           {"question", what},
                            {"triangles", here.triangles.rows},
                            {"rows", found.count},
                            {"device", to_json(by_events)},
                            {"device_and_wait", to_json(clock)},
                            {"cpu_all_threads", to_json(on_cpu)},
                            {"first_milliseconds", first}};
-        set_right(row, name + ", " + query, wrong);
+        set_right(row, name + ", " + what, wrong);
         add(std::move(row));
     };
     const ImpactQuery earliest{.output = Output::first};

@@ -1,8 +1,8 @@
-"""Measures how soon calls end after Ctrl-C: the worst of many stops at random moments of a call, by query.
+"""Measures how soon calls end after Ctrl-C: the worst of many stops at random times of a call, by query.
 
     python stop_latency.py [--quick] [--stops N] [--only NAME]
 
-Needs crumple's Python package, and an idle machine. A timer sends SIGINT at a moment drawn uniformly from the time that
+Needs crumple's Python package, and an idle machine. A timer sends SIGINT at a time drawn uniformly from the time that
 the whole call takes; the latency is the time from the signal's handler being due to the KeyboardInterrupt. The first
 call of a detector is measured, which allocates, and later ones, which reuse what it has.
 """

@@ -32,7 +32,7 @@ enum class Extent : std::uint8_t { any, first, all };
 
 /// Flags by CandidateKind, true for each kind of pairs that is listed. CandidateKind includes the kinds of FeatureKind,
 /// in the same order.
-using CodimensionalKinds = std::array<bool, candidate_kinds>;
+using RequestedKinds = std::array<bool, candidate_kinds>;
 
 CRUMPLE_HD constexpr CandidateKind candidate_kind(FeatureKind kind) {
     constexpr CandidateKind kinds[feature_kinds] = {CandidateKind::vertex_face, CandidateKind::edge_edge,
@@ -43,7 +43,7 @@ CRUMPLE_HD constexpr CandidateKind candidate_kind(FeatureKind kind) {
 struct FeatureRequest {
     Criterion criterion = Criterion::proximity;
     Extent extent = Extent::all;  ///< always `all` for candidates
-    CodimensionalKinds kinds{};
+    RequestedKinds kinds{};
     double distance = 0;            ///< the minimum distance, the radius, or the inflation
     double share = 0;               ///< ImpactQuery::min_distance_share
     bool approaching_only = false;  ///< ImpactQuery::approaching_only

@@ -31,12 +31,12 @@ inline Extent extent(const CandidateQuery&) { return Extent::all; }
 
 /// Returns the kinds of pairs to list. If all features belong to triangles, vertex-edge and vertex-vertex pairs are
 /// redundant: a vertex that touches an edge or a vertex also touches a face that has it.
-inline CodimensionalKinds listed_kinds(const SceneFeatures& features) {
+inline RequestedKinds listed_kinds(const SceneFeatures& features) {
     const bool others = !features.plain();
     return {true, true, false, false, others, others};
 }
-inline CodimensionalKinds listed_kinds(const CandidateQuery& query) {
-    CodimensionalKinds kinds{};
+inline RequestedKinds listed_kinds(const CandidateQuery& query) {
+    RequestedKinds kinds{};
     for (const CandidateKind kind : query.kinds) kinds[static_cast<std::size_t>(kind)] = true;
     return kinds;
 }

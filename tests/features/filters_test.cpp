@@ -83,9 +83,9 @@ class Rows {
             listed[i] = i << 4 | bit;
         }
         const cpu::PairsLeft<moments> pairs{rows.data(), columns.data(), packed.data(), packed.size()};
-        cpu::CodimensionalTests tests{listed.data(), cases.size()};
+        cpu::TestList tests{listed.data(), cases.size()};
         std::vector<FeatureTest> test(cases.size());
-        const std::size_t left = kernels.filter_codimensional[static_cast<std::size_t>(kind)](
+        const std::size_t left = kernels.filter_list[static_cast<std::size_t>(kind)](
             points(), ends_, requested_distance(cases.front()), pairs, tests, test.data());
         std::vector<bool> kept(cases.size(), false);
         for (std::size_t i = 0; i < left; ++i) {

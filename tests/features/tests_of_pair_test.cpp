@@ -103,7 +103,7 @@ class Tangle {
             for (std::uint32_t j = i + 1; j < n; ++j) packed.push_back((i + j) % 2 ? j << 16 | i : i << 16 | j);
         const cpu::PairsLeft<1> pairs{records.data(), records.data(), packed.data(), packed.size()};
         std::vector<std::uint32_t> storage[2];
-        cpu::CodimensionalTests tests[2];
+        cpu::TestList tests[2];
         for (std::size_t k = 0; k < 2; ++k) {
             storage[k].resize(9 * packed.size() + cpu::padding);
             tests[k].test = storage[k].data();

@@ -218,19 +218,19 @@ bool Triangulator::clip_ears(std::vector<std::int32_t>& ears) {
     const auto n = static_cast<std::size_t>(count_);
     before_.resize(n);
     after_.resize(n);
-    calls_done_.resize(n);
+    turns_.resize(n);
     std::vector<int> not_convex;
     const auto at = [](auto& values, int i) -> auto& { return values[static_cast<std::size_t>(i)]; };
     const auto turn_at = [&](int i) { return static_cast<std::int8_t>(turn(at(before_, i), i, at(after_, i))); };
     for (int i = 0; i < count_; ++i) {
         at(before_, i) = i == 0 ? count_ - 1 : i - 1;
         at(after_, i) = i + 1 == count_ ? 0 : i + 1;
-        at(calls_done_, i) = turn_at(i);
-        if (at(calls_done_, i) <= 0) not_convex.push_back(i);
+        at(turns_, i) = turn_at(i);
+        if (at(turns_, i) <= 0) not_convex.push_back(i);
     }
     not_convex_.build(points_, std::move(not_convex), axis_);
     const auto update = [&](int i, std::int8_t turn) {
-        at(calls_done_, i) = turn;
+        at(turns_, i) = turn;
         if (turn > 0) not_convex_.remove(i);
     };
 
@@ -241,7 +241,7 @@ bool Triangulator::clip_ears(std::vector<std::int32_t>& ears) {
     int left = count_, some_corner = 0;
     bool clipped = true;
     const auto try_later = [&](int i) {
-        if (at(calls_done_, i) == 1) to_try.push_back(i);
+        if (at(turns_, i) == 1) to_try.push_back(i);
     };
     const auto clip = [&](int b) {
         const int a = at(before_, b), c = at(after_, b);
@@ -260,7 +260,7 @@ bool Triangulator::clip_ears(std::vector<std::int32_t>& ears) {
     while (left > 3) {
         if (next < to_try.size()) {
             const int corner = to_try[next++];
-            if (at(calls_done_, corner) == 1 && is_ear(corner)) clip(corner);
+            if (at(turns_, corner) == 1 && is_ear(corner)) clip(corner);
         } else if (clipped) {
             clipped = false;
             to_try.clear();
@@ -273,7 +273,7 @@ bool Triangulator::clip_ears(std::vector<std::int32_t>& ears) {
             clip(spike);
         }
     }
-    if (at(calls_done_, some_corner) < 0) return false;
+    if (at(turns_, some_corner) < 0) return false;
     clip(some_corner);
     return true;
 }
@@ -284,7 +284,7 @@ int Triangulator::find_spike(int start) const {
     do {
         const auto i = static_cast<std::size_t>(b);
         const int a = before_[i], c = after_[i];
-        if (calls_done_[i] == 0) {
+        if (turns_[i] == 0) {
             if (turns_back(a, b, c)) return b;
             straight = b;
         }

@@ -53,9 +53,9 @@ class Triangulator {
     bool exact_ = true;     ///< all coordinates are in the range of expansions
     bool touches_ = false;  ///< the outline touches itself, other than where successive edges join
     CornerTree not_convex_;
-    std::vector<int> before_, after_;      ///< per corner that is left: the corners beside it
-    std::vector<std::int8_t> calls_done_;  ///< per corner: 1 convex, 0 straight, -1 reflex; 2 once cut off
-    std::vector<Box> boxes_;               ///< boxes of edges, later of triangles; sorted from the left
+    std::vector<int> before_, after_;  ///< per corner that is left: the corners beside it
+    std::vector<std::int8_t> turns_;   ///< per corner: 1 convex, 0 straight, -1 reflex; 2 once cut off
+    std::vector<Box> boxes_;           ///< boxes of edges, later of triangles; sorted from the left
 };
 
 }  // namespace crumple::io

@@ -39,7 +39,7 @@ struct Rounds {
 
     bool of_impacts = false;  ///< true if exactly vertex_face and edge_edge are requested
 
-    explicit Rounds(const CodimensionalKinds& kinds = {});
+    explicit Rounds(const RequestedKinds& kinds = {});
 };
 
 /// Writes the pairs that the bits stand for, and advances `next`.

@@ -44,8 +44,8 @@ std::size_t find(const CandidateRecord* record, const CandidateChunk& candidates
 
 }  // namespace
 
-Rounds::Rounds(const CodimensionalKinds& kinds) {
-    of_impacts = kinds == CodimensionalKinds{true, true};
+Rounds::Rounds(const RequestedKinds& kinds) {
+    of_impacts = kinds == RequestedKinds{true, true};
     for (auto& lanes : row) std::fill_n(lanes, candidate_lanes, std::uint8_t{7});
     for (int column = 0; column < most; ++column) {
         int round = 0;

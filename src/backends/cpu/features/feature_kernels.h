@@ -50,7 +50,7 @@ struct PairsLeft {
 
 /// List of the tests of one kind that the pairs of a PairsLeft have, codimensional or not. A test is stored as index of
 /// the pair << 4 | the test's bit in TestsOfPair, so there must be fewer than 2^28 pairs.
-struct CodimensionalTests {
+struct TestList {
     std::uint32_t* test = nullptr;  ///< `padding` more may be written
     std::size_t count = 0;
 
@@ -60,7 +60,7 @@ struct CodimensionalTests {
 
 /// Writes listed test i as a FeatureTest.
 template <FeatureKind kind, int moments>
-void write_test(const PairsLeft<moments>& pairs, const CodimensionalTests& listed, std::size_t i, FeatureTest& test) {
+void write_test(const PairsLeft<moments>& pairs, const TestList& listed, std::size_t i, FeatureTest& test) {
     const std::size_t pair = listed.pair(i);
     write_test<kind>(pairs.row(pair), pairs.column(pair), listed.bit(i), test);
 }
@@ -83,14 +83,13 @@ struct FeatureKernels {
 
     /// Lists the tests of pairs. `names`: representative vertices, by which two vertices are compared; null: vertices
     /// themselves.
-    void (*list)(const PairsLeft<moments>& pairs, const std::int32_t* names, CodimensionalTests& vertex_face,
-                 CodimensionalTests& edge_edge);
+    void (*list)(const PairsLeft<moments>& pairs, const std::int32_t* names, TestList& vertex_face,
+                 TestList& edge_edge);
 
     /// For vertex_face and edge_edge: writes the listed tests that the filters do not drop to `test`, and returns their
     /// number. Overwrites the list. `ends`: see BuildInput.
-    std::size_t (*filter_codimensional[2])(const PointRows& points, std::int64_t ends, RequestedDistance distance,
-                                           const PairsLeft<moments>& pairs, CodimensionalTests& listed,
-                                           FeatureTest* test);
+    std::size_t (*filter_list[2])(const PointRows& points, std::int64_t ends, RequestedDistance distance,
+                                  const PairsLeft<moments>& pairs, TestList& listed, FeatureTest* test);
 
     /// Indexed by FeatureKind. Moves the tests that the filters do not drop to the front, in order, and returns their
     /// number. The last two kinds are filtered as a vertex and a face that is collapsed to an edge or a vertex.

@@ -46,10 +46,9 @@ std::size_t separate(const FeatureRecord<moments>* record, const CandidateChunk&
 }
 
 template <int moments>
-void list(const PairsLeft<moments>& pairs, const std::int32_t* names, CodimensionalTests& vertex_face,
-          CodimensionalTests& edge_edge) {
+void list(const PairsLeft<moments>& pairs, const std::int32_t* names, TestList& vertex_face, TestList& edge_edge) {
     const auto name = [&](std::int32_t vertex) { return names ? names[vertex] : vertex; };
-    const auto add = [](CodimensionalTests& listed, std::size_t pair, unsigned bits) {
+    const auto add = [](TestList& listed, std::size_t pair, unsigned bits) {
         for (; bits; bits &= bits - 1)
             listed.test[listed.count++] =
                 static_cast<std::uint32_t>(pair << 4) | static_cast<unsigned>(__builtin_ctz(bits));
@@ -77,8 +76,8 @@ std::size_t filter(const PointRows& points, std::int64_t ends, RequestedDistance
 }
 
 template <FeatureKind kind, int moments>
-std::size_t filter_codimensional(const PointRows& points, std::int64_t ends, RequestedDistance distance,
-                                 const PairsLeft<moments>& pairs, CodimensionalTests& listed, FeatureTest* test) {
+std::size_t filter_list(const PointRows& points, std::int64_t ends, RequestedDistance distance,
+                        const PairsLeft<moments>& pairs, TestList& listed, FeatureTest* test) {
     for (std::size_t i = 0; i < listed.count; ++i) write_test<kind>(pairs, listed, i, test[i]);
     return filter<kind, moments>(points, ends, distance, test, listed.count);
 }
@@ -89,7 +88,7 @@ constexpr FeatureKernels<moments> table{
     scatter<moments>,
     separate<moments>,
     list<moments>,
-    {filter_codimensional<FeatureKind::vertex_face, moments>, filter_codimensional<FeatureKind::edge_edge, moments>},
+    {filter_list<FeatureKind::vertex_face, moments>, filter_list<FeatureKind::edge_edge, moments>},
     {filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::edge_edge, moments>,
      filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::vertex_face, moments>}};
 

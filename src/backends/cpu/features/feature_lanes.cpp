@@ -32,8 +32,7 @@ FeatureKernels<moments> kernels() {
             plain.scatter,
             separate<moments>,
             list<moments>,
-            {filter_codimensional<FeatureKind::vertex_face, moments>,
-             filter_codimensional<FeatureKind::edge_edge, moments>},
+            {filter_list<FeatureKind::vertex_face, moments>, filter_list<FeatureKind::edge_edge, moments>},
             {filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::edge_edge, moments>,
              filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::vertex_face, moments>}};
 }

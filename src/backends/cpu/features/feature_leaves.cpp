@@ -197,18 +197,17 @@ void FeatureLeaves<moments>::find_tests(const PairsLeft<moments>& pairs, Worker&
         return;
     }
     constexpr std::size_t most[] = {6, 9};
-    CodimensionalTests listed[2];
+    TestList listed[2];
     for (std::size_t k = 0; k < 2; ++k)
         listed[k].test = worker.listed[k].resize_discard(most[k] * pairs_at_once + padding);
     kernels_.list(pairs, features.is_welded() ? features.names().data() : nullptr, listed[0], listed[1]);
-    filter_codimensional<FeatureKind::vertex_face>(pairs, listed[0], worker);
-    filter_codimensional<FeatureKind::edge_edge>(pairs, listed[1], worker);
+    filter_list<FeatureKind::vertex_face>(pairs, listed[0], worker);
+    filter_list<FeatureKind::edge_edge>(pairs, listed[1], worker);
 }
 
 template <int moments>
 template <FeatureKind kind>
-void FeatureLeaves<moments>::filter_codimensional(const PairsLeft<moments>& pairs, CodimensionalTests& listed,
-                                                  Worker& worker) const {
+void FeatureLeaves<moments>::filter_list(const PairsLeft<moments>& pairs, TestList& listed, Worker& worker) const {
     constexpr auto k = static_cast<std::size_t>(kind);
     Array<FeatureTest>& tests = worker.tests[k];
     FeatureTest* test = tests.resize_discard(listed.count);
@@ -218,7 +217,7 @@ void FeatureLeaves<moments>::filter_codimensional(const PairsLeft<moments>& pair
     }
     worker.statistics.edge_tests += static_cast<std::int64_t>(listed.count);
     const FlushToZero mode;
-    tests.resize(kernels_.filter_codimensional[k](call_->points(), ends(), {distance_, share_}, pairs, listed, test));
+    tests.resize(kernels_.filter_list[k](call_->points(), ends(), {distance_, share_}, pairs, listed, test));
     drop_adjacent(kind, tests);
 }
 

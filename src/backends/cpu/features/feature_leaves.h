@@ -67,7 +67,7 @@ class FeatureLeaves final : public LeafQuery {
         CandidateChunk candidates;
         Array<std::uint32_t> left;                   ///< candidates that no direction separates, packed
         Array<float> distance;                       ///< requested distance of each test, if vertices have radii
-        std::array<Array<std::uint32_t>, 2> listed;  ///< see CodimensionalTests
+        std::array<Array<std::uint32_t>, 2> listed;  ///< see TestList
         std::array<Array<FeatureTest>, feature_kinds> tests;
         RowLists hits;
         std::int64_t unit = 0;  ///< unit of a stream that the hits belong to
@@ -80,7 +80,7 @@ class FeatureLeaves final : public LeafQuery {
     std::size_t own_pairs(const SortedLeaf& leaf, const Ownership& ownership, std::size_t left, Worker& worker) const;
     void find_tests(const PairsLeft<moments>& pairs, Worker& worker) const;
     template <FeatureKind kind>
-    void filter_codimensional(const PairsLeft<moments>& pairs, CodimensionalTests& listed, Worker& worker) const;
+    void filter_list(const PairsLeft<moments>& pairs, TestList& listed, Worker& worker) const;
     void list_codimensional_tests(const PairsLeft<moments>& pairs, Worker& worker) const;
     void filter_tests(FeatureKind kind, Worker& worker) const;
     void drop_adjacent(FeatureKind kind, Array<FeatureTest>& tests) const;

@@ -286,8 +286,8 @@ std::size_t filter(const PointRows& points, std::int64_t ends, RequestedDistance
 
 /// Writes out only the listed tests that pass the coarse filter, which are few; the fine filter then reads these.
 template <FeatureKind kind, int moments>
-std::size_t filter_codimensional(const PointRows& points, std::int64_t ends, RequestedDistance distance,
-                                 const PairsLeft<moments>& pairs, CodimensionalTests& listed, FeatureTest* test) {
+std::size_t filter_list(const PointRows& points, std::int64_t ends, RequestedDistance distance,
+                        const PairsLeft<moments>& pairs, TestList& listed, FeatureTest* test) {
     using Tests = TestBatch<hn::Vec<hn::ScalableTag<float>>, moments>;
     const auto vertices_of = [&](std::size_t i, std::int32_t(&room)[4]) -> const std::int32_t* {
         const std::size_t pair = listed.pair(i);

@@ -41,8 +41,7 @@ HWY_INLINE Names<V> load_names(D d, RecordOf record, const std::int32_t* names) 
 }
 
 template <int moments>
-void list(const PairsLeft<moments>& pairs, const std::int32_t* names, CodimensionalTests& vertex_face,
-          CodimensionalTests& edge_edge) {
+void list(const PairsLeft<moments>& pairs, const std::int32_t* names, TestList& vertex_face, TestList& edge_edge) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
     const hn::RebindToUnsigned<decltype(d)> du;
@@ -58,7 +57,7 @@ void list(const PairsLeft<moments>& pairs, const std::int32_t* names, Codimensio
             d, [&](int lane) -> const auto& { return pairs.column(pair(lane)); }, names);
         const auto here = hn::Lt(hn::Iota(di, 0), hn::Set(di, static_cast<std::int32_t>(pairs.count - first)));
         const auto place = hn::ShiftLeft<4>(hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<std::uint32_t>(first))));
-        const auto add = [&](CodimensionalTests& listed, auto mask, int bit) HWY_ATTR {
+        const auto add = [&](TestList& listed, auto mask, int bit) HWY_ATTR {
             const auto test = hn::Or(place, hn::Set(du, static_cast<std::uint32_t>(bit)));
             listed.count += compress_to(du, test, hn::RebindMask(du, mask), listed.test + listed.count);
         };
