@@ -1,6 +1,6 @@
-"""Times the peers that come from PyPI against crumple_benchmark, taking turns.
+"""Times the peers that come from PyPI against crumple_benchmark, in alternation.
 
-Every contestant is a process that waits for its turn: crumple_benchmark --serve, or a worker (peers/worker.py). All are
+Every contestant is a process that waits for requests: crumple_benchmark --serve, or a worker (peers/worker.py). All are
 given the same arrays. A turn returns the milliseconds of each call that fits into a slice of time. Only work inside the
 libraries is timed: arrays are converted before and results after, except if a contestant is called "from Python". The
 race follows race.h: median over all calls, ratios computed for each round, hopelessly slow configurations of a peer

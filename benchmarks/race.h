@@ -3,7 +3,7 @@
 // Races of contestants, timed so that their ratios stay meaningful on a machine whose speed drifts and that others use,
 // too.
 //
-// After a warm-up the contestants take turns: in each round every one calls its function until its slice of time is
+// After a warm-up the contestants alternate: in each round every one calls its function until its slice of time is
 // spent, at least once, and every other round goes backwards. A contestant's time is the median over all its calls. A
 // ratio is formed round by round from medians within that round, and its spread is the spread over the rounds.
 

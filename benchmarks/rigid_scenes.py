@@ -131,7 +131,7 @@ def on_the_cloth(cloth, n, radius):
 
 
 def beside_each_other(n, apart):
-    """(n, 2, 3, 4): two bodies each, turned at random, their origins as far apart as `apart` tells: least and most."""
+    """(n, 2, 3, 4): two bodies each, turned at random, the distance of their origins within `apart` (least, most)."""
     random = np.random.default_rng(2)
     poses = poses_of(rotations(random, 2 * n), np.zeros((2 * n, 3))).reshape(n, 2, 3, 4)
     poses[:, 1, :, 3] = _unit(random, n, 3) * random.uniform(*apart, size=(n, 1))

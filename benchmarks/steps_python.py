@@ -9,7 +9,7 @@ IPC Toolkit builds its candidates by LBVH, its default, and finds one step for t
 both with conservative_rescaling 0.8, as solvers use them; the faster one counts. Crumple keeps a share of 0.2 of each
 pair's own distance. Its free step also verifies the positions as they are rounded. Shares are set against no share, first
 impacts of sheets that slide in one plane against all impacts, and worlds of bodies that are clear of each other against
-a search for their intersections at rest.
+a search for intersections of the same worlds without motion.
 
 All on one thread, of the thread's own time, warm; medians of rounds, in which contestants change places.
 """
@@ -60,7 +60,7 @@ def steps(quick):
 
 
 def toolkit(mesh, end):
-    """What the peer does for a step, by each of its methods."""
+    """Returns functions that compute the peer's step, by the name of the method."""
     columns = np.asfortranarray
     start, faces = columns(mesh.vertices.astype(float)), columns(mesh.faces.astype(np.int32))
     end = columns(end.astype(float))

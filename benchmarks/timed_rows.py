@@ -1,4 +1,4 @@
-"""Rows of the benchmarks that are called from Python: contestants take turns, and a row compares crumple with a peer.
+"""Rows of the benchmarks that are called from Python: contestants alternate, and a row compares crumple with a peer.
 
 Times are medians. A ratio is the peer's time over crumple's, computed for each turn, or for each round if a row has
 only one turn; its median and quartiles are reported.

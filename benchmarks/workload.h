@@ -30,7 +30,7 @@ std::string_view name_of(Query query);
 struct Workload {
     std::string name;
     Query query = Query::self;
-    io::TriangleMesh a, b;  ///< `b` is empty unless `question` is `between`
+    io::TriangleMesh a, b;  ///< `b` is empty unless `query` is `between`
 
     std::int64_t triangle_count() const { return a.triangle_count() + b.triangle_count(); }
     std::string_view scalar() const { return a.precision() == ScalarType::float32 ? "float32" : "float64"; }

@@ -61,7 +61,7 @@ ALL = 2**62
 
 
 def pairs_differ(answers):
-    """Describes how the pairs differ. `answers`: for each pose the set of crumple and that of the peer."""
+    """Describes how the pairs differ. The argument has, for each pose, the sets of pairs of crumple and of the peer."""
     found, missing, extra = map(sum, zip(*((len(a), len(a - b), len(b - a)) for a, b in answers)))
     return f"{found} pairs; the peer lacks {missing}, has {extra} more"
 

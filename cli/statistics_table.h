@@ -17,7 +17,7 @@ std::int64_t count_hits(const Intersections& collisions);
 std::string summary_of_pairs(std::int64_t pairs, std::int64_t hits, std::int64_t all, const char* what,
                              double milliseconds);
 
-/// Prints times, each with its share of the sum, and a row of the table below them.
+/// Prints times, each with its percentage of the sum, and a row of the table below them.
 void print_times(std::string_view title, std::span<const double> milliseconds,
                  std::string_view (*name_of)(std::size_t));
 void print_row(std::string_view name, const std::string& value, const std::string& remark = {});

@@ -28,7 +28,7 @@ root = Path(__file__).resolve().parent.parent
 
 
 class StandIn(types.ModuleType):
-    """Module in place of one that cannot be imported here. Any name in it is an empty class, unless it is given."""
+    """Substitute for a module that cannot be imported. Any name in it is an empty class, unless it is given."""
 
     def __init__(self, name, **given):
         super().__init__(name)

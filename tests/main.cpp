@@ -49,7 +49,7 @@ bool fit(const std::string& cases) {
 
 int main(int argc, char** argv) {
 #ifdef CRUMPLE_TESTS_WITH_TBB
-    // Detectors use no more threads than are allowed in the process; tests ask for up to 16, on any machine.
+    // Detectors use no more threads than are allowed in the process; tests request up to 16, on any machine.
     const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 16);
 #endif
     testing::InitGoogleTest(&argc, argv);

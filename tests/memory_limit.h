@@ -12,7 +12,7 @@
 namespace crumple::test {
 
 /// Returns a memory limit, at least options.memory_limit, under which call(Detector&) succeeds. Each of `halvings`
-/// bisection steps brings it closer to the smallest such limit. Expects bytes_needed of every error on the way to be a
+/// bisection steps moves it closer to the smallest such limit. Expects bytes_needed of every earlier error to be a
 /// lower bound of that limit.
 template <class Call>
 std::int64_t sufficient_limit(Options options, Call call, int halvings = 0) {

@@ -1,4 +1,4 @@
-"""Worker process that runs one Python peer, in one configuration, and waits for its turn.
+"""Worker process that runs one Python peer, in one configuration, each time it gets a request.
 
 A peer's class has `name`, `question`, `computes` and `ways`, pairs of a label and a number of threads (0: all); for the
 report also `package`, its name on PyPI, `scalar` and `describes`. A class that is too slow for large scenes has

@@ -1,5 +1,5 @@
 // Studies of time against the value of one option, all others at their defaults: show what the option does and whether
-// its default is a good one. The values take turns on each scene.
+// its default is a good one. The values alternate on each scene.
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 // and the time of the largest part is a lower bound for all. Work grows, because triangles at borders belong to several
 // parts. Parts are searched in two ways: by find(part), which finds the pairs that the part owns; and as a mesh of the
 // part's triangles, which finds pairs of the overlap in each part, and so shows the cost of ownership. On one thread;
-// the whole scene and the parts take turns.
+// the whole scene and the parts alternate.
 
 #include <fmt/format.h>
 

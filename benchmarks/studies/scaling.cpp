@@ -180,7 +180,7 @@ nlohmann::json frames_of(const scenes::Parameters& parameters, int ranks) {
 
 nlohmann::json study_scaling(const StudySettings& settings) {
     struct Series {
-        std::int64_t triangles;  // of a rank, or of the scene
+        std::int64_t triangles;  // per rank if of_rank, else in the whole scene
         bool of_rank;
         std::vector<int> ranks;
     };

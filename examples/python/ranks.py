@@ -1,5 +1,5 @@
 """Searches some frames of a sheet of cloth, in blocks of rows on MPI ranks: each rank gets the pairs of its triangles.
-At the end it also finds impacts on the way to the next frame, and near pairs.
+At the end it also finds impacts of the motion to the next frame, and near pairs.
 
 mpirun -n 2 python ranks.py
 """

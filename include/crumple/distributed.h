@@ -56,8 +56,8 @@ struct DistributedOptions {
     /// Number of parts over all ranks, 1 to 262,144; 0: chosen from the number of ranks. More parts balance the load
     /// better, but overlap more.
     int parts = 0;
-    /// Approximate size in bytes of the message batches that a rank sends, and of those that it receives; at least 1
-    /// KiB. A batch is divided equally among the ranks, but each message has at least one row.
+    /// Approximate size in bytes of the message batches that a rank sends, and of the batches that it receives; at
+    /// least 1 KiB. A batch is divided equally among the ranks, but each message has at least one row.
     std::int64_t round_bytes = std::int64_t{1} << 26;
 };
 

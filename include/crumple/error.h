@@ -40,7 +40,7 @@ class CRUMPLE_API Error : public std::runtime_error {
           system_error(system_error) {}
 
     ErrorCode code;
-    Element element;            ///< what `index` counts
+    Element element;            ///< kind of element that `index` counts
     std::int64_t index;         ///< the first offending element, -1 if there is none
     std::int64_t bytes_needed;  ///< memory_limit: lower bound on a sufficient limit; otherwise 0
     int system_error;           ///< file: errno, if the operating system failed; otherwise 0

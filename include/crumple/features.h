@@ -23,8 +23,8 @@ struct Edge {
 enum class FeatureKind : std::uint8_t {
     vertex_face,    ///< a: vertex, b: triangle without this vertex
     edge_edge,      ///< a < b: edges without a common vertex
-    vertex_edge,    ///< a: vertex, b: edge of no triangle, without this vertex, that shares a vertex with each edge
-                    ///< of the vertex
+    vertex_edge,    ///< a: vertex, b: edge of no triangle, without this vertex. Each edge of the vertex has a common
+                    ///< vertex with b
     vertex_vertex,  ///< a < b: vertices of no triangle and no edge
 };
 inline constexpr int feature_kinds = 4;

@@ -56,7 +56,7 @@ struct Statistics {
     std::int64_t edge_tests = 0;      ///< pairs that no plane separated
     std::int64_t double_tests = 0;    ///< pairs left undecided by float32 filters
     std::int64_t exact_tests = 0;     ///< pairs left undecided by float64 filters: decided in exact arithmetic
-    std::int64_t rational_tests = 0;  ///< of these, pairs beyond the range of floating-point expansions
+    std::int64_t rational_tests = 0;  ///< exact tests beyond the range of floating-point expansions
     /// Contacts computed in rational arithmetic, by the host even with cuda: of coplanar or degenerate triangles, and
     /// points that double-double arithmetic could not round.
     std::int64_t rational_contacts = 0;

@@ -1,4 +1,4 @@
-"""What Python adds to a search of a world: microseconds of a warm call beyond the library's own time, call by call.
+"""Measures the overhead of Python in searches of a world: microseconds of a warm call beyond the library's own time.
 
     python worlds.py [--calls N]
 

@@ -118,7 +118,8 @@ class BorrowedRadii {
 /// View of the numbers over all ranks of local triangles, vertices or bodies: (n) int64 in host memory.
 class BorrowedIds {
    public:
-    /// `ids` may be None. `what`: "triangle", "vertex" or "body". Throws Error unless there are `wanted` ids.
+    /// `ids` may be None. `what`: "triangle", "vertex" or "body". The last argument is the required number of ids.
+    /// Throws Error if there are more or fewer.
     BorrowedIds(nanobind::handle ids, const char* what, std::int64_t wanted);
     std::span<const std::int64_t> view() const { return view_; }
 

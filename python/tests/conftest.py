@@ -1,4 +1,4 @@
-"""What the tests share: small soups, and packages that may be missing."""
+"""Helpers of several tests: small soups, and imports of packages that may be missing."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def as_set(pairs) -> set[tuple[int, int]]:
 
 
 class OnDevice:
-    """An array that says it lies on a device, of CUDA (kind 2) unless told otherwise."""
+    """Array in host memory that claims to lie on a device, by default of CUDA (kind 2)."""
 
     def __init__(self, array, device=0, kind=2):
         self.array, self.place = array, (kind, device)

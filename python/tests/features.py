@@ -44,8 +44,8 @@ def assert_same(found, expected, more=()):
 
 
 def restored(result, **changes):
-    """Makes a result of the state of another one, after `changes`: functions by the names of values, arrays, attributes
-    of what was asked for, and parts of the scene.
+    """Restores a result from the pickled state of another one, after `changes`: functions by the names of values and
+    arrays, of attributes of the request, and of parts of the scene.
     """
     restore, (kind, asked, state, *given) = result.__reduce__()
     asked = Request(*asked)._asdict()

@@ -1,4 +1,4 @@
-"""Scenes that ranks of MPI bring together, and the rows of a result that belong to each rank."""
+"""Scenes distributed over MPI ranks, and checks that each rank gets its own rows of a result."""
 
 import sys
 
@@ -14,11 +14,11 @@ ONE = {"backend": "cpu", "threads": 1}
 
 
 class LocalMesh(crumple.mpi.MeshShare):
-    """The faces of a mesh that a rank brings, and the vertices that they name.
+    """Local mesh of a rank: its faces of a mesh, and the vertices that they name.
 
     Args:
         whole: the mesh of all ranks.
-        ranks: (m,) the rank that brings each face.
+        ranks: (m,) the rank of each face.
         rank: this rank.
     """
 
@@ -26,7 +26,7 @@ class LocalMesh(crumple.mpi.MeshShare):
         self.whole = whole
         triangle_ids = np.flatnonzero(ranks == rank)
         vertex_ids, faces = np.unique(np.asarray(whole.faces).reshape(-1, 3)[triangle_ids], return_inverse=True)
-        if rank == 0:  # which brings the vertices that no face names
+        if rank == 0:  # rank 0 gets the vertices that no face names
             vertex_ids = np.append(vertex_ids, np.setdiff1d(np.arange(len(whole.vertices)), whole.faces))
         vertices, end, groups = (
             None if array is None else np.asarray(array)[ids]
@@ -63,7 +63,7 @@ def grouped():
 
 
 def check_rows(found, local, expected):
-    """Checks that these are the rows of the whole result whose first triangle this rank brings."""
+    """Checks that these are the rows of the whole result whose first triangle belongs to this rank."""
     mine = np.isin(expected.pairs[:, 0], local.triangle_ids)
     assert found.pairs.dtype == np.int32 and not (len(found) and found.pairs.flags.writeable)
     np.testing.assert_array_equal(found.pairs, expected.pairs[mine])
@@ -116,7 +116,7 @@ def error_of(call, *arguments, **named):
 
 
 class LocalWorld(crumple.mpi.WorldShare):
-    """The bodies of a world that a rank brings; `whole` is the world of all ranks."""
+    """Bodies of a world that belong to a rank; `whole` is the world of all ranks."""
 
     def __init__(self, shapes, distribution, poses, end_poses, self_collisions=True):
         count = len(shapes)
@@ -129,7 +129,7 @@ class LocalWorld(crumple.mpi.WorldShare):
         super().__init__(world, mine)
 
     def rows(self, bodies):
-        """Flags of the rows whose first body this rank brings."""
+        """Returns flags of the rows whose first body belongs to this rank."""
         return np.isin(bodies[:, 0], self.body_ids)
 
 

@@ -1,4 +1,4 @@
-"""What README.md and the pages docs/start_*.md have to copy: programs, and what stands below each as its output."""
+"""Programs that README.md and docs/start_*.md offer to copy, and the output that the pages print below each."""
 
 from __future__ import annotations
 

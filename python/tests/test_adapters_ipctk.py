@@ -1,4 +1,4 @@
-"""The adapters of the IPC Toolkit: candidates are exactly what is near, and ipctk asks its own questions of them."""
+"""Tests of the adapters for the IPC Toolkit: candidates are the near pairs, and ipctk's functions accept them."""
 
 import os
 import subprocess
@@ -77,7 +77,7 @@ def test_candidates_are_those_of_boxes_that_are_near(kind, moving):
 
 
 def boxes_overlap(points, split, end_points, radius):
-    """Whether the boxes of the first points and of the others, each grown by the radius, overlap."""
+    """Returns flags: the box of the first `split` points overlaps that of the others, both inflated by the radius."""
     both = np.concatenate([points, end_points], axis=1) if end_points is not None else points
     count, number = points.shape[1], np.arange(both.shape[1]) % points.shape[1]
     first, second = both[:, number < split], both[:, number >= split]
@@ -133,7 +133,7 @@ def test_steps_are_exact_and_no_shorter_than_ipctks():
         steps.append(ipctk.compute_collision_free_stepsize(mesh, vertices, end, broad_phase=broad_phase))
     assert 0 < steps[1] <= steps[0] <= exact
 
-    share = {"min_distance_share": 0.2}  # of all boxes, for what does not touch may come near
+    share = {"min_distance_share": 0.2}  # of all overlaps of boxes: pairs that never touch may come near
     first = adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end, **share)
     assert first == toi_of(crumple.first_impact(vertices, end, faces, **share)) < exact
     assert not adapter.is_step_collision_free(candidates, mesh, vertices, end, **share)

@@ -35,7 +35,7 @@ def lists(kind, contacts, width):
 
 
 def near(points, kind):
-    """Which pairs are near, and how far apart they are."""
+    """Returns flags of the pairs that are near, and the distances of all pairs."""
     squared = crumple.pair_distances(kind, points).squared_distance
     return squared < RADIUS**2, np.sqrt(squared)
 

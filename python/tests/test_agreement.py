@@ -1,4 +1,4 @@
-"""The Python answers are the C++ answers: the same bytes as the command line writes, and as brute force finds."""
+"""Results of the Python package are those of C++: the same bytes as from the command line, and from brute force."""
 
 import functools
 import subprocess

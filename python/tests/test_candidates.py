@@ -1,4 +1,4 @@
-"""Which features have boxes that overlap: found as brute force finds them, in meshes and in worlds, as asked for."""
+"""Tests of candidates, features whose boxes overlap, against brute force: meshes, worlds, outputs and options."""
 
 import copy
 import itertools

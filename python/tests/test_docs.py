@@ -90,7 +90,7 @@ PAGES_OF_COMMANDS = [*sorted(DOCS.glob("*.md")), *(DOCS.parent / name for name i
 @pytest.mark.parametrize("page", PAGES_OF_COMMANDS, ids=lambda page: page.name)
 def test_blocks_of_commands_can_be_pasted_whole(page):
     """Remarks after commands begin with #: a shell takes anything else for an argument."""
-    text = re.sub(r"^```(?!sh|bash|$).*?^```$", "", page.read_text(), flags=re.M | re.S)  # of other languages
+    text = re.sub(r"^```(?!sh|bash|$).*?^```$", "", page.read_text(), flags=re.M | re.S)  # drops other languages
     for line in re.findall(rf"^(?: {{4}})?({COMMANDS}.*)$", text, flags=re.M):
         command, *remark = re.split(r" {2,}(?=\S)", line, maxsplit=1)
         assert not remark or remark[0].startswith("#"), f"{page.name}: {line}"

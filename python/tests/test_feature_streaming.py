@@ -1,4 +1,4 @@
-"""Answers about features in blocks: together they are the whole answer."""
+"""Results about features, delivered in blocks: all blocks together are the whole result."""
 
 import pickle
 
@@ -21,7 +21,7 @@ PAIRS = ("vertex_faces", "edge_edges", "vertex_edges", "vertex_vertices")
 
 
 def arrays_of(answer):
-    """Those that blocks have: of what was asked for."""
+    """Returns the names of the arrays that blocks of such a result have."""
     name = type(answer).__name__
     listed = ["vertex_faces", "edge_edges", "face_faces"] if name == "Candidates" else LISTS[name]
     return [*listed, *(CLOSEST if name == "Proximities" else [])]

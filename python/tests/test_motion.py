@@ -1,4 +1,4 @@
-"""What touches what on its way: found as brute force finds it, in meshes and in worlds, as much as is asked for."""
+"""Tests of impacts in a motion against brute force: meshes, worlds, outputs and options."""
 
 import inspect
 import pickle

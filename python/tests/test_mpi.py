@@ -15,7 +15,7 @@ import mpi
 
 FILES = [Path(__file__).with_name(name) for name in ("mpi_ranks.py", "mpi_failures.py")]
 FILE_OF = {case: file for file in FILES for case in re.findall(r"^def (\w+)\(\):$", file.read_text(), flags=re.M)}
-# Others have three ranks; one alone matters where there is nobody to speak to.
+# Numbers of ranks of some cases; all others run on three. One rank is a special case without communication.
 RANKS_OF = {
     "the_result_is_that_of_one_detector": (1, 3),
     "motion_is_that_of_one_detector": (1, 3),

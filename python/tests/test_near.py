@@ -1,4 +1,4 @@
-"""What is near what: found as brute force finds it, in meshes and in worlds, as much as is asked for."""
+"""Tests of proximities, pairs of features that are near, against brute force: meshes, worlds, outputs and options."""
 
 import inspect
 import pickle

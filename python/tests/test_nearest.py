@@ -1,4 +1,4 @@
-"""How far bodies are apart: as brute force and the reference find it, as asked for, and as values."""
+"""Tests of distances between bodies, against brute force and the reference backend, and of the results as values."""
 
 import copy
 import pickle

@@ -68,7 +68,7 @@ def test_two_distributions_are_refused(tmp_path):
 
 
 def test_devices_or_a_reason():
-    """Which of both is the machine's business."""
+    """Depends on the machine: one of both is empty."""
     devices, reason = crumple.list_devices()
     assert bool(devices) != bool(reason) and "\n" not in reason
     assert isinstance(crumple.Detector().fallback, str) and crumple.Detector(backend="cpu").fallback == ""

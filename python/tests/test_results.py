@@ -1,4 +1,4 @@
-"""What goes out: views that live as long as somebody looks, and that nobody changes."""
+"""Tests of the arrays of results: read-only views that keep their memory alive as long as they are in use."""
 
 import gc
 import sys
@@ -156,7 +156,7 @@ def test_a_cycle_of_mesh_and_result_is_collected(detector):
 
 
 class Faces:
-    """Speaks only __array__, and knows who owns it."""
+    """Array-like that supports only __array__, and refers to its owner, which makes a reference cycle."""
 
     def __init__(self, owner):
         self.owner = owner

@@ -1,4 +1,4 @@
-"""Answers in blocks: together they are the whole answer."""
+"""Results delivered in blocks: all blocks together are the whole result."""
 
 import threading
 

@@ -1,4 +1,4 @@
-"""Calls release the GIL, detectors work side by side, calls of one detector take turns, and Ctrl-C cuts them short."""
+"""Calls release the GIL, detectors run in parallel, calls of one detector run in turn, and Ctrl-C ends them."""
 
 import signal
 import subprocess
@@ -73,7 +73,7 @@ def test_many_threads_with_detectors_of_their_own():
 
 
 def test_one_detector_and_many_threads(detector):
-    """Calls take turns; results of each thread are its own, and are dropped by any."""
+    """Calls run one after another. Each thread gets its own results, and any thread may free them."""
     meshes = [soup(300, seed=s) for s in range(6)]
     expected = [crumple.intersections(m).pairs.tolist() for m in meshes]
 
@@ -138,7 +138,7 @@ def test_searches_for_features_take_turns(detector):
 
 
 def run_interrupted(program):
-    """What a program prints that gets SIGINT 0.3 s after it has printed "ready"."""
+    """Runs a program, sends SIGINT 0.3 s after it has printed "ready", and returns its further output."""
     process = subprocess.Popen(
         [sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
@@ -155,7 +155,7 @@ def run_interrupted(program):
     [("backend='reference'", 20000, 0.3), ("threads=1", 200000, 0.3), ("threads=2", 200000, 0.3)],
 )
 def test_interrupt_cuts_a_call_short(options, triangles, size):
-    """The answer would take many seconds, and is not waited for; the detector stays usable."""
+    """The search would take many seconds, but the call ends at once; the detector stays usable."""
     program = f"""
         import signal, time, crumple
         import numpy as np

@@ -34,7 +34,7 @@ def scene():
 
 
 def expected_hits(detector, meshes):
-    """Which of these meshes, one by one and in place, collide."""
+    """Returns the pairs of names whose meshes, already in place, collide: searches each pair alone."""
     names = list(meshes)
     return {(a, b) for i, a in enumerate(names) for b in names[i + 1 :] if detector.any([meshes[a], meshes[b]])}
 

@@ -1,4 +1,4 @@
-"""What a world is made of: errors name the argument and the body; names, exclusions, shapes that are remembered."""
+"""Tests of the input of worlds: errors name the argument and the body; names, exclusions, shapes cached by name."""
 
 import numpy as np
 import pytest
@@ -299,7 +299,7 @@ def test_a_named_shape_is_read_once(name, detector):
     expected = detector.intersections(crumple.World([(MESH.vertices.copy(), MESH.faces)], [0, 0], **how)).pairs.tolist()
     world = crumple.World([shape], [0, 0], **how)
     assert detector.intersections(world).pairs.tolist() == expected
-    vertices[:] = np.nan  # against the rules, to see that nobody looks
+    vertices[:] = np.nan  # breaks the contract, to check that the cached copy is used
     assert detector.intersections(world).pairs.tolist() == expected
     again = crumple.World([crumple.Shape(vertices, MESH.faces, name=name)], [0, 0], **how)
     assert detector.intersections(again).pairs.tolist() == expected

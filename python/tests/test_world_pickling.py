@@ -32,7 +32,7 @@ def configurations():
         self_collisions=True,
     )
     many = base.configurations(random_poses(random, 10, 1).reshape(5, 2, 3, 4))
-    base.poses = None  # those at rest stay where they were
+    base.poses = None  # the static body of `many` keeps its pose
     return many
 
 

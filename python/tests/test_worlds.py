@@ -1,4 +1,4 @@
-"""Worlds of bodies: the same answer as brute force, as the searches of one mesh and two, and as a loop."""
+"""Worlds of bodies: the same results as brute force, as searches of one mesh and two, and as a loop over worlds."""
 
 import gc
 
@@ -103,7 +103,7 @@ def test_configurations_are_a_loop(named, detector):
         one = detector.intersections(
             base.at(np.concatenate([moved, base.poses[3:]])), filter=crumple.PairFilter(excluded_bodies=excluded)
         )
-        resting = (one.bodies >= 3).all(axis=1)  # pairs at rest come once, after all configurations
+        resting = (one.bodies >= 3).all(axis=1)  # pairs of static bodies come once, after all configurations
         rows = slice(every.world_offsets[c], every.world_offsets[c + 1])
         np.testing.assert_array_equal(many.originals[every.bodies[rows]], one.bodies[~resting])
         np.testing.assert_array_equal(every.pairs[rows], one.pairs[~resting])

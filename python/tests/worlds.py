@@ -11,7 +11,7 @@ from conftest import soup
 
 
 class Columns(NamedTuple):
-    """What crumple.World is made of, as arrays."""
+    """Arguments of crumple.World, as arrays."""
 
     shapes: list[crumple.Mesh]
     bodies: np.ndarray

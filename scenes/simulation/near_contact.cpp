@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::int32_t cloth_group = 0, obstacle_group = 1;
 
-/// Minimum share of its distance that a pair keeps in a step. Contact itself would leave no room for the next step.
+/// Minimum share of its distance that a pair keeps in a step. A pair in contact would stop the next step at its
+/// start.
 constexpr double least_distance = 0.1;
 
 constexpr int iteration_limit = 10;  // rounds of holding single points back

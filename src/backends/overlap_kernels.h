@@ -50,7 +50,7 @@ struct SegmentBlock {
 };
 
 struct OverlapKernels {
-    /// Sums over faces: the volume and, if `numbers`, the moment.
+    /// Sums over faces: the volume and, if `numbers`, the first moment.
     void (*add_faces)(const FaceBlock& block, const Vec3d& origin, bool numbers, BlockSums& sums);
     /// Sums over segments: the volume and, if `numbers`, all others. Leaves out segments whose ends are too uncertain,
     /// and returns these, a bit each.

@@ -24,7 +24,8 @@ Traffic traffic_of(Rounds& rounds, const ByKeeper& elements) {
     return traffic;
 }
 
-// Sends ids to their directory ranks. `told` receives the ids that all ranks send to this one, those of rank 0 first.
+// Sends ids to their directory ranks. Fills the last argument with the ids that all ranks send to this one, in the
+// order of the ranks.
 void exchange_ids(Rounds& rounds, const ByKeeper& elements, const Ids& ids, const Traffic& traffic,
                   const std::vector<std::int64_t>& from, std::vector<std::int32_t>& told) {
     rounds.exchange<std::int32_t>(

@@ -81,8 +81,8 @@ class Members {
     /// Frees the deltas of these parts, which have been sent.
     void sent(std::span<const std::int32_t> parts);
     void forget();
-    /// True if lists have grown so much that they should be rebuilt: they keep the vertices of triangles that have
-    /// left.
+    /// True if lists are so much longer than at first that they should be rebuilt: they keep the vertices of triangles
+    /// that have left.
     bool stale() const;
 
    private:

@@ -4,8 +4,8 @@
 // triangles.
 //
 // Up to 64 parts have one level, up to 64^2 two, and so on; all levels are about equally wide. A cluster gets a number
-// of parts in proportion to its share of the sample. The centres depend on the sample and the count only, not on
-// threads or the machine.
+// of parts in proportion to its sampled triangles. The centres depend on the sample and the count only, not on threads
+// or the machine.
 
 #include <algorithm>
 #include <cstddef>

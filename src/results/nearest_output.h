@@ -23,7 +23,7 @@ Distances metered_nearest(MemoryMeter* meter);
 void swap_out(Distances& mine, Distances& theirs);
 void clear(Distances& answer);
 
-/// Resizes all arrays to the number of rows in `answer.bodies`.
+/// Resizes all arrays to the number of rows of `bodies`.
 void make_rows(Distances& answer);
 void put_row(Distances& answer, std::size_t i, const NearestRow& row);
 /// Drops the rows whose flag in `kept` is 0; the order is preserved.

@@ -3,13 +3,13 @@
 // Blocks of a result, filled in the order of the units of work that produce its rows, whichever unit finishes first.
 //
 //     unit 0   finished
-//     unit 1   piece, piece, ...   <-- its turn: its pieces go into the block at once
-//     unit 2   piece, piece        queued until its turn; while too many rows are queued, its worker waits
+//     unit 1   piece, piece, ...   <-- current: its pieces go into the block at once
+//     unit 2   piece, piece        queued until it is current; while too many rows are queued, its worker waits
 //     unit 3   not begun
 //
-// A unit is a leaf, or a tile of a large one (backends/cpu/order.h). Units are begun in ascending order, so the unit
-// whose turn it is has a worker that does not wait: there is no deadlock. Pieces depend on their unit alone, so blocks
-// do not depend on threads.
+// A unit is a leaf, or a tile of a large one (backends/cpu/order.h). Units are begun in ascending order, so the current
+// unit has a worker that does not wait: there is no deadlock. Pieces depend on their unit alone, so blocks do not
+// depend on threads.
 
 #include <algorithm>
 #include <chrono>
@@ -70,7 +70,7 @@ class OrderedBlocks {
         unit += first_;
         units_[unit].finished = true;
         wait(lock, [&] { return unit != turn_ || !busy_; });  // until no thread delivers queued pieces of this unit
-        if (unit != turn_) return;                            // the thread whose turn it is finishes this unit
+        if (unit != turn_) return;                            // another thread finishes this unit when it is current
         while (!failed_ && units_.contains(turn_)) {
             Unit& current_unit = units_[turn_];
             for (auto& piece : std::exchange(current_unit.pieces, {})) {

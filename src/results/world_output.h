@@ -35,8 +35,8 @@ void add_pair(const WorldOutline& outline, const IntersectionQuery& query, std::
 /// Adds the contact of the last pair.
 void add_contact(ContactKind kind, std::span<const std::array<double, 3>> points, Intersections& result);
 
-/// Adds pairs of bodies of which one is inside the other (sorted) to those whose surfaces meet (Output::body_pairs).
-/// Call after finish().
+/// Adds pairs of bodies of which one is inside the other to the pairs whose surfaces meet, in order, and sets `inside`.
+/// `pairs` must be sorted, without pairs whose surfaces meet. For Output::body_pairs; call after finish().
 void add_contained(std::span<const BodyPair> pairs, Intersections& result);
 
 /// Completes the result: sorts pairs of bodies, and makes offsets and hit flags.

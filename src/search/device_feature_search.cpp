@@ -57,7 +57,8 @@ void FeatureSearch::know(BackendBase& backend, const DeviceShape& mesh) {
     features_.prepare(scene, false, backend, checked_lists(shape, ""));
 }
 
-// Calls ask(request) until the device confirms that the features are current.
+// Runs a search on the device. Prepares the features anew and repeats it until the device confirms that they are
+// current.
 template <class Query, class Ask>
 auto FeatureSearch::run_on_device(BackendBase& backend, const DeviceShape& mesh, const Query& query, Ask ask) {
     rule_.prepare(query.filter);

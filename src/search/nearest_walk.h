@@ -104,8 +104,10 @@ class NearestWalk {
     // State of the current walk:
     Side a_, b_;
     std::optional<BoxDistance> boxes_;
-    double upper_ = 0;  ///< upper bound: pairs farther apart than this are pruned
-    float limit_ = 0;   ///< `upper_` as a threshold of BoxDistance::Reach gaps
+    /// Pairs farther apart than this are pruned: the radius at first, then the lowest upper bound found on the
+    /// distance.
+    double upper_ = 0;
+    float limit_ = 0;  ///< `upper_` as a threshold of BoxDistance::Reach gaps
     bool found_ = false, touching_ = false;
     NearestCandidate closest_{};          ///< pair that gave `upper_`, or the touching pair
     Vec3d direction_;                     ///< direction between the closest points of that pair, 0 if there is none

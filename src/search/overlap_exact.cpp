@@ -29,7 +29,7 @@ struct Unit {
         for (int axis = 0; axis < 3; ++axis)
             sums[static_cast<std::size_t>(axis)].add(numerators[axis], denominator, power * exponent);
     }
-    /// Adds the determinant of three points, and its moment.
+    /// Adds the determinant of three points, and the determinant times their sum.
     void add_cone(const ExactPoint& p, const ExactPoint& q, const ExactPoint& r, int times,
                   VolumeTotals<RationalSum>& totals) const {
         const Integer cone = times * dot(p.x, cross(q.x, r.x)), w = p.w * q.w * r.w;

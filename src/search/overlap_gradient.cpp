@@ -64,7 +64,8 @@ struct BothCrossings<Enclosed> {
 
 }  // namespace
 
-// Adds up the weights of both shifts (and for a body with itself of both copies) for the faces that `wanted` selects.
+// Adds up the weights of both shifts (and for a body with itself of both copies) for the faces that the predicate
+// selects.
 template <class Number, class Wanted>
 WeightedFaces<Number> OverlapOfBodies::weigh(std::size_t side, Wanted wanted) const {
     std::array<std::array<WeightedFaces<Number>, 2>, 2> weights;  // by shift and copy

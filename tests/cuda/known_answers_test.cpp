@@ -13,8 +13,8 @@
 namespace crumple::test {
 namespace {
 
-// To be run alone, so that the first backend is the process's first one. The difference of the two times is what
-// loading kernels and the known answers take.
+// To be run alone, so that the first backend is the process's first one. The difference of the two times is the time
+// of loading kernels and of the comparison.
 TEST(KnownAnswers, device_passes_the_comparison) {
     ASSERT_EQ(cudaFree(nullptr), cudaSuccess);  // makes the context
     for (const char* which : {"first", "second"}) {

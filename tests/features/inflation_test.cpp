@@ -180,8 +180,8 @@ TEST_P(InflatedTriangles, near_triangles_with_radii_have_overlapping_balls_and_b
     EXPECT_GT(near, 50);
 }
 
-// The square of the motion is flushed to zero, yet the motion brings the vertex to the share: 1e-19 of half of a
-// thousandth.
+// The square of the motion is flushed to zero, yet the vertex comes within the minimum distance: it moves by 6e-20, and
+// the share leaves 2^-53 of the distance 5e-4, less than 5.6e-20.
 TEST(Inflation, motion_whose_square_underflows_is_covered) {
     TriangleCase c{2, {}, {0, 1 - 0x1p-53}};
     const auto at = [](double x, double y, double z) { return MovingPoint{{x, y, z}, {x, y, z}}; };

@@ -199,8 +199,8 @@ TEST_P(FeatureProperties, larger_radius_finds_more) {
         for (const double radius : {0.25, 1.0}) {
             const Hits hits = near(soup, {.radius = radius}), more = near(soup, {.radius = 1.5 * radius});
             expect_within(hits, more);
-            // All hits within the radius, and no others: squared distances of such small numbers are exact enough to
-            // tell.
+            // All hits within the radius, and no others. Squared distances of such small numbers are exact enough for
+            // this comparison.
             Hits expected;
             for (const Hit& hit : more)
                 if (hit.value <= radius * radius) expected.push_back(hit);

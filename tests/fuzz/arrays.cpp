@@ -10,7 +10,7 @@ void put(std::byte* at, Value value) {
     std::memcpy(at, &value, sizeof value);
 }
 
-/// Lays out rows of three values of `size` bytes: contiguous, by column, in records, with rows reversed, unaligned, or
+/// Stores rows of three values of `size` bytes: contiguous, by column, in records, with rows reversed, unaligned, or
 /// with columns reversed. Sets the address and the strides of `view`; `store(row, column, at)` writes a value.
 template <class View, class Store>
 void place_arrays(std::vector<std::byte>& block, View& view, int arrangement, std::int64_t rows, std::int64_t size,

@@ -155,7 +155,7 @@ TEST(EdgeEdge, meets_parallel_edges) {
     EXPECT_EQ(edge_edge(left, east, move({-5, 0, 1}, {-5, 0, -2}), move({5, 0, 1}, {5, 0, -2})), at(third));
     EXPECT_EQ(edge_edge(left, east, move({1, 0, 1}, {1, 0, -2}), move({5, 0, 1}, {5, 0, -2})), at(third));
     EXPECT_EQ(edge_edge(left, east, move({2, 0, 1}, {2, 0, -2}), move({5, 0, 1}, {5, 0, -2})), none);
-    // They are parallel at the moment of contact only, 1/2: overlapping, the one within the other, the same, apart.
+    // They are parallel at the time of contact only, 1/2: overlapping, the one within the other, the same, apart.
     const auto through = [&](double c, double d) {
         return edge_edge(left, east, move({c, 1, 1}, {c, -1, -1}), move({d, -1, 1}, {d, 1, -1}));
     };
@@ -188,7 +188,7 @@ TEST(EdgeEdge, meets_collapsed_edges) {
     EXPECT_EQ(edge_edge(left, east, beside, beside), none);
     EXPECT_EQ(edge_edge(origin, origin, falling, falling), at(third));
     EXPECT_EQ(edge_edge(origin, origin, left, east), at_start);
-    // An edge that is a point at the moment of contact only.
+    // An edge that is a point at the time of contact only.
     EXPECT_EQ(edge_edge(left, east, move({-1, 1, 1}, {1, -1, -1}), move({1, -1, 1}, {-1, 1, -1})), at(0.5));
     EXPECT_EQ(edge_edge(left, east, move({1, 1, 1}, {3, -1, -1}), move({3, -1, 1}, {1, 1, -1})), none);
 }

@@ -114,7 +114,7 @@ TEST(EdgeEdgeSeparation, is_that_of_the_lines_where_they_cross) {
     EXPECT_EQ(edge_edge(origin, right, move({-2, -2, 3}, {4, -2, 3}), move({-2, 2, 3}, {4, 2, 3}), within(3)),
               at(third));
     EXPECT_EQ(edge_edge(origin, right, move({-2, 1, 3}, {4, 1, 3}), move({-2, 2, 3}, {4, 2, 3}), within(3)), none);
-    // For a moment only: as for the vertex and the face.
+    // At a single time: as for the vertex and the face.
     const MovingPoint a = move({-9, -4, 3}, {-9, 4, 3}), b = move({9, -4, 3}, {9, 4, 3});
     const MovingPoint c = move({0, -9, -9}, {0, -9, 9}), d = move({0, 9, 9}, {0, 9, -9});
     EXPECT_EQ(edge_edge(a, b, c, d, within(3)), at(0.5));

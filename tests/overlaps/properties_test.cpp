@@ -133,7 +133,7 @@ TEST_P(OverlapProperties, permuted_and_mirrored_axes_transform_the_result) {
         change(expected.centroid);
         change(expected.area_vector);
         change(expected.torque);
-        if (turns_inside_out) expected.torque = -expected.torque;  // a moment, not a vector
+        if (turns_inside_out) expected.torque = -expected.torque;  // a pseudovector
         expect_same(overlap_of(moved(a), moved(b)), expected);
     };
     for_pairs(12, [&](const Soup& a, const Soup& b) {

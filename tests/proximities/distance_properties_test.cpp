@@ -1,5 +1,4 @@
-// Checks of changes that must not change a distance, of changes with a known effect, and of agreement with other
-// computations.
+// Checks of changes that must not change a distance, of changes with a known effect, and against other computations.
 
 #include <gtest/gtest.h>
 

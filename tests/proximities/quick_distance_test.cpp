@@ -19,7 +19,7 @@
 namespace crumple {
 namespace {
 
-/// Counts of attempts, and of those that left the result undecided.
+/// Counts of all attempts, and of attempts that left the result undecided.
 struct Share {
     int attempts = 0, undecided = 0;
     void count(bool is_decided) { ++attempts, undecided += !is_decided; }

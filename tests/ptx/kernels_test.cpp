@@ -75,7 +75,7 @@ class KernelsByTheirPtx : public testing::Test {
 
 TEST_F(KernelsByTheirPtx, known_answers_are_right) {
     cuda::reset_comparison_cases();
-    Detector({.backend = Backend::cuda});  // throws if a known answer is wrong
+    Detector({.backend = Backend::cuda});  // throws if a result of the comparison differs
     // Kernels of codimensional features are launched only to reserve their stacks.
     for (const auto& [name, launches] : kernels_.launches) {
         EXPECT_GT(launches, is_codimensional(name) ? 0 : 1) << name;

@@ -31,7 +31,7 @@ struct LeafState {
                                        ///< pairs across them
     LeafFrame frame;                   ///< align
     std::vector<Box> box;              ///< align: by member, with its margin; infinite along an axis without one
-    std::vector<Pair> met;             ///< sort: pairs that the rows bring together
+    std::vector<Pair> met;             ///< sort: pairs of each row and the rows of its range
     std::vector<Pair> candidates;      ///< sweep, with a filter that keeps all
     bool sweep_checks_owners = true;   ///< true if the sweep drops all pairs of other leaves; otherwise `narrow` drops
                                        ///< the rest

@@ -8,7 +8,7 @@ from .results import TOP, digits
 
 PAGES = [TOP / "README.md", *sorted((TOP / "docs").glob("*.md"))]
 
-# By name: function from results and arguments to Markdown, the question of its contests, its studies.
+# By name: function from results and arguments to Markdown, the query of its contests, its studies.
 BLOCKS = {}
 
 

@@ -89,7 +89,7 @@ class Results:
         return (self.study("growth") or {"sizes": []})["sizes"]
 
     def fastest(self, question, name):
-        """Maps workloads with this question to the contest and the peer's fastest configuration, if it was raced."""
+        """Maps workloads with this query to the contest and the peer's fastest configuration, if it was raced."""
         found = {}
         for contest in self.data["contests"]:
             for way in contest["contestants"]:
@@ -98,7 +98,7 @@ class Results:
         return found
 
     def peers(self, question):
-        """Returns the names of the peers that ran this question, in the order of their first contest."""
+        """Returns the names of the peers that ran this query, in the order of their first contest."""
         names = []
         for contest in self.data["contests"]:
             for way in contest["contestants"]:

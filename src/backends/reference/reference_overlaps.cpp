@@ -123,7 +123,8 @@ class BruteForceOverlap {
         }
     }
 
-    /// Returns a row without volumes and moments, for two surfaces that are not both closed.
+    /// Returns a row whose numbers are undefined, except for the contact area and the curves: for two surfaces that are
+    /// not both closed.
     OverlapRow open_row() {
         OverlapRow row;
         add(Shift::forward, row);

@@ -2,10 +2,14 @@
 
 // Decides if a pair of triangles collides, without rational arithmetic. Compiled for host and device.
 //
-// Tests proceed from cheap to expensive. First come float64 filters: if the vertices that a triangle does not share lie
-// strictly on one side of the other's plane, or of a line in projection, the triangles meet at most in what they share.
-// That decides nearly all adjacent triangles, also in flat meshes. Then follow the exact sides of the vertices, by
-// expansions where the filter does not decide, and with them the cases:
+// Tests proceed from cheap to expensive. First come float64 filters, which decide nearly all adjacent triangles, also
+// in flat meshes. The triangles meet at most in what they share if one of these separates them:
+//   - the plane of one triangle: the vertices that the other does not share lie strictly on one side of it;
+//   - the line of an edge, seen along an axis: its triangle lies on one side of it, and the vertices that the other
+//     triangle does not share lie strictly on the other side;
+//   - for one shared vertex, a plane through it: the other vertices of each triangle lie strictly on a side of their
+//   own.
+// Then follow the exact sides of the vertices, by expansions where the filter does not decide, and with them the cases:
 //   - an interval test on the planes' common line, with closed comparisons;
 //   - a shared vertex: both triangles meet the common line in a segment that begins there; only its direction matters;
 //   - a shared edge: only a fold onto itself counts;

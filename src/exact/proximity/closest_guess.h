@@ -31,7 +31,7 @@ CRUMPLE_HD inline double within_unit(double x) { return x > 0 ? (x < 1 ? x : 1) 
 struct Differences {
     FeatureKinds kinds;
     Vec3d w, u{}, v{};
-    double size;  ///< the sum of all magnitudes
+    double size;  ///< sum of |x| + |y| + |z| over w, u and v
 
     CRUMPLE_HD explicit Differences(const Features& features) : kinds(features.kinds) {
         const auto& [p, q, r, s] = features.point;

@@ -49,7 +49,8 @@ struct VectorsFromGuess {
     }
 };
 
-/// Returns the type of the first pair of vertices at equal positions; there must be one.
+/// Returns the ClosestPoints::type whose parts are the first two vertices, one of each feature, at equal positions.
+/// There must be such vertices.
 CRUMPLE_HD inline std::uint8_t first_common_vertex(const Features& features) {
     const auto& point = features.point;
     std::uint8_t type = 0;

@@ -72,7 +72,7 @@ CRUMPLE_HD bool separates(const Vec3f& d, const FeatureRecord<moments>& a, const
 }
 
 /// Returns the sum of all corners of b, at all time samples, minus that of a: the vector between their centroids, times
-/// 3 * moments.
+/// the number of corners that each has.
 template <int moments>
 CRUMPLE_HD Vec3f between_centroids(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b) {
     Vec3f between = {0, 0, 0};

@@ -182,7 +182,8 @@ class AsciiReader {
     bool at_end_ = false;
 };
 
-/// Returns the unit normal, or zero for a degenerate triangle. float32 coordinates neither overflow nor underflow here.
+/// Returns the unit normal, or zero if the cross product of two edges, computed in float64, is zero. float32
+/// coordinates neither overflow nor underflow here.
 std::array<float, 3> normal_of(const std::array<std::array<float, 3>, 3>& corners) {
     std::array<double, 3> u, v;
     for (std::size_t axis = 0; axis < 3; ++axis) {

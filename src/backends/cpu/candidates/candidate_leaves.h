@@ -20,9 +20,9 @@ class CandidateLeaves final : public LeafQuery {
    public:
     CandidateLeaves(MemoryMeter* meter, int workers, const CandidateKernels& kernels);
 
-    /// Sets the request, from begin() on. `query` must stay valid.
+    /// Sets the request of the next search, which begin() starts. `query` must stay valid until the search ends.
     void ask(const FeatureRequest& query);
-    /// Delivers all candidates to a stream, unit by unit, until the next ask().
+    /// Delivers all candidates to a stream, unit by unit, until the next request is set.
     void deliver_to(FeatureStream& stream) { stream_ = &stream; }
 
     void begin(const Call& call) override;

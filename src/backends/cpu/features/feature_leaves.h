@@ -16,16 +16,17 @@
 
 namespace crumple::cpu {
 
-/// Query about features. `moments`: number of time samples, 1 if static, 2 for motion.
+/// Query about features. The template argument is the number of time samples: 1 if static, 2 for motion.
 template <int moments>
 class FeatureLeaves final : public LeafQuery {
    public:
     FeatureLeaves(MemoryMeter* meter, int workers, const FeatureTables& kernels);
 
-    /// Sets the request, from begin() on. `distance`: the requested distance in normalised coordinates, rounded up;
-    /// `radius`: FeatureRequest::radii likewise, 1 per vertex, or null. The arguments must stay valid.
+    /// Sets the request of the next search, which begin() starts. `distance`: the requested distance in normalised
+    /// coordinates, rounded up; `radius`: FeatureRequest::radii likewise, 1 per vertex, or null. `query` and `radius`
+    /// must stay valid until the search ends.
     void ask(const FeatureRequest& query, float distance, const float* radius);
-    /// Delivers all hits to a stream, unit by unit, until the next ask().
+    /// Delivers all hits to a stream, unit by unit, until the next request is set.
     void deliver_to(FeatureStream& stream) { stream_ = &stream; }
 
     void begin(const Call& call) override;

@@ -162,8 +162,8 @@ void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint8_t
     const int wanted = choose_clusters(members, options);
     s.mask1.resize_discard(static_cast<std::size_t>(n + padding));
     for (int count = wanted;; count /= 2) {
-        // A warm start has as many centres as wanted, or fewer if more did not pay; more are tried again once the scene
-        // has grown.
+        // A warm start has as many centres as choose_clusters() returns, or fewer if more did not pay. More are tried
+        // again once that number has doubled.
         const bool first = centres.count == 0 || centres.count > count || wanted >= 2 * warm.wanted;
         if (first) {
             warm.wanted = wanted;

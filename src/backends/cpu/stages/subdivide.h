@@ -24,7 +24,7 @@ namespace crumple::cpu {
 /// Centres cached from call to call for warm starts ([MZ] sec. 4, incremental clustering).
 struct WarmCentres {
     Centres level1;
-    int wanted = 0;  ///< number of first-level centres wanted when level1 was started
+    int wanted = 0;  ///< number of first-level centres chosen when level1 was started
     std::array<Centres, max_clusters> level2;
 };
 

@@ -59,7 +59,8 @@ struct CandidateOutput : RowsByKind {
     }
 };
 
-/// Turns the listed hits, which are counted by first feature, into rows of the result. `told`: see order_buckets().
+/// Turns the listed hits, which are counted by first feature, into rows of the result. For the last argument, see
+/// order_buckets().
 void write_candidates(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,
                       const CandidateOutput& output, Counters* counters, Counters* told);
 

@@ -117,8 +117,8 @@ __device__ inline std::size_t segment_of(unsigned long long item, const unsigned
     return begin;
 }
 
-/// Returns a place of its own, counted by *counter, to each lane with `wants`. All lanes of the warp call it together.
-/// The counter may exceed the capacity of a list, so that the host learns how many places were needed.
+/// Returns a place of its own, counted by *counter, to each lane that passes true. All lanes of the warp call it
+/// together. The counter may exceed the capacity of a list, so that the host learns how many places were needed.
 __device__ inline unsigned long long append(bool wants, unsigned long long* counter) {
     const unsigned wanting = __ballot_sync(whole_warp, wants), lane = threadIdx.x % 32;
     unsigned long long first = 0;

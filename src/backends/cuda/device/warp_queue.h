@@ -20,9 +20,9 @@ class WarpQueue {
 
     __device__ unsigned size() const { return size_; }
 
-    /// Adds the elements of the lanes with `wants`.
+    /// Adds the elements of the lanes that pass true.
     __device__ void add(bool wants, const T& element) { add(wants, element, __ballot_sync(whole_warp, wants)); }
-    /// Adds them; `wanting`: the ballot of `wants`.
+    /// Adds these elements; `wanting`: the ballot of the first argument.
     __device__ void add(bool wants, const T& element, unsigned wanting) {
         if (wants) places_[size_ + static_cast<unsigned>(__popc(wanting & ((1u << lane_) - 1)))] = element;
         size_ += static_cast<unsigned>(__popc(wanting));
@@ -56,7 +56,7 @@ class ListQueue {
     __device__ unsigned size() const { return size_; }
     __device__ const List<T>& list() const { return list_; }
 
-    /// Adds the elements of the lanes with `wants`.
+    /// Adds the elements of the lanes that pass true.
     __device__ void add(bool wants, const T& element) {
         const unsigned wanting = __ballot_sync(whole_warp, wants);
         if (wants) places_[size_ + static_cast<unsigned>(__popc(wanting & ((1u << lane_) - 1)))] = element;

@@ -127,8 +127,8 @@ class Finder {
     Input& input() { return state_.inputs[now_]; }
     const Input& input() const { return state_.inputs[now_]; }
 
-    /// Makes a slot current and drops its last rows. bring() fills its input, which takes priority: results of earlier
-    /// calls are evicted if memory is short.
+    /// Makes a slot current, drops its last rows, and fills its input by the given function. The input takes priority:
+    /// if memory is short, results of earlier calls are evicted and the function is called again.
     void claim_slot(std::size_t slot, FunctionRef<void()> bring);
 
     Counters read_counters();

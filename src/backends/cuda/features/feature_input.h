@@ -23,7 +23,7 @@ class FeaturesOnDevice {
     /// cached ones, waits for passes in flight, or throws CapacityError for Growth::fixed.
     const FeatureTable& bring(const SceneFeatures& features, std::int64_t vertices, Growth growth = Growth::grows);
     RingTable bring(const VertexRings* rings, Growth growth = Growth::grows);
-    /// Returns the topology of the mesh whose features bring() has uploaded.
+    /// Returns the topology of the mesh whose features were uploaded last.
     const CachedMesh& known() const { return known_; }
     void release();
 

@@ -47,7 +47,7 @@ struct OpenTest {
     FeatureKind kind;
 };
 
-/// Pairs of triangles that survive the sweep, and their records with `moments` time samples.
+/// Pairs of triangles that survive the sweep, and their records. The template argument is the number of time samples.
 template <int moments>
 struct FeatureSurvivors {
     List<Candidate> list;

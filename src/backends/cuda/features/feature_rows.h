@@ -31,7 +31,7 @@ struct FeatureOutput : RowsByKind {
     }
 };
 
-/// Turns listed hits, counted by first feature, into the result. `told`: see order_buckets().
+/// Turns listed hits, counted by first feature, into the result. For the last argument, see order_buckets().
 void write_candidates(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits,
                       const FeatureOutput& output, Counters* counters, Counters* told);
 
@@ -41,8 +41,8 @@ struct Earliest {
     unsigned long long flag;
 };
 void clear(BatchedClear& batch, Earliest* earliest);
-/// Finds the earliest impact. `told`: receives a copy of the counters, in host memory that the device can write; or
-/// null.
+/// Finds the earliest impact. Copies the counters to the last argument, host memory that the device can write, unless
+/// it is null.
 void find_earliest(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits, Earliest* earliest,
                    Counters* counters, Counters* told);
 

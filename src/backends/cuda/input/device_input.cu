@@ -32,7 +32,8 @@ __global__ void fill_table_kernel(PreparedScene scene, PositionHash hash, unsign
     for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {
         const auto vertex = static_cast<unsigned>(v);
         const Vec3d p = scene.position(vertex);
-        if (!(p == p)) continue;  // NaN equals nothing: each would probe past all earlier ones
+        // NaN equals nothing, so vertices with the same NaN position would each probe past all earlier ones.
+        if (!(p == p)) continue;
         std::size_t slot = hash(p) & (slots - 1);
         for (;; slot = (slot + 1) & (slots - 1)) {
             const unsigned holder = atomicCAS(&table[slot], empty_slot, vertex);

@@ -28,7 +28,8 @@ class Answer {
     /// Adds the arrays that write() requires cleared to `batch`: flags, and the counts by first triangle, which
     /// `narrow` then fills. The counter of parts has to be cleared, too.
     void clear(BatchedClear& batch, const PreparedScene& scene) const;
-    /// Turns listed hits, counted by first triangle in output.offsets, into the result. `told`: see order_buckets().
+    /// Turns listed hits, counted by first triangle in output.offsets, into the result. For the last argument, see
+    /// order_buckets().
     void write(const PreparedScene& scene, const List<Hit>& hits, Counters* counters, Counters* told);
     /// Computes the contacts of the result and leaves them on the device. Returns how many the host had to round.
     std::int64_t make_contacts(const PreparedScene& scene, Cancellation& cancellation);

@@ -88,7 +88,8 @@ void fill_buckets(const Geometry& geometry, cudaStream_t stream, const PreparedS
                   const OutputArrays& output);
 /// Adds the flags to `batch`, as order_buckets() requires. The counter of parts has to be cleared, too.
 void clear_flags(BatchedClear& batch, const PreparedScene& scene, const OutputArrays& output);
-/// Sorts each bucket and sets the flags. Copies the counters to `told`: host memory that the device can write, or null.
+/// Sorts each bucket and sets the flags. Copies the counters to the last argument, host memory that the device can
+/// write, unless it is null.
 template <class OutputArrays>
 void order_buckets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                    Counters* counters, Counters* told);

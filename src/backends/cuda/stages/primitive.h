@@ -33,8 +33,8 @@ struct AtRest {
     }
 };
 
-/// Primitive of feature queries: a triangle with an inflated box, at one or two time samples (`moments`). The corners
-/// at the start come first, then those at the end.
+/// Primitive of feature queries: a triangle with an inflated box, at one or two time samples (the template argument).
+/// The corners at the start come first, then those at the end.
 template <int moments>
 struct Widened {
     static constexpr int corners = 3 * moments;

@@ -23,13 +23,13 @@ struct Fuzziness {
     int samples = 2048;  ///< most samples of a parent's items
 };
 
-/// Adds the arrays that fuzzy_c_means() requires cleared to `batch`.
+/// Adds Level::moved to `batch`, to be set to infinity before fuzzy_c_means().
 void clear(BatchedClear& batch, const Level& level);
 
 /// Returns the rows of scratch that fuzzy_c_means() needs, for partial sums of tiles of samples.
 std::size_t fuzzy_scratch(const Level& level, const Fuzziness& fuzziness);
 
-/// Adds the arrays that make_members() requires cleared to `batch`.
+/// Adds to `batch` what must be zero before make_members(): the number of members of each child, and both counters.
 void clear_members(BatchedClear& batch, const Level& level, unsigned long long* total, unsigned long long* unplaced);
 
 /// Moves the next centres of all parents. Deterministic: sums are added in a fixed order.
@@ -50,8 +50,8 @@ void make_members(const Geometry& geometry, cudaStream_t stream, const Level& le
                   const Ball* balls, std::uint64_t listed, const Members& members, const Reaching& reaching,
                   unsigned long long* total, unsigned long long* unplaced);
 
-/// Reserves places for the next pass: for each child as many as it has members in this one, and some spare. `wanted`
-/// receives the total, which may exceed `capacity`; places end there.
+/// Reserves places for the next pass: for each child as many as it has members in this one, and some spare. The last
+/// argument receives the total, which may exceed `capacity`; places end there.
 void make_places(cudaStream_t stream, const Level& level, unsigned long long capacity, unsigned long long* wanted);
 
 }  // namespace crumple::cuda
