@@ -104,8 +104,7 @@ class NearestWalk {
     // State of the current walk:
     Side a_, b_;
     std::optional<BoxDistance> boxes_;
-    /// Pairs farther apart than this are pruned: the radius at first, then the lowest upper bound found on the
-    /// distance.
+    /// Largest distance that is not pruned: at first the radius, then the lowest upper bound found on the distance.
     double upper_ = 0;
     float limit_ = 0;  ///< `upper_` as a threshold of BoxDistance::Reach gaps
     bool found_ = false, touching_ = false;

@@ -7,8 +7,8 @@
 //   - the plane of one triangle: the vertices that the other does not share lie strictly on one side of it;
 //   - the line of an edge, seen along an axis: its triangle lies on one side of it, and the vertices that the other
 //     triangle does not share lie strictly on the other side;
-//   - for one shared vertex, a plane through it: the other vertices of each triangle lie strictly on a side of their
-//   own.
+//   - for one shared vertex, a plane through it: the other two vertices of one triangle lie strictly on one side, those
+//     of the other triangle strictly on the other side.
 // Then follow the exact sides of the vertices, by expansions where the filter does not decide, and with them the cases:
 //   - an interval test on the planes' common line, with closed comparisons;
 //   - a shared vertex: both triangles meet the common line in a segment that begins there; only its direction matters;
