@@ -195,6 +195,49 @@ def robot(quick):
     return rows
 
 
+def planner(quick):
+    """One configuration a call, as planners check edges: is a chain of 9 links nearer to obstacles than 0.05? Pairs of
+    links are excluded by name; Coal calls collide for each link, with a security margin."""
+    links, length, count, margin = 9, 1.5, 20 if quick else 200, 0.05
+    vertices, faces = scenes.link(12, 21, length, 0.2)
+    room = scenes.obstacles(20_000 if quick else 40_000)
+    free = np.random.default_rng(4).uniform(room.vertices.min(0), room.vertices.max(0), size=(count, 3))
+    poses = scenes.arm(count, links, length, free, 0.9).reshape(count, links, 3, 4)
+    poses = np.concatenate([poses, np.tile(np.eye(3, 4), (count, 1, 1, 1))], axis=1)
+    shapes = [*(crumple.Shape(vertices, faces, name=f"planner link {k}") for k in range(links))]
+    shapes.append(crumple.Shape(room.vertices, room.faces, name="planner obstacles"))
+    names = [*(f"link {k}" for k in range(links)), "room"]
+    detector, world = crumple.Detector(threads=1), crumple.World(shapes, self_collisions=False, names=names)
+    excluded = [(names[a], names[b]) for b in range(links) for a in range(b)]
+    allowed = crumple.PairFilter(excluded_bodies=excluded)
+    near = crumple.ProximityQuery(radius=margin, output="any", filter=allowed)
+    clearance = crumple.DistanceQuery(radius=margin, output="nearest", filter=allowed)
+    link_tree, room_tree = tree(vertices, faces), tree(room.vertices, room.faces)
+    given, identity, asked = [transforms(p[:links]) for p in poses], coal.Transform3s.Identity(), request(1, False)
+    asked.security_margin = margin
+
+    def ours(i):
+        return detector.any(world.at(poses[i]), near)
+
+    def by_clearance(i):
+        return len(detector.find(world.at(poses[i]), clearance)) > 0
+
+    def theirs(i):
+        result = coal.CollisionResult()
+        return any(coal.collide(link_tree, place, room_tree, identity, asked, result) for place in given[i])
+
+    def compare(_):
+        return flags_differ([ours(i) for i in range(count)], [theirs(i) for i in range(count)])
+
+    name = f"one configuration a call: 9 links within {margin} of {len(room.faces):,}, pairs excluded by name"
+    clear = [i for i in range(count) if not ours(i)]
+    return [
+        Row(name, ours, {"Coal": theirs}, count, compare),
+        Row("the same, by its clearance", by_clearance, {"Coal": theirs}, count, compare),
+        Row("the same, clear ones", lambda i: ours(clear[i]), {"Coal": lambda i: theirs(clear[i])}, len(clear), compare),
+    ]
+
+
 def many_worlds(quick):
     """Returns two rows of worlds of two balls each, about half of them colliding: against Coal, with all worlds in one
     place, and against crumple itself, with each world in a place of its own."""
@@ -258,7 +301,7 @@ def main():
     load = os.getloadavg()[0]
     print(f"crumple {crumple.__version__}, Coal {coal.__version__}, {os.cpu_count()} processors, load {load:.1f}")
     figures = []
-    for make in (ball_and_cloth, robot, many_worlds):
+    for make in (ball_and_cloth, robot, planner, many_worlds):
         figures += [judge(row, rounds) for row in make(arguments.quick)]
     show(figures)
     if arguments.json:
