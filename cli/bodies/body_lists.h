@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "crumple/intersections.h"
 #include "crumple/query.h"
 #include "crumple/world.h"
 
