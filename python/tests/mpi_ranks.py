@@ -260,7 +260,7 @@ def statistics_tell_what_was_done():
     mesh = cloth()
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         statistics = detector.find(LocalMesh(mesh, round_robin(mesh))).statistics
-        assert list(statistics.phase_milliseconds) == "question input ids place members room search rows output".split()
+        assert list(statistics.phase_milliseconds) == "query input ids place members room search rows output".split()
         assert 0 < sum(statistics.phase_milliseconds.values()) <= statistics.milliseconds * 1.01
         assert COMM.allreduce(statistics.members) >= len(mesh.faces)
         assert (statistics.bytes_sent > 0) == (COMM.size > 1)
