@@ -20,7 +20,7 @@ OTHER_STACKS = 16
 # Registers of a thread: 64 let four blocks of 256 run on a multiprocessor, 48 five, 80 three, 40 six, 32 eight. The
 # first name that fits counts. Feature queries read a triangle's trajectory, which is six corners, and twice that for a
 # pair; a record of candidates is 64 words, written at once.
-REGISTERS = {"SeparationTest": 120, "FeatureRows": 96, "CandidateRows": 120, "widened_bounds": 72, "WidenedILi2": 72,
+REGISTERS = {"SeparatingAxisTest": 120, "FeatureRows": 96, "CandidateRows": 120, "widened_bounds": 72, "WidenedILi2": 72,
              "exact_kernel": 255, "contact_kernel": 255, "close_kernel": 255, "decide_kernel": 255, "listed_kernel": 80,
              "list_kernel": 80, "pack_kernel": 64, "pair_kernel": 80, "within_kernel": 64, "sweep_kernel": 64,
              "filter_kernel": 80, "frame_kernel": 128, "DeviceScanKernel": 128, "bin_kernel": 48, "offsets_kernel": 56, "place_kernel": 72,
