@@ -34,7 +34,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from ._detector import Backend, Simd
-from ._errors import Error, InvalidInput, InvalidType, name_of_type, suggesting
+from ._errors import Error, InvalidInput, InvalidType, _with_suggestions, name_of_type, suggesting
 from ._queries import (
     FuzzyCMeans,
     ImpactQuery,
@@ -43,6 +43,7 @@ from ._queries import (
     Query,
     check_fuzzy_c_means,
     keywords_of,
+    query_of,
 )
 from ._scene import checked_query, scene_of, step_of
 
@@ -95,12 +96,10 @@ def _collective(fail: Callable[..., None]) -> Callable[[Method], Method]:
         def call(self: Any, *arguments: Any, **named: Any) -> Any:
             try:
                 signature.bind(self, *arguments, **named)
-            except TypeError:
-                try:
-                    return suggested(self, *arguments, **named)  # raises the same TypeError, with a suggestion
-                except TypeError as error:
-                    fail(error, self, *arguments, **named)
-                    raise
+            except TypeError as mismatch:
+                error = TypeError(_with_suggestions(f"{method.__qualname__}() {mismatch}", method, named))
+                fail(error, self, *arguments, **named)
+                raise error from None
             return suggested(self, *arguments, **named)
 
         return call  # type: ignore[return-value]
@@ -337,7 +336,8 @@ class Detector:
         """
         ids = (triangle_ids, vertex_ids, body_ids)
         return self._find(
-            lambda: share_of(scene_of(vertices, faces, groups=groups), *ids), lambda: IntersectionQuery(**options)
+            lambda: share_of(scene_of(vertices, faces, groups=groups), *ids),
+            lambda: query_of(IntersectionQuery, options),
         )
 
     @_in_call
@@ -377,7 +377,9 @@ class Detector:
             As `find`.
         """
         ids = (triangle_ids, vertex_ids, body_ids)
-        return self._find(lambda: share_of(step_of(start, end, faces, groups), *ids), lambda: ImpactQuery(**options))
+        return self._find(
+            lambda: share_of(step_of(start, end, faces, groups), *ids), lambda: query_of(ImpactQuery, options)
+        )
 
     @_in_call
     @keywords_of(ProximityQuery)
@@ -415,7 +417,7 @@ class Detector:
         """
         ids = (triangle_ids, vertex_ids, body_ids)
         return self._find(
-            lambda: share_of(scene_of(vertices, faces, groups=groups), *ids), lambda: ProximityQuery(**options)
+            lambda: share_of(scene_of(vertices, faces, groups=groups), *ids), lambda: query_of(ProximityQuery, options)
         )
 
     def set_progress(self, show: Callable[[str, int, int], Any] | None) -> None:
