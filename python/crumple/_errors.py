@@ -124,12 +124,13 @@ def suggesting(function: Function) -> Function:
         except TypeError as error:
             if error.__traceback__ is None or error.__traceback__.tb_next is not None:
                 raise  # from inside the function
-            raise TypeError(_with_suggestions(str(error), function, named)) from None
+            raise TypeError(with_suggestions(str(error), function, named)) from None
 
     return call  # type: ignore[return-value]
 
 
-def _with_suggestions(sentence: str, function: Callable[..., Any], given: dict[str, Any]) -> str:
+def with_suggestions(sentence: str, function: Callable[..., Any], given: dict[str, Any]) -> str:
+    """Appends a similar name to the message about an unknown argument."""
     parameters = list(inspect.signature(function).parameters)
     for name in given:
         close = get_close_matches(name, parameters, n=1)

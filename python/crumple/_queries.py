@@ -46,7 +46,7 @@ class PairFilter:
     def __post_init__(self) -> None:
         """Copies excluded pairs that are not an array into constants, so that their indices can be cached."""
         pairs = self.excluded_bodies
-        if isinstance(pairs, Iterable) and not isinstance(pairs, (str, bytes)) and not hasattr(pairs, "dtype"):
+        if isinstance(pairs, Iterable) and not isinstance(pairs, (str, bytes)) and not is_array(pairs):
             object.__setattr__(self, "excluded_bodies", tuple(map(_constant, pairs)))
 
     def __getstate__(self) -> dict[str, Any]:
@@ -54,9 +54,17 @@ class PairFilter:
         return members_of(self)
 
 
+def is_array(value: Any) -> bool:
+    """True for arrays of NumPy and of other packages."""
+    return hasattr(value, "dtype") or hasattr(value, "__dlpack__")
+
+
 def _constant(pair: Any) -> Any:
+    """Returns a pair that cannot change later."""
     if isinstance(pair, set):
         return frozenset(pair)
+    if hasattr(pair, "tolist"):
+        pair = pair.tolist()  # a row of NumPy
     return tuple(pair) if isinstance(pair, list) else pair
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ._arrays import host_array
 from ._errors import InvalidInput, InvalidType
+from ._queries import is_array
 
 
 def _column(array: Any, name: str, bodies: int | None) -> np.ndarray:
@@ -159,7 +160,7 @@ def excluded_pairs(excluded: Any, bodies: int, index: Callable[[str], int]) -> n
     if isinstance(excluded, (str, bytes)) or not isinstance(excluded, Iterable):
         kind = "None" if excluded is None else type(excluded).__name__
         raise InvalidType(f"excluded must be pairs of bodies, not {kind}")
-    if hasattr(excluded, "dtype") or hasattr(excluded, "__dlpack__"):
+    if is_array(excluded):
         pairs = host_array(excluded, "excluded")
         if pairs.size == 0:
             return np.empty((0, 2), np.int32)

@@ -34,7 +34,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from ._detector import Backend, Simd
-from ._errors import Error, InvalidInput, InvalidType, _with_suggestions, name_of_type, suggesting
+from ._errors import Error, InvalidInput, InvalidType, name_of_type, suggesting, with_suggestions
 from ._queries import (
     FuzzyCMeans,
     ImpactQuery,
@@ -97,7 +97,7 @@ def _collective(fail: Callable[..., None]) -> Callable[[Method], Method]:
             try:
                 signature.bind(self, *arguments, **named)
             except TypeError as mismatch:
-                error = TypeError(_with_suggestions(f"{method.__qualname__}() {mismatch}", method, named))
+                error = TypeError(with_suggestions(f"{method.__qualname__}() {mismatch}", method, named))
                 fail(error, self, *arguments, **named)
                 raise error from None
             return suggested(self, *arguments, **named)

@@ -123,9 +123,32 @@ def test_copies_and_pickles():
         restore(kind, asked, {})
 
 
+def test_each_world_has_its_nearest_pair(either):
+    poses = np.stack([moved((0, 0, 0), (0, 0, z), (3 * z, 0, 0)) for z in (1, 2, 5)])
+    world = crumple.World([SQUARE], [0] * 4, poses=moved(*[(0, 0, 0)] * 3, (0, 0, -4)), worlds=[0, 0, 0, -1])
+    world = world.configurations(poses)
+    every, found = either.distances(world), either.distances(world, output="nearest")
+    assert found.bodies.tolist() == [[0, 1], [3, 4], [6, 9]] and found.distance.tolist() == [1, 2, 4]
+    rows = [every.bodies.tolist().index(pair) for pair in found.bodies.tolist()]
+    for name in ARRAYS:
+        np.testing.assert_array_equal(getattr(found, name), getattr(every, name)[rows], name, strict=True)
+    assert found.world_rows.dtype == np.int64 and found.world_rows.tolist() == [0, 1, 2]
+    near = either.distances(world, output="nearest", radius=2)
+    assert len(near) == 2 and near.world_rows.tolist() == [0, 1, -1]
+    for other in (copy.deepcopy(near), pickle.loads(pickle.dumps(near))):
+        assert_same(other, near)
+        assert other.world_rows.tolist() == [0, 1, -1]
+    restore, (kind, asked, state) = near.__reduce__()
+    with pytest.raises(crumple.InvalidInput, match="the state of Distances"):
+        restore(kind, asked, {**state, "world_rows": state["world_rows"] + 1})
+    with pytest.raises(crumple.InvalidInput, match='world_rows was not requested: DistanceQuery\\(output="nearest"\\)'):
+        every.world_rows
+
+
 @pytest.mark.parametrize(
     "question, message",
     [
+        ({"output": "any"}, 'output must be one of "nearest", "pairs"'),
         ({"radius": -1}, "radius must be 0 or more, or infinite"),
         ({"radius": np.nan}, "radius must be 0 or more, or infinite"),
         ({"radius": "1"}, "radius must be"),

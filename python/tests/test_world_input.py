@@ -235,6 +235,22 @@ def test_exclusions_in_many_forms(detector):
     ]
 
 
+def test_names_of_excluded_bodies_are_those_of_each_world(detector):
+    row = np.array([0, 1])
+    by_name, by_row = (crumple.PairFilter(excluded_bodies=[pair]) for pair in (["arm", "hand"], row))
+    row[:] = 1
+    one, other = three(), three(names=["table", "hand", "arm"])
+
+    def colliding(world, pairs):
+        found = detector.intersections(world, output="body_pairs", filter=pairs)
+        return set(map(tuple, found.bodies.tolist()))
+
+    for _ in range(2):
+        assert colliding(one, by_name) == {(0, 2), (1, 2)} == colliding(one.at(one.poses), by_name)
+        assert colliding(other, by_name) == {(0, 1), (0, 2)}
+        assert colliding(one, by_row) == colliding(other, by_row) == {(0, 2), (1, 2)}
+
+
 @pytest.mark.parametrize(
     "arguments, message",
     [

@@ -45,8 +45,9 @@ class NearestWalk {
     bool operator()(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, double radius,
                     NearestRow& row);
 
-    /// Returns an upper bound on the distance of the bodies, infinity where a single descent in both trees finds no
-    /// pair of triangles that the filter selects; nothing if the bodies are certainly farther apart than `radius`.
+    /// Bounds the distance of the bodies by a single descent in both trees. Returns nothing if they are certainly
+    /// farther apart than `radius`; else a number that no distance up to `radius` exceeds, or infinity if the descent
+    /// meets no pair of triangles that the filter selects.
     std::optional<double> upper_bound(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b,
                                       double radius);
 

@@ -237,38 +237,41 @@ class NearestMemory : public testing::TestWithParam<int> {};
 /// Expects, under each limit, the same result within it or an error that leads to a sufficient limit.
 TEST_P(NearestMemory, peak_stays_within_the_limit) {
     const auto world = random_world(3, {.shapes = 4, .bodies = 30, .triangles = 300, .named = 0.7, .reach = 3});
-    const Options options{.backend = Backend::cpu, .threads = GetParam()};
-    Detector free(options);
-    const std::int64_t peak = free.find(world->view(), DistanceQuery()).statistics.peak_memory_bytes;
-    Distances expected;
-    free.swap_result(expected);
-    bool refused = false, succeeded = false;
-    for (std::int64_t limit = peak; limit > 1000; limit = limit * 3 / 5) {
-        SCOPED_TRACE(limit);
-        Options tight = options;
-        tight.memory_limit = limit;
-        Detector limited(tight);
-        try {
-            const Distances& found = limited.find(world->view(), DistanceQuery());
-            EXPECT_LE(found.statistics.peak_memory_bytes, limit);
-            EXPECT_TRUE(same_nearest(found, expected));
-            succeeded = true;
-        } catch (const Error& error) {
-            refused = true;
-            ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
-            EXPECT_GT(error.bytes_needed, limit);
-            tight.memory_limit =
-                sufficient_limit(tight, [&](Detector& detector) { detector.find(world->view(), DistanceQuery()); });
-            for (int again = 0; again < 3; ++again) {
-                Detector enough(tight);
-                const Distances& found = enough.find(world->view(), DistanceQuery());
-                EXPECT_LE(found.statistics.peak_memory_bytes, tight.memory_limit);
+    for (const Output output : {Output::pairs, Output::nearest}) {
+        const DistanceQuery query{.output = output};
+        const Options options{.backend = Backend::cpu, .threads = GetParam()};
+        Detector free(options);
+        const std::int64_t peak = free.find(world->view(), query).statistics.peak_memory_bytes;
+        Distances expected;
+        free.swap_result(expected);
+        bool refused = false, succeeded = false;
+        for (std::int64_t limit = peak; limit > 1000; limit = limit * 3 / 5) {
+            SCOPED_TRACE(limit);
+            Options tight = options;
+            tight.memory_limit = limit;
+            Detector limited(tight);
+            try {
+                const Distances& found = limited.find(world->view(), query);
+                EXPECT_LE(found.statistics.peak_memory_bytes, limit);
                 EXPECT_TRUE(same_nearest(found, expected));
+                succeeded = true;
+            } catch (const Error& error) {
+                refused = true;
+                ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
+                EXPECT_GT(error.bytes_needed, limit);
+                tight.memory_limit =
+                    sufficient_limit(tight, [&](Detector& detector) { detector.find(world->view(), query); });
+                for (int again = 0; again < 3; ++again) {
+                    Detector enough(tight);
+                    const Distances& found = enough.find(world->view(), query);
+                    EXPECT_LE(found.statistics.peak_memory_bytes, tight.memory_limit);
+                    EXPECT_TRUE(same_nearest(found, expected));
+                }
+                EXPECT_NO_THROW(limited.find(World(), query)) << "usable still";
             }
-            EXPECT_NO_THROW(limited.find(World(), DistanceQuery())) << "usable still";
         }
+        EXPECT_TRUE(refused && succeeded);
     }
-    EXPECT_TRUE(refused && succeeded);
 }
 INSTANTIATE_TEST_SUITE_P(Threads, NearestMemory, testing::Values(1, 3));
 
